@@ -1,0 +1,40 @@
+# What every target of the project shares: the language, the warnings, the sanitizers and the
+# floating-point rules.
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
+  set(CMAKE_BUILD_TYPE Release CACHE STRING "Release, Debug or RelWithDebInfo" FORCE)
+endif()
+
+find_program(INBETWEEN_CCACHE ccache)
+if(INBETWEEN_CCACHE)
+  set(CMAKE_CXX_COMPILER_LAUNCHER "${INBETWEEN_CCACHE}")
+endif()
+
+add_library(inbetween_settings INTERFACE)
+# Every file in the project is included by its path from the root: "host_tools/plan.hpp".
+# The core is included by its public name: "inbetween/path.hpp".
+target_include_directories(inbetween_settings INTERFACE "${PROJECT_SOURCE_DIR}")
+target_compile_options(inbetween_settings INTERFACE
+  -Wall -Wextra -Wpedantic -Werror -Wshadow -Wconversion -Wsign-conversion -Wdouble-promotion
+  -Wnon-virtual-dtor -Wold-style-cast -Wcast-align -Woverloaded-virtual -Wnull-dereference
+  -Wformat=2 -Wimplicit-fallthrough
+  # GCC 12 takes any "literal" + std::string for an overlapping copy (its bug 105651).
+  $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>
+  # The same move gives the same bits on x86-64, arm64 and Cortex-M only if no compiler fuses a
+  # multiplication with an addition on its own account.
+  -ffp-contract=off)
+if(INBETWEEN_SANITIZE)
+  target_compile_options(inbetween_settings INTERFACE
+    "-fsanitize=${INBETWEEN_SANITIZE}" -fno-sanitize-recover=all -fno-omit-frame-pointer
+    # Sanitizer instrumentation confuses GCC's flow analysis of null pointers.
+    -Wno-null-dereference -Wno-maybe-uninitialized)
+  target_link_options(inbetween_settings INTERFACE "-fsanitize=${INBETWEEN_SANITIZE}")
+endif()
+
+if(INBETWEEN_TIDY)
+  find_program(INBETWEEN_CLANG_TIDY clang-tidy REQUIRED)
+  set(CMAKE_CXX_CLANG_TIDY "${INBETWEEN_CLANG_TIDY};--quiet;--warnings-as-errors=*")
+endif()

@@ -1,0 +1,340 @@
+#include "inbetween/arc_length.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "piece_fit.hpp"
+#include "segment_speed.hpp"
+
+namespace inbetween {
+namespace {
+
+/// Division ends where a stretch is this small a part of its interval: there the piece is below the
+/// negligible share for every curve that floating point can tell from a cusp.
+template <Precise Real>
+inline constexpr Real smallest_stretch = Real(1e-18);
+
+/// Takes pieces in order of t and keeps counting when the memory is full, so that the error can say
+/// what would have sufficed.
+template <Precise Real>
+class PieceList {
+ public:
+  explicit PieceList(const ArcLengthMemory<Real>& memory) : memory_(memory) {}
+
+  void add(const ArcPiece<Real>& piece, Real begin) {
+    if (fits(count_)) {
+      memory_.pieces[count_] = piece;
+      memory_.begins[count_] = begin;
+    }
+    ++count_;
+  }
+  [[nodiscard]] std::size_t count() const { return count_; }
+  [[nodiscard]] bool complete() const { return count_ == 0 || fits(count_ - 1); }
+
+  /// Turns round the pieces from `first` on, which were added from an anchor backwards.
+  void reverse_from(std::size_t first) {
+    if (!complete()) return;
+    std::ranges::reverse(memory_.pieces.subspan(first, count_ - first));
+    std::ranges::reverse(memory_.begins.subspan(first, count_ - first));
+  }
+  [[nodiscard]] std::span<ArcPiece<Real>> pieces_from(std::size_t first) {
+    return complete() ? memory_.pieces.subspan(first, count_ - first) : std::span<ArcPiece<Real>>{};
+  }
+  [[nodiscard]] Real& begin(std::size_t index) { return memory_.begins[index]; }
+
+ private:
+  [[nodiscard]] bool fits(std::size_t index) const {
+    return index < memory_.pieces.size() && index < memory_.begins.size();
+  }
+  ArcLengthMemory<Real> memory_;
+  std::size_t count_ = 0;
+};
+
+/// x^(1/5) to 2 % for x in [2^-10, 2^15] and its value at the nearer end outside: enough for a step
+/// size, from multiplications alone and so the same on every target.
+template <Precise Real>
+Real rough_fifth_root(Real x) {
+  Real root = 1;
+  for (int i = 0; i < 15 && x >= 2; ++i) {
+    x /= 2;
+    root *= Real(1.148698355);
+  }
+  for (int i = 0; i < 10 && x < 1; ++i) {
+    x *= 2;
+    root /= Real(1.148698355);
+  }
+  return root * (Real(0.8514) + Real(0.1486) * (x < 2 ? x : Real(2)));
+}
+
+/// The lengths of stretches in tau, outward from the anchor: as long as the last error allows.
+template <Precise Real>
+class Stride {
+ public:
+  explicit Stride(Real extent) : extent_(extent), length_(extent / 4) {}
+
+  [[nodiscard]] bool at_end() const { return begin_ >= extent_; }
+  /// The end of the next stretch. What is left is divided evenly, so that no sliver remains.
+  [[nodiscard]] Real end() const {
+    const Real rest = extent_ - begin_;
+    if (length_ >= rest) return extent_;
+    return begin_ + (2 * length_ >= rest ? rest / 2 : length_);
+  }
+  /// `error` is that of the stretch to `end`, over what is allowed. It grows with the fifth power of
+  /// the length (quintic Hermite interpolation); 0.7 of it is aimed at, so that few are refused.
+  void adapt(Real end, Real error) {
+    const Real target = Real(0.7);
+    const Real length = end - begin_;
+    // Not finite: the derivatives at an end are useless, and much shorter is the only remedy.
+    if (!std::isfinite(error)) {
+      length_ = length / 8;
+    } else if (error > target) {
+      length_ = length / rough_fifth_root(error / target);
+    } else {
+      length_ = length * rough_fifth_root(target / std::max(error, target / 1024));
+    }
+  }
+  void advance(Real end) { begin_ = end; }
+
+ private:
+  Real extent_;
+  Real length_;
+  Real begin_ = 0;
+};
+
+/// Fits the pieces of one segment after another.
+template <Precise Real>
+class InverseBuilder {
+ public:
+  InverseBuilder(const ArcLengthOptions<Real>& options, Real shortest_total,
+                 const ArcLengthMemory<Real>& memory)
+      : options_(options), negligible_(shortest_total * Precision<Real>::negligible_share), list_(memory) {}
+
+  void add_segment(const Path<Real>& path, std::int32_t segment) {
+    const SegmentSpeed<Real> speed(path.segment(segment), path.weights());
+    if (speed.is_still()) return;
+    segment_ = segment;
+    scale_ = std::ldexp(Real(1), speed.exponent());
+    inverse_scale_ = 1 / scale_;
+    const AnchoredIntervals<Real> split = split_where_slow(speed);
+    for (std::size_t i = 0; i < split.count; ++i) add_interval(split.intervals[i]);
+  }
+
+  [[nodiscard]] const TwoSum<Real>& length() const { return length_; }
+  [[nodiscard]] const PieceList<Real>& list() const { return list_; }
+
+ private:
+  void add_interval(const AnchoredInterval<Real>& interval) {
+    const std::size_t first = list_.count();
+    const PieceFitter<Real> fitter(interval);
+    TwoSum<Real> outward;  // distance from the anchor, in the units of the path
+    PieceEnd<Real> near = fitter.at_anchor();
+    Stride<Real> stride(interval.extent);
+    while (!stride.at_end()) {
+      const Real end = stride.end();
+      PieceFit<Real> piece;
+      fitter.fit(near, outward.high * inverse_scale_, end, piece);
+      const Real error = error_over_allowed(fitter, near, piece);
+      const bool divisible = end - near.tau > smallest_stretch<Real> * interval.extent;
+      if (!(error <= 1) && divisible && !is_negligible(piece)) {
+        stride.adapt(end, error);
+        continue;
+      }
+      if (!(error <= 1)) straighten(interval, near, piece);
+      stride.adapt(end, error <= 1 ? error : Real(1));
+      stride.advance(end);
+      add_piece(interval, piece, outward);
+      near = piece.far;
+    }
+    place(interval, first, outward);
+  }
+
+  [[nodiscard]] Real error_over_allowed(const PieceFitter<Real>& fitter, const PieceEnd<Real>& near,
+                                        const PieceFit<Real>& piece) const {
+    const Real estimate = fitter.estimated_residual(near, piece) / (2 * options_.delta / 4);
+    if (options_.acceptance == Acceptance::estimated || !(estimate <= 1)) return weighed(estimate, piece);
+    return weighed(fitter.certified_residual(near, piece) / (2 * options_.delta), piece);
+  }
+  /// A relative error of the speed over a piece moves its inside by less than that share of its length.
+  [[nodiscard]] Real weighed(Real error, const PieceFit<Real>& piece) const {
+    const bool lost_in_rounding = error * options_.delta * piece.length * scale_ <= negligible_;
+    return lost_in_rounding ? Real(0.5) : error;
+  }
+  [[nodiscard]] bool is_negligible(const PieceFit<Real>& piece) const {
+    return piece.length * scale_ <= negligible_;
+  }
+  /// Where the derivatives are useless the piece is so short that a straight line does.
+  static void straighten(const AnchoredInterval<Real>& interval, const PieceEnd<Real>& near,
+                         PieceFit<Real>& piece) {
+    const Real rise = piece.far.tau - near.tau;
+    piece.c = {interval.forward ? interval.t(near.tau) : interval.t(piece.far.tau), rise, 0, 0, 0, 0};
+  }
+
+  /// The origin is measured from the anchor until `place` knows where the anchor is.
+  void add_piece(const AnchoredInterval<Real>& interval, const PieceFit<Real>& fit, TwoSum<Real>& outward) {
+    ArcPiece<Real> piece;
+    piece.c = fit.c;
+    piece.segment = segment_;
+    if (interval.stands_still) {
+      using Kind = typename ArcPiece<Real>::Kind;
+      piece.kind = interval.forward ? Kind::root_after : Kind::root_before;
+      piece.inverse_step = 1 / (fit.step * std::sqrt(scale_));
+      piece.shift = (interval.forward ? fit.near_y : fit.far.y) / fit.step;
+    } else {
+      piece.inverse_step = fit.step > 0 ? 1 / (fit.step * scale_) : Real(0);
+    }
+    if (interval.forward) set_origin(piece, outward);
+    outward.add(fit.length * scale_);
+    outward.renormalize();
+    if (!interval.forward) set_origin(piece, outward);
+    list_.add(piece, piece.origin);
+  }
+  static void set_origin(ArcPiece<Real>& piece, const TwoSum<Real>& outward) {
+    piece.origin = outward.high;
+    if (piece.kind == ArcPiece<Real>::Kind::plain) piece.shift = outward.low;
+  }
+
+  /// Moves the origins from the anchor to the start of the path and the length to the interval's end.
+  void place(const AnchoredInterval<Real>& interval, std::size_t first, const TwoSum<Real>& outward) {
+    const TwoSum<Real> begin = length_;
+    length_.add(outward.high);
+    length_.low += outward.low;
+    length_.renormalize();
+    const TwoSum<Real>& anchor = interval.forward ? begin : length_;
+    if (!interval.forward) list_.reverse_from(first);
+    std::size_t index = first;
+    for (ArcPiece<Real>& piece : list_.pieces_from(first)) {
+      const Real sign = interval.forward ? Real(1) : Real(-1);
+      const bool plain = piece.kind == ArcPiece<Real>::Kind::plain;
+      TwoSum<Real> origin = anchor;
+      origin.add(sign * piece.origin);
+      if (plain) origin.low += sign * piece.shift;
+      origin.renormalize();
+      list_.begin(index++) = origin.high;
+      piece.origin = plain ? origin.high : anchor.high;
+      if (plain) piece.shift = origin.low;
+    }
+  }
+
+  ArcLengthOptions<Real> options_;
+  Real negligible_;
+  PieceList<Real> list_;
+  TwoSum<Real> length_;
+  std::int32_t segment_ = 0;
+  Real scale_ = 1;
+  Real inverse_scale_ = 1;
+};
+
+/// The sum of the weighted chords: a lower bound of the length that is never 0 for a path that moves
+/// from key to key.
+template <Precise Real>
+Real chord_sum(const Path<Real>& path) {
+  Real sum = 0;
+  for (std::int32_t i = 0; i < path.segment_count(); ++i) {
+    const auto here = path.segment(i);
+    const auto next = path.segment(i + 1);
+    Real largest = 0;
+    for (std::size_t d = 0; d < here.size(); ++d) {
+      largest = std::max(largest, path.weights()[d] * std::fabs(next[d].c0 - here[d].c0));
+    }
+    sum += largest;
+  }
+  return sum;
+}
+
+/// bucket b holds the last piece that begins at or before b / buckets of the length.
+template <Precise Real>
+void fill_buckets(std::span<const Real> begins, Real buckets_per_length, std::span<std::int32_t> buckets) {
+  std::size_t piece = 0;
+  for (std::size_t b = 0; b < buckets.size(); ++b) {
+    // The same rounded product as in the look-up decides, so that no piece is missed by an ulp.
+    while (piece + 1 < begins.size() && begins[piece + 1] * buckets_per_length <= static_cast<Real>(b))
+      ++piece;
+    buckets[b] = static_cast<std::int32_t>(piece);
+  }
+}
+
+Error too_many_pieces(std::size_t needed) {
+  return {.code = ErrorCode::capacity,
+          .what = "the inverse of arc length has more pieces than its memory",
+          .remedy = "give it a larger capacity, or accept a larger delta",
+          .needed = static_cast<std::int64_t>(std::max<std::size_t>(needed, 1))};  // a bucket, if no piece
+}
+
+}  // namespace
+
+template <Precise Real>
+Result<ArcLength<Real>> ArcLength<Real>::make(const Path<Real>& path, const ArcLengthOptions<Real>& options,
+                                              const ArcLengthMemory<Real>& memory) {
+  if (!(options.delta >= Precision<Real>::smallest_delta && options.delta < Real(0.1))) {
+    return Error{.code = ErrorCode::accuracy,
+                 .what = "this delta cannot be reached in floating point",
+                 .remedy = "use one from 1e-9 (double) or 4e-6 (float) to 0.1; the default is 1e-6 (1e-5)"};
+  }
+  const auto segments = static_cast<std::size_t>(path.segment_count());
+  if (memory.first_pieces.size() < segments + 1 || memory.segment_begins.size() < segments + 1) {
+    return Error{.code = ErrorCode::capacity,
+                 .what = "the path has more segments than the memory of its arc length",
+                 .remedy = "give it a larger capacity",
+                 .needed = static_cast<std::int64_t>(segments)};
+  }
+  InverseBuilder<Real> builder(options, chord_sum(path), memory);
+  for (std::size_t i = 0; i < segments; ++i) {
+    memory.first_pieces[i] = static_cast<std::int32_t>(builder.list().count());
+    memory.segment_begins[i] = builder.length();
+    builder.add_segment(path, static_cast<std::int32_t>(i));
+  }
+  const std::size_t pieces = builder.list().count();
+  memory.first_pieces[segments] = static_cast<std::int32_t>(pieces);
+  memory.segment_begins[segments] = builder.length();
+  if (!builder.list().complete() || memory.buckets.empty()) return too_many_pieces(pieces);
+
+  ArcLength result;
+  result.pieces_ = memory.pieces.first(pieces);
+  result.begins_ = memory.begins.first(pieces);
+  result.buckets_ = memory.buckets.first(std::clamp<std::size_t>(2 * pieces, 1, memory.buckets.size()));
+  result.first_pieces_ = memory.first_pieces.first(segments + 1);
+  result.segment_begins_ = memory.segment_begins.first(segments + 1);
+  result.delta_ = options.delta;
+  if (pieces > 0) {
+    result.buckets_per_length_ = static_cast<Real>(result.buckets_.size()) / result.total();
+    fill_buckets(result.begins_, result.buckets_per_length_, memory.buckets.first(result.buckets_.size()));
+  }
+  return result;
+}
+
+template <Precise Real>
+TwoSum<Real> ArcLength<Real>::distance(const Path<Real>& path, const PathPoint<Real>& point) const {
+  const auto segment = static_cast<std::size_t>(point.segment);
+  TwoSum<Real> sum = segment_begins_[std::min(segment, segment_begins_.size() - 1)];
+  const SegmentSpeed<Real> speed(path.segment(point.segment), path.weights());
+  if (speed.is_still()) return sum;
+
+  // Past the end of an open path the speed is that of the continuation, in one stretch.
+  Real from = 0;
+  if (point.segment < segment_count()) {
+    auto piece = static_cast<std::size_t>(first_pieces_[segment]);
+    auto end = static_cast<std::size_t>(first_pieces_[segment + 1]);
+    while (end - piece > 1) {  // the piece is in [piece, end)
+      const std::size_t middle = (piece + end) / 2;
+      (pieces_[middle].c[0] <= point.t ? piece : end) = middle;
+    }
+    from = pieces_[piece].c[0];
+    const bool plain = pieces_[piece].kind == ArcPiece<Real>::Kind::plain;
+    sum = {begins_[piece], plain ? pieces_[piece].shift : Real(0)};
+  }
+  using Rule = GaussLegendre6<Real>;
+  const Real extent = point.t - from;
+  Real length = 0;
+  for (std::size_t i = 0; i < Rule::node.size(); ++i) {
+    length += Rule::weight[i] * speed.at(from + extent * Rule::node[i]);
+  }
+  sum.add(std::ldexp(length * extent, speed.exponent()));
+  return sum;
+}
+
+template class ArcLength<double>;
+template class ArcLength<float>;
+
+}  // namespace inbetween

@@ -1,0 +1,219 @@
+#include "host_tools/command_line.hpp"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+#include <optional>
+#include <string>
+
+#include "host_tools/output_file.hpp"
+#include "host_tools/plan.hpp"
+#include "host_tools/plan_output.hpp"
+#include "host_tools/plot.hpp"
+#include "host_tools/plot_canvas.hpp"
+#include "host_tools/progress_bar.hpp"
+#include "host_tools/run.hpp"
+
+namespace inbetween {
+namespace {
+
+constexpr int exit_bad_input = 1;
+constexpr int exit_wrong_usage = 2;
+constexpr int exit_limit = 3;
+constexpr int exit_fault = 4;
+
+/// What can only be seen with all options together.
+class UsageError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+struct PlanArguments {
+  std::string move, rig, per = "frame", solver = "closed-form", csv, json, plot;
+};
+
+struct RunArguments {
+  std::string move, rig, json;
+  bool simulated = false;
+  bool fast = false;
+};
+
+Plan make_plan(const std::string& move, const std::string& rig, Solver solver) {
+  std::optional<RigFile> rig_file;
+  if (!rig.empty()) rig_file = read_rig_file(rig);
+  Plan plan(read_move_file(move), std::move(rig_file), {.solver = solver});
+  for (const Warning& warning : plan.warnings()) fmt::print(stderr, "{}\n", to_string(warning));
+  return plan;
+}
+
+/// The summary goes to standard error when standard output carries data.
+std::FILE* summary_stream(const std::string& first, const std::string& second) {
+  return first == "-" || second == "-" ? stderr : stdout;
+}
+
+void print_plan_summary(const Plan& plan, std::FILE* out) {
+  const MoveFile& move = plan.move();
+  fmt::print(out, "{}: {} frames at {} fps, {:.3f} s\n", move.name, move.frames, move.fps.as_written,
+             plan.duration_s());
+  for (std::size_t t = 0; t < plan.tracks().size(); ++t) {
+    const SolvedTrack<double>& solved = plan.tracks()[t];
+    const Provenance<double>& made = solved.table().provenance();
+    const std::string unit = plan.length_unit(t);
+    fmt::print(out, "  {}: {} keys, length {:.6g}{}{}, K {:.6g}; ", fmt::join(move.tracks[t].axes, ", "),
+               move.tracks[t].keys.size(), solved.track().arc_length().total(), unit.empty() ? "" : " ", unit,
+               made.constant);
+    if (made.solver == Solver::closed_form) {
+      fmt::print(out, "closed form, speed within {:g}\n", made.speed_error);
+    } else {
+      fmt::print(out, "Runge-Kutta, {} integrations of {} steps a frame, speed within {:.2g} (frame {})\n",
+                 made.integrations, made.substeps, made.speed_error, made.speed_error_frame);
+    }
+  }
+}
+
+void plan_command(const PlanArguments& arguments) {
+  const bool per_tick = arguments.per == "tick";
+  if (per_tick && arguments.rig.empty()) {
+    throw UsageError("--per tick needs --rig RIG, which says how many ticks a second has");
+  }
+  if (arguments.csv == "-" && arguments.json == "-") {
+    throw UsageError("--csv - and --json - cannot share the standard output; give one of them a file");
+  }
+  if (!arguments.plot.empty()) static_cast<void>(picture_format(arguments.plot));
+  const Solver solver = arguments.solver == "closed-form" ? Solver::closed_form : Solver::runge_kutta;
+  const Plan plan = make_plan(arguments.move, arguments.rig, solver);
+  const PlanRows rows = per_tick ? PlanRows::tick : PlanRows::frame;
+  if (!arguments.csv.empty()) {
+    write_output(arguments.csv, [&](std::FILE* file) { write_plan_csv(plan, rows, file); });
+  }
+  if (!arguments.json.empty()) {
+    write_output(arguments.json, [&](std::FILE* file) { write_plan_json(plan, rows, file); });
+  }
+  if (!arguments.plot.empty()) draw_plot(plot_of(plan), arguments.plot);
+  print_plan_summary(plan, summary_stream(arguments.csv, arguments.json));
+}
+
+void print_run_summary(const RunReport& report, const Plan& plan, const RunArguments& arguments,
+                       std::FILE* out) {
+  fmt::print(out, "{}: {}; {} ticks at {} Hz{}\n", plan.move().name, report.reason, report.ticks,
+             plan.rig()->rate_hz, arguments.fast ? " on a virtual clock" : "");
+  if (!arguments.fast) {
+    fmt::print(out, "  late ticks {}; woken after {:.0f} us (median), {:.0f} us (99 %), {:.0f} us (worst)\n",
+               report.late_ticks, report.wake_latency.p50_us, report.wake_latency.p99_us,
+               report.wake_latency.max_us);
+  }
+  fmt::print(out, "  {:<16}{:>14}{:>14}{:>24}\n", "axis", "commanded", "actual", "following error, peak");
+  for (const RunAxis& axis : report.axes) {
+    fmt::print(out, "  {:<16}{:>14.4f}{:>14.4f}{:>24.4f}  {}\n", axis.name, axis.last_commanded,
+               axis.last_actual, axis.following_error_peak, axis.unit);
+  }
+}
+
+int run_command(const RunArguments& arguments) {
+  if (!arguments.simulated) {
+    throw UsageError("this version moves a simulated rig only; add --sim");
+  }
+  const Plan plan = make_plan(arguments.move, arguments.rig, Solver::closed_form);
+  RunReport report;
+  {
+    ProgressBar bar;
+    const FrameRate fps = plan.move().fps.rate;
+    const std::int32_t rate_hz = plan.rig()->rate_hz;
+    report =
+        run_simulated(plan, {.fast = arguments.fast, .progress = [&](std::int64_t tick, std::int64_t last) {
+                               const std::int32_t frame = std::min(
+                                   frame_time_of_tick<double>(tick, fps, rate_hz).frame, plan.move().frames);
+                               bar.show(static_cast<double>(tick) / static_cast<double>(last),
+                                        fmt::format("frame {}/{}  {:.1f} s", frame, plan.move().frames,
+                                                    static_cast<double>(tick) / rate_hz));
+                             }});
+  }
+  if (!arguments.json.empty()) {
+    write_output(arguments.json, [&](std::FILE* file) { write_run_json(report, file); });
+  }
+  print_run_summary(report, plan, arguments, summary_stream(arguments.json, ""));
+  return report.ending == Ending::fault ? exit_fault : 0;
+}
+
+void describe_plan(CLI::App& app, PlanArguments& arguments) {
+  app.add_option("MOVE", arguments.move, "the move: a TOML file with keys, a speed curve and a frame count")
+      ->required();
+  app.add_option("--rig", arguments.rig, "the rig: gives the axes their units, and ticks their rate");
+  app.add_option("--per", arguments.per, "rows of the CSV and of the JSON's axes")
+      ->check(CLI::IsMember({"frame", "tick"}))
+      ->capture_default_str();
+  app.add_option("--solver", arguments.solver,
+                 "closed-form inverts the arc length; runge-kutta is the paper's own, a second opinion")
+      ->check(CLI::IsMember({"closed-form", "runge-kutta"}))
+      ->capture_default_str();
+  app.add_option("--csv", arguments.csv,
+                 "write the positions of all axes, a row per frame or tick (- is standard output)");
+  app.add_option("--json", arguments.json, "write everything: path, table, axes (- is standard output)");
+  app.add_option("--plot", arguments.plot,
+                 "draw the path, the speed curve, the time bar and the axes (.svg, .png or .pdf)");
+  app.footer(
+      "Examples:\n"
+      "  inbetween plan move.toml                                   a summary\n"
+      "  inbetween plan move.toml --plot move.svg                   a picture\n"
+      "  inbetween plan move.toml --csv - | head                    positions per frame\n"
+      "  inbetween plan move.toml --rig rig.toml --per tick --csv ticks.csv");
+}
+
+void describe_run(CLI::App& app, RunArguments& arguments) {
+  app.add_option("MOVE", arguments.move, "the move: a TOML file with keys, a speed curve and a frame count")
+      ->required();
+  app.add_option("--rig", arguments.rig, "the rig: axes, limits, drives and the ticks per second")
+      ->required();
+  app.add_flag("--sim", arguments.simulated, "simulate every axis of the rig; no hardware is touched");
+  app.add_flag("--fast", arguments.fast, "on a virtual clock, as fast as it can be computed");
+  app.add_option("--json", arguments.json, "write a report (- is standard output)");
+  app.footer(
+      "Every setpoint is held against the rig's position limits before the first one is sent.\n\n"
+      "Examples:\n"
+      "  inbetween run move.toml --rig rig.toml --sim               in real time\n"
+      "  inbetween run move.toml --rig rig.toml --sim --fast        for scripts and tests");
+}
+
+}  // namespace
+
+int run_command_line(int argc, const char* const* argv) {
+  CLI::App app(
+      "Moves camera rigs and puppets the way an animator draws the motion: key positions say where, one "
+      "drawn\n"
+      "speed curve says how fast, the frame count says how long.",
+      "inbetween");
+  app.set_version_flag("--version", "inbetween " INBETWEEN_VERSION);
+  app.require_subcommand(1);
+  app.footer(
+      "Files: docs/formats.md describes moves and rigs.\n"
+      "Exit status: 0 done; 1 bad input; 2 wrong usage; 3 a limit would be exceeded; 4 stopped by a fault.");
+  PlanArguments plan_arguments;
+  RunArguments run_arguments;
+  CLI::App* plan = app.add_subcommand("plan", "Solve a move and show it: summary, CSV, JSON, picture");
+  describe_plan(*plan, plan_arguments);
+  CLI::App* run = app.add_subcommand("run", "Play a move on a rig, a position of every axis per tick");
+  describe_run(*run, run_arguments);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : exit_wrong_usage;
+  }
+  try {
+    if (run->parsed()) return run_command(run_arguments);
+    plan_command(plan_arguments);
+    return 0;
+  } catch (const UsageError& error) {
+    fmt::print(stderr, "inbetween: error: {}\n", error.what());
+    return exit_wrong_usage;
+  } catch (const LimitError& error) {
+    fmt::print(stderr, "{}\n", error.what());
+    return exit_limit;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "{}\n", error.what());
+    return exit_bad_input;
+  }
+}
+
+}  // namespace inbetween

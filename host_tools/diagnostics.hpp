@@ -1,0 +1,65 @@
+// What the reader of a file says about it: the place, what is wrong, and what to do.
+//
+// Every diagnostic is one line. Control characters that come from the file appear as \xNN, so that nothing
+// in a file can break the line or steer a terminal.
+#pragma once
+
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+namespace inbetween {
+
+/// A place in a text file. Lines and columns count from 1, columns in Unicode code points; line 0 is the
+/// file as a whole.
+struct Place {
+  std::string file;
+  std::uint32_t line = 0;
+  std::uint32_t column = 0;
+
+  bool operator==(const Place&) const = default;
+};
+
+/// "file:line:column", or "file" for the file as a whole.
+std::string to_string(const Place& place);
+
+/// Input that is refused. what() is "file:line:column: error: message", without a newline.
+class InputError : public std::runtime_error {
+ public:
+  /// `message` says what is wrong and, after a semicolon, what to do.
+  InputError(Place place, std::string message);
+
+  const Place& place() const { return place_; }
+  const std::string& message() const { return message_; }
+
+ private:
+  Place place_;
+  std::string message_;
+};
+
+/// Input that is accepted, with something that its author should know.
+struct Warning {
+  Place place;
+  std::string message;
+};
+
+/// "file:line:column: warning: message".
+std::string to_string(const Warning& warning);
+
+/// `text` as a diagnostic shows it: in double quotes, control characters as \xNN, and at most 60 bytes, the
+/// rest as "..." (a character is never cut in two).
+std::string in_quotes(std::string_view text);
+
+/// "a, b, c".
+template <typename Words>
+std::string comma_separated(const Words& words) {
+  std::string list;
+  for (const auto& word : words) {
+    if (!list.empty()) list += ", ";
+    list += word;
+  }
+  return list;
+}
+
+}  // namespace inbetween

@@ -1,0 +1,123 @@
+// JSON, written as it comes: a plan of 100 000 frames has a million numbers, too many for a document in
+// memory. Numbers are written in the shortest form that reads back exactly; what is not finite is null.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <concepts>
+#include <cstdio>
+#include <iterator>
+#include <string_view>
+
+namespace inbetween {
+
+/// Writes one JSON text to an open file. Values in objects follow key(), in arrays they stand alone; the
+/// commas are the writer's. Lines break where line() is called.
+class JsonWriter {
+ public:
+  explicit JsonWriter(std::FILE* file) : file_(file) {}
+  ~JsonWriter() { flush(); }
+  JsonWriter(const JsonWriter&) = delete;
+  JsonWriter& operator=(const JsonWriter&) = delete;
+
+  void begin_object() { open('{'); }
+  void end_object() { close('}'); }
+  void begin_array() { open('['); }
+  void end_array() { close(']'); }
+
+  void key(std::string_view name) {
+    separate();
+    quoted(name);
+    buffer_.push_back(':');
+    separated_ = true;
+  }
+  template <class Value>
+  void member(std::string_view name, const Value& item) {
+    key(name);
+    value(item);
+  }
+
+  void value(double number) {
+    if (!std::isfinite(number)) {
+      null();
+      return;
+    }
+    separate();
+    fmt::format_to(std::back_inserter(buffer_), "{}", number);
+    flush_if_large();
+  }
+  void value(std::integral auto number) {
+    separate();
+    fmt::format_to(std::back_inserter(buffer_), "{}", number);
+  }
+  void value(bool truth) {
+    separate();
+    append(truth ? "true" : "false");
+  }
+  void value(std::string_view text) {
+    separate();
+    quoted(text);
+  }
+  void value(const char* text) { value(std::string_view(text)); }
+  void null() {
+    separate();
+    append("null");
+  }
+  template <class Range>
+  requires requires(const Range& range) { range.begin(); }
+  void numbers(std::string_view name, const Range& range) {
+    key(name);
+    begin_array();
+    for (const auto& number : range) value(number);
+    end_array();
+  }
+
+  /// A new line before the next item, indented by the depth.
+  void line() {
+    if (!separated_) {
+      buffer_.push_back(',');
+      separated_ = true;
+    }
+    buffer_.push_back('\n');
+    for (int i = 0; i < depth_; ++i) buffer_.push_back(' ');
+  }
+  /// Ends the text with a newline.
+  void finish() {
+    buffer_.push_back('\n');
+    flush();
+  }
+
+ private:
+  void open(char bracket) {
+    separate();
+    buffer_.push_back(bracket);
+    separated_ = true;
+    ++depth_;
+  }
+  void close(char bracket) {
+    buffer_.push_back(bracket);
+    separated_ = false;
+    --depth_;
+  }
+  void separate() {
+    if (!separated_) buffer_.push_back(',');
+    separated_ = false;
+  }
+  void quoted(std::string_view text);
+  void append(std::string_view text) { buffer_.append(text.data(), text.data() + text.size()); }
+  void flush_if_large() {
+    if (buffer_.size() > 60'000) flush();
+  }
+  void flush() {
+    std::fwrite(buffer_.data(), 1, buffer_.size(), file_);
+    buffer_.clear();
+  }
+
+  std::FILE* file_;
+  fmt::basic_memory_buffer<char, 65'536> buffer_;
+  bool separated_ = true;
+  int depth_ = 0;
+};
+
+}  // namespace inbetween

@@ -1,0 +1,5 @@
+#include "host_tools/command_line.hpp"
+
+int main(int argc, char** argv) {
+  return inbetween::run_command_line(argc, argv);
+}

@@ -1,0 +1,61 @@
+// A move, solved: every track's path, speed and frame table, and the positions of every axis on time.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host_tools/diagnostics.hpp"
+#include "host_tools/move_file.hpp"
+#include "host_tools/rig_file.hpp"
+#include "host_tools/solved_track.hpp"
+
+namespace inbetween {
+
+struct PlanOptions {
+  Solver solver = Solver::closed_form;
+};
+
+/// Where an axis of the plan comes from.
+struct PlanAxis {
+  std::string name;
+  std::optional<AxisUnit> unit;      // known with a rig
+  std::optional<std::size_t> track;  // index of its track; absent: in no track, holds its place
+  std::size_t track_axis = 0;        // its index within the track
+};
+
+/// Movable. With a rig its axes come in the rig's order, otherwise in that of the tracks.
+class Plan {
+ public:
+  /// Solves every track and checks every frame table (check_invariants). Throws InputError at the place
+  /// in the move's file where a track cannot be solved, where an axis is not one of the rig's, or where a
+  /// rig's tick would not reach over the move.
+  Plan(MoveFile move, std::optional<RigFile> rig, const PlanOptions& options);
+
+  [[nodiscard]] const MoveFile& move() const { return move_; }
+  [[nodiscard]] const std::optional<RigFile>& rig() const { return rig_; }
+  [[nodiscard]] const std::vector<SolvedTrack<double>>& tracks() const { return tracks_; }
+  [[nodiscard]] const std::vector<PlanAxis>& axes() const { return axes_; }
+  [[nodiscard]] const std::vector<Warning>& warnings() const { return warnings_; }
+  [[nodiscard]] double duration_s() const;
+  /// "mm" where all axes of a track with a weight above 0 share it; "" where they do not or have none.
+  [[nodiscard]] std::string length_unit(std::size_t track) const;
+
+  /// Every axis at one time, in the order of axes(). An axis in no track is at rest at 0; the rig holds it
+  /// where it is, and nothing is sent to it.
+  void motion(const FrameTime<double>& time, std::vector<AxisMotion<double>>& out) const;
+
+ private:
+  void solve(const PlanOptions& options);
+  void list_axes();
+  void warn_of_mixed_units();
+
+  MoveFile move_;
+  std::optional<RigFile> rig_;
+  std::vector<SolvedTrack<double>> tracks_;
+  std::vector<PlanAxis> axes_;
+  std::vector<Warning> warnings_;
+};
+
+}  // namespace inbetween

@@ -1,0 +1,317 @@
+#include "host_tools/plan_output.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "host_tools/json_writer.hpp"
+#include "inbetween/frame_time.hpp"
+
+namespace inbetween {
+namespace {
+
+/// The rows of a plan in time.
+class TimeLine {
+ public:
+  TimeLine(const Plan& plan, PlanRows rows)
+      : rows_(rows),
+        fps_(plan.move().fps.rate),
+        rate_hz_(rows == PlanRows::tick ? plan.rig()->rate_hz : 0),
+        last_(rows == PlanRows::tick ? last_tick(plan.move().frames, fps_, rate_hz_) : plan.move().frames) {}
+
+  [[nodiscard]] std::int64_t last() const { return last_; }
+  [[nodiscard]] FrameTime<double> at(std::int64_t row) const {
+    if (rows_ == PlanRows::frame) return {static_cast<std::int32_t>(row), 0};
+    return frame_time_of_tick<double>(row, fps_, rate_hz_);
+  }
+  [[nodiscard]] double seconds(std::int64_t row) const {
+    if (rows_ == PlanRows::tick) return static_cast<double>(row) / rate_hz_;
+    return static_cast<double>(row) * fps_.denominator / fps_.numerator;
+  }
+
+ private:
+  PlanRows rows_;
+  FrameRate fps_;
+  std::int32_t rate_hz_;
+  std::int64_t last_;
+};
+
+/// Position, velocity and acceleration of every moving axis on every row.
+struct AxisColumns {
+  std::vector<double> position, velocity, acceleration;
+};
+
+std::vector<AxisColumns> axis_columns(const Plan& plan, PlanRows rows) {
+  const TimeLine line(plan, rows);
+  std::vector<AxisColumns> columns(plan.axes().size());
+  std::vector<AxisMotion<double>> motion;
+  for (AxisColumns& column : columns) {
+    for (auto* values : {&column.position, &column.velocity, &column.acceleration}) {
+      values->reserve(static_cast<std::size_t>(line.last()) + 1);
+    }
+  }
+  for (std::int64_t row = 0; row <= line.last(); ++row) {
+    plan.motion(line.at(row), motion);
+    for (std::size_t a = 0; a < columns.size(); ++a) {
+      columns[a].position.push_back(motion[a].position);
+      columns[a].velocity.push_back(motion[a].velocity);
+      columns[a].acceleration.push_back(motion[a].acceleration);
+    }
+  }
+  return columns;
+}
+
+const char* name_of(Solver solver) {
+  return solver == Solver::closed_form ? "closed-form" : "runge-kutta";
+}
+
+/// s as one number, for people; the table itself keeps segment and t apart.
+double one_number(const PathPoint<double>& point) {
+  return point.segment + point.t;
+}
+
+void write_segments(const Path<double>& path, JsonWriter& json) {
+  json.key("segments");
+  json.begin_array();
+  for (std::int32_t i = 0; i < path.segment_count(); ++i) {
+    json.line();
+    json.begin_object();
+    json.key("coefficients");
+    json.begin_array();
+    for (const Cubic<double>& cubic : path.segment(i)) {
+      json.begin_array();
+      for (const double c : {cubic.c0, cubic.c1, cubic.c2, cubic.c3}) json.value(c);
+      json.end_array();
+    }
+    json.end_array();
+    json.end_object();
+  }
+  json.end_array();
+}
+
+void write_table(const SolvedTrack<double>& solved, JsonWriter& json) {
+  json.key("table");
+  json.begin_array();
+  for (std::int32_t frame = 0; frame <= solved.table().frames(); ++frame) {
+    const FrameRow<double> row = frame_row(solved.track(), solved.table(), frame);
+    json.line();
+    json.begin_object();
+    json.member("frame", frame);
+    json.member("alpha", row.alpha);
+    json.member("s", one_number(row.point));
+    json.member("distance", row.distance);
+    json.member("speed", row.speed);
+    json.member("acceleration", row.acceleration);
+    json.end_object();
+  }
+  json.end_array();
+}
+
+void write_track(const MoveTrack& track, const SolvedTrack<double>& solved, JsonWriter& json) {
+  const Provenance<double>& provenance = solved.table().provenance();
+  json.begin_object();
+  json.numbers("axes", track.axes);
+  json.member("solver", name_of(provenance.solver));
+  json.member("speed_error", provenance.speed_error);
+  json.member("length", solved.track().arc_length().total());
+  json.member("K", provenance.constant);
+  json.member("f", solved.track().profile().span_count());
+  json.line();
+  json.numbers("speed", track.speed);
+  json.numbers("speed_drawn", track.speed);
+  json.line();
+  write_segments(solved.track().path(), json);
+  json.line();
+  write_table(solved, json);
+  json.end_object();
+}
+
+std::string unit_of(const PlanAxis& axis) {
+  return axis.unit ? std::string(to_string(*axis.unit)) : "";
+}
+
+}  // namespace
+
+void write_plan_json(const Plan& plan, PlanRows rows, std::FILE* file) {
+  const MoveFile& move = plan.move();
+  JsonWriter json(file);
+  json.begin_object();
+  json.member("format", 1);
+  json.member("name", move.name);
+  json.key("fps");
+  if (move.fps.written_as_integer) {
+    json.value(move.fps.rate.numerator);
+  } else {
+    json.value(move.fps.as_written);
+  }
+  json.member("frames", move.frames);
+  json.member("duration_s", plan.duration_s());
+  json.line();
+  json.key("tracks");
+  json.begin_array();
+  for (std::size_t t = 0; t < move.tracks.size(); ++t) {
+    json.line();
+    write_track(move.tracks[t], plan.tracks()[t], json);
+  }
+  json.end_array();
+  json.line();
+  json.key("axes");
+  json.begin_array();
+  const std::vector<AxisColumns> columns = axis_columns(plan, rows);
+  for (std::size_t a = 0; a < columns.size(); ++a) {
+    const PlanAxis& axis = plan.axes()[a];
+    if (!axis.track) continue;
+    json.line();
+    json.begin_object();
+    json.member("name", axis.name);
+    json.key("unit");
+    if (axis.unit) {
+      json.value(to_string(*axis.unit));
+    } else {
+      json.null();
+    }
+    json.numbers("position", columns[a].position);
+    json.numbers("velocity", columns[a].velocity);
+    json.numbers("acceleration", columns[a].acceleration);
+    json.end_object();
+  }
+  json.end_array();
+  json.end_object();
+  json.finish();
+}
+
+void write_plan_csv(const Plan& plan, PlanRows rows, std::FILE* file) {
+  const TimeLine line(plan, rows);
+  std::string text = rows == PlanRows::frame ? "frame,time_s" : "tick,time_s";
+  for (const PlanAxis& axis : plan.axes()) {
+    if (!axis.track) continue;
+    // A name with a comma or a quote is quoted as RFC 4180 says.
+    const std::string unit = unit_of(axis);
+    std::string column = unit.empty() ? axis.name : fmt::format("{} ({})", axis.name, unit);
+    if (column.find_first_of(",\"\r\n") != std::string::npos) {
+      std::string quoted = "\"";
+      for (const char c : column) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+      column = quoted + "\"";
+    }
+    text += "," + column;
+  }
+  text += "\n";
+  std::vector<AxisMotion<double>> motion;
+  for (std::int64_t row = 0; row <= line.last(); ++row) {
+    plan.motion(line.at(row), motion);
+    fmt::format_to(std::back_inserter(text), "{},{}", row, line.seconds(row));
+    for (std::size_t a = 0; a < motion.size(); ++a) {
+      if (plan.axes()[a].track) fmt::format_to(std::back_inserter(text), ",{}", motion[a].position);
+    }
+    text += '\n';
+    if (text.size() > 60'000) {
+      std::fwrite(text.data(), 1, text.size(), file);
+      text.clear();
+    }
+  }
+  std::fwrite(text.data(), 1, text.size(), file);
+}
+
+namespace {
+
+constexpr std::size_t samples_per_segment = 64;
+constexpr std::size_t samples_per_span = 32;
+
+/// The frame at which a distance is reached, between the rows of the table: by bisection on the drawn curve.
+double frame_of_distance(const Track<double>& track, const TwoSum<double>& distance) {
+  double low = 0;
+  double high = track.frames();
+  for (int i = 0; i < 60; ++i) {
+    const double middle = (low + high) / 2;
+    const auto frame = static_cast<std::int32_t>(middle);
+    const bool before = track.distance({frame, middle - frame}).minus(distance) < 0;
+    (before ? low : high) = middle;
+  }
+  return high;
+}
+
+void sample_path(const Track<double>& track, PlotTrack& plot) {
+  const Path<double>& path = track.path();
+  const auto axes = static_cast<std::size_t>(path.axis_count());
+  plot.path.resize(axes);
+  for (std::int32_t i = 0; i < path.segment_count(); ++i) {
+    for (std::size_t sample = 0; sample < samples_per_segment; ++sample) {
+      const double t = static_cast<double>(sample) / samples_per_segment;
+      for (std::size_t d = 0; d < axes; ++d) plot.path[d].push_back(path.segment(i)[d].value(t));
+    }
+  }
+  for (std::size_t d = 0; d < axes; ++d) plot.path[d].push_back(path.segment(path.segment_count())[d].c0);
+}
+
+void sample_curve(const SpeedProfile<double>& profile, PlotTrack& plot) {
+  const std::size_t count = samples_per_span * static_cast<std::size_t>(profile.span_count());
+  for (std::size_t i = 0; i <= count; ++i) {
+    plot.curve.push_back(profile.value(static_cast<double>(i) / samples_per_span));
+  }
+}
+
+PlotTrack plot_of_track(const Plan& plan, std::size_t index) {
+  const MoveTrack& written = plan.move().tracks[index];
+  const SolvedTrack<double>& solved = plan.tracks()[index];
+  const Track<double>& track = solved.track();
+  const auto axes = static_cast<std::size_t>(track.path().axis_count());
+  PlotTrack plot;
+  plot.axes.resize(axes);
+  for (std::size_t a = 0; a < plan.axes().size(); ++a) {
+    if (plan.axes()[a].track == index) plot.axes[plan.axes()[a].track_axis] = a;
+  }
+  sample_path(track, plot);
+  sample_curve(track.profile(), plot);
+  plot.control_values = written.speed;
+  if (plot.control_values.size() == 1) plot.control_values.push_back(plot.control_values.front());
+  plot.tangents.resize(axes);
+  for (std::int32_t frame = 0; frame <= track.frames(); ++frame) {
+    const PathPoint<double>& point = solved.table().point(frame);
+    const auto cubics = track.path().segment(point.segment);
+    for (std::size_t d = 0; d < axes; ++d) plot.tangents[d].push_back(cubics[d].derivative(point.t));
+    plot.speed.push_back(frame_row(track, solved.table(), frame).speed);
+  }
+  plot.keys.resize(axes);
+  for (const MoveKey& key : written.keys) {
+    for (std::size_t d = 0; d < axes; ++d) plot.keys[d].push_back(key.at[d]);
+  }
+  for (std::int32_t i = 0; i <= track.path().segment_count(); ++i) {
+    plot.key_frames.push_back(frame_of_distance(track, track.arc_length().segment_begin(i)));
+  }
+  plot.key_frames.back() = track.frames();
+  const std::string unit = plan.length_unit(index);
+  plot.speed_unit = unit.empty() ? "" : unit + "/s";
+  return plot;
+}
+
+}  // namespace
+
+PlotMove plot_of(const Plan& plan) {
+  PlotMove plot;
+  plot.name = plan.move().name;
+  plot.frame_rate = plan.move().fps.as_written;
+  plot.frames_per_second = plan.move().fps.rate.frames_per_second();
+  plot.frames = plan.move().frames;
+  std::vector<AxisColumns> columns = axis_columns(plan, PlanRows::frame);
+  for (std::size_t a = 0; a < plan.axes().size(); ++a) {
+    const PlanAxis& axis = plan.axes()[a];
+    PlotAxis drawn{.name = axis.name,
+                   .unit = unit_of(axis),
+                   .positions = std::move(columns[a].position),
+                   .minimum = {},
+                   .maximum = {}};
+    if (plan.rig()) {
+      drawn.minimum = plan.rig()->axes[a].min;
+      drawn.maximum = plan.rig()->axes[a].max;
+    }
+    plot.axes.push_back(std::move(drawn));
+  }
+  for (std::size_t t = 0; t < plan.tracks().size(); ++t) plot.tracks.push_back(plot_of_track(plan, t));
+  return plot;
+}
+
+}  // namespace inbetween

@@ -1,0 +1,26 @@
+// A plan as JSON, as CSV and as the data of a picture. docs/formats.md describes the formats.
+#pragma once
+
+#include <cstdio>
+
+#include "host_tools/plan.hpp"
+#include "host_tools/plot.hpp"
+
+namespace inbetween {
+
+enum class PlanRows {
+  frame,  ///< frames 0..N
+  tick,   ///< ticks 0..last_tick of the rig's rate_hz
+};
+
+/// Version 1 of the format. The axes' arrays have a value per row of `rows`; the tables of the tracks are
+/// always per frame.
+void write_plan_json(const Plan& plan, PlanRows rows, std::FILE* file);
+
+/// One line of names with units, then one per row: frame or tick, time, and every axis of the move.
+void write_plan_csv(const Plan& plan, PlanRows rows, std::FILE* file);
+
+/// What draw_plot shows.
+PlotMove plot_of(const Plan& plan);
+
+}  // namespace inbetween

@@ -1,0 +1,61 @@
+// The picture of a planned move, as `inbetween plan --plot` writes it. Plain data in: nothing here knows the
+// solver.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace inbetween {
+
+struct PlotAxis {
+  std::string name;
+  std::string unit;               // "" when unknown
+  std::vector<double> positions;  // N + 1, axis units
+  std::optional<double> minimum;  // limits, drawn when given
+  std::optional<double> maximum;
+};
+
+struct PlotTrack {
+  std::vector<std::size_t> axes;          // indexes into PlotMove::axes, at least one
+  std::vector<std::vector<double>> path;  // [axis of the track][sample], dense along the path
+  std::vector<std::vector<double>>
+      tangents;                           // [axis of the track][frame], direction of the path, of any length
+  std::vector<std::vector<double>> keys;  // [axis of the track][key], at least one key
+  std::vector<double> key_frames;         // where each key is met; one more than keys on a closed path
+  std::vector<double> control_values;     // v_0..v_f over a = 0..f; empty for a track without a speed curve
+  std::vector<double> curve;              // phi sampled evenly over a in [0, f]; empty with control_values
+  std::string speed_unit;                 // "mm/s"; "" when unknown
+  std::vector<double> speed;              // N + 1, unit/s along the path
+};
+
+struct PlotMove {
+  std::string name;
+  std::string frame_rate;        // as written: "24" or "24000/1001"
+  double frames_per_second = 0;  // > 0
+  std::int32_t frames = 0;       // N >= 1
+  std::vector<PlotAxis> axes;
+  std::vector<PlotTrack> tracks;
+};
+
+/// Draws one page, 1400 pixels wide and as tall as the move asks for, and writes it as SVG, PNG or PDF by the
+/// ending of the file's name. Per track: the path with a tick across it at every frame (Bartels and Hardtke
+/// 1989, Figures 4 to 6: crowded ticks are slow, sparse ones fast), the speed curve over its control values,
+/// and the time bar, a stripe per frame as wide as the distance travelled in it; then every axis over time.
+/// Where frames are too many for ticks or stripes to be told apart, the page shows every k-th and says so.
+///
+/// A track of one axis is a ruler; of three or more axes, two planes through its first three. Both axes of a
+/// plane have the same scale when they have the same unit and one is not more than 12 times as long as the
+/// other. Keys are numbered from 0, as in P_0..P_n.
+///
+/// Throws std::invalid_argument where the data contradict each other or are not finite (a mistake of the
+/// caller), std::runtime_error, one line that starts with the file's name, where no picture can be written.
+/// Cost: O(all samples). The size of the picture depends on its axes, keys and tracks, not on the number of
+/// frames: an SVG has about 100 kB a track and 20 kB an axis, and less than 1.5 MB with three axes of pure
+/// noise.
+void draw_plot(const PlotMove& move, const std::filesystem::path& file);
+
+}  // namespace inbetween

@@ -1,0 +1,186 @@
+#include "host_tools/run.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "drivers/linux/monotonic_clock.hpp"
+#include "host_tools/json_writer.hpp"
+#include "inbetween/frame_time.hpp"
+#include "sim/simulated_axis.hpp"
+#include "sim/virtual_clock.hpp"
+
+namespace inbetween {
+namespace {
+
+constexpr std::int64_t ns_per_s = 1'000'000'000;
+
+/// Where a simulated axis stands before anything moves it: as near to 0 as its limits allow.
+double parked(const RigAxis& axis) {
+  return std::clamp(0.0, axis.min, axis.max);
+}
+
+/// The setpoints of a plan, tick by tick, in the order of the rig's axes.
+class Setpoints {
+ public:
+  explicit Setpoints(const Plan& plan)
+      : plan_(plan),
+        fps_(plan.move().fps.rate),
+        rate_hz_(plan.rig()->rate_hz),
+        last_(last_tick(plan.move().frames, fps_, rate_hz_)) {
+    by_track_.resize(plan.tracks().size());
+    for (std::size_t t = 0; t < by_track_.size(); ++t) by_track_[t].resize(plan.move().tracks[t].axes.size());
+    for (const RigAxis& axis : plan.rig()->axes) positions_.push_back(parked(axis));
+  }
+
+  [[nodiscard]] std::int64_t last() const { return last_; }
+  [[nodiscard]] FrameTime<double> time(std::int64_t tick) const {
+    return frame_time_of_tick<double>(tick, fps_, rate_hz_);
+  }
+  /// Valid until the next call. An axis in no track keeps its parked position.
+  const std::vector<double>& at(std::int64_t tick) {
+    const FrameTime<double> when = time(tick);
+    for (std::size_t t = 0; t < by_track_.size(); ++t)
+      plan_.tracks()[t].track().positions(when, by_track_[t]);
+    for (std::size_t a = 0; a < positions_.size(); ++a) {
+      const PlanAxis& axis = plan_.axes()[a];
+      if (axis.track) positions_[a] = by_track_[*axis.track][axis.track_axis];
+    }
+    return positions_;
+  }
+
+ private:
+  const Plan& plan_;
+  FrameRate fps_;
+  std::int32_t rate_hz_;
+  std::int64_t last_;
+  std::vector<std::vector<double>> by_track_;
+  std::vector<double> positions_;
+};
+
+void refuse_positions_beyond_limits(const Plan& plan, Setpoints& setpoints) {
+  for (std::int64_t tick = 0; tick <= setpoints.last(); ++tick) {
+    const std::vector<double>& positions = setpoints.at(tick);
+    for (std::size_t a = 0; a < positions.size(); ++a) {
+      const RigAxis& axis = plan.rig()->axes[a];
+      if (positions[a] >= axis.min && positions[a] <= axis.max) continue;
+      const FrameTime<double> when = setpoints.time(tick);
+      throw LimitError(fmt::format(
+          "{}: error: axis {} would go to {:.6g} {} at frame {:.2f}, outside {:.6g}..{:.6g} of the rig {}; "
+          "move its keys inward",
+          plan.move().path, in_quotes(axis.name), positions[a], to_string(axis.unit),
+          when.frame + when.fraction, axis.min, axis.max, in_quotes(plan.rig()->name)));
+    }
+  }
+}
+
+WakeLatency percentiles(std::vector<std::int64_t>& latencies_ns) {
+  std::ranges::sort(latencies_ns);
+  const auto at = [&](double share) {
+    const auto index =
+        static_cast<std::size_t>(std::ceil(share * static_cast<double>(latencies_ns.size()))) - 1;
+    return static_cast<double>(latencies_ns[index]) * 1e-3;
+  };
+  return {at(0.5), at(0.99), at(0.999), at(1)};
+}
+
+/// The loop: wait, compute, send.
+template <class Clock>
+void play(Setpoints& setpoints, const RunOptions& options, Clock& clock, std::vector<SimulatedAxis>& axes,
+          std::int32_t rate_hz, RunReport& report) {
+  const MonotonicClock wall;
+  const std::int64_t last = setpoints.last() + 1;  // in one more tick the drives arrive
+  std::vector<std::int64_t> latencies_ns;
+  latencies_ns.reserve(static_cast<std::size_t>(last) + 1);
+  const std::int64_t start_ns = clock.now_ns();
+  std::int64_t next_progress_ns = 0;
+  for (std::int64_t tick = 0; tick <= last; ++tick) {
+    const std::int64_t deadline_ns =
+        start_ns + tick / rate_hz * ns_per_s + tick % rate_hz * ns_per_s / rate_hz;
+    clock.sleep_until_ns(deadline_ns);
+    const std::int64_t latency_ns = clock.now_ns() - deadline_ns;
+    latencies_ns.push_back(latency_ns);
+    if (latency_ns >= ns_per_s / rate_hz) ++report.late_ticks;
+    const std::vector<double>& positions = setpoints.at(std::min(tick, setpoints.last()));
+    for (std::size_t a = 0; a < axes.size(); ++a) axes[a].tick(positions[a]);
+    if (options.progress && (tick % 64 == 0 || !options.fast) && wall.now_ns() >= next_progress_ns) {
+      options.progress(tick, last);
+      next_progress_ns = wall.now_ns() + ns_per_s / 10;
+    }
+  }
+  if (options.progress) options.progress(last, last);
+  report.ticks = setpoints.last() + 1;
+  report.wake_latency = percentiles(latencies_ns);
+}
+
+const char* name_of(Ending ending) {
+  switch (ending) {
+    case Ending::finished:
+      return "finished";
+    case Ending::stopped:
+      return "stopped";
+    case Ending::fault:
+      return "fault";
+  }
+  return "fault";
+}
+
+}  // namespace
+
+RunReport run_simulated(const Plan& plan, const RunOptions& options) {
+  Setpoints setpoints(plan);
+  refuse_positions_beyond_limits(plan, setpoints);
+  std::vector<SimulatedAxis> axes;
+  for (const double position : setpoints.at(0)) axes.emplace_back(position);
+  RunReport report;
+  report.reason = "the move was played to its last frame";
+  if (options.fast) {
+    VirtualClock clock;
+    play(setpoints, options, clock, axes, plan.rig()->rate_hz, report);
+  } else {
+    MonotonicClock clock;
+    play(setpoints, options, clock, axes, plan.rig()->rate_hz, report);
+  }
+  for (std::size_t a = 0; a < axes.size(); ++a) {
+    const RigAxis& axis = plan.rig()->axes[a];
+    report.axes.push_back({axis.name, std::string(to_string(axis.unit)), axes[a].commanded(),
+                           axes[a].actual(), axes[a].following_error_peak()});
+  }
+  return report;
+}
+
+void write_run_json(const RunReport& report, std::FILE* file) {
+  JsonWriter json(file);
+  json.begin_object();
+  json.member("format", 1);
+  json.member("ended", name_of(report.ending));
+  json.member("reason", report.reason);
+  json.member("ticks", report.ticks);
+  json.member("late_ticks", report.late_ticks);
+  json.line();
+  json.key("axes");
+  json.begin_array();
+  for (const RunAxis& axis : report.axes) {
+    json.line();
+    json.begin_object();
+    json.member("name", axis.name);
+    json.member("last_commanded", axis.last_commanded);
+    json.member("last_actual", axis.last_actual);
+    json.member("following_error_peak", axis.following_error_peak);
+    json.end_object();
+  }
+  json.end_array();
+  json.line();
+  json.key("wake_latency_us");
+  json.begin_object();
+  json.member("p50", report.wake_latency.p50_us);
+  json.member("p99", report.wake_latency.p99_us);
+  json.member("p99_9", report.wake_latency.p99_9_us);
+  json.member("max", report.wake_latency.max_us);
+  json.end_object();
+  json.end_object();
+  json.finish();
+}
+
+}  // namespace inbetween

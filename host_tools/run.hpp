@@ -1,0 +1,60 @@
+// Streams a plan to a rig, a position of every axis per tick.
+#pragma once
+
+#include <cstdint>
+#include <cstdio>
+#include <functional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "host_tools/plan.hpp"
+
+namespace inbetween {
+
+/// A move that would take an axis beyond a limit of the rig: nothing has moved. Exit status 3.
+class LimitError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+struct RunOptions {
+  /// On a virtual clock, as fast as it can be computed.
+  bool fast = false;
+  /// Called before the first tick and then about ten times a second of real time, and at the end.
+  std::function<void(std::int64_t tick, std::int64_t last)> progress;
+};
+
+struct RunAxis {
+  std::string name;
+  std::string unit;
+  double last_commanded = 0;
+  double last_actual = 0;
+  double following_error_peak = 0;
+};
+
+/// Microseconds between a tick's deadline and the moment when the loop woke up for it.
+struct WakeLatency {
+  double p50_us = 0, p99_us = 0, p99_9_us = 0, max_us = 0;
+};
+
+enum class Ending { finished, stopped, fault };
+
+struct RunReport {
+  Ending ending = Ending::finished;
+  std::string reason;
+  std::int64_t ticks = 0;
+  std::int64_t late_ticks = 0;  ///< woken a whole period or more after their deadline
+  std::vector<RunAxis> axes;    ///< every axis of the rig
+  WakeLatency wake_latency;
+};
+
+/// Plays the plan on simulated axes at the rig's rate: tick k at k / rate_hz seconds, from 0 to the first
+/// tick at or after the end, and one more in which the axes arrive. Axes in no track stay where they are.
+/// Before the first tick every setpoint of the move is held against the rig's position limits.
+/// Throws LimitError. The plan has a rig.
+RunReport run_simulated(const Plan& plan, const RunOptions& options);
+
+void write_run_json(const RunReport& report, std::FILE* file);
+
+}  // namespace inbetween

@@ -1,0 +1,57 @@
+#!/usr/bin/awk -f
+# Turns what Google Benchmark wrote as JSON (aggregates only) into the tables of docs/performance.md.
+# It writes one member a line, so a line is a name and a value.
+function value_of(line) {
+  sub(/^[^:]*: */, "", line)
+  gsub(/[",]/, "", line)
+  return line
+}
+
+function time_text(ns) {
+  if (ns < 1e3) return sprintf("%.1f ns", ns)
+  if (ns < 1e6) return sprintf("%.1f us", ns / 1e3)
+  return sprintf("%.1f ms", ns / 1e6)
+}
+
+function ratio_row(what, slow, fast) {
+  if (!((slow in time) && (fast in time))) return
+  printf "| %s | %.0f |\n", what, time[slow] / time[fast]
+}
+
+BEGIN {
+  ns["ns"] = 1
+  ns["us"] = 1e3
+  ns["ms"] = 1e6
+  ns["s"] = 1e9
+  # What Google Benchmark says of itself; any other number is a counter of ours.
+  split("family_index per_family_instance_index repetitions threads iterations real_time cpu_time", own)
+  for (i in own) not_ours[own[i]] = 1
+}
+
+/^ *"name":/ {
+  name = value_of($0)
+  kept = sub(/_median$/, "", name)
+  if (kept) order[++count] = name
+}
+kept && /^ *"cpu_time":/ { cpu = value_of($0) }
+kept && /^ *"time_unit":/ { time[name] = cpu * ns[value_of($0)] }
+kept && /^ *"[A-Za-z0-9_]+": [-+0-9.e]+,?$/ {
+  key = $1
+  gsub(/[":]/, "", key)
+  if (!(key in not_ours)) counters[name] = counters[name] sprintf("%s %.2g; ", key, value_of($0))
+}
+
+END {
+  if (!count) {
+    print "performance-table.awk: error: no medians in " FILENAME > "/dev/stderr"
+    exit 1
+  }
+  print "| benchmark | time | counters |\n|---|---:|---|"
+  for (i = 1; i <= count; ++i) {
+    sub(/; $/, "", counters[order[i]])
+    printf "| `%s` | %s | %s |\n", order[i], time_text(time[order[i]]), counters[order[i]]
+  }
+  print "\n| the paper's solver over the closed form | times |\n|---|---:|"
+  ratio_row("240 frames, 8 keys, 3 axes", "runge_kutta/240", "closed_form/240")
+  ratio_row("100 000 frames, 100 keys, 3 axes", "runge_kutta/100000", "closed_form/100000")
+}

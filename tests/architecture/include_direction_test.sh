@@ -1,0 +1,83 @@
+#!/usr/bin/env bash
+# Holds include_direction.sh to its word: each wrong include alone in a small tree must be refused with the
+# right reason, each right one must pass.
+set -euo pipefail
+check=$(dirname "${BASH_SOURCE[0]}")/include_direction.sh
+tree=$(mktemp --directory)
+trap 'rm --recursive --force "$tree"' EXIT
+failures=0
+
+verdict_on() { # verdict_on FILE LINE
+  rm --recursive --force "${tree:?}"/*
+  mkdir --parents "$tree/$(dirname "$1")"
+  printf 'int beside;\n' >"$tree/$(dirname "$1")/beside.hpp"
+  printf '// A file of the tree.\n%s\nint x;\n' "$2" >"$tree/$1"
+  bash "$check" "$tree" 2>&1
+}
+
+refuses() { # refuses REASON FILE LINE
+  local verdict
+  if verdict=$(verdict_on "$2" "$3"); then
+    printf 'FAILED: %s may include %s\n' "$2" "$3"
+  elif [[ $verdict != "$2:2: error: "*"$1"* ]]; then
+    printf 'FAILED: %s with %s is refused for another reason: %s\n' "$2" "$3" "$verdict"
+  else
+    return 0
+  fi
+  failures=$((failures + 1))
+}
+
+allows() { # allows FILE LINE
+  local verdict
+  verdict=$(verdict_on "$1" "$2") && return
+  printf 'FAILED: %s\n' "$verdict"
+  failures=$((failures + 1))
+}
+
+core=firmware_core/include/inbetween/path.hpp
+allows "$core" '#include <cmath>'
+allows "$core" '#include "inbetween/can/frame.hpp"'
+allows "$core" '// #include <iostream>'
+allows firmware_core/src/path.cpp '#include "beside.hpp"'
+refuses 'path from the root' "$core" '#include "beside.hpp"'
+refuses 'free-standing' "$core" '#include <vector>'
+refuses 'free-standing' "$core" '#include <unistd.h>'
+refuses 'free-standing' firmware_core/src/path.cpp '#  include <cstdio>  // for now'
+refuses 'firmware_core may not look into host_tools' "$core" '#include "host_tools/plan.hpp"'
+refuses 'firmware_core may not look into sim' firmware_core/src/path.cpp '#include "sim/axis.hpp"'
+refuses 'public name' firmware_core/src/path.cpp '#include "firmware_core/include/inbetween/path.hpp"'
+refuses 'path from the root' firmware_core/src/path.cpp '#include "path.hpp"'
+refuses 'path from the root' firmware_core/src/path.cpp '#include "inbetween/../../sim/axis.hpp"'
+refuses 'in quotes' firmware_core/src/path.cpp '#include <inbetween/path.hpp>'
+refuses 'must name its file' firmware_core/src/path.cpp '#include PATH_HEADER'
+
+allows drivers/linux/clock.cpp '#include <time.h>'
+allows drivers/linux/clock.cpp '#include "inbetween/ports.hpp"'
+allows drivers/linux/clock.cpp '#include "drivers/linux/clock.hpp"'
+refuses 'drivers may not look into sim' drivers/linux/clock.cpp '#include "sim/clock.hpp"'
+refuses 'drivers may not look into host_tools' drivers/can/bus.cpp '#include "host_tools/rig_file.hpp"'
+allows sim/axis.cpp '#include "sim/axis.hpp"'
+refuses 'sim may not look into drivers' sim/axis.cpp '#include "drivers/linux/clock.hpp"'
+refuses 'sim may not look into tests' sim/axis.cpp '#include "tests/support/moves.hpp"'
+
+allows host_tools/run.cpp '#include "sim/axis.hpp"'
+allows host_tools/run.cpp '#include "drivers/linux/clock.hpp"'
+allows host_tools/run.cpp '#include <fmt/format.h>'
+refuses 'host_tools may not look into tests' host_tools/run.cpp '#include "tests/support/moves.hpp"'
+refuses 'path from the root' host_tools/run.cpp '#include "beside.hpp"'
+refuses 'path from the root' host_tools/run.cpp '#include "../sim/axis.hpp"'
+
+allows tests/unit/run_test.cpp '#include "host_tools/run.hpp"'
+allows tests/support/oracle_length.cpp '#include "tests/support/oracle_length.hpp"'
+allows tests/support/oracle_length.cpp '#include <vector>'
+refuses 'an oracle is independent' tests/support/oracle_length.hpp '#include "inbetween/path.hpp"'
+refuses 'an oracle is independent' tests/support/oracle_length.cpp '#include "tests/support/moves.hpp"'
+
+rm --recursive --force "${tree:?}"/*
+if bash "$check" "$tree" >/dev/null 2>&1; then
+  printf 'FAILED: a tree without sources passes\n'
+  failures=$((failures + 1))
+fi
+
+((failures == 0)) || exit 1
+printf 'include_direction.sh: every sample judged rightly\n'

@@ -1,0 +1,137 @@
+#include <benchmark/benchmark.h>
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <random>
+#include <vector>
+
+#include "inbetween/arc_length.hpp"
+#include "inbetween/frame_table.hpp"
+#include "inbetween/ode_frame_table.hpp"
+#include "inbetween/path.hpp"
+#include "inbetween/speed_profile.hpp"
+#include "inbetween/track.hpp"
+
+/// The speed of a frame table by both solvers, building the path included, and of the tick.
+
+namespace inbetween {
+namespace {
+
+/// A move of the size that the benchmark's name says, with all memory that any solver needs.
+class Subject {
+ public:
+  Subject(std::size_t keys, std::size_t control_values, std::size_t axes, std::int32_t frames)
+      : axes_(axes), frames_(frames) {
+    std::mt19937 random(1989);
+    std::uniform_real_distribution<double> coordinate(0.0, 100.0);
+    std::uniform_real_distribution<double> height(1.0, 20.0);
+    keys_.resize(keys * axes);
+    for (double& value : keys_) value = coordinate(random);
+    control_values_.resize(control_values);
+    for (double& value : control_values_) value = height(random);
+    cubics_.resize((keys + 1) * axes);
+    weights_.resize(axes);
+    pieces_.resize(64 * keys);
+    begins_.resize(pieces_.size());
+    buckets_.resize(2 * pieces_.size());
+    first_pieces_.resize(keys + 1);
+    segment_begins_.resize(keys + 1);
+    spans_.resize(control_values);
+    integrals_.resize(control_values + 1);
+    span_distances_.resize(control_values + 1);
+    points_.resize(static_cast<std::size_t>(frames) + 1);
+    segments_.resize(keys + 1);
+  }
+
+  [[nodiscard]] Track<double> make_track() {
+    const Path<double> path = *Path<double>::make(
+        {.spline = Spline::tcb, .axis_count = static_cast<std::int32_t>(axes_), .keys = keys_},
+        {cubics_, weights_});
+    const ArcLength<double> arc_length =
+        *ArcLength<double>::make(path, {}, {pieces_, begins_, buckets_, first_pieces_, segment_begins_});
+    const SpeedProfile<double> profile = *SpeedProfile<double>::make(control_values_, {spans_, integrals_});
+    return *Track<double>::make(path, arc_length, profile, frames_, {24, 1}, {span_distances_});
+  }
+  [[nodiscard]] FrameTable<double> closed_form() { return *closed_form_table<double>(make_track(), points_); }
+  [[nodiscard]] FrameTable<double> runge_kutta() {
+    return *runge_kutta_table<double>(make_track(), {}, segments_, points_);
+  }
+  [[nodiscard]] std::size_t axes() const { return axes_; }
+  [[nodiscard]] std::int32_t frames() const { return frames_; }
+
+ private:
+  std::size_t axes_;
+  std::int32_t frames_;
+  std::vector<double> keys_, control_values_, weights_, begins_;
+  std::vector<Cubic<double>> cubics_;
+  std::vector<ArcPiece<double>> pieces_;
+  std::vector<std::int32_t> buckets_, first_pieces_;
+  std::vector<TwoSum<double>> segment_begins_, integrals_, span_distances_;
+  std::vector<SpeedSpan<double>> spans_;
+  std::vector<PathPoint<double>> points_;
+  std::vector<OdeSegment<double>> segments_;
+};
+
+/// A short move as an animator makes it: 8 keys, 7 control values. A long one: 100 keys, 64.
+Subject subject_of(std::int32_t frames) {
+  return frames <= 1000 ? Subject(8, 7, 3, frames) : Subject(100, 64, 3, frames);
+}
+
+void report_speed_error(benchmark::State& state, Subject& subject, const FrameTable<double>& table) {
+  const Track<double> track = subject.make_track();
+  state.counters["speed_error"] = measure_speed_deviation(track, table.points()).relative;
+}
+
+void closed_form(benchmark::State& state) {
+  Subject subject = subject_of(static_cast<std::int32_t>(state.range(0)));
+  for (auto _ : state) benchmark::DoNotOptimize(subject.closed_form());
+  report_speed_error(state, subject, subject.closed_form());
+}
+BENCHMARK(closed_form)->Arg(240)->Arg(100'000)->Unit(benchmark::kMicrosecond);
+
+void runge_kutta(benchmark::State& state) {
+  Subject subject = subject_of(static_cast<std::int32_t>(state.range(0)));
+  for (auto _ : state) benchmark::DoNotOptimize(subject.runge_kutta());
+  const FrameTable<double> table = subject.runge_kutta();
+  state.counters["integrations"] = table.provenance().integrations;
+  report_speed_error(state, subject, table);
+}
+BENCHMARK(runge_kutta)->Arg(240)->Arg(100'000)->Unit(benchmark::kMicrosecond);
+
+/// The position of all axes at one time of the move after another, in random order.
+void tick(benchmark::State& state) {
+  Subject subject(8, 7, static_cast<std::size_t>(state.range(0)), 240);
+  const Track<double> track = subject.make_track();
+  std::mt19937 random(7);
+  std::uniform_int_distribution<std::int32_t> frame(0, 239);
+  std::uniform_real_distribution<double> fraction(0.0, 1.0);
+  std::array<FrameTime<double>, 1024> times;
+  for (FrameTime<double>& time : times) time = {frame(random), fraction(random)};
+  std::vector<double> positions(subject.axes());
+  std::size_t i = 0;
+  for (auto _ : state) {
+    track.positions(times[i++ % times.size()], positions);
+    benchmark::DoNotOptimize(positions.data());
+    benchmark::ClobberMemory();
+  }
+}
+BENCHMARK(tick)->Arg(3)->Arg(16);
+
+/// Position, velocity, acceleration and jerk of all axes.
+void motion(benchmark::State& state) {
+  Subject subject(8, 7, static_cast<std::size_t>(state.range(0)), 240);
+  const Track<double> track = subject.make_track();
+  std::vector<AxisMotion<double>> axes(subject.axes());
+  std::int32_t frame = 0;
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(track.motion({frame, 0.5}, axes));
+    frame = (frame + 97) % 240;
+  }
+}
+BENCHMARK(motion)->Arg(3)->Arg(16);
+
+}  // namespace
+}  // namespace inbetween
+
+BENCHMARK_MAIN();

@@ -1,0 +1,137 @@
+#!/usr/bin/env bash
+# scripts/bootstrap against a made-up machine: its own apt sources, and stand-ins for apt-get, dpkg-query and
+# sudo that write down how they were called. Nothing is installed and no server is asked.
+#
+#   bootstrap_test.sh BOOTSTRAP
+set -euo pipefail
+# shellcheck source=scripts/bootstrap
+source "$1"
+
+scratch=$(mktemp --directory)
+trap 'rm --recursive --force "$scratch"' EXIT
+failures=0
+
+expect() { # expect WHAT WANTED GOT
+  [[ $2 == "$3" ]] && return
+  printf 'FAILED: %s\n  wanted: %s\n  got:    %s\n' "$1" "$2" "$3"
+  failures=$((failures + 1))
+}
+
+# --- where backports come from -------------------------------------------------------------------------------
+new_apt_machine() {
+  local root=$scratch/apt
+  rm --recursive --force "$root"
+  mkdir --parents "$root"/etc/{apt.conf.d,preferences.d,sources.list.d} "$root/state/lists/partial" "$root/cache"
+  printf 'Dir::Etc "%s/etc/";\nDir::State "%s/state/";\nDir::State::status "/dev/null";\nDir::Cache "%s/cache/";\n' \
+    "$root" "$root" "$root" >"$root/apt.conf"
+  export APT_CONFIG=$root/apt.conf
+}
+
+# As apt-get update leaves it: the release file, which names the origin, and the package list.
+downloaded() { # downloaded ESCAPED_URI SUITE ORIGIN
+  local lists=$scratch/apt/state/lists/$1_dists_$2
+  printf 'Origin: %s\nCodename: %s\nComponents: main\nDate: Sat, 17 May 2025 10:00:00 UTC\nSHA256:\n' "$3" "$2" \
+    >"${lists}_InRelease"
+  : >"${lists}_main_binary-$(dpkg --print-architecture)_Packages"
+}
+
+# The functions under test write as root on a real machine; here the folder is ours.
+as_root() { "$@"; }
+
+added() { cat "$scratch/apt/etc/sources.list.d/inbetween-backports.list" 2>/dev/null || true; }
+signed='signed-by=/usr/share/keyrings/debian-archive-keyring.gpg'
+
+new_apt_machine
+cat >"$scratch/apt/etc/sources.list" <<'END'
+# deb http://old.example/debian bookworm main
+deb http://other.example/debian bookworm main
+deb [arch=amd64,arm64] http://mirror.example/debian bookworm main contrib
+deb http://mirror.example/debian-security bookworm-security main
+END
+downloaded other.example_debian bookworm "Other"
+downloaded mirror.example_debian bookworm "Debian"
+downloaded mirror.example_debian-security bookworm-security "Debian"
+add_backports >/dev/null
+expect "the mirror of a one-line source, and neither a comment, nor security, nor another vendor" \
+  "deb [$signed] http://mirror.example/debian/ bookworm-backports main" "$(added)"
+
+new_apt_machine
+cat >"$scratch/apt/etc/sources.list.d/debian.sources" <<'END'
+Types: deb
+URIs: http://off.example/debian
+Suites: bookworm
+Components: main
+Enabled: no
+
+Types: deb deb-src
+# The site's own copy.
+URIs: https://mirror.example/pub/debian
+Suites: bookworm
+ bookworm-updates
+Components: main
+END
+downloaded off.example_debian bookworm "Debian"
+downloaded mirror.example_pub_debian bookworm "Debian"
+add_backports >/dev/null
+expect "the mirror of a deb822 source, and none that is switched off" \
+  "deb [$signed] https://mirror.example/pub/debian/ bookworm-backports main" "$(added)"
+
+new_apt_machine
+printf 'deb http://mirror.example/debian bookworm main\ndeb http://mirror.example/debian bookworm-backports main\n' \
+  >"$scratch/apt/etc/sources.list"
+downloaded mirror.example_debian bookworm "Debian"
+downloaded mirror.example_debian bookworm-backports "Debian Backports"
+add_backports >/dev/null
+expect "nothing is added where backports are there already" "" "$(added)"
+
+new_apt_machine
+refusal=$( (add_backports) 2>&1 >/dev/null || true)
+expect "a machine without a mirror is told what to do" \
+  "scripts/bootstrap: error: no mirror of Debian 12 in the apt sources; add 'bookworm main' to them, run apt-get update, try again" \
+  "$refusal"
+unset APT_CONFIG
+
+# --- what is installed ---------------------------------------------------------------------------------------
+stand_ins=$scratch/bin
+mkdir "$stand_ins"
+# shellcheck disable=SC2016  # expanded when the stand-in runs
+printf '#!/bin/sh\necho "apt-get $*" >>"%s/calls"\n' "$scratch" >"$stand_ins/apt-get"
+# shellcheck disable=SC2016
+printf '#!/bin/sh\nexec "$@"\n' >"$stand_ins/sudo"
+chmod +x "$stand_ins/apt-get" "$stand_ins/sudo"
+
+machine_with() { # machine_with PACKAGE..., as dpkg-query reports them
+  {
+    printf '#!/bin/sh\n'
+    printf 'echo "installed %s"\n' "$@"
+    printf 'echo "not-installed ninja-build"\nexit 1\n'
+  } >"$stand_ins/dpkg-query"
+  chmod +x "$stand_ins/dpkg-query"
+  : >"$scratch/calls"
+}
+
+run_bootstrap() { PATH=$stand_ins:$PATH bash "$bootstrap" "$@" 2>&1 || true; }
+bootstrap=$1
+
+machine_with "${test_packages[@]}"
+expect "a machine that has everything is left alone, in silence" "" "$(run_bootstrap test)$(cat "$scratch/calls")"
+
+machine_with "${demo_packages[@]}"
+expect "the demo does not install what only the tests need" "" "$(run_bootstrap demo)$(cat "$scratch/calls")"
+
+expect "the packages that are missing are named" \
+  "scripts/bootstrap: installing ${test_packages[*]:${#demo_packages[@]}}" "$(run_bootstrap)"
+expect "apt is updated once, then asked for those packages only" \
+  "apt-get --quiet --quiet update
+apt-get --quiet --quiet --option DPkg::Lock::Timeout=300 --option Dpkg::Use-Pty=0 install --yes --no-install-recommends ${test_packages[*]:${#demo_packages[@]}}" \
+  "$(cat "$scratch/calls")"
+
+machine_with bash
+expect "a package that was removed again counts as missing" \
+  "ninja-build" "$(PATH=$stand_ins:$PATH missing_of bash ninja-build)"
+
+expect "an unknown set is refused" \
+  "scripts/bootstrap: error: unknown set of packages 'dmeo'; say demo or test" "$(run_bootstrap dmeo)"
+
+((failures == 0)) || exit 1
+printf 'scripts/bootstrap: all as promised\n'

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <gtest/gtest.h>
+#include <rapidcheck.h>
+
+#include <cstdlib>
+#include <iostream>
+#include <sstream>
+#include <string>
+#include <string_view>
+#include <utility>
+
+namespace inbetween {
+
+/// Runs a RapidCheck property on `cases` random inputs and prints the seed, pass or fail; RC_PARAMS
+/// in the environment ("seed=... max_success=...") replays a run. A counterexample fails the test.
+template <class Property>
+void check_property(int cases, Property&& property) {
+  const testing::TestInfo* test = testing::UnitTest::GetInstance()->current_test_info();
+  rc::detail::TestMetadata metadata;
+  metadata.id = std::string(test->test_suite_name()) + "/" + test->name();
+  metadata.description = metadata.id;
+  rc::detail::TestParams params = rc::detail::configuration().testParams;
+  const char* replay = std::getenv("RC_PARAMS");
+  if (replay == nullptr || std::string_view(replay).find("max_success") == std::string_view::npos) {
+    params.maxSuccess = cases;
+  }
+  params.maxSize = 100;
+  std::cout << metadata.id << ": seed=" << params.seed << ", " << params.maxSuccess << " cases\n";
+  const rc::detail::TestResult result =
+      rc::detail::checkTestable(std::forward<Property>(property), metadata, params);
+  if (result.template is<rc::detail::SuccessResult>()) return;
+  std::ostringstream message;
+  rc::detail::printResultMessage(result, message);
+  FAIL() << message.str() << "\nreplay with RC_PARAMS=\"seed=" << params.seed << "\"";
+}
+
+}  // namespace inbetween

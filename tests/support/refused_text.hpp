@@ -1,0 +1,53 @@
+// Texts that a reader must refuse, with the place that its diagnostic must name marked in the text itself.
+#pragma once
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <initializer_list>
+#include <string>
+#include <string_view>
+
+#include "host_tools/diagnostics.hpp"
+
+namespace inbetween {
+
+/// `text` with `from`, which must be in it exactly once, replaced by `to`.
+inline std::string with(std::string text, std::string_view from, std::string_view to) {
+  const std::size_t at = text.find(from);
+  const bool once = at != std::string::npos && text.find(from, at + 1) == std::string::npos;
+  if (!once) {
+    ADD_FAILURE() << "\"" << from << "\" is not in the text exactly once";
+    return text;
+  }
+  return text.replace(at, from.size(), to);
+}
+
+/// Expects `parse(text, "file.toml")` to throw InputError at the place marked with @ in `marked` (the mark is
+/// not part of the text), as one line that contains all of `words`.
+template <typename Parse>
+void expect_refused(Parse parse, std::string marked, std::initializer_list<std::string_view> words) {
+  const std::size_t mark = marked.find('@');
+  ASSERT_NE(mark, std::string::npos) << "no place is marked in the text";
+  Place place{"file.toml", 1, 1};
+  for (std::size_t i = 0; i < mark; ++i) {
+    const bool continues_a_character = (static_cast<unsigned char>(marked[i]) & 0xc0U) == 0x80U;
+    if (!continues_a_character) ++place.column;
+    if (marked[i] == '\n') place = {place.file, place.line + 1, 1};
+  }
+  marked.erase(mark, 1);
+  try {
+    parse(marked, place.file);
+    FAIL() << "accepted:\n" << marked;
+  } catch (const InputError& error) {
+    const std::string line = error.what();
+    EXPECT_EQ(to_string(error.place()), to_string(place)) << line;
+    EXPECT_THAT(line, testing::StartsWith(to_string(error.place()) + ": error: "));
+    EXPECT_THAT(line, testing::Not(testing::HasSubstr("\n")));
+    for (const std::string_view word : words) EXPECT_THAT(line, testing::HasSubstr(std::string(word)));
+  }
+}
+
+}  // namespace inbetween

@@ -1,0 +1,64 @@
+#include "tests/support/solved_move.hpp"
+
+#include <algorithm>
+
+namespace inbetween {
+namespace {
+
+Spline spline_of(oracle::Kind kind) {
+  switch (kind) {
+    case oracle::Kind::smooth:
+      return Spline::smooth;
+    case oracle::Kind::catmull_rom:
+      return Spline::catmull_rom;
+    case oracle::Kind::tcb:
+      return Spline::tcb;
+    case oracle::Kind::linear:
+      return Spline::linear;
+  }
+  return Spline::smooth;
+}
+
+}  // namespace
+
+template <Precise Real>
+TrackInput<Real>::TrackInput(const RandomMove& move) {
+  for (const auto& key : move.keys.at) {
+    for (const long double value : key) keys.push_back(static_cast<Real>(value));
+  }
+  for (const long double weight : move.keys.weights) weights.push_back(static_cast<Real>(weight));
+  for (const auto& shape : move.keys.tension_continuity_bias) {
+    shapes.push_back({static_cast<Real>(shape[0]), static_cast<Real>(shape[1]), static_cast<Real>(shape[2])});
+  }
+  for (const double value : move.speed) control_values.push_back(static_cast<Real>(value));
+  spec.path = {.spline = spline_of(move.keys.kind),
+               .closed = move.keys.closed,
+               .axis_count = static_cast<std::int32_t>(move.keys.at.front().size()),
+               .keys = keys,
+               .weights = weights,
+               .shapes = shapes};
+  spec.control_values = control_values;
+  spec.frames = move.frames;
+  spec.fps = {24, 1};
+}
+
+template <Precise Real>
+std::vector<std::pair<int, double>> oracle_places(const Track<Real>& track, const FrameTable<Real>& table) {
+  const std::int32_t segments = track.path().segment_count();
+  std::vector<std::pair<int, double>> places;
+  for (const PathPoint<Real>& point : table.points()) {
+    if (point.segment < segments) {
+      places.emplace_back(point.segment, std::clamp(static_cast<double>(point.t), 0.0, 1.0));
+    } else {
+      places.emplace_back(std::max(segments - 1, 0), segments > 0 ? 1.0 : 0.0);
+    }
+  }
+  return places;
+}
+
+template struct TrackInput<double>;
+template struct TrackInput<float>;
+template std::vector<std::pair<int, double>> oracle_places(const Track<double>&, const FrameTable<double>&);
+template std::vector<std::pair<int, double>> oracle_places(const Track<float>&, const FrameTable<float>&);
+
+}  // namespace inbetween

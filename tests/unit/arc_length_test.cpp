@@ -1,0 +1,341 @@
+#include "inbetween/arc_length.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+namespace inbetween {
+namespace {
+
+/// A path and its arc length with the memory they stand in.
+template <Precise Real>
+class MeasuredPath {
+ public:
+  explicit MeasuredPath(const PathSpec<Real>& spec, const ArcLengthOptions<Real>& options = {})
+      : memory_(std::make_unique<Memory>()),
+        path_(Path<Real>::make(spec, memory_->path.memory())),
+        arc_length_(ArcLength<Real>::make(*path_, options, memory_->arc_length.memory())) {}
+
+  const Path<Real>& path() const { return *path_; }
+  const ArcLength<Real>& operator*() const { return *arc_length_; }
+  const ArcLength<Real>* operator->() const { return &*arc_length_; }
+
+  /// From the start to a point, in one number.
+  Real distance(const PathPoint<Real>& point) const { return arc_length_->distance(*path_, point).high; }
+  PathPoint<Real> locate(Real distance) const { return arc_length_->locate({distance, 0}); }
+  Real coordinate_at(Real distance, std::int32_t axis) const {
+    return path_->position(locate(distance), axis);
+  }
+
+ private:
+  struct Memory {
+    PathStorage<Real, 16, 4> path;
+    ArcLengthStorage<Real, 16, 4000> arc_length;
+  };
+  std::unique_ptr<Memory> memory_;
+  Result<Path<Real>> path_;
+  Result<ArcLength<Real>> arc_length_;
+};
+
+struct PrecisionName {
+  template <class Real>
+  static std::string GetName(int) {
+    return std::is_same_v<Real, double> ? "double" : "float";
+  }
+};
+
+template <class Real>
+class ArcLengthIn : public testing::Test {};
+using Precisions = testing::Types<double, float>;
+TYPED_TEST_SUITE(ArcLengthIn, Precisions, PrecisionName);
+
+// --- closed forms
+
+TYPED_TEST(ArcLengthIn, StraightLinesHaveTheLengthOfTheirChords) {
+  using Real = TypeParam;
+  const std::vector<Real> keys{0, 0, 3, 4, 3, -8};
+  const MeasuredPath<Real> line({.spline = Spline::linear, .axis_count = 2, .keys = keys});
+  const Real rounding = 64 * std::numeric_limits<Real>::epsilon();
+  EXPECT_NEAR(line->total(), 17, rounding);
+  EXPECT_NEAR(line->segment_begin(1).high, 5, rounding);
+  EXPECT_NEAR(line.distance({1, Real(0.25)}), 8, rounding);
+  EXPECT_NEAR(line.coordinate_at(Real(2.5), 0), 1.5, rounding);
+  EXPECT_NEAR(line.coordinate_at(11, 1), -2, rounding);
+}
+
+TEST(ArcLength, IsMeasuredThroughTheWeights) {
+  const std::vector<double> keys{0, 0, 3, 4};
+  const std::vector<double> weights{4, 0.5};
+  const MeasuredPath<double> line(
+      {.spline = Spline::linear, .axis_count = 2, .keys = keys, .weights = weights});
+  EXPECT_DOUBLE_EQ(line->total(), std::sqrt(148.0));
+}
+
+/// Integral of sqrt(1 + 4 u^2) from 0 to u.
+double parabola_length(double u) {
+  return u / 2 * std::sqrt(1 + 4 * u * u) + std::asinh(2 * u) / 4;
+}
+
+TEST(ArcLength, AParabolaHasTheLengthOfItsFormula) {
+  // The middle of these four Catmull-Rom segments' three is (u, u^2), u = 2 t - 1.
+  const std::vector<double> keys{-3, 9, -1, 1, 1, 1, 3, 9};
+  const MeasuredPath<double> path({.spline = Spline::catmull_rom, .axis_count = 2, .keys = keys},
+                                  {.delta = 1e-9});
+  const double before = path->segment_begin(1).high;
+  EXPECT_NEAR(path->segment_begin(2).high - before, 2 * parabola_length(1), 1e-13);
+  for (const double u : {-0.9, -0.5, 0.0, 0.3, 0.8}) {
+    const double length = parabola_length(1) + parabola_length(u);
+    EXPECT_NEAR(path.distance({1, (1 + u) / 2}) - before, length, 1e-13) << u;
+    EXPECT_NEAR(path.coordinate_at(before + length, 0), u, 1e-9) << u;
+    EXPECT_NEAR(path.coordinate_at(before + length, 1), u * u, 2e-9) << u;
+  }
+}
+
+/// Keys whose middle Catmull-Rom segment is Neile's parabola (u^2, u^3) with a cusp at u = 0.
+const std::vector<double> cusp_keys{9, -11, 1, -1, 1, 1, 9, 11};
+
+double cusp_length(double u) {
+  return (std::pow(4 + 9 * u * u, 1.5) - 8) / 27;
+}
+
+TEST(ArcLength, ACuspHasTheLengthOfItsFormulaAndIsPassedAtIt) {
+  const MeasuredPath<double> path({.spline = Spline::catmull_rom, .axis_count = 2, .keys = cusp_keys});
+  const double cusp = path->segment_begin(1).high + cusp_length(1);
+  EXPECT_NEAR(path->segment_begin(2).high - cusp, cusp_length(1), 1e-13);
+  EXPECT_NEAR(path.coordinate_at(cusp, 0), 0, 1e-12);
+  for (const double u : {1e-4, 0.01, 0.1, 0.5, 0.9}) {
+    EXPECT_NEAR(path.coordinate_at(cusp + cusp_length(u), 1), u * u * u, 2e-6 * cusp_length(u)) << u;
+    EXPECT_NEAR(path.coordinate_at(cusp - cusp_length(u), 1), -u * u * u, 2e-6 * cusp_length(u)) << u;
+  }
+}
+
+TYPED_TEST(ArcLengthIn, TensionOneIsSmoothInTheSquareRootOfTheDistance) {
+  using Real = TypeParam;
+  // One axis, P' = 0 at both keys: P = 3 t^2 - 2 t^3 is its own arc length.
+  const std::vector<Real> keys{0, 1};
+  const std::vector<KeyShape<Real>> shapes(2, {.tension = 1, .continuity = 0, .bias = 0});
+  const MeasuredPath<Real> path({.spline = Spline::tcb, .axis_count = 1, .keys = keys, .shapes = shapes});
+  const Real delta = Precision<Real>::default_delta;
+  EXPECT_NEAR(path->total(), 1, delta);
+  EXPECT_LE(path->piece_count(), 40);
+  for (const Real distance : {Real(1e-6), Real(1e-3), Real(0.2), Real(0.5), Real(0.9), Real(0.99999)}) {
+    EXPECT_NEAR(path.coordinate_at(distance, 0), distance, delta) << distance;
+  }
+}
+
+TEST(ArcLength, APathThatTurnsBackOnALineIsMeasuredBothWays) {
+  // u^2 for u = 2 t - 1 in the middle: from 1 down to 0 and up again.
+  const std::vector<double> keys{9, 1, 1, 9};
+  const MeasuredPath<double> path({.spline = Spline::catmull_rom, .axis_count = 1, .keys = keys});
+  const double before = path->segment_begin(1).high;
+  EXPECT_NEAR(path->segment_begin(2).high - before, 2, 1e-13);
+  for (const double to_turn : {0.9, 0.1, 1e-3, 1e-6}) {
+    EXPECT_NEAR(path.coordinate_at(before + 1 - to_turn, 0), to_turn, 1e-6 * to_turn + 1e-14);
+    EXPECT_NEAR(path.coordinate_at(before + 1 + to_turn, 0), to_turn, 1e-6 * to_turn + 1e-14);
+  }
+}
+
+TEST(ArcLength, APathBeyondItsEndGoesOnGrowing) {
+  const std::vector<double> keys{0, 0, 3, 4};
+  const MeasuredPath<double> line({.spline = Spline::linear, .axis_count = 2, .keys = keys});
+  EXPECT_DOUBLE_EQ(line.distance({1, 0}), 5);
+  EXPECT_DOUBLE_EQ(line.distance({1, 0.5}), 7.5);
+}
+
+// --- ends and standstill
+
+const std::vector<double> bent{0, 0, 1, 3, 7, 2, 7.5, 2.5, -4, -20, 5, 5};
+
+TYPED_TEST(ArcLengthIn, TheEndsOfThePathAreExact) {
+  using Real = TypeParam;
+  std::vector<Real> keys;
+  for (const double coordinate : bent) keys.push_back(static_cast<Real>(coordinate));
+  const MeasuredPath<Real> path({.axis_count = 2, .keys = keys});
+  const TwoSum<Real> total = path->segment_begin(5);
+  EXPECT_EQ(path->total(), total.high);
+  EXPECT_EQ(path->locate({0, 0}), (PathPoint<Real>{0, 0}));
+  EXPECT_EQ(path->locate(total), (PathPoint<Real>{5, 0}));
+  EXPECT_EQ(path->locate({2 * path->total(), 0}), (PathPoint<Real>{5, 0}));
+  EXPECT_EQ(path.distance({0, 0}), 0);
+  EXPECT_EQ(path.distance({5, 0}), path->total());
+}
+
+TYPED_TEST(ArcLengthIn, APathThatStaysHasNoLengthAndOnePlace) {
+  using Real = TypeParam;
+  const std::vector<Real> keys{4, 4, 4};
+  for (const auto& count : {std::size_t{1}, std::size_t{3}}) {
+    const MeasuredPath<Real> path({.axis_count = 1, .keys = std::span(keys).first(count)});
+    EXPECT_EQ(path->total(), 0);
+    EXPECT_EQ(path->piece_count(), 0);
+    EXPECT_EQ(path->locate({0, 0}), (PathPoint<Real>{0, 0}));
+    EXPECT_EQ(path.distance({static_cast<std::int32_t>(count) - 1, 0}), 0);
+  }
+}
+
+TEST(ArcLength, ASegmentThatStaysIsPassedInNoDistance) {
+  const std::vector<double> keys{0, 10, 10, 30};
+  const MeasuredPath<double> path({.spline = Spline::linear, .axis_count = 1, .keys = keys});
+  EXPECT_DOUBLE_EQ(path->total(), 30);
+  EXPECT_EQ(path->segment_begin(1).high, path->segment_begin(2).high);
+  EXPECT_DOUBLE_EQ(path.distance({1, 0.5}), 10);
+  EXPECT_EQ(path.locate(std::nextafter(10.0, 0.0)).segment, 0);
+  EXPECT_EQ(path.locate(std::nextafter(10.0, 20.0)).segment, 2);
+}
+
+// --- the inverse
+
+TEST(ArcLength, TheInverseComesBackToWhereItStarted) {
+  for (const double delta : {1e-4, 1e-6, 1e-9}) {
+    for (const Acceptance acceptance : {Acceptance::estimated, Acceptance::certified}) {
+      const MeasuredPath<double> path({.axis_count = 2, .keys = bent},
+                                      {.delta = delta, .acceptance = acceptance});
+      for (int i = 0; i <= 1000; ++i) {
+        const double distance = path->total() * i / 1000;
+        EXPECT_NEAR(path.distance(path.locate(distance)), distance, delta * path->total() / 4) << delta;
+      }
+    }
+  }
+}
+
+TEST(ArcLength, TheNumberOfBucketsChangesNoPoint) {
+  const MeasuredPath<double> path({.spline = Spline::catmull_rom, .axis_count = 2, .keys = cusp_keys});
+  ArcLengthStorage<double, 3, 4000> storage;
+  ArcLengthMemory<double> memory = storage.memory();
+  for (const std::size_t buckets : {1U, 2U, 7U, 8000U}) {
+    memory.buckets = std::span(storage.buckets).first(buckets);
+    const auto arc_length = ArcLength<double>::make(path.path(), {}, memory);
+    ASSERT_TRUE(arc_length);
+    for (int i = 0; i <= 3000; ++i) {
+      const double distance = path->total() * i / 3000;
+      EXPECT_EQ(arc_length->locate({distance, 0}), path.locate(distance));
+    }
+  }
+}
+
+TEST(ArcLength, ASmallerDeltaTakesMorePiecesAndLessError) {
+  double error_before = std::numeric_limits<double>::infinity();
+  std::int32_t pieces_before = 0;
+  for (const double delta : {1e-2, 1e-4, 1e-6, 1e-9}) {
+    const MeasuredPath<double> path({.axis_count = 2, .keys = bent}, {.delta = delta});
+    double error = 0;
+    for (int i = 0; i <= 1000; ++i) {
+      const double distance = path->total() * i / 1000;
+      error = std::max(error, std::fabs(path.distance(path.locate(distance)) - distance));
+    }
+    EXPECT_GT(path->piece_count(), pieces_before);
+    EXPECT_LT(error, error_before);
+    EXPECT_EQ(path->delta(), delta);
+    pieces_before = path->piece_count();
+    error_before = error;
+  }
+}
+
+// --- scale and offset
+
+TEST(ArcLength, NeitherScaleNorOffsetMatters) {
+  const MeasuredPath<double> plain({.axis_count = 2, .keys = bent});
+  for (const double scale : {std::ldexp(1.0, 332), std::ldexp(1.0, -332)}) {  // about 1e+-100
+    std::vector<double> keys = bent;
+    for (double& coordinate : keys) coordinate *= scale;
+    const MeasuredPath<double> path({.axis_count = 2, .keys = keys});
+    EXPECT_EQ(path->total(), plain->total() * scale);
+    EXPECT_EQ(path->piece_count(), plain->piece_count());
+    for (int i = 0; i <= 100; ++i) {
+      const double distance = plain->total() * i / 100;
+      EXPECT_EQ(path.locate(distance * scale), plain.locate(distance));
+    }
+  }
+  std::vector<double> keys = bent;
+  for (double& coordinate : keys) coordinate += 1e12;
+  const MeasuredPath<double> far({.axis_count = 2, .keys = keys});
+  EXPECT_EQ(far->total(), plain->total());
+}
+
+// --- what is refused
+
+TYPED_TEST(ArcLengthIn, ADeltaThatFloatingPointCannotReachIsAnError) {
+  using Real = TypeParam;
+  const std::vector<Real> keys{0, 1, 3};
+  ArcLengthStorage<Real, 2, 4000> storage;
+  PathStorage<Real, 3, 1> path_storage;
+  const auto path = Path<Real>::make({.axis_count = 1, .keys = keys}, path_storage.memory());
+  const Real least = Precision<Real>::smallest_delta;
+  for (const Real delta : {Real(0), -least, std::nextafter(least, Real(0)), Real(0.1), Real(1),
+                           std::numeric_limits<Real>::quiet_NaN(), std::numeric_limits<Real>::infinity()}) {
+    const auto refused = ArcLength<Real>::make(*path, {.delta = delta}, storage.memory());
+    ASSERT_FALSE(refused) << delta;
+    EXPECT_EQ(refused.error().code, ErrorCode::accuracy);
+  }
+  for (const Real delta : {least, std::nextafter(Real(0.1), Real(0))}) {
+    EXPECT_TRUE(ArcLength<Real>::make(*path, {.delta = delta}, storage.memory())) << delta;
+  }
+}
+
+/// Memory whose parts can be given any size.
+template <Precise Real>
+struct LooseMemory {
+  std::vector<ArcPiece<Real>> pieces;
+  std::vector<Real> begins;
+  std::vector<std::int32_t> buckets;
+  std::vector<std::int32_t> first_pieces;
+  std::vector<TwoSum<Real>> segment_begins;
+
+  LooseMemory(std::size_t segments, std::size_t piece_capacity)
+      : pieces(piece_capacity),
+        begins(piece_capacity),
+        buckets(piece_capacity),
+        first_pieces(segments + 1),
+        segment_begins(segments + 1) {}
+  ArcLengthMemory<Real> memory() { return {pieces, begins, buckets, first_pieces, segment_begins}; }
+};
+
+std::int64_t capacity_needed(const Result<ArcLength<double>>& refused) {
+  EXPECT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::capacity);
+  return refused.error().needed;
+}
+
+TEST(ArcLength, StatesThePiecesNeededWhichJustSuffice) {
+  for (const Spline spline : {Spline::smooth, Spline::catmull_rom}) {
+    const std::vector<double>& keys = spline == Spline::smooth ? bent : cusp_keys;
+    const MeasuredPath<double> path({.spline = spline, .axis_count = 2, .keys = keys});
+    const auto segments = static_cast<std::size_t>(path.path().segment_count());
+    for (const std::size_t capacity : {1U, 2U, 20U}) {
+      LooseMemory<double> small(segments, capacity);
+      const auto needed = capacity_needed(ArcLength<double>::make(path.path(), {}, small.memory()));
+      ASSERT_EQ(needed, path->piece_count());
+      LooseMemory<double> enough(segments, static_cast<std::size_t>(needed));
+      EXPECT_TRUE(ArcLength<double>::make(path.path(), {}, enough.memory()));
+      LooseMemory<double> one_less(segments, static_cast<std::size_t>(needed) - 1);
+      EXPECT_FALSE(ArcLength<double>::make(path.path(), {}, one_less.memory()));
+    }
+  }
+}
+
+TEST(ArcLength, StatesTheSegmentsNeededWhichJustSuffice) {
+  const MeasuredPath<double> path({.axis_count = 2, .keys = bent});
+  LooseMemory<double> small(3, 200);
+  const auto needed = capacity_needed(ArcLength<double>::make(path.path(), {}, small.memory()));
+  ASSERT_EQ(needed, 5);
+  LooseMemory<double> enough(static_cast<std::size_t>(needed), 200);
+  EXPECT_TRUE(ArcLength<double>::make(path.path(), {}, enough.memory()));
+}
+
+TEST(ArcLength, EvenAPathThatStaysNeedsABucket) {
+  const std::vector<double> keys{4, 4};
+  const MeasuredPath<double> path({.axis_count = 1, .keys = keys});
+  LooseMemory<double> none(1, 0);
+  const auto needed = capacity_needed(ArcLength<double>::make(path.path(), {}, none.memory()));
+  ASSERT_EQ(needed, 1);
+  LooseMemory<double> enough(1, static_cast<std::size_t>(needed));
+  EXPECT_TRUE(ArcLength<double>::make(path.path(), {}, enough.memory()));
+}
+
+}  // namespace
+}  // namespace inbetween

@@ -1,0 +1,177 @@
+// Holds docs/formats.md against the readers. What a reader accepts is asked of the reader itself: an unknown
+// field is refused with the list of all fields.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <map>
+#include <set>
+#include <sstream>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "host_tools/move_file.hpp"
+#include "host_tools/rig_file.hpp"
+#include "tests/support/refused_text.hpp"
+
+namespace inbetween {
+namespace {
+
+using Fields = std::vector<std::string>;
+
+std::vector<std::string> lines_of_document() {
+  std::ifstream file(INBETWEEN_SOURCE_DIR "/docs/formats.md");
+  EXPECT_TRUE(file.is_open());
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(file, line);) lines.push_back(line);
+  return lines;
+}
+
+/// The fields in the first column of the table under each heading.
+std::map<std::string, Fields> documented_fields() {
+  std::map<std::string, Fields> fields;
+  std::string heading;
+  for (const std::string& line : lines_of_document()) {
+    if (line.starts_with("#")) heading = line.substr(line.find_first_not_of("# "));
+    if (line.starts_with("| `")) fields[heading].push_back(line.substr(3, line.find('`', 3) - 3));
+  }
+  return fields;
+}
+
+/// The fenced TOML examples, in order.
+std::vector<std::string> documented_examples() {
+  std::vector<std::string> examples;
+  bool inside = false;
+  for (const std::string& line : lines_of_document()) {
+    if (line == "```toml") examples.emplace_back();
+    if (line.starts_with("```")) {
+      inside = line == "```toml";
+    } else if (inside) {
+      examples.back() += line + "\n";
+    }
+  }
+  return examples;
+}
+
+/// The fields that `parse` lists when it refuses `text`, which has an unknown field.
+template <typename Parse>
+Fields accepted_fields(Parse parse, const std::string& text) {
+  try {
+    parse(text, "file.toml");
+    ADD_FAILURE() << "accepted:\n" << text;
+  } catch (const InputError& error) {
+    const std::string lead = "its fields are ";
+    const std::size_t list = error.message().find(lead);
+    if (list == std::string::npos) {
+      ADD_FAILURE() << error.what();
+      return {};
+    }
+    std::string words = error.message().substr(list + lead.size());
+    Fields fields;
+    for (std::size_t comma = 0; (comma = words.find(", ")) != std::string::npos; words.erase(0, comma + 2)) {
+      fields.push_back(words.substr(0, comma));
+    }
+    fields.push_back(words);
+    return fields;
+  }
+  return {};
+}
+
+/// Accepted fields by the heading under which the document must have them. "Which reader" is in the sample.
+std::map<std::string, Fields> reader_fields() {
+  const std::string move = "name = \"m\"\nfps = 24\nframes = 2\n[[track]]\naxes = [\"x\"]\nspeed = [1]\n";
+  const std::string rig =
+      "name = \"r\"\nrate_hz = 100\n[bus.can0]\nbitrate = 500000\n[[axis]]\nname = \"x\"\nunit = \"mm\"\nmin "
+      "= 0\n"
+      "max = 1\nmax_velocity = 1\nmax_acceleration = 1\n";
+  std::map<std::string, Fields> fields;
+  fields["Move"] = accepted_fields(parse_move, "unknown_field = 1");
+  fields["`[[track]]`"] = accepted_fields(parse_move, move + "unknown_field = 1");
+  fields["`keys`"] = accepted_fields(parse_move, move + "keys = [ { at = [1], unknown_field = 1 } ]");
+  fields["Rig"] = accepted_fields(parse_rig, "unknown_field = 1");
+  fields["`[bus.NAME]`"] = accepted_fields(parse_rig, with(rig, "bitrate = 500000", "unknown_field = 1"));
+  fields["`[[axis]]`"] = accepted_fields(parse_rig, rig + "unknown_field = 1");
+  for (const char* type : {"cia402", "odrive", "moteus", "step-dir", "pipe"}) {
+    const std::string drive = fmt::format("drive = {{ type = \"{}\", unknown_field = 1 }}", type);
+    fields[fmt::format("`drive = {{ type = \"{}\" }}`", type)] = accepted_fields(parse_rig, rig + drive);
+  }
+  return fields;
+}
+
+TEST(FormatsDocument, HasEveryFieldThatTheReadersAcceptAndNoOther) {
+  const std::map<std::string, Fields> documented = documented_fields();
+  const std::map<std::string, Fields> accepted = reader_fields();
+  for (const auto& [heading, fields] : accepted) {
+    ASSERT_TRUE(documented.contains(heading)) << "docs/formats.md has no table under " << heading;
+    EXPECT_THAT(documented.at(heading), testing::UnorderedElementsAreArray(fields)) << heading;
+  }
+  for (const auto& [heading, fields] : documented) EXPECT_TRUE(accepted.contains(heading)) << heading;
+}
+
+TEST(FormatsDocument, ItsExamplesAreAccepted) {
+  const std::vector<std::string> examples = documented_examples();
+  ASSERT_EQ(examples.size(), 2U);
+  EXPECT_EQ(parse_move(examples[0], "docs/formats.md").tracks.size(), 2U);
+  EXPECT_EQ(parse_rig(examples[1], "docs/formats.md").axes.size(), 5U);
+}
+
+TEST(FormatsDocument, ItsExamplesHaveEveryField) {
+  const std::vector<std::string> examples = documented_examples();
+  ASSERT_EQ(examples.size(), 2U);
+  for (const auto& [heading, fields] : documented_fields()) {
+    const bool of_move = heading == "Move" || heading == "`[[track]]`" || heading == "`keys`";
+    for (const std::string& field : fields) {
+      EXPECT_THAT(examples[of_move ? 0 : 1], testing::ContainsRegex("(^|[^a-z_])" + field + "( |\\]|\\.)"))
+          << heading << " " << field;
+    }
+  }
+}
+
+/// Words in quotes in the type column of a field are the words that the reader names when it refuses another.
+TEST(FormatsDocument, HasEveryWordThatAFieldMayBe) {
+  const auto row_of = [](std::string_view field) {
+    for (const std::string& line : lines_of_document()) {
+      if (line.starts_with(fmt::format("| `{}` |", field))) return line;
+    }
+    return std::string();
+  };
+  const std::string move = documented_examples().at(0);
+  const std::string rig = documented_examples().at(1);
+  const auto words_after = [](auto parse, const std::string& text) {
+    std::set<std::string> words;
+    try {
+      parse(text, "file.toml");
+    } catch (const InputError& error) {
+      std::istringstream list(error.message().substr(error.message().find("; write ") + 8));
+      for (std::string word; list >> word;) {
+        if (word.back() == ',') word.pop_back();
+        if (word != "or") words.insert(word);
+      }
+    }
+    return words;
+  };
+  const std::map<std::string, std::set<std::string>> words = {
+      {"spline", words_after(parse_move, with(move, "\"tcb\"", "\"?\""))},
+      {"timing", words_after(parse_move, with(move, "\"speed\"", "\"?\""))},
+      {"kinetic", words_after(parse_move, with(move, "kinetic = \"linear\"", "kinetic = \"?\""))},
+      {"unit", words_after(parse_rig, with(rig, "\"unit\"", "\"?\""))},
+  };
+  for (const auto& [field, accepted] : words) {
+    ASSERT_GE(accepted.size(), 2U) << field;
+    const std::string row = row_of(field);
+    const std::string type =
+        row.substr(row.find("| ", 2), row.find(" | ", row.find("| ", 2)) - row.find("| ", 2));
+    std::set<std::string> documented;
+    for (std::size_t at = 0; (at = type.find("`\"", at)) != std::string::npos;) {
+      const std::size_t end = type.find("\"`", at);
+      documented.insert(type.substr(at + 1, end - at));
+      at = end + 2;
+    }
+    EXPECT_EQ(documented, accepted) << field;
+  }
+}
+
+}  // namespace
+}  // namespace inbetween

@@ -1,0 +1,281 @@
+#include "inbetween/speed_profile.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+namespace inbetween {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+/// A curve with the memory it stands in.
+template <Precise Real>
+class DrawnCurve {
+ public:
+  explicit DrawnCurve(const std::vector<Real>& values)
+      : result_(SpeedProfile<Real>::make(values, storage_.memory())) {}
+  DrawnCurve(const DrawnCurve&) = delete;
+  DrawnCurve& operator=(const DrawnCurve&) = delete;
+
+  const SpeedProfile<Real>& operator*() const { return *result_; }
+  const SpeedProfile<Real>* operator->() const { return &*result_; }
+  const Result<SpeedProfile<Real>>& result() const { return result_; }
+
+ private:
+  SpeedProfileStorage<Real, 16> storage_;
+  Result<SpeedProfile<Real>> result_;
+};
+
+struct PrecisionName {
+  template <class Real>
+  static std::string GetName(int) {
+    return std::is_same_v<Real, double> ? "double" : "float";
+  }
+};
+
+template <class Real>
+class SpeedProfileIn : public testing::Test {};
+using Precisions = testing::Types<double, float>;
+TYPED_TEST_SUITE(SpeedProfileIn, Precisions, PrecisionName);
+
+// --- the curve
+
+TEST(SpeedProfile, OneRaisedValueGivesTheBellThatPaperAndPencilGive) {
+  // phi = 6 t - 2 t^3 up to the middle, and its mirror image after it.
+  const DrawnCurve<double> curve({0, 6, 0});
+  EXPECT_EQ(curve->span_count(), 2);
+  EXPECT_EQ(curve->value(0), 0);
+  EXPECT_DOUBLE_EQ(curve->value(0.5), 2.75);
+  EXPECT_DOUBLE_EQ(curve->value(1), 4);
+  EXPECT_DOUBLE_EQ(curve->value(1.5), 2.75);
+  EXPECT_EQ(curve->value(2), 0);
+  EXPECT_DOUBLE_EQ(curve->derivative(0), 6);
+  EXPECT_DOUBLE_EQ(curve->derivative(0.5), 4.5);
+  EXPECT_NEAR(curve->derivative(1), 0, 1e-14);
+  EXPECT_DOUBLE_EQ(curve->derivative(2), -6);
+  EXPECT_DOUBLE_EQ(curve->second(0.5), -6);
+  EXPECT_DOUBLE_EQ(curve->second(1), -12);
+  EXPECT_DOUBLE_EQ(curve->integral(0.5), 0.71875);
+  EXPECT_DOUBLE_EQ(curve->integral(1), 2.5);
+  EXPECT_DOUBLE_EQ(curve->integral(1.5), 4.28125);
+  EXPECT_DOUBLE_EQ(curve->integral(2), 5);
+  EXPECT_DOUBLE_EQ(curve->total_integral(), 5);
+}
+
+TEST(SpeedProfile, TheFirstSpanIsTheStatedMeanOfThreeValues) {
+  const DrawnCurve<double> curve({7, 1, 30, 2});
+  for (const double t : {0.0, 0.25, 0.5, 0.75, 1.0}) {
+    const double cube = t * t * t / 6;
+    EXPECT_DOUBLE_EQ(curve->value(t), (1 - t + cube) * 7 + (t - 2 * cube) * 1 + cube * 30) << t;
+  }
+}
+
+TEST(SpeedProfile, AnInnerKnotIsASixthFourSixthsASixth) {
+  const DrawnCurve<double> curve({3, 9, 30, 6, 12});
+  EXPECT_DOUBLE_EQ(curve->value(1), (3 + 4 * 9 + 30) / 6.0);
+  EXPECT_DOUBLE_EQ(curve->value(2), (9 + 4 * 30 + 6) / 6.0);
+  EXPECT_DOUBLE_EQ(curve->value(3), (30 + 4 * 6 + 12) / 6.0);
+}
+
+TYPED_TEST(SpeedProfileIn, BeginsAndEndsOnItsControlValuesToTheLastBit) {
+  using Real = TypeParam;
+  const std::vector<Real> values{Real(0.1), Real(33.3), Real(0.7), Real(99.9), Real(12.3)};
+  const DrawnCurve<Real> curve(values);
+  EXPECT_EQ(curve->value(0), values.front());
+  EXPECT_EQ(curve->value(4), values.back());
+}
+
+TYPED_TEST(SpeedProfileIn, HasNaturalEnds) {
+  using Real = TypeParam;
+  const DrawnCurve<Real> curve({10, 2, 30, 4, 50});
+  const Real rounding = 400 * std::numeric_limits<Real>::epsilon();
+  EXPECT_NEAR(curve->second(0), 0, rounding);
+  EXPECT_NEAR(curve->second(4), 0, rounding);
+}
+
+TYPED_TEST(SpeedProfileIn, OneValueMeansTwoEqualOnes) {
+  using Real = TypeParam;
+  const DrawnCurve<Real> one({Real(2.5)});
+  const DrawnCurve<Real> two({Real(2.5), Real(2.5)});
+  EXPECT_EQ(one->span_count(), 1);
+  EXPECT_EQ(two->span_count(), 1);
+  for (const Real a : {Real(0), Real(0.375), Real(1)}) {
+    EXPECT_EQ(one->value(a), two->value(a));
+    EXPECT_NEAR(one->value(a), Real(2.5), 4 * std::numeric_limits<Real>::epsilon());
+    EXPECT_EQ(one->integral(a), two->integral(a));
+    EXPECT_NEAR(one->derivative(a), 0, 32 * std::numeric_limits<Real>::epsilon());
+  }
+  EXPECT_NEAR(one->total_integral(), Real(2.5), 4 * std::numeric_limits<Real>::epsilon());
+}
+
+TEST(SpeedProfile, TwoValuesAreAStraightLine) {
+  const DrawnCurve<double> curve({10, 30});
+  EXPECT_EQ(curve->span_count(), 1);
+  for (const double a : {0.0, 0.125, 0.5, 0.9, 1.0}) {
+    EXPECT_DOUBLE_EQ(curve->value(a), 10 + 20 * a);
+    EXPECT_NEAR(curve->derivative(a), 20, 1e-13);
+    EXPECT_NEAR(curve->second(a), 0, 1e-13);
+    EXPECT_NEAR(curve->integral(a), 10 * a + 10 * a * a, 1e-14);
+  }
+}
+
+TEST(SpeedProfile, FourZerosInARowAreADwell) {
+  const DrawnCurve<double> curve({8, 0, 0, 0, 0, 8});
+  for (const double a : {2.0, 2.3, 2.5, 3.0}) EXPECT_EQ(curve->value(a), 0) << a;
+  EXPECT_EQ(curve->integral(2), curve->integral(3));
+  EXPECT_GT(curve->value(1.9), 0);
+  EXPECT_GT(curve->value(3.1), 0);
+}
+
+TEST(SpeedProfile, TwoZerosAtAnEndStartFromRestWithoutAcceleration) {
+  const DrawnCurve<double> curve({0, 0, 10, 10});
+  EXPECT_EQ(curve->value(0), 0);
+  EXPECT_EQ(curve->derivative(0), 0);
+}
+
+// --- what is refused
+
+void expect_refused(const Status& status, ErrorCode code, std::int32_t control_value, const char* word) {
+  ASSERT_FALSE(status);
+  EXPECT_EQ(status.error().code, code);
+  EXPECT_EQ(status.error().control_value, control_value);
+  EXPECT_THAT(status.error().what, HasSubstr(word));
+  EXPECT_STRNE(status.error().remedy, "");
+}
+
+TYPED_TEST(SpeedProfileIn, NamesTheControlValueThatIsNotOne) {
+  using Real = TypeParam;
+  struct Case {
+    Real value;
+    ErrorCode code;
+    const char* word;
+  };
+  const Case cases[] = {
+      {std::numeric_limits<Real>::quiet_NaN(), ErrorCode::not_finite, "finite"},
+      {std::numeric_limits<Real>::infinity(), ErrorCode::not_finite, "finite"},
+      {-std::numeric_limits<Real>::infinity(), ErrorCode::not_finite, "finite"},
+      {-std::numeric_limits<Real>::denorm_min(), ErrorCode::out_of_range, "negative"},
+      {std::nextafter(Real(100), Real(200)), ErrorCode::out_of_range, "above 100"},
+      {std::numeric_limits<Real>::max(), ErrorCode::out_of_range, "above 100"},
+  };
+  for (const Case& each : cases) {
+    for (const std::int32_t index : {0, 1, 3}) {
+      std::vector<Real> values{1, 0, 100, 50};
+      EXPECT_TRUE(DrawnCurve<Real>(values).result()) << "0 and 100 are allowed";
+      values[static_cast<std::size_t>(index)] = each.value;
+      const DrawnCurve<Real> curve(values);
+      ASSERT_FALSE(curve.result());
+      expect_refused(curve.result().error(), each.code, index, each.word);
+    }
+  }
+}
+
+TYPED_TEST(SpeedProfileIn, NeedsAtLeastOneControlValue) {
+  const DrawnCurve<TypeParam> curve({});
+  ASSERT_FALSE(curve.result());
+  EXPECT_EQ(curve.result().error().code, ErrorCode::wrong_count);
+}
+
+TYPED_TEST(SpeedProfileIn, StatesTheCapacityNeededWhichSuffices) {
+  using Real = TypeParam;
+  const std::vector<Real> values{1, 2, 3, 4, 5};
+  SpeedProfileStorage<Real, 4> small;
+  const auto refused = SpeedProfile<Real>::make(values, small.memory());
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::capacity);
+  ASSERT_EQ(refused.error().needed, 5);
+  SpeedProfileStorage<Real, 5> enough;
+  EXPECT_TRUE(SpeedProfile<Real>::make(values, enough.memory()));
+  SpeedProfileStorage<Real, 1> one;
+  EXPECT_TRUE(SpeedProfile<Real>::make(std::vector<Real>{1}, one.memory()));
+}
+
+TEST(SpeedProfile, RefusesMemoryThatIsShortInEitherPart) {
+  const std::vector<double> values{1, 2, 3};
+  std::array<SpeedSpan<double>, 2> spans;
+  std::array<TwoSum<double>, 3> integrals;
+  const std::span all_spans(spans);
+  const std::span all_integrals(integrals);
+  EXPECT_TRUE(SpeedProfile<double>::make(values, {all_spans, all_integrals}));
+  EXPECT_FALSE(SpeedProfile<double>::make(values, {all_spans.first(1), all_integrals}));
+  EXPECT_FALSE(SpeedProfile<double>::make(values, {all_spans, all_integrals.first(2)}));
+}
+
+// --- the animator's edits
+
+ControlValues<double, 4> drawn(std::initializer_list<double> values) {
+  ControlValues<double, 4> result;
+  for (const double value : values) EXPECT_TRUE(result.push_back(value));
+  return result;
+}
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+TEST(ControlValues, AreInsertedWhereTheAnimatorPoints) {
+  auto values = drawn({10, 30});
+  EXPECT_TRUE(insert_control_value(values, 1, 20.0));
+  EXPECT_TRUE(insert_control_value(values, 3, 0.0));
+  EXPECT_THAT(values, ElementsAre(10, 20, 30, 0));
+}
+
+TEST(ControlValues, AreErasedWhereTheAnimatorPoints) {
+  auto values = drawn({10, 20, 30});
+  EXPECT_TRUE(erase_control_value(values, 1));
+  EXPECT_THAT(values, ElementsAre(10, 30));
+}
+
+TEST(ControlValues, AreRaisedAndLoweredUpToTheirLimits) {
+  auto values = drawn({10, 20, 30});
+  EXPECT_TRUE(raise_control_value(values, 1, 80.0));
+  EXPECT_TRUE(lower_control_value(values, 2, 30.0));
+  EXPECT_TRUE(raise_control_value(values, 0, -4.0));
+  EXPECT_TRUE(lower_control_value(values, 0, -1.0));
+  EXPECT_THAT(values, ElementsAre(7, 100, 0));
+}
+
+TEST(ControlValues, AreNeverClampedIntoRange) {
+  auto values = drawn({10, 20, 30});
+  expect_refused(raise_control_value(values, 1, 80.5), ErrorCode::out_of_range, 1, "above 100");
+  expect_refused(lower_control_value(values, 2, 30.5), ErrorCode::out_of_range, 2, "negative");
+  expect_refused(raise_control_value(values, 0, nan), ErrorCode::not_finite, 0, "finite");
+  expect_refused(lower_control_value(values, 0, nan), ErrorCode::not_finite, 0, "finite");
+  expect_refused(insert_control_value(values, 1, -1.0), ErrorCode::out_of_range, 1, "negative");
+  expect_refused(insert_control_value(values, 3, 101.0), ErrorCode::out_of_range, 3, "above 100");
+  expect_refused(insert_control_value(values, 0, nan), ErrorCode::not_finite, 0, "finite");
+  EXPECT_THAT(values, ElementsAre(10, 20, 30)) << "a refused edit changed the list";
+}
+
+TEST(ControlValues, AnEditOfOneThatIsNotThereIsRefused) {
+  auto values = drawn({10, 20});
+  expect_refused(raise_control_value(values, 2, 1.0), ErrorCode::out_of_range, 2, "no such");
+  expect_refused(lower_control_value(values, 2, 1.0), ErrorCode::out_of_range, 2, "no such");
+  EXPECT_EQ(erase_control_value(values, 2).error().code, ErrorCode::out_of_range);
+  EXPECT_EQ(insert_control_value(values, 3, 1.0).error().code, ErrorCode::out_of_range);
+  EXPECT_THAT(values, ElementsAre(10, 20));
+}
+
+TEST(ControlValues, TheLastOneStays) {
+  auto values = drawn({10});
+  expect_refused(erase_control_value(values, 0), ErrorCode::wrong_count, 0, "last");
+  EXPECT_THAT(values, ElementsAre(10));
+}
+
+TEST(ControlValues, OneMoreThanTheMemoryHoldsStatesTheCapacityNeeded) {
+  auto values = drawn({1, 2, 3, 4});
+  const Status status = insert_control_value(values, 2, 9.0);
+  ASSERT_FALSE(status);
+  EXPECT_EQ(status.error().code, ErrorCode::capacity);
+  EXPECT_EQ(status.error().needed, 5);
+  EXPECT_THAT(values, ElementsAre(1, 2, 3, 4));
+}
+
+}  // namespace
+}  // namespace inbetween
