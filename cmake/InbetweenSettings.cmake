@@ -29,8 +29,8 @@ target_compile_options(inbetween_settings INTERFACE
 if(INBETWEEN_SANITIZE)
   target_compile_options(inbetween_settings INTERFACE
     "-fsanitize=${INBETWEEN_SANITIZE}" -fno-sanitize-recover=all -fno-omit-frame-pointer
-    # Sanitizer instrumentation confuses GCC's flow analysis of null pointers.
-    -Wno-null-dereference -Wno-maybe-uninitialized)
+    # Sanitizer instrumentation confuses GCC's flow analysis.
+    $<$<CXX_COMPILER_ID:GNU>:-Wno-null-dereference$<SEMICOLON>-Wno-maybe-uninitialized>)
   target_link_options(inbetween_settings INTERFACE "-fsanitize=${INBETWEEN_SANITIZE}")
 endif()
 

@@ -5,8 +5,13 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
+#include <filesystem>
+#include <iostream>
 #include <optional>
+#include <stdexcept>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "host_tools/output_file.hpp"
 #include "host_tools/plan.hpp"
@@ -31,26 +36,90 @@ class UsageError : public std::runtime_error {
 };
 
 struct PlanArguments {
-  std::string move, rig, per = "frame", solver = "closed-form", csv, json, plot;
+  std::string move, per = "frame", solver = "closed-form";
+  std::optional<std::string> rig, csv, json, plot;
 };
 
 struct RunArguments {
-  std::string move, rig, json;
+  std::string move, rig;
+  std::optional<std::string> json;
   bool simulated = false;
   bool fast = false;
 };
 
-Plan make_plan(const std::string& move, const std::string& rig, Solver solver) {
+/// A file that a command reads or writes, with the argument that names it.
+struct NamedFile {
+  const char* argument;
+  std::optional<std::string> name;
+};
+
+bool is_same_file(const std::string& one, const std::string& other) {
+  std::error_code not_there;
+  if (std::filesystem::equivalent(one, other, not_there)) return std::filesystem::is_regular_file(one);
+  const auto place = [&](const std::string& name) {
+    return std::filesystem::weakly_canonical(name, not_there);
+  };
+  return !std::filesystem::exists(one, not_there) && place(one) == place(other);
+}
+
+/// No output is written over an input or over another output.
+void refuse_outputs_in_one_place(const std::vector<NamedFile>& inputs,
+                                 const std::vector<NamedFile>& outputs) {
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    const NamedFile& output = outputs[i];
+    if (!output.name) continue;
+    const auto refuse = [&](const NamedFile& other) {
+      throw UsageError(fmt::format("{} and {} would both be {}; give each its own file", other.argument,
+                                   output.argument,
+                                   *output.name == "-" ? "the standard output" : *output.name));
+    };
+    for (std::size_t k = 0; k < i; ++k) {
+      if (!outputs[k].name) continue;
+      const bool to_stdout = *output.name == "-" || *outputs[k].name == "-";
+      if (to_stdout ? *output.name == *outputs[k].name : is_same_file(*output.name, *outputs[k].name)) {
+        refuse(outputs[k]);
+      }
+    }
+    for (const NamedFile& input : inputs) {
+      if (input.name && *output.name != "-" && is_same_file(*output.name, *input.name)) refuse(input);
+    }
+  }
+}
+
+Plan make_plan(const std::string& move, const std::optional<std::string>& rig, Solver solver) {
   std::optional<RigFile> rig_file;
-  if (!rig.empty()) rig_file = read_rig_file(rig);
+  if (rig) rig_file = read_rig_file(*rig);
   Plan plan(read_move_file(move), std::move(rig_file), {.solver = solver});
   for (const Warning& warning : plan.warnings()) fmt::print(stderr, "{}\n", to_string(warning));
   return plan;
 }
 
 /// The summary goes to standard error when standard output carries data.
-std::FILE* summary_stream(const std::string& first, const std::string& second) {
-  return first == "-" || second == "-" ? stderr : stdout;
+std::FILE* summary_stream(bool data_on_standard_output) {
+  return data_on_standard_output ? stderr : stdout;
+}
+
+/// What locked keys and holds did to the drawn curve.
+void print_key_timing(const SolvedTrack<double>& solved, std::FILE* out) {
+  if (!solved.key_timing()) return;
+  const KeyTiming<double>& timing = *solved.key_timing();
+  const auto f = static_cast<std::int32_t>(timing.control_values.size()) - 1;
+  for (const KeyLock& lock : timing.locks) {
+    const bool end_of_move =
+        lock.hold == 0 && (lock.key == 0 || lock.key == solved.track().path().segment_count());
+    if (end_of_move) continue;
+    fmt::print(out, "    key {} on frame {}", lock.key, lock.frame);
+    if (lock.hold > 0) fmt::print(out, ", at rest for {} frames", lock.hold);
+    fmt::print(out, "{}\n", lock.breaks ? ", with a break in the speed" : "");
+  }
+  for (const Portion<double>& portion : solved.track().portions()) {
+    fmt::print(out, "    from frame {} on K {:.6g}\n", portion.begin_frame, portion.constant);
+  }
+  fmt::print(out, "    speed curve: {} control values", f + 1);
+  if (timing.refinements > 0) fmt::print(out, " (the drawn {}, refined)", (f >> timing.refinements) + 1);
+  fmt::print(out, ", largest change {:.4g} at a = {} (frame {:.1f})\n", timing.largest_change,
+             timing.largest_change_at,
+             static_cast<double>(timing.largest_change_at) * solved.track().frames() / f);
 }
 
 void print_plan_summary(const Plan& plan, std::FILE* out) {
@@ -61,38 +130,56 @@ void print_plan_summary(const Plan& plan, std::FILE* out) {
     const SolvedTrack<double>& solved = plan.tracks()[t];
     const Provenance<double>& made = solved.table().provenance();
     const std::string unit = plan.length_unit(t);
-    fmt::print(out, "  {}: {} keys, length {:.6g}{}{}, K {:.6g}; ", fmt::join(move.tracks[t].axes, ", "),
-               move.tracks[t].keys.size(), solved.track().arc_length().total(), unit.empty() ? "" : " ", unit,
-               made.constant);
+    fmt::print(out, "  {}: {} keys, length {:.6g}{}{}; ", comma_separated(move.tracks[t].axes),
+               move.tracks[t].keys.size(), solved.track().arc_length().total(), unit.empty() ? "" : " ",
+               unit);
+    if (!solved.track().has_profile()) {
+      fmt::print(out, "timed by the frames of its keys\n");
+      continue;
+    }
+    if (solved.track().portions().empty()) fmt::print(out, "K {:.6g}; ", made.constant);
     if (made.solver == Solver::closed_form) {
       fmt::print(out, "closed form, speed within {:g}\n", made.speed_error);
     } else {
       fmt::print(out, "Runge-Kutta, {} integrations of {} steps a frame, speed within {:.2g} (frame {})\n",
                  made.integrations, made.substeps, made.speed_error, made.speed_error_frame);
     }
+    print_key_timing(solved, out);
   }
 }
 
-void plan_command(const PlanArguments& arguments) {
-  const bool per_tick = arguments.per == "tick";
-  if (per_tick && arguments.rig.empty()) {
+void check_usage(const PlanArguments& arguments) {
+  if (arguments.per == "tick" && !arguments.rig) {
     throw UsageError("--per tick needs --rig RIG, which says how many ticks a second has");
   }
-  if (arguments.csv == "-" && arguments.json == "-") {
-    throw UsageError("--csv - and --json - cannot share the standard output; give one of them a file");
+  if (arguments.per == "tick" && arguments.solver == "runge-kutta") {
+    throw UsageError("--solver runge-kutta knows frames only; leave out --per tick or the solver");
   }
-  if (!arguments.plot.empty()) static_cast<void>(picture_format(arguments.plot));
+  if (arguments.plot) {
+    try {
+      static_cast<void>(picture_format(*arguments.plot));
+    } catch (const std::runtime_error& error) {
+      throw UsageError(fmt::format("--plot {}", error.what()));
+    }
+  }
+  refuse_outputs_in_one_place(
+      {{"MOVE", arguments.move}, {"--rig", arguments.rig}},
+      {{"--csv", arguments.csv}, {"--json", arguments.json}, {"--plot", arguments.plot}});
+}
+
+void plan_command(const PlanArguments& arguments) {
+  check_usage(arguments);
   const Solver solver = arguments.solver == "closed-form" ? Solver::closed_form : Solver::runge_kutta;
   const Plan plan = make_plan(arguments.move, arguments.rig, solver);
-  const PlanRows rows = per_tick ? PlanRows::tick : PlanRows::frame;
-  if (!arguments.csv.empty()) {
-    write_output(arguments.csv, [&](std::FILE* file) { write_plan_csv(plan, rows, file); });
+  const PlanRows rows = arguments.per == "tick" ? PlanRows::tick : PlanRows::frame;
+  if (arguments.csv) {
+    write_output(*arguments.csv, [&](std::FILE* file) { write_plan_csv(plan, rows, file); });
   }
-  if (!arguments.json.empty()) {
-    write_output(arguments.json, [&](std::FILE* file) { write_plan_json(plan, rows, file); });
+  if (arguments.json) {
+    write_output(*arguments.json, [&](std::FILE* file) { write_plan_json(plan, rows, file); });
   }
-  if (!arguments.plot.empty()) draw_plot(plot_of(plan), arguments.plot);
-  print_plan_summary(plan, summary_stream(arguments.csv, arguments.json));
+  if (arguments.plot) draw_plot(plot_of(plan), *arguments.plot);
+  print_plan_summary(plan, summary_stream(arguments.csv == "-" || arguments.json == "-"));
 }
 
 void print_run_summary(const RunReport& report, const Plan& plan, const RunArguments& arguments,
@@ -115,6 +202,9 @@ int run_command(const RunArguments& arguments) {
   if (!arguments.simulated) {
     throw UsageError("this version moves a simulated rig only; add --sim");
   }
+  refuse_outputs_in_one_place({{"MOVE", arguments.move}, {"--rig", arguments.rig}},
+                              {{"--json", arguments.json}});
+  if (arguments.json) check_output(*arguments.json);
   const Plan plan = make_plan(arguments.move, arguments.rig, Solver::closed_form);
   RunReport report;
   {
@@ -130,10 +220,10 @@ int run_command(const RunArguments& arguments) {
                                                     static_cast<double>(tick) / rate_hz));
                              }});
   }
-  if (!arguments.json.empty()) {
-    write_output(arguments.json, [&](std::FILE* file) { write_run_json(report, file); });
+  if (arguments.json) {
+    write_output(*arguments.json, [&](std::FILE* file) { write_run_json(report, file); });
   }
-  print_run_summary(report, plan, arguments, summary_stream(arguments.json, ""));
+  print_run_summary(report, plan, arguments, summary_stream(arguments.json == "-"));
   return report.ending == Ending::fault ? exit_fault : 0;
 }
 
@@ -176,6 +266,11 @@ void describe_run(CLI::App& app, RunArguments& arguments) {
       "  inbetween run move.toml --rig rig.toml --sim --fast        for scripts and tests");
 }
 
+/// Not fmt::print, which throws where standard error cannot be written either: the status still tells.
+void complain(const std::string& line) {
+  std::fputs((line + '\n').c_str(), stderr);
+}
+
 }  // namespace
 
 int run_command_line(int argc, const char* const* argv) {
@@ -195,23 +290,34 @@ int run_command_line(int argc, const char* const* argv) {
   describe_plan(*plan, plan_arguments);
   CLI::App* run = app.add_subcommand("run", "Play a move on a rig, a position of every axis per tick");
   describe_run(*run, run_arguments);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : exit_wrong_usage;
-  }
-  try {
-    if (run->parsed()) return run_command(run_arguments);
-    plan_command(plan_arguments);
-    return 0;
-  } catch (const UsageError& error) {
-    fmt::print(stderr, "inbetween: error: {}\n", error.what());
+  const auto wrong_usage = [](const std::string& what, const std::string& command) {
+    complain(fmt::format("inbetween: error: {}; see inbetween {}--help", what, command));
     return exit_wrong_usage;
+  };
+  try {
+    int status = 0;
+    try {
+      app.parse(argc, argv);
+      if (run->parsed()) {
+        status = run_command(run_arguments);
+      } else {
+        plan_command(plan_arguments);
+      }
+    } catch (const CLI::Success& asked) {  // --help, --version
+      app.exit(asked);
+      std::cout.flush();
+    }
+    check_standard_output();
+    return status;
+  } catch (const CLI::ParseError& error) {
+    return wrong_usage(error.what(), plan->parsed() ? "plan " : run->parsed() ? "run " : "");
+  } catch (const UsageError& error) {
+    return wrong_usage(error.what(), run->parsed() ? "run " : "plan ");
   } catch (const LimitError& error) {
-    fmt::print(stderr, "{}\n", error.what());
+    complain(error.what());
     return exit_limit;
   } catch (const std::exception& error) {
-    fmt::print(stderr, "{}\n", error.what());
+    complain(error.what());
     return exit_bad_input;
   }
 }

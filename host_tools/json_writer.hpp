@@ -45,6 +45,8 @@ class JsonWriter {
     }
     separate();
     fmt::format_to(std::back_inserter(buffer_), "{}", number);
+    // Many readers take -0 for an integer, which has no sign to keep.
+    if (number == 0 && std::signbit(number)) append(".0");
     flush_if_large();
   }
   void value(std::integral auto number) {

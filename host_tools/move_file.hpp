@@ -35,7 +35,6 @@ struct WrittenFrameRate {
 };
 
 enum class Timing { speed, frames };
-enum class Kinetic { linear, smooth };
 
 struct MoveKey {
   std::vector<double> at;  // one coordinate per axis of the track, in the units of the axes

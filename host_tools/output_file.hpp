@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdio>
-#include <filesystem>
 #include <functional>
 #include <string>
 
@@ -10,7 +9,15 @@ namespace inbetween {
 
 /// Opens `name` ("-" is standard output), lets `write` fill it, and checks that all of it arrived. A file
 /// is written beside its place and then renamed, so that a full disk or an error leaves the old file as
-/// it was. Throws std::runtime_error, one line that starts with the file's name.
+/// it was; its permissions stay, and a symbolic link goes on pointing to it. A pipe or a device is
+/// written directly. Throws std::runtime_error, one line that starts with the file's name.
 void write_output(const std::string& name, const std::function<void(std::FILE*)>& write);
+
+/// Throws as write_output would where it is plain already that `name` cannot be written: for work that takes
+/// long. Creates nothing.
+void check_output(const std::string& name);
+
+/// Throws where something that was printed did not arrive on standard output.
+void check_standard_output();
 
 }  // namespace inbetween

@@ -13,6 +13,8 @@ namespace {
 struct TrackNumbers {
   std::vector<double> keys;
   std::vector<KeyShape<double>> shapes;
+  std::vector<KeyLock> locks;
+  std::vector<std::int32_t> key_frames;
   TrackSpec<double> spec;
 
   TrackNumbers(const MoveTrack& track, const MoveFile& move) {
@@ -27,8 +29,44 @@ struct TrackNumbers {
                  .weights = track.weights,
                  .shapes = shapes};
     spec.control_values = track.speed;
+    if (track.timing == Timing::frames) {
+      take_key_frames(track, move.frames);
+    } else {
+      take_locks(track);
+    }
     spec.frames = move.frames;
     spec.fps = move.fps.rate;
+  }
+
+ private:
+  void take_locks(const MoveTrack& track) {
+    for (std::size_t k = 0; k < track.keys.size(); ++k) {
+      const MoveKey& key = track.keys[k];
+      if (!key.frame && !key.hold) continue;
+      locks.push_back({.key = static_cast<std::int32_t>(k),
+                       .frame = key.frame.value_or(-1),
+                       .hold = key.hold.value_or(0),
+                       .breaks = key.breaks});
+    }
+    spec.locks = locks;
+  }
+
+  void take_key_frames(const MoveTrack& track, std::int32_t frames) {
+    for (const MoveKey& key : track.keys) {
+      if (key.hold || key.breaks) {
+        throw InputError(
+            key.place,
+            R"(hold and break belong to a speed curve; with timing = "frames" write the key twice, on )"
+            "the first and the last frame of the hold");
+      }
+      if (!key.frame)
+        throw InputError(key.place, R"(the key has no frame; timing = "frames" needs one on every key)");
+      key_frames.push_back(*key.frame);
+    }
+    if (track.closed && track.keys.size() > 1) key_frames.push_back(frames);
+    spec.key_frames = key_frames;
+    const Kinetic usual = track.spline == Spline::linear ? Kinetic::linear : Kinetic::smooth;
+    spec.kinetic = track.kinetic.value_or(usual);
   }
 };
 
@@ -62,20 +100,7 @@ std::string message_of(const Error& error, const MoveTrack& track) {
   return fmt::format("{}{}; {}", where, error.what, error.remedy);
 }
 
-/// What design.md describes and this version does not do yet is refused, not ignored.
-void refuse_what_is_not_solved_yet(const MoveTrack& track) {
-  if (track.timing == Timing::frames) {
-    throw InputError(track.place, R"(timing = "frames" is not solved by this version; draw a speed curve)");
-  }
-  for (const MoveKey& key : track.keys) {
-    if (key.frame || key.hold) {
-      throw InputError(key.place, "frame and hold are not solved by this version; remove them");
-    }
-  }
-}
-
 SolvedTrack<double> solve_track(const MoveTrack& track, const MoveFile& move, const PlanOptions& options) {
-  refuse_what_is_not_solved_yet(track);
   const TrackNumbers numbers(track, move);
   try {
     SolvedTrack<double> solved(numbers.spec, options.solver);
@@ -91,6 +116,7 @@ SolvedTrack<double> solve_track(const MoveTrack& track, const MoveFile& move, co
 
 Plan::Plan(MoveFile move, std::optional<RigFile> rig, const PlanOptions& options)
     : move_(std::move(move)), rig_(std::move(rig)) {
+  refuse_too_many_ticks();
   list_axes();
   warn_of_mixed_units();
   solve(options);
@@ -99,6 +125,16 @@ Plan::Plan(MoveFile move, std::optional<RigFile> rig, const PlanOptions& options
 double Plan::duration_s() const {
   const FrameRate& fps = move_.fps.rate;
   return static_cast<double>(move_.frames) * fps.denominator / fps.numerator;
+}
+
+void Plan::refuse_too_many_ticks() const {
+  if (!rig_) return;
+  const std::int64_t ticks = last_tick(move_.frames, move_.fps.rate, rig_->rate_hz);
+  if (ticks <= most_ticks) return;
+  throw InputError(move_.frames_place,
+                   fmt::format("the move lasts {:.6g} s, {} ticks at the {} Hz of the rig {}, and {} are "
+                               "allowed; lower frames or rate_hz",
+                               duration_s(), ticks, rig_->rate_hz, in_quotes(rig_->name), most_ticks));
 }
 
 void Plan::list_axes() {
@@ -136,12 +172,13 @@ void Plan::warn_of_mixed_units() {
     for (const PlanAxis& axis : axes_) {
       if (axis.track == t) units.insert(to_string(*axis.unit));
     }
-    const std::string_view first = *units.begin();
-    const std::string_view second = *std::next(units.begin());
+    const std::string first(*units.begin());
+    units.erase(units.begin());
     warnings_.push_back(
-        {track.place, fmt::format("1 {} counts as 1 {} of distance along this track; give weights, "
-                                  "one per axis, to say otherwise",
-                                  second, first)});
+        {track.place,
+         fmt::format("1 {} count{} as 1 {} of distance along this track; give weights, one per axis, to say "
+                     "otherwise",
+                     fmt::join(units, " and 1 "), units.size() == 1 ? "s" : "", first)});
   }
 }
 
@@ -158,18 +195,6 @@ std::string Plan::length_unit(std::size_t track) const {
 
 void Plan::solve(const PlanOptions& options) {
   for (const MoveTrack& track : move_.tracks) tracks_.push_back(solve_track(track, move_, options));
-}
-
-void Plan::motion(const FrameTime<double>& time, std::vector<AxisMotion<double>>& out) const {
-  out.assign(axes_.size(), {});
-  std::vector<std::vector<AxisMotion<double>>> by_track(tracks_.size());
-  for (std::size_t t = 0; t < tracks_.size(); ++t) {
-    by_track[t].resize(move_.tracks[t].axes.size());
-    tracks_[t].track().motion(time, by_track[t]);
-  }
-  for (std::size_t a = 0; a < axes_.size(); ++a) {
-    if (axes_[a].track) out[a] = by_track[*axes_[a].track][axes_[a].track_axis];
-  }
 }
 
 }  // namespace inbetween

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,6 +14,9 @@
 
 namespace inbetween {
 
+/// Of a move on a rig: 46 days at 250 Hz, 14 hours at 20 kHz.
+inline constexpr std::int64_t most_ticks = 1'000'000'000;
+
 struct PlanOptions {
   Solver solver = Solver::closed_form;
 };
@@ -21,7 +25,7 @@ struct PlanOptions {
 struct PlanAxis {
   std::string name;
   std::optional<AxisUnit> unit;      // known with a rig
-  std::optional<std::size_t> track;  // index of its track; absent: in no track, holds its place
+  std::optional<std::size_t> track;  // index of its track; absent: in no track, the rig holds it where it is
   std::size_t track_axis = 0;        // its index within the track
 };
 
@@ -29,8 +33,8 @@ struct PlanAxis {
 class Plan {
  public:
   /// Solves every track and checks every frame table (check_invariants). Throws InputError at the place
-  /// in the move's file where a track cannot be solved, where an axis is not one of the rig's, or where a
-  /// rig's tick would not reach over the move.
+  /// in the move's file where a track cannot be solved, where an axis is not one of the rig's, or where the
+  /// move has more than most_ticks ticks of the rig.
   Plan(MoveFile move, std::optional<RigFile> rig, const PlanOptions& options);
 
   [[nodiscard]] const MoveFile& move() const { return move_; }
@@ -42,12 +46,9 @@ class Plan {
   /// "mm" where all axes of a track with a weight above 0 share it; "" where they do not or have none.
   [[nodiscard]] std::string length_unit(std::size_t track) const;
 
-  /// Every axis at one time, in the order of axes(). An axis in no track is at rest at 0; the rig holds it
-  /// where it is, and nothing is sent to it.
-  void motion(const FrameTime<double>& time, std::vector<AxisMotion<double>>& out) const;
-
  private:
   void solve(const PlanOptions& options);
+  void refuse_too_many_ticks() const;
   void list_axes();
   void warn_of_mixed_units();
 

@@ -10,6 +10,7 @@
 
 #include "host_tools/json_writer.hpp"
 #include "inbetween/frame_time.hpp"
+#include "inbetween/hash.hpp"
 
 namespace inbetween {
 namespace {
@@ -40,29 +41,64 @@ class TimeLine {
   std::int64_t last_;
 };
 
-/// Position, velocity and acceleration of every moving axis on every row.
-struct AxisColumns {
-  std::vector<double> position, velocity, acceleration;
+/// One axis of a track on the rows of a plan. On a frame it is where the frame table has it, whichever solver
+/// made that; between frames it is where the loop would evaluate it.
+class AxisColumn {
+ public:
+  AxisColumn(const Plan& plan, const PlanAxis& axis, PlanRows rows)
+      : line_(plan, rows),
+        rows_(rows),
+        solved_(plan.tracks()[*axis.track]),
+        axis_(axis.track_axis),
+        motion_(plan.move().tracks[*axis.track].axes.size()) {}
+
+  [[nodiscard]] std::int64_t last() const { return line_.last(); }
+  [[nodiscard]] double position(std::int64_t row) const {
+    const PathPoint<double> point = rows_ == PlanRows::frame
+                                        ? solved_.table().point(static_cast<std::int32_t>(row))
+                                        : solved_.track().locate(line_.at(row));
+    return solved_.track().path().position(point, static_cast<std::int32_t>(axis_));
+  }
+  /// Velocity and acceleration are those of the drawn speed, analytically.
+  const AxisMotion<double>& motion(std::int64_t row) {
+    solved_.track().motion(line_.at(row), motion_);
+    return motion_[axis_];
+  }
+
+ private:
+  TimeLine line_;
+  PlanRows rows_;
+  const SolvedTrack<double>& solved_;
+  std::size_t axis_;
+  std::vector<AxisMotion<double>> motion_;
 };
 
-std::vector<AxisColumns> axis_columns(const Plan& plan, PlanRows rows) {
-  const TimeLine line(plan, rows);
-  std::vector<AxisColumns> columns(plan.axes().size());
-  std::vector<AxisMotion<double>> motion;
-  for (AxisColumns& column : columns) {
-    for (auto* values : {&column.position, &column.velocity, &column.acceleration}) {
-      values->reserve(static_cast<std::size_t>(line.last()) + 1);
+/// Of everything that decides the motion: the same for two files that differ in comments or names only.
+std::uint64_t hash_of(const MoveFile& move) {
+  Fnv1a hash;
+  for (const std::int32_t number : {move.fps.rate.numerator, move.fps.rate.denominator, move.frames}) {
+    hash.add(number);
+  }
+  for (const MoveTrack& track : move.tracks) {
+    const Kinetic kinetic = track.kinetic.value_or(Kinetic::linear);
+    hash.add(static_cast<std::int32_t>(track.axes.size()));
+    hash.add(static_cast<std::int32_t>(track.spline));
+    hash.add(static_cast<std::int32_t>(track.timing));
+    hash.add(static_cast<std::int32_t>(kinetic) + (track.kinetic ? 1 : 0));
+    hash.add(static_cast<std::int32_t>(track.closed));
+    for (const MoveKey& key : track.keys) {
+      for (const double value : key.at) hash.add(value);
+      for (const double value : {key.tension, key.continuity, key.bias}) hash.add(value);
+      hash.add(key.frame.value_or(-1));
+      hash.add(key.hold.value_or(0));
+      hash.add(static_cast<std::int32_t>(key.breaks));
+    }
+    for (const std::vector<double>* list : {&track.speed, &track.weights}) {
+      hash.add(static_cast<std::int32_t>(list->size()));
+      for (const double value : *list) hash.add(value);
     }
   }
-  for (std::int64_t row = 0; row <= line.last(); ++row) {
-    plan.motion(line.at(row), motion);
-    for (std::size_t a = 0; a < columns.size(); ++a) {
-      columns[a].position.push_back(motion[a].position);
-      columns[a].velocity.push_back(motion[a].velocity);
-      columns[a].acceleration.push_back(motion[a].acceleration);
-    }
-  }
-  return columns;
+  return hash.value();
 }
 
 const char* name_of(Solver solver) {
@@ -111,18 +147,41 @@ void write_table(const SolvedTrack<double>& solved, JsonWriter& json) {
   json.end_array();
 }
 
+/// K is null where no single one holds for the whole move.
+void write_speed(const MoveTrack& track, const SolvedTrack<double>& solved, JsonWriter& json) {
+  const bool one_constant = solved.track().has_profile() && solved.track().portions().empty();
+  json.key("K");
+  if (one_constant) {
+    json.value(solved.table().provenance().constant);
+  } else {
+    json.null();
+  }
+  json.member("f", solved.track().profile().span_count());
+  json.line();
+  json.numbers("speed", solved.control_values());
+  json.numbers("speed_drawn", track.speed);
+  if (solved.track().portions().empty()) return;
+  json.line();
+  json.key("portions");
+  json.begin_array();
+  for (const Portion<double>& portion : solved.track().portions()) {
+    json.begin_object();
+    json.member("frame", portion.begin_frame);
+    json.member("K", portion.constant);
+    json.end_object();
+  }
+  json.end_array();
+}
+
 void write_track(const MoveTrack& track, const SolvedTrack<double>& solved, JsonWriter& json) {
   const Provenance<double>& provenance = solved.table().provenance();
   json.begin_object();
   json.numbers("axes", track.axes);
   json.member("solver", name_of(provenance.solver));
   json.member("speed_error", provenance.speed_error);
+  json.member("hash", fmt::format("{:016x}", hash_of(solved.table().points())));
   json.member("length", solved.track().arc_length().total());
-  json.member("K", provenance.constant);
-  json.member("f", solved.track().profile().span_count());
-  json.line();
-  json.numbers("speed", track.speed);
-  json.numbers("speed_drawn", track.speed);
+  write_speed(track, solved, json);
   json.line();
   write_segments(solved.track().path(), json);
   json.line();
@@ -130,8 +189,39 @@ void write_track(const MoveTrack& track, const SolvedTrack<double>& solved, Json
   json.end_object();
 }
 
+/// Number by number: a plan per tick may have more rows than memory.
+void write_axis(const PlanAxis& axis, AxisColumn column, JsonWriter& json) {
+  const auto write_column = [&](const char* name, auto number) {
+    json.key(name);
+    json.begin_array();
+    for (std::int64_t row = 0; row <= column.last(); ++row) json.value(number(row));
+    json.end_array();
+  };
+  json.line();
+  json.begin_object();
+  json.member("name", axis.name);
+  json.key("unit");
+  if (axis.unit) {
+    json.value(to_string(*axis.unit));
+  } else {
+    json.null();
+  }
+  write_column("position", [&](std::int64_t row) { return column.position(row); });
+  write_column("velocity", [&](std::int64_t row) { return column.motion(row).velocity; });
+  write_column("acceleration", [&](std::int64_t row) { return column.motion(row).acceleration; });
+  json.end_object();
+}
+
 std::string unit_of(const PlanAxis& axis) {
   return axis.unit ? std::string(to_string(*axis.unit)) : "";
+}
+
+/// A field with a comma or a quote is quoted as RFC 4180 says.
+std::string csv_field(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + "\"";
 }
 
 }  // namespace
@@ -150,6 +240,7 @@ void write_plan_json(const Plan& plan, PlanRows rows, std::FILE* file) {
   }
   json.member("frames", move.frames);
   json.member("duration_s", plan.duration_s());
+  json.member("hash", fmt::format("{:016x}", hash_of(move)));
   json.line();
   json.key("tracks");
   json.begin_array();
@@ -161,23 +252,8 @@ void write_plan_json(const Plan& plan, PlanRows rows, std::FILE* file) {
   json.line();
   json.key("axes");
   json.begin_array();
-  const std::vector<AxisColumns> columns = axis_columns(plan, rows);
-  for (std::size_t a = 0; a < columns.size(); ++a) {
-    const PlanAxis& axis = plan.axes()[a];
-    if (!axis.track) continue;
-    json.line();
-    json.begin_object();
-    json.member("name", axis.name);
-    json.key("unit");
-    if (axis.unit) {
-      json.value(to_string(*axis.unit));
-    } else {
-      json.null();
-    }
-    json.numbers("position", columns[a].position);
-    json.numbers("velocity", columns[a].velocity);
-    json.numbers("acceleration", columns[a].acceleration);
-    json.end_object();
+  for (const PlanAxis& axis : plan.axes()) {
+    if (axis.track) write_axis(axis, AxisColumn(plan, axis, rows), json);
   }
   json.end_array();
   json.end_object();
@@ -187,25 +263,18 @@ void write_plan_json(const Plan& plan, PlanRows rows, std::FILE* file) {
 void write_plan_csv(const Plan& plan, PlanRows rows, std::FILE* file) {
   const TimeLine line(plan, rows);
   std::string text = rows == PlanRows::frame ? "frame,time_s" : "tick,time_s";
+  std::vector<AxisColumn> columns;
   for (const PlanAxis& axis : plan.axes()) {
     if (!axis.track) continue;
-    // A name with a comma or a quote is quoted as RFC 4180 says.
+    columns.emplace_back(plan, axis, rows);
     const std::string unit = unit_of(axis);
-    std::string column = unit.empty() ? axis.name : fmt::format("{} ({})", axis.name, unit);
-    if (column.find_first_of(",\"\r\n") != std::string::npos) {
-      std::string quoted = "\"";
-      for (const char c : column) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-      column = quoted + "\"";
-    }
-    text += "," + column;
+    text += "," + csv_field(unit.empty() ? axis.name : fmt::format("{} ({})", axis.name, unit));
   }
   text += "\n";
-  std::vector<AxisMotion<double>> motion;
   for (std::int64_t row = 0; row <= line.last(); ++row) {
-    plan.motion(line.at(row), motion);
     fmt::format_to(std::back_inserter(text), "{},{}", row, line.seconds(row));
-    for (std::size_t a = 0; a < motion.size(); ++a) {
-      if (plan.axes()[a].track) fmt::format_to(std::back_inserter(text), ",{}", motion[a].position);
+    for (const AxisColumn& column : columns) {
+      fmt::format_to(std::back_inserter(text), ",{}", column.position(row));
     }
     text += '\n';
     if (text.size() > 60'000) {
@@ -234,6 +303,13 @@ double frame_of_distance(const Track<double>& track, const TwoSum<double>& dista
   return high;
 }
 
+double frame_of_key(const Track<double>& track, std::int32_t key) {
+  const auto intervals = track.key_intervals();
+  if (intervals.empty()) return frame_of_distance(track, track.arc_length().segment_begin(key));
+  const auto index = static_cast<std::size_t>(key);
+  return index < intervals.size() ? intervals[index].begin_frame : track.frames();
+}
+
 void sample_path(const Track<double>& track, PlotTrack& plot) {
   const Path<double>& path = track.path();
   const auto axes = static_cast<std::size_t>(path.axis_count());
@@ -254,20 +330,18 @@ void sample_curve(const SpeedProfile<double>& profile, PlotTrack& plot) {
   }
 }
 
+/// Everything of a track but where its axes stand in the plot.
 PlotTrack plot_of_track(const Plan& plan, std::size_t index) {
   const MoveTrack& written = plan.move().tracks[index];
   const SolvedTrack<double>& solved = plan.tracks()[index];
   const Track<double>& track = solved.track();
   const auto axes = static_cast<std::size_t>(track.path().axis_count());
   PlotTrack plot;
-  plot.axes.resize(axes);
-  for (std::size_t a = 0; a < plan.axes().size(); ++a) {
-    if (plan.axes()[a].track == index) plot.axes[plan.axes()[a].track_axis] = a;
-  }
   sample_path(track, plot);
-  sample_curve(track.profile(), plot);
-  plot.control_values = written.speed;
-  if (plot.control_values.size() == 1) plot.control_values.push_back(plot.control_values.front());
+  if (track.has_profile()) {
+    sample_curve(track.profile(), plot);
+    plot.control_values = solved.control_values();
+  }
   plot.tangents.resize(axes);
   for (std::int32_t frame = 0; frame <= track.frames(); ++frame) {
     const PathPoint<double>& point = solved.table().point(frame);
@@ -280,7 +354,7 @@ PlotTrack plot_of_track(const Plan& plan, std::size_t index) {
     for (std::size_t d = 0; d < axes; ++d) plot.keys[d].push_back(key.at[d]);
   }
   for (std::int32_t i = 0; i <= track.path().segment_count(); ++i) {
-    plot.key_frames.push_back(frame_of_distance(track, track.arc_length().segment_begin(i)));
+    plot.key_frames.push_back(frame_of_key(track, i));
   }
   plot.key_frames.back() = track.frames();
   const std::string unit = plan.length_unit(index);
@@ -296,21 +370,26 @@ PlotMove plot_of(const Plan& plan) {
   plot.frame_rate = plan.move().fps.as_written;
   plot.frames_per_second = plan.move().fps.rate.frames_per_second();
   plot.frames = plan.move().frames;
-  std::vector<AxisColumns> columns = axis_columns(plan, PlanRows::frame);
+  std::vector<std::vector<std::size_t>> axes_of_tracks;
+  for (const MoveTrack& track : plan.move().tracks) axes_of_tracks.emplace_back(track.axes.size());
   for (std::size_t a = 0; a < plan.axes().size(); ++a) {
     const PlanAxis& axis = plan.axes()[a];
-    PlotAxis drawn{.name = axis.name,
-                   .unit = unit_of(axis),
-                   .positions = std::move(columns[a].position),
-                   .minimum = {},
-                   .maximum = {}};
+    if (!axis.track) continue;
+    axes_of_tracks[*axis.track][axis.track_axis] = plot.axes.size();
+    PlotAxis drawn{.name = axis.name, .unit = unit_of(axis), .positions = {}, .minimum = {}, .maximum = {}};
+    const AxisColumn column(plan, axis, PlanRows::frame);
+    for (std::int64_t frame = 0; frame <= column.last(); ++frame)
+      drawn.positions.push_back(column.position(frame));
     if (plan.rig()) {
       drawn.minimum = plan.rig()->axes[a].min;
       drawn.maximum = plan.rig()->axes[a].max;
     }
     plot.axes.push_back(std::move(drawn));
   }
-  for (std::size_t t = 0; t < plan.tracks().size(); ++t) plot.tracks.push_back(plot_of_track(plan, t));
+  for (std::size_t t = 0; t < plan.tracks().size(); ++t) {
+    plot.tracks.push_back(plot_of_track(plan, t));
+    plot.tracks.back().axes = std::move(axes_of_tracks[t]);
+  }
   return plot;
 }
 

@@ -14,10 +14,12 @@ enum class PlanRows {
 };
 
 /// Version 1 of the format. The axes' arrays have a value per row of `rows`; the tables of the tracks are
-/// always per frame.
+/// always per frame. Axes in no track are left out, in the CSV and the picture as well. Memory does not grow
+/// with the rows.
 void write_plan_json(const Plan& plan, PlanRows rows, std::FILE* file);
 
-/// One line of names with units, then one per row: frame or tick, time, and every axis of the move.
+/// One line of names with units, then one per row: frame or tick, time, and the position of every axis of the
+/// move. Numbers read back exactly, in the JSON too.
 void write_plan_csv(const Plan& plan, PlanRows rows, std::FILE* file);
 
 /// What draw_plot shows.

@@ -8,13 +8,13 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <cerrno>
 #include <cmath>
 #include <cstdio>
 #include <numbers>
 #include <stdexcept>
-#include <system_error>
 #include <vector>
+
+#include "host_tools/output_file.hpp"
 
 namespace inbetween {
 namespace {
@@ -38,7 +38,7 @@ using FontOptions = std::unique_ptr<cairo_font_options_t, Destroy<cairo_font_opt
 void require(cairo_status_t status, const std::filesystem::path& file) {
   if (status != CAIRO_STATUS_SUCCESS) {
     throw std::runtime_error(
-        fmt::format("{}: cannot draw the picture: {}", file.string(), cairo_status_to_string(status)));
+        fmt::format("{}: error: cannot draw the picture: {}", file.string(), cairo_status_to_string(status)));
   }
 }
 
@@ -72,7 +72,7 @@ Surface make_surface(const std::filesystem::path& file, double width, double hei
   }
   if (std::max(width, height) > png_longest_side) {
     throw std::runtime_error(fmt::format(
-        "{}: the page is {:.0f} x {:.0f} pixels and PNG ends at {:.0f}; write .svg or .pdf instead",
+        "{}: error: the page is {:.0f} x {:.0f} pixels and PNG ends at {:.0f}; write .svg or .pdf instead",
         file.string(), width, height, png_longest_side));
   }
   return Surface{
@@ -120,21 +120,6 @@ void add_description(std::string& svg, std::string_view title, std::string_view 
   const auto end = svg.find('>', svg.find("<svg"));
   svg.insert(end + 1, fmt::format("\n<title>{}</title>\n<desc>{}</desc>", escaped_for_xml(title),
                                   escaped_for_xml(description)));
-}
-
-void write_bytes(const std::filesystem::path& path, const std::string& bytes) {
-  const auto refuse = [&](int reason, std::string_view remedy) {
-    throw std::runtime_error(fmt::format("{}: cannot write the picture: {}; {}", path.string(),
-                                         std::generic_category().message(reason), remedy));
-  };
-  std::FILE* file = std::fopen(path.c_str(), "wb");
-  if (file == nullptr) refuse(errno, "choose a folder that exists and that you may write to");
-  const bool whole =
-      std::fwrite(bytes.data(), 1, bytes.size(), file) == bytes.size() && std::fflush(file) == 0;
-  const int reason = errno;
-  const bool closed = std::fclose(file) == 0;
-  if (!whole || !closed)
-    refuse(whole ? errno : reason, "the file is incomplete: make room or choose another disk");
 }
 
 }  // namespace
@@ -300,7 +285,8 @@ void Canvas::write(std::string_view title, std::string_view description) {
     remove_surface_number(page.bytes);
     add_description(page.bytes, title, description);
   }
-  write_bytes(page.file, page.bytes);
+  write_output(page.file.string(),
+               [&](std::FILE* out) { std::fwrite(page.bytes.data(), 1, page.bytes.size(), out); });
 }
 
 std::string elided(Canvas& canvas, std::string_view words, const TextStyle& style, double width) {

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "drivers/linux/monotonic_clock.hpp"
 #include "host_tools/json_writer.hpp"
@@ -59,6 +58,10 @@ class Setpoints {
   std::vector<double> positions_;
 };
 
+const Place& place_of(const PlanAxis& axis, const MoveFile& move) {
+  return move.tracks[*axis.track].axis_places[axis.track_axis];
+}
+
 void refuse_positions_beyond_limits(const Plan& plan, Setpoints& setpoints) {
   for (std::int64_t tick = 0; tick <= setpoints.last(); ++tick) {
     const std::vector<double>& positions = setpoints.at(tick);
@@ -66,23 +69,14 @@ void refuse_positions_beyond_limits(const Plan& plan, Setpoints& setpoints) {
       const RigAxis& axis = plan.rig()->axes[a];
       if (positions[a] >= axis.min && positions[a] <= axis.max) continue;
       const FrameTime<double> when = setpoints.time(tick);
-      throw LimitError(fmt::format(
-          "{}: error: axis {} would go to {:.6g} {} at frame {:.2f}, outside {:.6g}..{:.6g} of the rig {}; "
-          "move its keys inward",
-          plan.move().path, in_quotes(axis.name), positions[a], to_string(axis.unit),
-          when.frame + when.fraction, axis.min, axis.max, in_quotes(plan.rig()->name)));
+      throw LimitError(
+          place_of(plan.axes()[a], plan.move()),
+          fmt::format("axis {} would go to {} {} at frame {:.2f}, outside {}..{} of the rig {}; "
+                      "move its keys inward",
+                      in_quotes(axis.name), positions[a], to_string(axis.unit), when.frame + when.fraction,
+                      axis.min, axis.max, in_quotes(plan.rig()->name)));
     }
   }
-}
-
-WakeLatency percentiles(std::vector<std::int64_t>& latencies_ns) {
-  std::ranges::sort(latencies_ns);
-  const auto at = [&](double share) {
-    const auto index =
-        static_cast<std::size_t>(std::ceil(share * static_cast<double>(latencies_ns.size()))) - 1;
-    return static_cast<double>(latencies_ns[index]) * 1e-3;
-  };
-  return {at(0.5), at(0.99), at(0.999), at(1)};
 }
 
 /// The loop: wait, compute, send.
@@ -91,8 +85,7 @@ void play(Setpoints& setpoints, const RunOptions& options, Clock& clock, std::ve
           std::int32_t rate_hz, RunReport& report) {
   const MonotonicClock wall;
   const std::int64_t last = setpoints.last() + 1;  // in one more tick the drives arrive
-  std::vector<std::int64_t> latencies_ns;
-  latencies_ns.reserve(static_cast<std::size_t>(last) + 1);
+  WakeLatencyCounter latencies;
   const std::int64_t start_ns = clock.now_ns();
   std::int64_t next_progress_ns = 0;
   for (std::int64_t tick = 0; tick <= last; ++tick) {
@@ -100,7 +93,7 @@ void play(Setpoints& setpoints, const RunOptions& options, Clock& clock, std::ve
         start_ns + tick / rate_hz * ns_per_s + tick % rate_hz * ns_per_s / rate_hz;
     clock.sleep_until_ns(deadline_ns);
     const std::int64_t latency_ns = clock.now_ns() - deadline_ns;
-    latencies_ns.push_back(latency_ns);
+    latencies.add(latency_ns);
     if (latency_ns >= ns_per_s / rate_hz) ++report.late_ticks;
     const std::vector<double>& positions = setpoints.at(std::min(tick, setpoints.last()));
     for (std::size_t a = 0; a < axes.size(); ++a) axes[a].tick(positions[a]);
@@ -111,7 +104,7 @@ void play(Setpoints& setpoints, const RunOptions& options, Clock& clock, std::ve
   }
   if (options.progress) options.progress(last, last);
   report.ticks = setpoints.last() + 1;
-  report.wake_latency = percentiles(latencies_ns);
+  report.wake_latency = latencies.summary();
 }
 
 const char* name_of(Ending ending) {

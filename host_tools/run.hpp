@@ -4,18 +4,19 @@
 #include <cstdint>
 #include <cstdio>
 #include <functional>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "host_tools/diagnostics.hpp"
 #include "host_tools/plan.hpp"
+#include "host_tools/wake_latency.hpp"
 
 namespace inbetween {
 
 /// A move that would take an axis beyond a limit of the rig: nothing has moved. Exit status 3.
-class LimitError : public std::runtime_error {
+class LimitError : public InputError {
  public:
-  using std::runtime_error::runtime_error;
+  using InputError::InputError;
 };
 
 struct RunOptions {
@@ -33,11 +34,6 @@ struct RunAxis {
   double following_error_peak = 0;
 };
 
-/// Microseconds between a tick's deadline and the moment when the loop woke up for it.
-struct WakeLatency {
-  double p50_us = 0, p99_us = 0, p99_9_us = 0, max_us = 0;
-};
-
 enum class Ending { finished, stopped, fault };
 
 struct RunReport {
@@ -46,15 +42,16 @@ struct RunReport {
   std::int64_t ticks = 0;
   std::int64_t late_ticks = 0;  ///< woken a whole period or more after their deadline
   std::vector<RunAxis> axes;    ///< every axis of the rig
-  WakeLatency wake_latency;
+  WakeLatency wake_latency;     ///< all 0 on a virtual clock
 };
 
 /// Plays the plan on simulated axes at the rig's rate: tick k at k / rate_hz seconds, from 0 to the first
 /// tick at or after the end, and one more in which the axes arrive. Axes in no track stay where they are.
 /// Before the first tick every setpoint of the move is held against the rig's position limits.
-/// Throws LimitError. The plan has a rig.
+/// Throws LimitError at the place where the move names the axis. The plan has a rig.
 RunReport run_simulated(const Plan& plan, const RunOptions& options);
 
+/// Version 1 of the format that docs/formats.md describes.
 void write_run_json(const RunReport& report, std::FILE* file);
 
 }  // namespace inbetween

@@ -7,6 +7,7 @@
 
 #include "inbetween/arc_length.hpp"
 #include "inbetween/frame_table.hpp"
+#include "inbetween/key_timing.hpp"
 #include "inbetween/ode_frame_table.hpp"
 #include "inbetween/path.hpp"
 #include "inbetween/speed_profile.hpp"
@@ -33,6 +34,11 @@ struct TrackSpec {
   std::int32_t frames = 0;
   FrameRate fps;
   ArcLengthOptions<Real> arc_length;
+  /// Keys with a frame, a hold or a break, in the order of the keys.
+  std::span<const KeyLock> locks = {};
+  /// Instead of control values: a frame for every key (of a closed path one more).
+  std::span<const std::int32_t> key_frames = {};
+  Kinetic kinetic = Kinetic::linear;
 };
 
 /// Path, arc length, speed profile, track and frame table of one spec. Movable, not copyable: its
@@ -47,8 +53,16 @@ class SolvedTrack {
 
   [[nodiscard]] const Track<Real>& track() const { return *track_; }
   [[nodiscard]] const FrameTable<Real>& table() const { return *table_; }
+  /// The f + 1 control values that are played: the drawn ones, or what the locks made of them.
+  [[nodiscard]] const std::vector<Real>& control_values() const { return control_values_; }
+  /// What the locks did to the drawn curve; nothing without locks other than breaks.
+  [[nodiscard]] const std::optional<KeyTiming<Real>>& key_timing() const { return key_timing_; }
 
  private:
+  [[nodiscard]] Track<Real> make_track(const TrackSpec<Real>& spec, const Path<Real>& path,
+                                       const ArcLength<Real>& arc_length);
+  /// Fills control_values_, and breaks_ with the locks that are breaks.
+  void apply_locks(const TrackSpec<Real>& spec, const ArcLength<Real>& arc_length);
   [[nodiscard]] Path<Real> make_path(const PathSpec<Real>& spec);
   [[nodiscard]] ArcLength<Real> make_arc_length(const Path<Real>& path,
                                                 const ArcLengthOptions<Real>& options);
@@ -64,6 +78,12 @@ class SolvedTrack {
   std::vector<SpeedSpan<Real>> spans_;
   std::vector<TwoSum<Real>> integrals_;
   std::vector<TwoSum<Real>> span_distances_;
+  std::vector<Portion<Real>> portions_;
+  std::vector<KeyInterval<Real>> key_intervals_;
+  std::vector<Real> control_values_;
+  std::vector<BreakKey> breaks_;
+  std::vector<KeyLock> completed_locks_;
+  std::optional<KeyTiming<Real>> key_timing_;
   std::vector<PathPoint<Real>> points_;
   std::optional<Track<Real>> track_;
   std::optional<FrameTable<Real>> table_;

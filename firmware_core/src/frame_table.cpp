@@ -1,5 +1,6 @@
 #include "inbetween/frame_table.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -23,6 +24,43 @@ Error broken(const char* rule, std::int32_t frame) {
           .frame = frame};
 }
 
+/// Calls judge(frame, drawn, deviation) for the step that ends on each frame: the distance it should
+/// travel, and how far the distance along the path between its points is from that.
+template <Precise Real, class Judge>
+void compare_steps(const Track<Real>& track, std::span<const PathPoint<Real>> points, Judge judge) {
+  TwoSum<Real> travelled_before;
+  TwoSum<Real> drawn_before;
+  for (std::int32_t frame = 0; frame < static_cast<std::int32_t>(points.size()); ++frame) {
+    const TwoSum<Real> travelled =
+        track.arc_length().distance(track.path(), points[static_cast<std::size_t>(frame)]);
+    const TwoSum<Real> drawn = track.distance({frame, 0});
+    if (frame > 0) {
+      const Real step = drawn.minus(drawn_before);
+      judge(frame, step, std::fabs(travelled.minus(travelled_before) - step));
+    }
+    travelled_before = travelled;
+    drawn_before = drawn;
+  }
+}
+
+/// The first step that is further from the drawn one than the table promises.
+template <Precise Real>
+Status check_speed(const Track<Real>& track, const FrameTable<Real>& table) {
+  const Real length = track.arc_length().total();
+  const Real short_step = static_cast<Real>(short_step_share) * length;
+  // Points and distances are themselves rounded to a few ulp of the length.
+  const Real rounding = 16 * std::numeric_limits<Real>::epsilon() * length;
+  const Real promised = table.provenance().speed_error;
+  Status status = Done{};
+  compare_steps(track, table.points(), [&](std::int32_t frame, Real drawn, Real deviation) {
+    if (!status || deviation <= promised * std::max(drawn, short_step) + rounding) return;
+    status =
+        broken(drawn > short_step ? "the speed is not as drawn" : "the speed of a short step is not as drawn",
+               frame);
+  });
+  return status;
+}
+
 }  // namespace
 
 template <Precise Real>
@@ -34,23 +72,22 @@ Result<FrameTable<Real>> closed_form_table(const Track<Real>& track, std::span<P
                  .remedy = "give it a larger capacity",
                  .needed = static_cast<std::int64_t>(count)};
   }
-  PathPoint<Real> previous{0, 0};
-  memory[0] = previous;
-  for (std::int32_t frame = 1; frame <= track.frames(); ++frame) {
-    const PathPoint<Real> point = track.locate({frame, 0});
-    if (previous.at_or_before(point)) previous = point;
-    memory[static_cast<std::size_t>(frame)] = previous;
+  const std::span<PathPoint<Real>> points = memory.first(count);
+  track.locate_frames(0, points);
+  for (std::size_t i = 1; i < count; ++i) {
+    if (!points[i - 1].at_or_before(points[i])) points[i] = points[i - 1];
   }
-  return FrameTable<Real>(memory.first(count), {.solver = Solver::closed_form,
-                                                .constant = track.constant(),
-                                                .speed_error = track.arc_length().delta()});
+  return FrameTable<Real>(points, {.solver = Solver::closed_form,
+                                   .constant = track.has_profile() ? track.constant() : Real(0),
+                                   .speed_error = track.arc_length().delta()});
 }
 
 template <Precise Real>
 FrameRow<Real> frame_row(const Track<Real>& track, const FrameTable<Real>& table, std::int32_t frame) {
   const AlongPath<Real> along = track.along({frame, 0});
   const Real constant = table.provenance().constant;
-  const Real scale = track.constant() > 0 ? constant / track.constant() : Real(0);
+  const bool other_constant = table.provenance().solver == Solver::runge_kutta && track.constant() > 0;
+  const Real scale = other_constant ? constant / track.constant() : Real(1);
   const auto f = static_cast<Real>(track.profile().span_count());
   return {.alpha = static_cast<Real>(frame) * f / static_cast<Real>(track.frames()),
           .point = table.point(frame),
@@ -65,26 +102,15 @@ SpeedDeviation<Real> measure_speed_deviation(const Track<Real>& track,
   SpeedDeviation<Real> worst;
   const Real length = track.arc_length().total();
   if (length <= 0) return worst;
-  TwoSum<Real> travelled_before;
-  TwoSum<Real> drawn_before;
-  for (std::int32_t frame = 0; frame < static_cast<std::int32_t>(points.size()); ++frame) {
-    const TwoSum<Real> travelled =
-        track.arc_length().distance(track.path(), points[static_cast<std::size_t>(frame)]);
-    const TwoSum<Real> drawn = track.distance({frame, 0});
-    if (frame > 0) {
-      const Real step = drawn.minus(drawn_before);
-      const Real deviation = std::fabs(travelled.minus(travelled_before) - step);
-      const bool is_short = step <= static_cast<Real>(short_step_share) * length;
-      const Real measure = deviation / (is_short ? length : step);
-      Real& so_far = is_short ? worst.absolute : worst.relative;
-      if (!(measure <= so_far)) {
-        so_far = measure;
-        (is_short ? worst.absolute_frame : worst.frame) = frame;
-      }
+  compare_steps(track, points, [&](std::int32_t frame, Real drawn, Real deviation) {
+    const bool is_short = drawn <= static_cast<Real>(short_step_share) * length;
+    const Real measure = deviation / (is_short ? length : drawn);
+    Real& so_far = is_short ? worst.absolute : worst.relative;
+    if (!(measure <= so_far)) {
+      so_far = measure;
+      (is_short ? worst.absolute_frame : worst.frame) = frame;
     }
-    travelled_before = travelled;
-    drawn_before = drawn;
-  }
+  });
   return worst;
 }
 
@@ -105,18 +131,7 @@ Status check_invariants(const Track<Real>& track, const FrameTable<Real>& table)
   if (!(table.point(table.frames()) == PathPoint<Real>{path.segment_count(), 0})) {
     return broken("the table does not end at the last key", table.frames());
   }
-  const SpeedDeviation<Real> deviation = measure_speed_deviation(track, table.points());
-  const Real promised = table.provenance().speed_error;
-  const Real epsilon = std::numeric_limits<Real>::epsilon();
-  // The measurement itself rounds to a few ulp of the length, on a step of 1e-6 of it.
-  const Real rounding = 16 * epsilon;
-  if (!(deviation.relative <= promised + rounding / static_cast<Real>(short_step_share))) {
-    return broken("the speed is not as drawn", deviation.frame);
-  }
-  if (!(deviation.absolute <= promised * static_cast<Real>(short_step_share) + rounding)) {
-    return broken("the speed of a short step is not as drawn", deviation.absolute_frame);
-  }
-  return Done{};
+  return check_speed(track, table);
 }
 
 #define INBETWEEN_INSTANTIATE(Real)                                                                    \

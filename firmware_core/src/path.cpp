@@ -253,7 +253,7 @@ class Construction {
 
 template <Precise Real>
 Status check_counts(const PathSpec<Real>& spec) {
-  const auto axes = static_cast<std::size_t>(std::max(spec.axis_count, 0));
+  const auto axes = static_cast<std::size_t>(std::max<std::int32_t>(spec.axis_count, 0));
   if (axes == 0) {
     return Error{
         .code = ErrorCode::wrong_count, .what = "the path has no axes", .remedy = "name at least one"};

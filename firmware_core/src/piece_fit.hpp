@@ -35,6 +35,7 @@ template <Precise Real>
 struct PieceFit {
   std::array<Real, 6> c;
   Real step;           ///< y over the piece
+  Real inverse_step;   ///< 1 / step
   Real near_y;         ///< y at the end towards the anchor
   Real length;         ///< l over the piece
   PieceEnd<Real> far;  ///< the end away from the anchor
@@ -68,6 +69,7 @@ class PieceFitter {
     piece.far.y = interval_.stands_still ? std::sqrt(distance + piece.length) : distance + piece.length;
     differentiate(piece.far);
     piece.step = interval_.stands_still ? piece.far.y - near.y : piece.length;
+    piece.inverse_step = 1 / piece.step;
     if (interval_.forward) {
       piece.c = quintic(interval_.t(near.tau), tau - near.tau, near, piece.far, piece.step, 1);
     } else {
@@ -93,13 +95,17 @@ class PieceFitter {
   /// Arc length from tau a to tau b.
   [[nodiscard]] Real length(Real a, Real b) const {
     using Rule = GaussLegendre6<Real>;
+    // Node by node in lock step, so that the compiler finds the vectors.
+    const std::array<Real, 5>& q = interval_.speed_squared.q;
+    std::array<Real, 6> tau;
     std::array<Real, 6> sigma;
+    for (std::size_t i = 0; i < 6; ++i) tau[i] = a + (b - a) * Rule::node[i];
     for (std::size_t i = 0; i < 6; ++i) {
-      const Real tau = a + (b - a) * Rule::node[i];
-      sigma[i] = std::sqrt(nonnegative(interval_.speed_squared.value(tau)));
+      sigma[i] = q[0] + tau[i] * (q[1] + tau[i] * (q[2] + tau[i] * (q[3] + tau[i] * q[4])));
     }
-    Real sum = 0;
-    for (std::size_t i = 0; i < 6; ++i) sum += Rule::weight[i] * sigma[i];
+    for (std::size_t i = 0; i < 6; ++i) sigma[i] = std::sqrt(nonnegative(sigma[i]));
+    const Real sum = Rule::weight[0] * (sigma[0] + sigma[5]) + Rule::weight[1] * (sigma[1] + sigma[4]) +
+                     Rule::weight[2] * (sigma[2] + sigma[3]);
     return (b - a) * sum;
   }
 
@@ -111,7 +117,8 @@ class PieceFitter {
     const Real q = nonnegative(interval_.speed_squared.value(end.tau));
     const Real slope = interval_.speed_squared.derivative(end.tau);
     const Real first = 1 / std::sqrt(q);
-    const Real second = -slope / (2 * (q * q));
+    const Real inverse_q = first * first;
+    const Real second = -slope / 2 * (inverse_q * inverse_q);
     if (!interval_.stands_still) {
       end.first = first;
       end.second = second;
@@ -143,7 +150,7 @@ class PieceFitter {
     const Real travelled = u * (c[1] + u * (c[2] + u * (c[3] + u * (c[4] + u * c[5]))));
     const Real slope = c[1] + u * (2 * c[2] + u * (3 * c[3] + u * (4 * c[4] + u * (5 * c[5]))));
     const Real tau = interval_.forward ? near.tau + travelled : piece.far.tau - travelled;
-    Real rate = slope / piece.step;
+    Real rate = slope * piece.inverse_step;
     if (interval_.stands_still) {
       const Real y = near.y + piece.step * (interval_.forward ? u : 1 - u);
       rate /= 2 * y;

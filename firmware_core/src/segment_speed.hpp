@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <span>
 
 #include "inbetween/path.hpp"
@@ -108,10 +109,14 @@ inline constexpr Real slow_share = Real(1e-2);
 template <Precise Real>
 inline constexpr Real still_share = std::numeric_limits<Real>::digits > 30 ? Real(1e-24) : Real(1e-12);
 
+/// The same as a share of |P'|.
+template <Precise Real>
+inline constexpr Real still_speed_share = std::numeric_limits<Real>::digits > 30 ? Real(1e-12) : Real(1e-6);
+
 /// At most two minima inside and two at the ends, each seen from both sides.
 template <Precise Real>
 struct AnchoredIntervals {
-  std::array<AnchoredInterval<Real>, 8> intervals;
+  std::array<AnchoredInterval<Real>, 8> intervals;  // not cleared: `count` are set
   std::size_t count = 0;
 };
 

@@ -1,6 +1,7 @@
 #include "inbetween/track.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -10,41 +11,9 @@
 namespace inbetween {
 namespace {
 
-template <Precise Real>
-Status check_time_line(const SpeedProfile<Real>& profile, std::int32_t frames, FrameRate fps) {
-  if (frames < 1 || frames > most_frames) {
-    return Error{.code = ErrorCode::out_of_range,
-                 .what = "the number of frames is not between 1 and 1000000",
-                 .remedy = "the move lasts frames / fps seconds"};
-  }
-  if (fps.numerator < 1 || fps.denominator < 1) {
-    return Error{.code = ErrorCode::out_of_range,
-                 .what = "the frame rate is not positive",
-                 .remedy = "use a fraction like 24/1 or 24000/1001"};
-  }
-  if (static_cast<std::int64_t>(frames) * profile.span_count() > std::numeric_limits<std::int32_t>::max()) {
-    return Error{.code = ErrorCode::out_of_range,
-                 .what = "frames times control values does not fit 31 bits",
-                 .remedy = "draw the speed curve with fewer control values"};
-  }
-  return Done{};
-}
-
-/// K as a rounded value and the rest, so that K Phi(f) is the length to about twice the precision.
-template <Precise Real>
-TwoSum<Real> solve_constant(const TwoSum<Real>& length, const TwoSum<Real>& integral) {
-  TwoSum<Real> constant{length.high / integral.high, 0};
-  const TwoSum<Real> product = two_product(constant.high, integral.high);
-  const Real rest = (length.high - product.high) + (length.low - product.low - constant.high * integral.low);
-  constant.low = rest / integral.high;
-  return constant;
-}
-
-/// Derivatives of s in time, given speed, acceleration and jerk along the path.
-template <Precise Real>
-struct ParameterRates {
-  Real first = 0, second = 0, third = 0;
-};
+/// Frames whose distances stand on the stack at a time: enough to fill the vector registers often, 1 KB
+/// in double precision.
+constexpr std::size_t frames_per_block = 64;
 
 /// sigma = |W P'| and its derivatives in t, W = diag(weights).
 template <Precise Real>
@@ -80,53 +49,85 @@ ParameterRates<Real> parameter_rates(const AlongPath<Real>& along, const Paramet
   return s;
 }
 
+/// The chain rule for p(t(time)), axis by axis.
+template <Precise Real>
+void write_motion(std::span<const Cubic<Real>> cubics, Real t, const ParameterRates<Real>& s,
+                  std::span<AxisMotion<Real>> out) {
+  for (std::size_t d = 0; d < cubics.size(); ++d) {
+    const Real p1 = cubics[d].derivative(t);
+    const Real p2 = cubics[d].second(t);
+    const Real p3 = cubics[d].third();
+    out[d] = {cubics[d].value(t), p1 * s.first, p2 * s.first * s.first + p1 * s.second,
+              p3 * s.first * s.first * s.first + 3 * p2 * s.first * s.second + p1 * s.third};
+  }
+}
+
 }  // namespace
 
 template <Precise Real>
-Result<Track<Real>> Track<Real>::make(const Path<Real>& path, const ArcLength<Real>& arc_length,
-                                      const SpeedProfile<Real>& profile, std::int32_t frames, FrameRate fps,
-                                      const TrackMemory<Real>& memory) {
-  if (const Status valid = check_time_line(profile, frames, fps); !valid) return valid.error();
-  const auto f = static_cast<std::size_t>(profile.span_count());
-  if (memory.span_distances.size() < f + 1) {
-    return Error{.code = ErrorCode::capacity,
-                 .what = "the speed curve has more control values than the memory of the track",
-                 .remedy = "give it a larger capacity",
-                 .needed = static_cast<std::int64_t>(f) + 1};
+void Track<Real>::locate_frames(std::int32_t first, std::span<PathPoint<Real>> points) const {
+  if (!is_plain_) {
+    for (std::size_t i = 0; i < points.size(); ++i)
+      points[i] = locate({first + static_cast<std::int32_t>(i), 0});
+    return;
   }
-  const TwoSum<Real> length = arc_length.segment_begin(path.segment_count());
-  if (profile.total_integral() <= 0 && length.high > 0) {
-    return Error{.code = ErrorCode::no_distance,
-                 .what = "the speed curve is zero everywhere, but the path has length",
-                 .remedy = "raise a control value above 0"};
+  std::array<Real, frames_per_block> high;
+  std::array<Real, frames_per_block> low;
+  const std::int32_t f = profile_.span_count();
+  std::int32_t frame = first;
+  const bool has_last = !points.empty() && first + static_cast<std::int32_t>(points.size()) > frames_;
+  const std::size_t total = points.size() - (has_last ? 1 : 0);
+  if (has_last) points.back() = {path_.segment_count(), 0};
+  for (std::size_t done = 0; done < total;) {
+    const std::size_t count = std::min(frames_per_block, total - done);
+    for (std::size_t filled = 0; filled < count;) {
+      const std::int32_t scaled = frame * f;
+      const std::int32_t span = scaled / frames_;
+      const std::int32_t phase = scaled % frames_;
+      const auto run = std::min(count - filled, static_cast<std::size_t>((frames_ - phase - 1) / f + 1));
+      const SpeedSpan<Real>& curve = profile_.span(span);
+      const TwoSum<Real> before = span_distances_[static_cast<std::size_t>(span)];
+      for (std::size_t i = 0; i < run; ++i) {
+        const Real t =
+            static_cast<Real>(phase + static_cast<std::int32_t>(i) * f) / static_cast<Real>(frames_);
+        TwoSum<Real> sum = before;
+        sum.add(constant_ * curve.integral(t));
+        high[filled + i] = sum.high;
+        low[filled + i] = sum.low;
+      }
+      frame += static_cast<std::int32_t>(run);
+      filled += run;
+    }
+    arc_length_.locate(std::span(high).first(count), std::span(low).first(count),
+                       points.subspan(done, count));
+    done += count;
   }
-  TwoSum<Real> constant;
-  if (length.high > 0) constant = solve_constant(length, profile.integral_before(profile.span_count()));
-  for (std::size_t i = 0; i <= f; ++i) {
-    const TwoSum<Real>& integral = profile.integral_before(static_cast<std::int32_t>(i));
-    TwoSum<Real> distance = two_product(constant.high, integral.high);
-    distance.low += constant.high * integral.low + constant.low * integral.high;
-    distance.renormalize();
-    memory.span_distances[i] = distance;
-  }
-  Track track(path, arc_length, profile);
-  track.span_distances_ = memory.span_distances.first(f + 1);
-  track.frames_ = frames;
-  track.fps_ = fps;
-  track.constant_ = constant.high;
-  return track;
 }
 
 template <Precise Real>
 AlongPath<Real> Track<Real>::along(const FrameTime<Real>& time) const {
   AlongPath<Real> result{.point = locate(time)};
-  if (time.frame < 0 || time.frame > frames_ || (time.frame == frames_ && time.fraction > 0)) return result;
+  if (is_outside(time)) return result;
+  if (!has_profile()) {
+    // From sigma s' = v by differentiating.
+    const ParameterRates<Real> s = key_frame_rates(time);
+    const Real sigma = path_.parametric_speed(result.point);
+    result.speed = sigma * s.first;
+    if (sigma > 0) {
+      const ParametricSpeed<Real> speed =
+          parametric_speed(path_.segment(result.point.segment), path_.weights(), result.point.t, sigma);
+      result.acceleration = speed.first * s.first * s.first + sigma * s.second;
+      result.jerk =
+          speed.second * s.first * s.first * s.first + 3 * speed.first * s.first * s.second + sigma * s.third;
+    }
+    return result;
+  }
   const CurvePlace where = place(time);
   const SpeedSpan<Real>& span = profile_.span(where.span);
   // da/dt: control values a second
   const Real rate = static_cast<Real>(profile_.span_count()) * static_cast<Real>(fps_.numerator) /
                     (static_cast<Real>(frames_) * static_cast<Real>(fps_.denominator));
-  const Real scale = constant_ * rate;
+  const Real scale = (portions_.empty() ? constant_ : portion_at(time.frame).constant) * rate;
   result.speed = scale * span.value(where.t);
   result.acceleration = scale * rate * span.derivative(where.t);
   result.jerk = scale * rate * rate * span.second(where.t);
@@ -135,6 +136,12 @@ AlongPath<Real> Track<Real>::along(const FrameTime<Real>& time) const {
 
 template <Precise Real>
 Derivatives Track<Real>::motion(const FrameTime<Real>& time, std::span<AxisMotion<Real>> out) const {
+  if (!has_profile()) {
+    const PathPoint<Real> point = locate(time);
+    const ParameterRates<Real> s = is_outside(time) ? ParameterRates<Real>{} : key_frame_rates(time);
+    write_motion(path_.segment(point.segment), point.t, s, out);
+    return Derivatives::exact;
+  }
   const AlongPath<Real> where = along(time);
   const std::span<const Cubic<Real>> cubics = path_.segment(where.point.segment);
   const std::span<const Real> weights = path_.weights();
@@ -145,7 +152,8 @@ Derivatives Track<Real>::motion(const FrameTime<Real>& time, std::span<AxisMotio
   const Real third =
       scaled_norm<Real>(cubics.size(), [&](std::size_t d) { return weights[d] * cubics[d].third(); });
 
-  if (sigma * sigma <= still_share<Real> * (second + third) * (second + third)) {
+  const Real still = still_speed_share<Real> * (second + third);
+  if (sigma <= still) {
     // P' = 0: the direction is the limit of P' / |P'|, +-P'' on either side.
     const Real side = where.point.segment == path_.segment_count() ? Real(-1) : Real(1);
     for (std::size_t d = 0; d < cubics.size(); ++d) {
@@ -155,14 +163,7 @@ Derivatives Track<Real>::motion(const FrameTime<Real>& time, std::span<AxisMotio
     const bool stays = where.speed == 0 && where.acceleration == 0 && where.jerk == 0;
     return stays ? Derivatives::exact : Derivatives::one_sided;
   }
-  const ParameterRates<Real> s = parameter_rates(where, parametric_speed(cubics, weights, t, sigma));
-  for (std::size_t d = 0; d < cubics.size(); ++d) {
-    const Real p1 = cubics[d].derivative(t);
-    const Real p2 = cubics[d].second(t);
-    const Real p3 = cubics[d].third();
-    out[d] = {cubics[d].value(t), p1 * s.first, p2 * s.first * s.first + p1 * s.second,
-              p3 * s.first * s.first * s.first + 3 * p2 * s.first * s.second + p1 * s.third};
-  }
+  write_motion(cubics, t, parameter_rates(where, parametric_speed(cubics, weights, t, sigma)), out);
   return Derivatives::exact;
 }
 

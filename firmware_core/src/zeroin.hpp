@@ -36,7 +36,7 @@ Sample<Real> zeroin(Function function, Sample<Real> a, Sample<Real> b, Real tole
     }
     const Real near = 2 * std::numeric_limits<Real>::epsilon() * std::fabs(b.x) + tolerance / 2;
     const Real half = (c.x - b.x) / 2;
-    if (std::fabs(half) <= near || b.y == 0) break;
+    if (std::fabs(half) <= near || b.y == 0) return b;
 
     Real next = half;
     Real last = half;
@@ -64,7 +64,7 @@ Sample<Real> zeroin(Function function, Sample<Real> a, Sample<Real> b, Real tole
     b.x += std::fabs(step) > near ? step : std::copysign(near, half);
     b.y = function(b.x);
   }
-  return b;
+  return std::fabs(a.y) < std::fabs(b.y) ? a : b;
 }
 
 }  // namespace inbetween

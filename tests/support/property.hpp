@@ -12,8 +12,15 @@
 
 namespace inbetween {
 
-/// Runs a RapidCheck property on `cases` random inputs and prints the seed, pass or fail; RC_PARAMS
-/// in the environment ("seed=... max_success=...") replays a run. A counterexample fails the test.
+#ifdef INBETWEEN_SANITIZED
+inline constexpr bool sanitized = true;
+#else
+inline constexpr bool sanitized = false;
+#endif
+
+/// Runs a RapidCheck property on `cases` random inputs, a tenth of them under a sanitizer, and prints the
+/// seed, pass or fail; RC_PARAMS in the environment ("seed=... max_success=...") replays a run. A
+/// counterexample fails the test.
 template <class Property>
 void check_property(int cases, Property&& property) {
   const testing::TestInfo* test = testing::UnitTest::GetInstance()->current_test_info();
@@ -23,10 +30,11 @@ void check_property(int cases, Property&& property) {
   rc::detail::TestParams params = rc::detail::configuration().testParams;
   const char* replay = std::getenv("RC_PARAMS");
   if (replay == nullptr || std::string_view(replay).find("max_success") == std::string_view::npos) {
-    params.maxSuccess = cases;
+    params.maxSuccess = sanitized ? (cases + 9) / 10 : cases;
   }
   params.maxSize = 100;
-  std::cout << metadata.id << ": seed=" << params.seed << ", " << params.maxSuccess << " cases\n";
+  std::cout << metadata.id << ": seed=" << params.seed << ", " << params.maxSuccess << " cases"
+            << (sanitized ? " (under a sanitizer; " + std::to_string(cases) + " otherwise)" : "") << "\n";
   const rc::detail::TestResult result =
       rc::detail::checkTestable(std::forward<Property>(property), metadata, params);
   if (result.template is<rc::detail::SuccessResult>()) return;

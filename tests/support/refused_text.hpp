@@ -9,6 +9,7 @@
 #include <initializer_list>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "host_tools/diagnostics.hpp"
 
@@ -25,22 +26,41 @@ inline std::string with(std::string text, std::string_view from, std::string_vie
   return text.replace(at, from.size(), to);
 }
 
+struct MarkedText {
+  std::string text;  ///< without the mark
+  std::uint32_t line = 1;
+  std::uint32_t column = 1;
+};
+
+/// Finds and removes the mark @, which stands before the place that a diagnostic must name.
+inline MarkedText without_mark(std::string marked) {
+  MarkedText found{std::move(marked)};
+  const std::size_t mark = found.text.find('@');
+  if (mark == std::string::npos) {
+    ADD_FAILURE() << "no place is marked in the text";
+    return found;
+  }
+  for (std::size_t i = 0; i < mark; ++i) {
+    const bool continues_a_character = (static_cast<unsigned char>(found.text[i]) & 0xc0U) == 0x80U;
+    if (!continues_a_character) ++found.column;
+    if (found.text[i] == '\n') {
+      ++found.line;
+      found.column = 1;
+    }
+  }
+  found.text.erase(mark, 1);
+  return found;
+}
+
 /// Expects `parse(text, "file.toml")` to throw InputError at the place marked with @ in `marked` (the mark is
 /// not part of the text), as one line that contains all of `words`.
 template <typename Parse>
 void expect_refused(Parse parse, std::string marked, std::initializer_list<std::string_view> words) {
-  const std::size_t mark = marked.find('@');
-  ASSERT_NE(mark, std::string::npos) << "no place is marked in the text";
-  Place place{"file.toml", 1, 1};
-  for (std::size_t i = 0; i < mark; ++i) {
-    const bool continues_a_character = (static_cast<unsigned char>(marked[i]) & 0xc0U) == 0x80U;
-    if (!continues_a_character) ++place.column;
-    if (marked[i] == '\n') place = {place.file, place.line + 1, 1};
-  }
-  marked.erase(mark, 1);
+  const MarkedText input = without_mark(std::move(marked));
+  const Place place{"file.toml", input.line, input.column};
   try {
-    parse(marked, place.file);
-    FAIL() << "accepted:\n" << marked;
+    parse(input.text, place.file);
+    FAIL() << "accepted:\n" << input.text;
   } catch (const InputError& error) {
     const std::string line = error.what();
     EXPECT_EQ(to_string(error.place()), to_string(place)) << line;

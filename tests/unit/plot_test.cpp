@@ -218,7 +218,7 @@ TEST(Plot, AFolderThatIsNotThereIsNamedInOneLine) {
   const auto file = folder.path() / "no/such/folder/move.png";
   const std::string words = words_of_error([&] { draw_plot(straight_move(4, {1}), file); });
   EXPECT_THAT(words, StartsWith(file.string() +
-                                ": cannot write the picture: No such file or directory; choose a folder"));
+                                ": error: cannot be written: No such file or directory; choose a folder"));
   EXPECT_THAT(words, Not(HasSubstr("\n")));
 }
 
@@ -228,8 +228,8 @@ TEST(Plot, AFullDiskIsReported) {
   const auto file = folder.path() / "move.svg";
   std::filesystem::create_symlink("/dev/full", file);
   const std::string words = words_of_error([&] { draw_plot(straight_move(4, {1}), file); });
-  EXPECT_THAT(words, StartsWith(file.string() + ": cannot write the picture: No space left on device"));
-  EXPECT_THAT(words, HasSubstr("incomplete"));
+  EXPECT_THAT(
+      words, StartsWith(file.string() + ": error: could not be written completely: No space left on device"));
 }
 
 TEST(Plot, APageTooTallForPngIsRefusedWithTheRemedyAndFitsAnSvg) {

@@ -54,7 +54,7 @@ template <Precise Real>
 struct ArcLengthMemory {
   std::span<ArcPiece<Real>> pieces;        ///< about 8 a segment at delta 1e-4, 20 at 1e-6, 80 at 1e-9
   std::span<Real> begins;                  ///< as many as pieces
-  std::span<std::int32_t> buckets;         ///< any number >= 1; twice the pieces gives the fastest look-up
+  std::span<std::int32_t> buckets;         ///< any number >= 1; as many as pieces is best
   std::span<std::int32_t> first_pieces;    ///< segments + 1
   std::span<TwoSum<Real>> segment_begins;  ///< segments + 1
 };
@@ -95,6 +95,9 @@ class ArcLength {
     return segment_begins_[static_cast<std::size_t>(index)];
   }
   [[nodiscard]] std::int32_t piece_count() const { return static_cast<std::int32_t>(pieces_.size()); }
+  /// The pieces in the order of distance, and the distance at which each begins.
+  [[nodiscard]] std::span<const ArcPiece<Real>> pieces() const { return pieces_; }
+  [[nodiscard]] std::span<const Real> begins() const { return begins_; }
   [[nodiscard]] Real delta() const { return delta_; }
 
   /// The point at a distance from the start: the start itself at 0, and at or beyond the total length
@@ -108,6 +111,11 @@ class ArcLength {
     const Real t = piece.t_at(distance);
     return {piece.segment, t < 0 ? Real(0) : (t > 1 ? Real(1) : t)};
   }
+
+  /// The same for many distances at once, bit for bit; quickest where they rise, because then one piece
+  /// is evaluated for a run of them without looking anything up. All spans have the same size.
+  void locate(std::span<const Real> distance_high, std::span<const Real> distance_low,
+              std::span<PathPoint<Real>> points) const;
 
   /// The distance from the start to a point, by quadrature within its piece: full precision of Real.
   [[nodiscard]] TwoSum<Real> distance(const Path<Real>& path, const PathPoint<Real>& point) const;
@@ -150,7 +158,7 @@ template <Precise Real, std::size_t Segments, std::size_t Pieces = 24 * Segments
 struct ArcLengthStorage {
   std::array<ArcPiece<Real>, Pieces> pieces;
   std::array<Real, Pieces> begins;
-  std::array<std::int32_t, 2 * Pieces> buckets;
+  std::array<std::int32_t, Pieces> buckets;
   std::array<std::int32_t, Segments + 1> first_pieces;
   std::array<TwoSum<Real>, Segments + 1> segment_begins;
 

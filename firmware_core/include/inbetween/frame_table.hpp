@@ -26,6 +26,7 @@ struct Provenance {
   std::int32_t speed_error_frame = -1;  ///< the step that ends on this frame; -1 where it is a bound
   std::int32_t integrations = 0;        ///< trial integrations of the whole move
   std::int32_t substeps = 0;            ///< k, integration steps a frame
+  Real short_step_error = 0;  ///< Runge-Kutta: of a step below 1e-6 of the length, as a share of the length
 };
 
 /// N + 1 points in the caller's memory.

@@ -57,6 +57,8 @@ struct SpeedProfileMemory {
 template <Precise Real>
 class SpeedProfile {
  public:
+  /// No curve, for a track that is timed by the frames of its keys: span_count() is 0.
+  static SpeedProfile none() { return {}; }
   /// Errors: wrong_count (none), not_finite, out_of_range (outside [0, 100], with the index of the
   /// control value), capacity. One value means two equal ones. Cost: linear in f.
   static Result<SpeedProfile> make(std::span<const Real> control_values,

@@ -36,6 +36,18 @@ struct AxisMotion {
   Real jerk = 0;
 };
 
+/// Derivatives of s in time, per second, second^2, second^3.
+template <Precise Real>
+struct ParameterRates {
+  Real first = 0, second = 0, third = 0;
+};
+
+/// A key inside the path that is met on a frame by breaking the move there.
+struct BreakKey {
+  std::int32_t key = 0;
+  std::int32_t frame = 0;
+};
+
 /// Whether the derivatives that `Track::motion` returns are those of the motion.
 enum class Derivatives : std::uint8_t {
   exact,      ///< yes
@@ -43,9 +55,34 @@ enum class Derivatives : std::uint8_t {
               ///< along the path only (across it there may be no bound), the jerk is given as 0
 };
 
+/// A stretch of the move between two breaks, where the speed may jump: the drawn curve with a K of its own.
+template <Precise Real>
+struct Portion {
+  std::int32_t begin_frame = 0;
+  Real constant = 0;    ///< K_k = L_k / (Phi(end) - Phi(begin))
+  TwoSum<Real> offset;  ///< distance = offset + K_k Phi(a)
+};
+
+/// How s moves between two keys that have frames and no speed curve.
+enum class Kinetic : std::uint8_t {
+  linear,  ///< s in proportion to time
+  smooth,  ///< monotone, C1 (Fritsch and Butland 1984)
+};
+
+/// One segment of a move timed by frames: t = u (c1 + u (c2 + u c3)), u = (frame - begin) / frames.
+template <Precise Real>
+struct KeyInterval {
+  std::int32_t begin_frame = 0;
+  std::int32_t frames = 1;
+  Real c1 = 1, c2 = 0, c3 = 0;
+};
+
+/// The memory of a track, owned by the caller. Only what the way of timing needs may be empty otherwise.
 template <Precise Real>
 struct TrackMemory {
-  std::span<TwoSum<Real>> span_distances;  ///< f + 1
+  std::span<TwoSum<Real>> span_distances = {};      ///< f + 1, for a drawn curve
+  std::span<Portion<Real>> portions = {};           ///< breaks + 1
+  std::span<KeyInterval<Real>> key_intervals = {};  ///< segments, for a move timed by frames
 };
 
 /// L(s) = K Phi(a), a = f frame / N: separable, so nothing is integrated and no K is searched for
@@ -60,23 +97,53 @@ class Track {
                             const SpeedProfile<Real>& profile, std::int32_t frames, FrameRate fps,
                             const TrackMemory<Real>& memory);
 
+  /// The paper's way with keys that have frames: the move is broken in two at each of them, portion k uses
+  /// phi on its own interval of a with K_k = L_k / dPhi_k, and the speed jumps (Bartels and Hardtke 1989).
+  /// `breaks` are in order of their keys, which lie inside the path, and of their frames.
+  /// Errors: those of `make`; out_of_range (order, frames), no_distance (with the key where a portion ends).
+  static Result<Track> make_with_breaks(const Path<Real>& path, const ArcLength<Real>& arc_length,
+                                        const SpeedProfile<Real>& profile, std::int32_t frames, FrameRate fps,
+                                        std::span<const BreakKey> breaks, const TrackMemory<Real>& memory);
+
+  /// No speed curve: every key has its frame (Steketee and Badler 1985), the first 0, the last N; of a
+  /// closed path one more, for the return to key 0. Smooth: slopes by Fritsch and Butland's harmonic mean,
+  /// at the first and last key their three-point formula, limited so that s never falls.
+  /// Errors: wrong_count, out_of_range (first, last, order: with key and frame), capacity.
+  static Result<Track> make_with_key_frames(const Path<Real>& path, const ArcLength<Real>& arc_length,
+                                            std::span<const std::int32_t> key_frames, Kinetic kinetic,
+                                            std::int32_t frames, FrameRate fps,
+                                            const TrackMemory<Real>& memory);
+
   [[nodiscard]] const Path<Real>& path() const { return path_; }
   [[nodiscard]] const ArcLength<Real>& arc_length() const { return arc_length_; }
+  /// Whether a drawn curve says how fast; otherwise the frames of the keys do, and profile(), constant()
+  /// mean nothing.
+  [[nodiscard]] bool has_profile() const { return key_intervals_.empty(); }
   [[nodiscard]] const SpeedProfile<Real>& profile() const { return profile_; }
+  /// One for every segment of a move timed by frames, otherwise empty.
+  [[nodiscard]] std::span<const KeyInterval<Real>> key_intervals() const { return key_intervals_; }
+  /// Empty where one K holds for the whole move.
+  [[nodiscard]] std::span<const Portion<Real>> portions() const { return portions_; }
   [[nodiscard]] std::int32_t frames() const { return frames_; }
   [[nodiscard]] FrameRate frame_rate() const { return fps_; }
-  /// K = L / Phi(f); 0 for a path without length.
+  /// K = L / Phi(f); 0 for a path without length. With breaks each portion has its own instead.
   [[nodiscard]] Real constant() const { return constant_; }
 
-  /// The distance travelled since frame 0 by the drawn curve. O(1). Domain: 0 <= time <= N.
-  [[nodiscard]] TwoSum<Real> distance(const FrameTime<Real>& time) const { return distance_at(place(time)); }
+  /// The distance travelled since frame 0 as drawn. O(1). Domain: 0 <= time <= N.
+  [[nodiscard]] TwoSum<Real> distance(const FrameTime<Real>& time) const {
+    if (is_plain_) [[likely]]
+      return distance_at(place(time));
+    return special_distance(time);
+  }
 
   /// The point of the path. Before frame 0 the start and after frame N the end, to the last bit.
   /// O(1), no allocation; the same bits on every target of one precision.
   [[nodiscard]] PathPoint<Real> locate(const FrameTime<Real>& time) const {
     if (time.frame >= frames_) return {path_.segment_count(), 0};
     if (time.frame < 0) return {0, 0};
-    return arc_length_.locate(distance_at(place(time)));
+    if (is_plain_) [[likely]]
+      return arc_length_.locate(distance_at(place(time)));
+    return special_locate(time);
   }
 
   /// The position of every axis, in axis units: the tick. `out` has axis_count() entries. O(axes).
@@ -85,6 +152,10 @@ class Track {
     const std::span<const Cubic<Real>> cubics = path_.segment(point.segment);
     for (std::size_t d = 0; d < cubics.size(); ++d) out[d] = cubics[d].value(point.t);
   }
+
+  /// locate() at whole frames `first`, `first` + 1, ..., bit for bit, in runs of frames that share a span
+  /// of the speed curve and a piece of the path. Domain: 0 <= first, first + points.size() - 1 <= N.
+  void locate_frames(std::int32_t first, std::span<PathPoint<Real>> points) const;
 
   /// Point, speed and its derivatives along the path. After frame N and before frame 0: at rest.
   [[nodiscard]] AlongPath<Real> along(const FrameTime<Real>& time) const;
@@ -95,8 +166,9 @@ class Track {
   Derivatives motion(const FrameTime<Real>& time, std::span<AxisMotion<Real>> out) const;
 
  private:
-  Track(const Path<Real>& path, const ArcLength<Real>& arc_length, const SpeedProfile<Real>& profile)
-      : path_(path), arc_length_(arc_length), profile_(profile) {}
+  Track(const Path<Real>& path, const ArcLength<Real>& arc_length, const SpeedProfile<Real>& profile,
+        std::int32_t frames, FrameRate fps)
+      : path_(path), arc_length_(arc_length), profile_(profile), frames_(frames), fps_(fps) {}
 
   /// A place on the speed curve: a = span + t.
   struct CurvePlace {
@@ -123,14 +195,25 @@ class Track {
     sum.add(constant_ * profile_.span(place.span).integral(place.t));
     return sum;
   }
+  [[nodiscard]] TwoSum<Real> special_distance(const FrameTime<Real>& time) const;
+  [[nodiscard]] PathPoint<Real> special_locate(const FrameTime<Real>& time) const;
+  [[nodiscard]] const Portion<Real>& portion_at(std::int32_t frame) const;
+  [[nodiscard]] std::size_t interval_at(std::int32_t frame) const;
+  [[nodiscard]] ParameterRates<Real> key_frame_rates(const FrameTime<Real>& time) const;
+  [[nodiscard]] bool is_outside(const FrameTime<Real>& time) const {
+    return time.frame < 0 || time.frame > frames_ || (time.frame == frames_ && time.fraction > 0);
+  }
 
   Path<Real> path_;
   ArcLength<Real> arc_length_;
   SpeedProfile<Real> profile_;
   std::span<const TwoSum<Real>> span_distances_;
+  std::span<const Portion<Real>> portions_;
+  std::span<const KeyInterval<Real>> key_intervals_;
   std::int32_t frames_ = 0;
   FrameRate fps_;
   Real constant_ = 0;
+  bool is_plain_ = true;  ///< one drawn curve, no breaks: the way that must be quick
 };
 
 /// Memory of a track with up to `Keys` keys, `Axes` axes, `Values` control values.

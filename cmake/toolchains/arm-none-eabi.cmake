@@ -1,0 +1,12 @@
+# What the Cortex-M targets share; the files beside this one set INBETWEEN_CPU_FLAGS and include it.
+# There is no operating system: the compiler is tested with libraries, because a program needs the start-up
+# code and the memory map of a board (examples/firmware).
+set(CMAKE_SYSTEM_NAME Generic)
+set(CMAKE_SYSTEM_PROCESSOR arm)
+set(CMAKE_CXX_COMPILER arm-none-eabi-g++)
+set(CMAKE_TRY_COMPILE_TARGET_TYPE STATIC_LIBRARY)
+set(CMAKE_CXX_FLAGS_INIT
+  # The linker leaves out what is not called: a program in single precision has no double instantiations.
+  "${INBETWEEN_CPU_FLAGS} -mthumb -ffunction-sections -fdata-sections -fno-exceptions -fno-rtti \
+-fno-threadsafe-statics -fno-use-cxa-atexit -fno-math-errno -Wno-psabi")
+set(CMAKE_EXE_LINKER_FLAGS_INIT "-nostartfiles -Wl,--gc-sections -Wl,--fatal-warnings")

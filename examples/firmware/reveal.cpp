@@ -1,0 +1,112 @@
+#include <array>
+#include <charconv>
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <type_traits>
+
+#include "examples/firmware/board.hpp"
+#include "inbetween/count_track.hpp"
+#include "inbetween/frame_table.hpp"
+#include "inbetween/track.hpp"
+
+/// The move examples/reveal.toml on a controller without an operating system: solved on the controller, then
+/// sent to the drives tick by tick, in counts. The "drives" are the serial port: a line per tick.
+
+namespace {
+
+using namespace inbetween;
+
+/// The move and the rig, as in examples/reveal.toml and examples/camera_rig.toml.
+constexpr std::size_t axis_count = 3;  // slide (mm), pan (deg), tilt (deg)
+constexpr std::array keys{60.0, -62.0,  -4.0, 420.0, -58.0,  -3.0, 860.0, -30.0,
+                          4.0,  1240.0, 14.0, 9.0,   1640.0, 32.0, 6.0};
+constexpr std::array weights{1.0, 6.0, 6.0};
+constexpr std::array speed{0.0, 0.0, 3.0, 4.0, 9.0, 12.0, 8.0, 5.0, 0.0, 0.0};
+constexpr std::int32_t frames = 192;
+constexpr FrameRate fps{24, 1};
+constexpr std::array counts_per_unit{1000.0, 4000.0, 4000.0};
+constexpr std::int32_t rate_hz = 250;
+
+/// The tick is evaluated in what the processor has instructions for (Arm C Language Extensions: bit 3 of
+/// __ARM_FP is double). The move is solved in double on every processor: that takes some milliseconds more
+/// on a Cortex-M4, once, and the move is the same everywhere.
+using Tick = std::conditional_t<(__ARM_FP & 0x8) != 0, double, float>;
+
+/// All memory of the move. Large objects are static: the stack is for calls.
+TrackStorage<double, keys.size() / axis_count, axis_count, speed.size()> storage;
+std::array<PathPoint<double>, frames + 1> rows;
+CountTrackStorage<Tick, axis_count, speed.size(), 160> count_storage;
+
+/// Where positions go. Here as lines of text; a drive on a bus is another class with the same function.
+class LineSink {
+ public:
+  void set_positions(std::int64_t tick, std::span<const std::int32_t> counts) {
+    put(tick);
+    for (const std::int32_t count : counts) {
+      board::send(" ");
+      put(count);
+    }
+    board::send("\n");
+  }
+
+ private:
+  static void put(std::int64_t number) {
+    std::array<char, 24> digits;
+    const auto [end, error] = std::to_chars(digits.data(), digits.data() + digits.size(), number);
+    board::send({digits.data(), end});
+  }
+};
+
+bool refuse(const Error& error) {
+  board::send("error: ");
+  board::send(error.what);
+  board::send("; ");
+  board::send(error.remedy);
+  board::send("\n");
+  return false;
+}
+
+Result<Track<double>> solve() {
+  const auto path = Path<double>::make(
+      {.spline = Spline::smooth, .axis_count = axis_count, .keys = keys, .weights = weights},
+      storage.path.memory());
+  if (!path) return path.error();
+  const auto arc_length = ArcLength<double>::make(*path, {}, storage.arc_length.memory());
+  if (!arc_length) return arc_length.error();
+  const auto profile = SpeedProfile<double>::make(speed, storage.profile.memory());
+  if (!profile) return profile.error();
+  return Track<double>::make(*path, *arc_length, *profile, frames, fps, storage.memory());
+}
+
+/// The table of frames, and whether it keeps the rules that every table keeps.
+Status check(const Track<double>& track) {
+  const auto table = closed_form_table<double>(track, rows);
+  if (!table) return table.error();
+  return check_invariants(track, *table);
+}
+
+}  // namespace
+
+bool inbetween::board::program() {
+  const Result<Track<double>> track = solve();
+  if (!track) return refuse(track.error());
+  if (const Status sound = check(*track); !sound) return refuse(sound.error());
+  const auto counts = CountTrack<Tick>::make(*track, counts_per_unit, count_storage.memory());
+  if (!counts) return refuse(counts.error());
+
+  LineSink sink;
+  std::array<std::int32_t, axis_count> position;
+  const std::int64_t last = last_tick(frames, fps, rate_hz);
+  board::start_tick(rate_hz);
+  for (std::int64_t next = 0; next <= last; ++next) {
+    const std::int64_t tick = board::wait_for_tick();
+    if (tick != next) {
+      board::send("error: a tick was missed; lower the rate, or make the sink faster\n");
+      return false;
+    }
+    counts->counts(frame_time_of_tick<Tick>(tick, fps, rate_hz), position);
+    sink.set_positions(tick, position);
+  }
+  return true;
+}

@@ -1,0 +1,82 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "inbetween/precision.hpp"
+#include "inbetween/result.hpp"
+
+/// Keys that must be met on a frame, by the least change of the drawn speed curve.
+
+namespace inbetween {
+
+/// A wish about when a key is met.
+struct KeyLock {
+  std::int32_t key = 0;
+  std::int32_t frame = -1;  ///< -1: none, only for a hold; then where the drawn curve arrives
+  std::int32_t hold = 0;    ///< frames that the rig rests at the key, from `frame` on
+  bool breaks = false;      ///< the speed may jump here: each side keeps the drawn shape, with a K of its own
+};
+
+template <Precise Real>
+struct KeyTimingSpec {
+  std::span<const Real> control_values;  ///< as drawn, valid for SpeedProfile::make
+  std::span<const Real> key_distances;   ///< arc length from the start to each key; the last is the total
+  std::span<const KeyLock> locks;        ///< in order of their keys
+  std::int32_t frames = 0;               ///< N
+};
+
+/// The memory of the adjustment, owned by the caller. `locks` etc. are counts: the ends of the move are
+/// two locks more.
+template <Precise Real>
+struct KeyTimingMemory {
+  std::span<Real> adjusted;     ///< control values: the answer; its size bounds the refinement
+  std::span<Real> drawn;        ///< control values
+  std::span<Real> ceiling;      ///< control values
+  std::span<KeyLock> locks;     ///< locks + 2
+  std::span<Real> targets;      ///< locks + 1
+  std::span<Real> multipliers;  ///< 4 * (locks + 1)
+  std::span<Real> matrix;       ///< (locks + 1)^2
+};
+
+/// What was done to the drawn curve.
+template <Precise Real>
+struct KeyTiming {
+  std::span<const Real> control_values;  ///< f + 1 of them, in KeyTimingMemory::adjusted
+  std::span<const KeyLock> locks;        ///< the wishes with every frame filled in, in KeyTimingMemory::locks
+  std::int32_t refinements = 0;          ///< how often f was doubled (exactly, without changing the curve)
+  Real largest_change = 0;               ///< of a control value of the refined curve
+  std::int32_t largest_change_at = 0;    ///< its index
+};
+
+/// The control values x nearest to the drawn ones v, sum (x - v)^2 least, for which
+/// Phi(a at the lock's frame) / Phi(f) is the key's share of the length, 0 <= x <= 100, and Phi between two
+/// breaks is as drawn. A neighbouring pair of zeros is a wish to stand still and is kept. For a hold the
+/// drawn curve is first brought to rest and back within one of its spans on either side.
+/// Where no such curve exists, the drawn one is refined, f -> 2 f, up to the memory.
+///
+/// Method: the dual of the problem is smooth and concave in one multiplier per lock, x = clip(v + A^T
+/// lambda); Newton's method with a line search (Qi and Sun 1993, semismooth Newton).
+/// Accuracy: each lock is met within 1e-12 (double) of the length.
+/// Errors: out_of_range (a frame outside 0..N, the first key not on 0, the last not on N, order reversed,
+/// two keys on one frame: with key and frame), no_solution (with the first key that cannot be met),
+/// capacity. Cost: iterations * f * 5; tens of iterations at most.
+template <Precise Real>
+Result<KeyTiming<Real>> adjust_to_locks(const KeyTimingSpec<Real>& spec, const KeyTimingMemory<Real>& memory);
+
+template <Precise Real, std::size_t Locks, std::size_t Values>
+struct KeyTimingStorage {
+  std::array<Real, Values> adjusted, drawn, ceiling;
+  std::array<KeyLock, Locks + 2> locks;
+  std::array<Real, Locks + 1> targets;
+  std::array<Real, 4 * (Locks + 1)> multipliers;
+  std::array<Real, (Locks + 1) * (Locks + 1)> matrix;
+
+  [[nodiscard]] KeyTimingMemory<Real> memory() {
+    return {adjusted, drawn, ceiling, locks, targets, multipliers, matrix};
+  }
+};
+
+}  // namespace inbetween

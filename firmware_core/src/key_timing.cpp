@@ -1,0 +1,454 @@
+#include "inbetween/key_timing.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "inbetween/speed_profile.hpp"
+
+namespace inbetween {
+namespace {
+
+/// Newton's method on a piecewise quadratic function ends in as many steps as pieces are met.
+constexpr int most_iterations = 200;
+
+Error wish_error(const char* what, const char* remedy, const KeyLock& lock) {
+  return {
+      .code = ErrorCode::out_of_range, .what = what, .remedy = remedy, .key = lock.key, .frame = lock.frame};
+}
+
+/// Integral of the cardinal cubic B-spline with support (-2, 2) from -2 to x.
+template <Precise Real>
+Real bspline_integral(Real x) {
+  if (x <= -2) return 0;
+  if (x >= 2) return 1;
+  if (x > 0) return 1 - bspline_integral(-x);
+  if (x <= -1) {
+    const Real u = x + 2;
+    return u * u * u * u / 24;
+  }
+  return Real(0.5) + x * (Real(2) / 3 - x * x * (Real(1) / 3 + x / 8));
+}
+
+/// How the integral of phi over [begin, end] depends on each control value, natural ends included.
+template <Precise Real>
+class IntegralRow {
+ public:
+  IntegralRow(Real begin, Real end, std::int32_t f) : begin_(begin), end_(end), f_(f) {}
+
+  [[nodiscard]] std::int32_t first() const { return std::max<std::int32_t>(0, static_cast<std::int32_t>(begin_) - 2); }
+  [[nodiscard]] std::int32_t last() const { return std::min(f_, static_cast<std::int32_t>(end_) + 3); }
+  [[nodiscard]] Real weight(std::int32_t i) const {
+    Real sum = spline(i);
+    if (i == 0) sum += 2 * spline(-1);  // the phantom value is 2 v_0 - v_1
+    if (i == 1) sum -= spline(-1);
+    if (i == f_) sum += 2 * spline(f_ + 1);
+    if (i == f_ - 1) sum -= spline(f_ + 1);
+    return sum;
+  }
+  [[nodiscard]] Real integral(std::span<const Real> values) const {
+    Real sum = 0;
+    for (std::int32_t i = first(); i <= last(); ++i) sum += weight(i) * values[static_cast<std::size_t>(i)];
+    return sum;
+  }
+
+ private:
+  [[nodiscard]] Real spline(std::int32_t i) const {
+    const auto centre = static_cast<Real>(i);
+    return bspline_integral(end_ - centre) - bspline_integral(begin_ - centre);
+  }
+  Real begin_, end_;
+  std::int32_t f_;
+};
+
+/// x nearest to v with rows * x = targets and 0 <= x <= ceiling.
+template <Precise Real>
+class NearestCurve {
+ public:
+  NearestCurve(const KeyTimingMemory<Real>& memory, std::int32_t f, std::span<const KeyLock> locks,
+               std::int32_t frames)
+      : memory_(memory),
+        locks_(locks),
+        frames_(frames),
+        f_(f),
+        rows_(locks.size() - 1),
+        lambda_(memory.multipliers.first(rows_)),
+        residual_(memory.multipliers.subspan(rows_, rows_)),
+        direction_(memory.multipliers.subspan(2 * rows_, rows_)),
+        trial_(memory.multipliers.subspan(3 * rows_, rows_)) {}
+
+  [[nodiscard]] IntegralRow<Real> row(std::size_t r) const { return {a(locks_[r]), a(locks_[r + 1]), f_}; }
+  /// Where a lock stands on the curve.
+  [[nodiscard]] Real a(const KeyLock& lock) const {
+    return static_cast<Real>(lock.frame) * static_cast<Real>(f_) / static_cast<Real>(frames_);
+  }
+
+  /// The index of the first row that stays unmet, or -1.
+  std::int32_t solve() {
+    std::ranges::fill(lambda_, Real(0));
+    Real total = 0;
+    for (std::size_t r = 0; r < rows_; ++r) total += memory_.targets[r];
+    const Real tolerance = 64 * std::numeric_limits<Real>::epsilon() * total;
+    Real dual = evaluate(lambda_);
+    for (int i = 0; i < most_iterations; ++i) {
+      if (worst_residual() <= tolerance) return -1;
+      newton_direction();
+      Real slope = 0;
+      for (std::size_t r = 0; r < rows_; ++r) slope -= residual_[r] * direction_[r];
+      Real step = 1;
+      Real next = 0;
+      do {
+        for (std::size_t r = 0; r < rows_; ++r) trial_[r] = lambda_[r] + step * direction_[r];
+        next = evaluate(trial_);
+        step /= 2;
+      } while (!(next >= dual + Real(1e-4) * 2 * step * slope) && step > Real(1e-10));
+      std::ranges::copy(trial_, lambda_.begin());
+      dual = next;
+    }
+    if (worst_residual() <= 1000 * tolerance) return -1;
+    return worst_row();
+  }
+
+ private:
+  /// x(lambda) into `adjusted`, the residual, and the value of the dual function.
+  Real evaluate(std::span<const Real> lambda) {
+    const std::span<Real> x = memory_.adjusted.first(static_cast<std::size_t>(f_) + 1);
+    std::ranges::copy(memory_.drawn.first(x.size()), x.begin());
+    for (std::size_t r = 0; r < rows_; ++r) {
+      const IntegralRow<Real> weights = row(r);
+      for (std::int32_t i = weights.first(); i <= weights.last(); ++i) {
+        x[static_cast<std::size_t>(i)] += lambda[r] * weights.weight(i);
+      }
+    }
+    Real dual = 0;
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      x[i] = std::clamp(x[i], Real(0), memory_.ceiling[i]);
+      const Real change = x[i] - memory_.drawn[i];
+      dual += change * change / 2;
+    }
+    for (std::size_t r = 0; r < rows_; ++r) {
+      residual_[r] = row(r).integral(x) - memory_.targets[r];
+      dual -= lambda[r] * residual_[r];
+    }
+    return dual;
+  }
+  [[nodiscard]] Real worst_residual() const {
+    Real worst = 0;
+    for (const Real r : residual_) {
+      if (!(std::fabs(r) <= worst)) worst = std::fabs(r);
+    }
+    return worst;
+  }
+  [[nodiscard]] std::int32_t worst_row() const {
+    const auto worst =
+        std::ranges::max_element(residual_, {}, [](Real residual) { return std::fabs(residual); });
+    return static_cast<std::int32_t>(worst - residual_.begin());
+  }
+
+  /// Solves (A_free A_free^T) direction = -residual by Cholesky's method.
+  void newton_direction() {
+    const std::size_t n = rows_;
+    const std::span<Real> m = memory_.matrix.first(n * n);
+    std::ranges::fill(m, Real(0));
+    for (std::size_t r = 0; r < n; ++r) {
+      const IntegralRow<Real> here = row(r);
+      for (std::size_t c = 0; c <= r; ++c) {
+        const IntegralRow<Real> other = row(c);
+        const std::int32_t last = std::min(here.last(), other.last());
+        for (std::int32_t i = std::max(here.first(), other.first()); i <= last; ++i) {
+          const auto index = static_cast<std::size_t>(i);
+          const Real x = memory_.adjusted[index];
+          const bool is_free = x > 0 && x < memory_.ceiling[index];
+          if (is_free) m[r * n + c] += here.weight(i) * other.weight(i);
+        }
+      }
+    }
+    for (std::size_t r = 0; r < n; ++r) {
+      // Where too few values are free the matrix is singular; the shift keeps the direction an ascent.
+      m[r * n + r] += Real(1e-12) + 16 * std::numeric_limits<Real>::epsilon() * m[r * n + r];
+      for (std::size_t c = 0; c <= r; ++c) {
+        Real sum = m[r * n + c];
+        for (std::size_t k = 0; k < c; ++k) sum -= m[r * n + k] * m[c * n + k];
+        m[r * n + c] = r == c ? std::sqrt(std::max(sum, Real(1e-14))) : sum / m[c * n + c];
+      }
+    }
+    for (std::size_t r = 0; r < n; ++r) {
+      Real sum = -residual_[r];
+      for (std::size_t k = 0; k < r; ++k) sum -= m[r * n + k] * direction_[k];
+      direction_[r] = sum / m[r * n + r];
+    }
+    for (std::size_t r = n; r-- > 0;) {
+      Real sum = direction_[r];
+      for (std::size_t k = r + 1; k < n; ++k) sum -= m[k * n + r] * direction_[k];
+      direction_[r] = sum / m[r * n + r];
+    }
+  }
+
+  KeyTimingMemory<Real> memory_;
+  std::span<const KeyLock> locks_;
+  std::int32_t frames_;
+  std::int32_t f_;
+  std::size_t rows_;
+  std::span<Real> lambda_, residual_, direction_, trial_;
+};
+
+/// The exact curve on twice as many spans, natural ends kept (Lane and Riesenfeld 1980). In place.
+template <Precise Real>
+void refine(std::span<Real> values, std::int32_t f) {
+  const auto v = [&](std::int32_t i) -> Real& { return values[static_cast<std::size_t>(i)]; };
+  // From the right: 2 i and 2 i + 1 stand at or behind i, and the coarse values left of i are still there.
+  Real right = v(f);  // coarse value i + 1
+  Real here = v(f);   // coarse value i
+  for (std::int32_t i = f; i >= 0; --i) {
+    const Real left = i > 0 ? v(i - 1) : here;
+    v(2 * i) = i == 0 || i == f ? here : (left + 6 * here + right) / 8;
+    if (i < f) v(2 * i + 1) = (here + right) / 2;
+    right = here;
+    here = left;
+  }
+}
+
+/// The frame on which the drawn curve, played in the frames that are no holds, arrives at a key.
+template <Precise Real>
+std::int32_t arrival(const KeyTimingSpec<Real>& spec, std::int32_t key, std::int32_t moving_frames) {
+  const auto f = static_cast<std::int32_t>(spec.control_values.size()) - 1;
+  const Real share = spec.key_distances[static_cast<std::size_t>(key)] / spec.key_distances.back();
+  const Real target = share * IntegralRow<Real>(0, static_cast<Real>(f), f).integral(spec.control_values);
+  std::int32_t low = 0;
+  std::int32_t high = moving_frames;
+  while (high - low > 1) {
+    const std::int32_t middle = (low + high) / 2;
+    const Real a = static_cast<Real>(middle) * static_cast<Real>(f) / static_cast<Real>(moving_frames);
+    (IntegralRow<Real>(0, a, f).integral(spec.control_values) < target ? low : high) = middle;
+  }
+  return share <= 0 ? 0 : high;
+}
+
+/// Every wish with its frame, between the two ends of the move. Returns how many.
+template <Precise Real>
+Result<std::size_t> complete_locks(const KeyTimingSpec<Real>& spec, std::span<KeyLock> out) {
+  const auto last_key = static_cast<std::int32_t>(spec.key_distances.size()) - 1;
+  std::int32_t holds = 0;
+  for (const KeyLock& lock : spec.locks) holds += lock.hold;
+  if (holds >= spec.frames) {
+    return Error{.code = ErrorCode::out_of_range,
+                 .what = "the holds take all frames of the move",
+                 .remedy = "shorten the holds or give the move more frames",
+                 .key = spec.locks.front().key};
+  }
+  std::size_t count = 0;
+  out[count++] = {.key = 0, .frame = 0};
+  std::int32_t held = 0;
+  for (KeyLock lock : spec.locks) {
+    if (lock.frame < 0) lock.frame = arrival(spec, lock.key, spec.frames - holds) + held;
+    held += lock.hold;
+    const std::int32_t end = lock.frame + lock.hold;
+    if (lock.key < 0 || lock.key > last_key || end > spec.frames) {
+      return wish_error("this key would be left after the last frame",
+                        "give it an earlier frame or a shorter hold", lock);
+    }
+    KeyLock& before = out[count - 1];
+    if (lock.key == 0) {
+      if (lock.frame != 0) return wish_error("the first key is met on frame 0", "remove its frame", lock);
+      before = lock;
+      continue;
+    }
+    if (lock.key == last_key && end != spec.frames) {
+      return wish_error("the last key is met on the last frame", "remove its frame, or change frames", lock);
+    }
+    const std::int32_t left = before.frame + before.hold;
+    if (lock.frame == left && lock.key != before.key) {
+      return wish_error("this key is to be met on the frame of the locked key before it",
+                        "give the two keys different frames", lock);
+    }
+    if (lock.frame < left) {
+      return wish_error("this key is to be met before the locked key in front of it",
+                        "give the keys frames in their own order", lock);
+    }
+    out[count++] = lock;
+  }
+  if (out[count - 1].key != last_key) {
+    if (out[count - 1].frame + out[count - 1].hold >= spec.frames) {
+      return wish_error("this key leaves no frame for the keys behind it", "give it an earlier frame",
+                        out[count - 1]);
+    }
+    out[count++] = {.key = last_key, .frame = spec.frames};
+  }
+  return count;
+}
+
+/// Rises from 0 to 1 with two derivatives 0 at both ends.
+template <Precise Real>
+Real smooth_step(Real x) {
+  const Real u = std::clamp(x, Real(0), Real(1));
+  return u * u * u * (10 - u * (15 - 6 * u));
+}
+
+template <Precise Real>
+class Adjustment {
+ public:
+  Adjustment(const KeyTimingSpec<Real>& spec, const KeyTimingMemory<Real>& memory, std::size_t lock_count)
+      : spec_(spec),
+        memory_(memory),
+        locks_(memory.locks.first(lock_count)),
+        drawn_f_(static_cast<std::int32_t>(spec.control_values.size()) - 1) {}
+
+  Result<KeyTiming<Real>> run() {
+    for (std::int32_t refinements = 0;; ++refinements) {
+      const std::int32_t f = drawn_f_ << refinements;
+      const std::int64_t needed = static_cast<std::int64_t>(f) + 1;
+      const bool fits = needed <= static_cast<std::int64_t>(memory_.adjusted.size()) &&
+                        needed * spec_.frames < std::numeric_limits<std::int32_t>::max();
+      if (!fits) return unmet(needed);
+      if (refinements == 0) {
+        std::ranges::copy(spec_.control_values, memory_.drawn.begin());
+      } else {
+        refine(memory_.drawn, f / 2);
+      }
+      if (!is_fine_enough(f)) continue;
+      const std::int32_t row = attempt(f);
+      if (row < 0) return timing(f, refinements);
+      unmet_key_ = locks_[static_cast<std::size_t>(row) + 1].key;
+      unmet_frame_ = locks_[static_cast<std::size_t>(row) + 1].frame;
+      // `adjusted` served as the scratch of the attempt; `drawn` must be the drawn curve again.
+      restore_drawn(refinements);
+    }
+  }
+
+ private:
+  /// The rest of a hold covers whole spans: they must be short beside it.
+  [[nodiscard]] bool is_fine_enough(std::int32_t f) const {
+    return std::ranges::all_of(locks_, [&](const KeyLock& lock) {
+      const std::int64_t frames_per_span_allowed = std::max<std::int32_t>(lock.hold / 4, 1);
+      return lock.hold == 0 || static_cast<std::int64_t>(f) * frames_per_span_allowed >= spec_.frames;
+    });
+  }
+
+  std::int32_t attempt(std::int32_t f) {
+    const std::size_t count = static_cast<std::size_t>(f) + 1;
+    const std::span<Real> drawn = memory_.drawn.first(count);
+    NearestCurve<Real> curve(memory_, f, locks_, spec_.frames);
+    set_targets(curve, f);
+    for (std::size_t i = 0; i < count; ++i) {
+      const bool pair =
+          drawn[i] == 0 && ((i > 0 && drawn[i - 1] == 0) || (i + 1 < count && drawn[i + 1] == 0));
+      memory_.ceiling[i] = pair ? Real(0) : Real(largest_control_value);
+    }
+    for (const KeyLock& lock : locks_) {
+      if (lock.hold > 0) rest_at(lock, curve, f);
+    }
+    return curve.solve();
+  }
+
+  /// Phi between two breaks as drawn, and in it each lock's share of the length.
+  void set_targets(const NearestCurve<Real>& curve, std::int32_t f) {
+    for (std::size_t begin = 0; begin + 1 < locks_.size();) {
+      std::size_t end = begin + 1;
+      while (end + 1 < locks_.size() && !locks_[end].breaks) ++end;
+      const Real integral =
+          IntegralRow<Real>(curve.a(locks_[begin]), curve.a(locks_[end]), f).integral(memory_.drawn);
+      const Real length = distance(locks_[end]) - distance(locks_[begin]);
+      for (std::size_t r = begin; r < end; ++r) {
+        const Real part = distance(locks_[r + 1]) - distance(locks_[r]);
+        memory_.targets[r] = length > 0 ? part / length * integral : Real(0);
+      }
+      begin = end;
+    }
+  }
+  [[nodiscard]] Real distance(const KeyLock& lock) const {
+    return spec_.key_distances[static_cast<std::size_t>(lock.key)];
+  }
+
+  void rest_at(const KeyLock& lock, const NearestCurve<Real>& curve, std::int32_t f) {
+    const Real begin = curve.a(lock);
+    const Real end = curve.a({.key = lock.key, .frame = lock.frame + lock.hold});
+    const Real ramp = static_cast<Real>(f) / static_cast<Real>(drawn_f_);  // one drawn span
+    for (std::int32_t i = 0; i <= f; ++i) {
+      const auto here = static_cast<Real>(i);
+      const Real away = here < begin ? begin - 2 - here : here - end - 2;
+      const auto index = static_cast<std::size_t>(i);
+      if (away < 0) {
+        memory_.drawn[index] = 0;
+        memory_.ceiling[index] = 0;
+      } else {
+        memory_.drawn[index] *= smooth_step((away + 1) / (ramp + 1));
+      }
+    }
+  }
+
+  void restore_drawn(std::int32_t refinements) {
+    std::ranges::copy(spec_.control_values, memory_.drawn.begin());
+    for (std::int32_t i = 0; i < refinements; ++i) refine(memory_.drawn, drawn_f_ << i);
+  }
+
+  [[nodiscard]] KeyTiming<Real> timing(std::int32_t f, std::int32_t refinements) {
+    const std::size_t count = static_cast<std::size_t>(f) + 1;
+    restore_drawn(refinements);
+    KeyTiming<Real> result{
+        .control_values = memory_.adjusted.first(count), .locks = locks_, .refinements = refinements};
+    for (std::size_t i = 0; i < count; ++i) {
+      const Real change = std::fabs(memory_.adjusted[i] - memory_.drawn[i]);
+      if (change > result.largest_change) {
+        result.largest_change = change;
+        result.largest_change_at = static_cast<std::int32_t>(i);
+      }
+    }
+    return result;
+  }
+
+  [[nodiscard]] Error unmet(std::int64_t needed) const {
+    return {.code = ErrorCode::no_solution,
+            .what = unmet_key_ < 0 ? "the speed curve has too few control values for a hold this short"
+                                   : "no speed curve from 0 to 100 meets this key on its frame",
+            .remedy = unmet_key_ < 0
+                          ? "make the hold longer, or draw fewer control values"
+                          : "move the frame, or draw the curve lower elsewhere so that there is room",
+            .key = unmet_key_,
+            .frame = unmet_frame_,
+            .needed = needed};
+  }
+
+  const KeyTimingSpec<Real>& spec_;
+  KeyTimingMemory<Real> memory_;
+  std::span<const KeyLock> locks_;
+  std::int32_t drawn_f_;
+  std::int32_t unmet_key_ = -1;
+  std::int32_t unmet_frame_ = -1;
+};
+
+template <Precise Real>
+Status check_memory(const KeyTimingSpec<Real>& spec, const KeyTimingMemory<Real>& memory) {
+  const std::size_t rows = spec.locks.size() + 1;
+  const std::size_t values = memory.adjusted.size();
+  const bool enough = values >= spec.control_values.size() && memory.drawn.size() >= values &&
+                      memory.ceiling.size() >= values && memory.locks.size() >= rows + 1 &&
+                      memory.targets.size() >= rows && memory.multipliers.size() >= 4 * rows &&
+                      memory.matrix.size() >= rows * rows;
+  if (enough) return Done{};
+  return Error{.code = ErrorCode::capacity,
+               .what = "there are more locked keys or control values than the memory of the key timing",
+               .remedy = "give it a larger capacity",
+               .needed = static_cast<std::int64_t>(std::max(rows, spec.control_values.size()))};
+}
+
+}  // namespace
+
+template <Precise Real>
+Result<KeyTiming<Real>> adjust_to_locks(const KeyTimingSpec<Real>& spec,
+                                        const KeyTimingMemory<Real>& memory) {
+  if (spec.control_values.size() < 2 || spec.key_distances.empty() || spec.frames < 1) {
+    return Error{.code = ErrorCode::wrong_count,
+                 .what = "locked keys need a speed curve of at least two control values",
+                 .remedy = "draw a curve, for example speed = [10, 10]"};
+  }
+  if (const Status enough = check_memory(spec, memory); !enough) return enough.error();
+  const Result<std::size_t> count = complete_locks(spec, memory.locks);
+  if (!count) return count.error();
+  return Adjustment<Real>(spec, memory, *count).run();
+}
+
+template Result<KeyTiming<double>> adjust_to_locks(const KeyTimingSpec<double>&,
+                                                   const KeyTimingMemory<double>&);
+template Result<KeyTiming<float>> adjust_to_locks(const KeyTimingSpec<float>&, const KeyTimingMemory<float>&);
+
+}  // namespace inbetween

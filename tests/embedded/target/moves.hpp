@@ -1,0 +1,146 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "inbetween/frame_time.hpp"
+#include "inbetween/path.hpp"
+
+/// Moves that are the same on every target, because they are constants of the program.
+
+namespace inbetween::embedded {
+
+inline constexpr std::size_t most_keys = 8;
+inline constexpr std::size_t most_axes = 3;
+inline constexpr std::size_t most_values = 12;
+inline constexpr std::int32_t most_move_frames = 240;
+
+struct Move {
+  std::string_view name;
+  Spline spline = Spline::smooth;
+  bool closed = false;
+  std::int32_t axis_count = 1;
+  std::span<const double> keys;
+  std::span<const double> weights = {};
+  std::span<const KeyShape<double>> shapes = {};
+  std::span<const double> speed;
+  std::int32_t frames = 24;
+  FrameRate fps{24, 1};
+  std::int32_t rate_hz = 100;
+  double counts_per_unit = 1000;
+  /// Solved in single precision too. Where the path stands still, its inverse in single precision has more
+  /// pieces than a controller has memory; a CountTrack, made from the track in double, does it.
+  bool single_too = true;
+};
+
+namespace data {
+inline constexpr std::array reveal_keys{60.0, -62.0,  -4.0, 420.0, -58.0,  -3.0, 860.0, -30.0,
+                                        4.0,  1240.0, 14.0, 9.0,   1640.0, 32.0, 6.0};
+inline constexpr std::array reveal_weights{1.0, 6.0, 6.0};
+inline constexpr std::array reveal_speed{0.0, 0.0, 3.0, 4.0, 9.0, 12.0, 8.0, 5.0, 0.0, 0.0};
+
+inline constexpr std::array loop_keys{0.0, 0.0, 31.7, 12.0, 40.1, 44.4, 12.5, 60.0, -20.25, 30.0};
+inline constexpr std::array loop_speed{5.0, 9.0, 2.0, 5.0};
+
+inline constexpr std::array shaped_keys{0.0,  0.0,  5.0, 22.0, 34.0, 1.0,  50.0, 40.0, -7.0,
+                                        70.0, 14.0, 3.0, 96.0, 8.0,  12.0, 124., 30.0, 0.0};
+inline constexpr std::array<KeyShape<double>, 6> shapes{
+    {{0.3, -0.2, 0.5}, {-0.7, 0.4, 0.1}, {0.0, 1.0, -1.0}, {0.9, 0.0, 0.0}, {0.2, 0.2, 0.2}, {0, 0, 0}}};
+inline constexpr std::array shaped_speed{1.0, 8.0, 20.0, 25.0, 20.0, 8.0, 1.0};
+
+inline constexpr std::array corner_keys{0.0, 0.0, 10.0, 0.0, 10.0, 7.5, -3.0, 7.5};
+inline constexpr std::array steady_speed{10.0};
+
+/// A tension of 1 at every key: the path stands still there.
+inline constexpr std::array<KeyShape<double>, 4> tense_shapes{{{1, 0, 0}, {1, 0, 0}, {1, 0, 0}, {1, 0, 0}}};
+inline constexpr std::array tense_keys{0.0, 0.0, 33.0, 21.0, 50.0, -10.0, 80.0, 5.0};
+inline constexpr std::array tense_speed{0.0, 0.0, 7.0, 11.0, 3.0, 0.0, 0.0};
+
+/// Three control values of zero in a row and more at the ends: the rig rests in the middle of the move.
+inline constexpr std::array dwell_speed{0.0, 0.0, 9.0, 9.0, 0.0, 0.0, 0.0, 0.0, 9.0, 4.0, 0.0, 0.0};
+
+/// There and back on one line.
+inline constexpr std::array back_keys{0.0, 0.0, 40.0, 20.0, 10.0, 5.0, 30.0, 15.0, -20.0, -10.0};
+inline constexpr std::array back_speed{2.0, 6.0, 3.0};
+
+/// The same key three times, in the middle.
+inline constexpr std::array repeated_keys{0.0, 0.0, 15.0, 20.0, 15.0, 20.0, 15.0, 20.0, 40.0, 0.0};
+
+inline constexpr std::array lone_key{12.5, -3.0, 99.0};
+
+/// Far from zero, in 24000/1001 frames a second.
+inline constexpr std::array far_keys{1'000'000.0, 1'000'012.0, 1'000'030.0, 1'000'031.0};
+inline constexpr std::array far_speed{3.0, 3.0, 8.0, 1.0, 0.0, 0.0};
+}  // namespace data
+
+inline constexpr std::array moves{
+    Move{.name = "reveal",
+         .axis_count = 3,
+         .keys = data::reveal_keys,
+         .weights = data::reveal_weights,
+         .speed = data::reveal_speed,
+         .frames = 192,
+         .rate_hz = 250},
+    Move{.name = "closed_loop",
+         .spline = Spline::catmull_rom,
+         .closed = true,
+         .axis_count = 2,
+         .keys = data::loop_keys,
+         .speed = data::loop_speed,
+         .frames = 48},
+    Move{.name = "closed_smooth",
+         .closed = true,
+         .axis_count = 2,
+         .keys = data::loop_keys,
+         .speed = data::steady_speed,
+         .frames = 50,
+         .fps = {25, 1}},
+    Move{.name = "shaped",
+         .spline = Spline::tcb,
+         .axis_count = 3,
+         .keys = data::shaped_keys,
+         .shapes = data::shapes,
+         .speed = data::shaped_speed,
+         .frames = 72},
+    Move{.name = "corners",
+         .spline = Spline::linear,
+         .axis_count = 2,
+         .keys = data::corner_keys,
+         .speed = data::steady_speed,
+         .frames = 30},
+    Move{.name = "tension_1",
+         .spline = Spline::tcb,
+         .axis_count = 2,
+         .keys = data::tense_keys,
+         .shapes = data::tense_shapes,
+         .speed = data::tense_speed,
+         .frames = 60,
+         .counts_per_unit = 1048576.0 / 80.0,
+         .single_too = false},
+    Move{
+        .name = "dwell", .axis_count = 2, .keys = data::tense_keys, .speed = data::dwell_speed, .frames = 90},
+    Move{.name = "there_and_back",
+         .axis_count = 2,
+         .keys = data::back_keys,
+         .speed = data::back_speed,
+         .frames = 40,
+         .single_too = false},
+    Move{.name = "same_key_thrice",
+         .spline = Spline::tcb,
+         .axis_count = 2,
+         .keys = data::repeated_keys,
+         .speed = data::back_speed,
+         .frames = 40},
+    Move{.name = "one_key", .axis_count = 3, .keys = data::lone_key, .speed = data::back_speed, .frames = 10},
+    Move{.name = "far_away",
+         .spline = Spline::catmull_rom,
+         .axis_count = 1,
+         .keys = data::far_keys,
+         .speed = data::far_speed,
+         .frames = 100,
+         .fps = {24000, 1001}},
+};
+
+}  // namespace inbetween::embedded

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+
+#include "inbetween/frame_table.hpp"
+#include "inbetween/track.hpp"
+#include "tests/embedded/target/moves.hpp"
+
+/// A constant move, solved in memory of its own.
+
+namespace inbetween::embedded {
+
+template <Precise Real>
+class SolvedMove {
+ public:
+  Result<Track<Real>> solve(const Move& move) {
+    const std::span<const Real> keys = rounded(move.keys, keys_);
+    const std::span<const Real> weights = rounded(move.weights, weights_);
+    for (std::size_t i = 0; i < move.shapes.size(); ++i) {
+      shapes_[i] = {static_cast<Real>(move.shapes[i].tension), static_cast<Real>(move.shapes[i].continuity),
+                    static_cast<Real>(move.shapes[i].bias)};
+    }
+    const auto path = Path<Real>::make({.spline = move.spline,
+                                        .closed = move.closed,
+                                        .axis_count = move.axis_count,
+                                        .keys = keys,
+                                        .weights = weights,
+                                        .shapes = std::span(shapes_).first(move.shapes.size())},
+                                       storage_.path.memory());
+    if (!path) return path.error();
+    const auto arc_length = ArcLength<Real>::make(*path, {}, storage_.arc_length.memory());
+    if (!arc_length) return arc_length.error();
+    const auto profile = SpeedProfile<Real>::make(rounded(move.speed, speed_), storage_.profile.memory());
+    if (!profile) return profile.error();
+    return Track<Real>::make(*path, *arc_length, *profile, move.frames, move.fps, storage_.memory());
+  }
+  [[nodiscard]] std::span<PathPoint<Real>> points() { return points_; }
+
+ private:
+  static std::span<const Real> rounded(std::span<const double> numbers, std::span<Real> result) {
+    std::ranges::transform(numbers, result.begin(), [](double x) { return static_cast<Real>(x); });
+    return result.first(numbers.size());
+  }
+
+  TrackStorage<Real, most_keys, most_axes, most_values, 500> storage_;
+  std::array<Real, most_keys * most_axes> keys_;
+  std::array<Real, most_axes> weights_;
+  std::array<KeyShape<Real>, most_keys> shapes_;
+  std::array<Real, most_values> speed_;
+  std::array<PathPoint<Real>, most_move_frames + 1> points_;
+};
+
+}  // namespace inbetween::embedded

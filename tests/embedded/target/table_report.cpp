@@ -1,0 +1,204 @@
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <type_traits>
+
+#include "inbetween/count_track.hpp"
+#include "inbetween/frame_table.hpp"
+#include "inbetween/ode_frame_table.hpp"
+#include "inbetween/track.hpp"
+#include "tests/embedded/target/console.hpp"
+#include "tests/embedded/target/moves.hpp"
+#include "tests/embedded/target/solved_move.hpp"
+
+/// Solves the constant moves in both precisions, checks that each table keeps its invariants, and prints a
+/// hash of every table and of what every tick evaluates. The test compares the lines with those of other
+/// targets.
+
+namespace inbetween::embedded {
+namespace {
+
+/// FNV-1a, 64 bits (Fowler, Noll, Vo), over the bits of numbers, low byte first on every target.
+class Hash {
+ public:
+  template <class Number>
+  void add(Number number) {
+    using Bits = std::conditional_t<sizeof(Number) == 8, std::uint64_t, std::uint32_t>;
+    const auto bits = std::bit_cast<Bits>(number);
+    for (unsigned shift = 0; shift < 8 * sizeof(Number); shift += 8) {
+      value_ = (value_ ^ ((bits >> shift) & 0xFFU)) * 0x100000001B3U;
+    }
+  }
+  void print_as(std::string_view name) const {
+    print(" ");
+    print(name);
+    print(" ");
+    for (int shift = 60; shift >= 0; shift -= 4) {
+      print(std::string_view("0123456789abcdef").substr((value_ >> shift) & 0xFU, 1));
+    }
+  }
+
+ private:
+  std::uint64_t value_ = 0xCBF29CE484222325U;
+};
+
+bool passed = true;
+
+void fail(std::string_view precision, const Move& move, const Error& error) {
+  passed = false;
+  print("FAILED ");
+  print(precision);
+  print(" ");
+  print(move.name);
+  print(": ");
+  print(error.what);
+  print("; ");
+  print(error.remedy);
+  print(", needed ");
+  print(error.needed);
+  print("\n");
+}
+
+template <Precise Real>
+inline constexpr std::string_view name_of = std::same_as<Real, double> ? "double" : "float";
+
+template <Precise Real>
+void hash_table(const FrameTable<Real>& table, std::string_view name) {
+  Hash hash;
+  for (const PathPoint<Real>& point : table.points()) {
+    hash.add(point.segment);
+    hash.add(point.t);
+  }
+  hash.add(table.provenance().constant);
+  hash.print_as(name);
+}
+
+template <Precise Real>
+void hash_ticks(const Track<Real>& track, const Move& move) {
+  std::array<Real, most_axes> positions{};
+  std::array<AxisMotion<Real>, most_axes> motion{};
+  Hash position_hash;
+  Hash motion_hash;
+  const auto axes = static_cast<std::size_t>(move.axis_count);
+  for (std::int64_t tick = 0; tick <= last_tick(move.frames, move.fps, move.rate_hz); ++tick) {
+    const FrameTime<Real> time = frame_time_of_tick<Real>(tick, move.fps, move.rate_hz);
+    track.positions(time, std::span(positions).first(axes));
+    track.motion(time, std::span(motion).first(axes));
+    for (std::size_t d = 0; d < axes; ++d) {
+      position_hash.add(positions[d]);
+      motion_hash.add(motion[d].velocity);
+      motion_hash.add(motion[d].acceleration);
+      motion_hash.add(motion[d].jerk);
+    }
+  }
+  position_hash.print_as("positions");
+  motion_hash.print_as("motion");
+}
+
+template <Precise Real>
+void hash_counts(const Track<double>& track, const Move& move) {
+  static CountTrackStorage<Real, most_axes, most_values, 560> storage;
+  const std::array scale{move.counts_per_unit, -move.counts_per_unit, move.counts_per_unit / 7};
+  const auto axes = static_cast<std::size_t>(move.axis_count);
+  const auto counts = CountTrack<Real>::make(track, std::span(scale).first(axes), storage.memory());
+  if (!counts) {
+    fail(name_of<Real>, move, counts.error());
+    return;
+  }
+  std::array<std::int32_t, most_axes> position{};
+  Hash count_hash;
+  Hash offset_hash;
+  for (std::int64_t tick = 0; tick <= last_tick(move.frames, move.fps, move.rate_hz); ++tick) {
+    const FrameTime<Real> time = frame_time_of_tick<Real>(tick, move.fps, move.rate_hz);
+    counts->counts(time, std::span(position).first(axes));
+    for (std::size_t d = 0; d < axes; ++d) {
+      count_hash.add(position[d]);
+      offset_hash.add(counts->position(time, static_cast<std::int32_t>(d)).offset);
+    }
+  }
+  print(name_of<Real>);
+  print("_counts ");
+  print(move.name);
+  count_hash.print_as("counts");
+  offset_hash.print_as("offsets");
+  print("\n");
+}
+
+template <Precise Real>
+void report(const Move& move) {
+  static SolvedMove<Real> solved;
+  const Result<Track<Real>> track = solved.solve(move);
+  if (!track) {
+    fail(name_of<Real>, move, track.error());
+    return;
+  }
+  const auto table = closed_form_table<Real>(*track, solved.points());
+  if (!table) {
+    fail(name_of<Real>, move, table.error());
+    return;
+  }
+  if (const Status sound = check_invariants(*track, *table); !sound) fail(name_of<Real>, move, sound.error());
+  print(name_of<Real>);
+  print(" ");
+  print(move.name);
+  hash_table(*table, "table");
+  hash_ticks(*track, move);
+  print("\n");
+  if constexpr (std::same_as<Real, double>) {
+    hash_counts<float>(*track, move);
+    hash_counts<double>(*track, move);
+  }
+}
+
+/// What the elements of the core's memory take. `inbetween budget` computes with those of the machine that it
+/// runs on, so they must be the same everywhere.
+template <Precise Real>
+void report_sizes() {
+  print("sizes ");
+  print(name_of<Real>);
+  for (const std::size_t size :
+       {sizeof(Cubic<Real>), sizeof(ArcPiece<Real>), sizeof(TwoSum<Real>), sizeof(SpeedSpan<Real>),
+        sizeof(PathPoint<Real>), sizeof(OdeSegment<Real>), sizeof(CountSpan<Real>), sizeof(CountPiece<Real>),
+        sizeof(CountCubic<Real>), sizeof(FrameTime<Real>), sizeof(AxisMotion<Real>)}) {
+    print(" ");
+    print(static_cast<long long>(size));
+  }
+  print("\n");
+}
+
+/// The paper's solver takes a million evaluations for a table; one short move shows that it is the same too.
+void report_runge_kutta(const Move& move) {
+  static SolvedMove<double> solved;
+  static std::array<OdeSegment<double>, most_keys + 1> segments;
+  const Result<Track<double>> track = solved.solve(move);
+  if (!track) {
+    fail("runge_kutta", move, track.error());
+    return;
+  }
+  const auto table = runge_kutta_table<double>(*track, {}, segments, solved.points());
+  if (!table) {
+    fail("runge_kutta", move, table.error());
+    return;
+  }
+  print("runge_kutta ");
+  print(move.name);
+  hash_table(*table, "table");
+  print("\n");
+}
+
+}  // namespace
+
+bool run() {
+  report_sizes<float>();
+  report_sizes<double>();
+  for (const Move& move : moves) {
+    if (move.single_too) report<float>(move);
+    report<double>(move);
+  }
+  report_runge_kutta(moves[1]);
+  return passed;
+}
+
+}  // namespace inbetween::embedded

@@ -1,0 +1,191 @@
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "examples/firmware/board.hpp"
+#include "inbetween/count_track.hpp"
+#include "inbetween/track.hpp"
+#include "tests/embedded/target/console.hpp"
+#include "tests/embedded/target/moves.hpp"
+#include "tests/embedded/target/solved_move.hpp"
+
+/// Counts the instructions of a tick. QEMU, started with -icount shift=0, lets a nanosecond pass with every
+/// instruction, so the board's clock, at 25 MHz, rises by one every 40 instructions. Every function is called
+/// a thousand times and more, and what the loop and an empty function of the same signature take is
+/// subtracted. The first line is the same for a loop whose length is known.
+
+using namespace inbetween;
+
+// By name, so that the disassembly can be searched for what they call (no_library_calls.sh).
+extern "C" {
+void tick_positions_float(const Track<float>& track, const FrameTime<float>& time, std::span<float> out);
+void tick_positions_double(const Track<double>& track, const FrameTime<double>& time, std::span<double> out);
+void tick_counts_float(const CountTrack<float>& track, const FrameTime<float>& time,
+                       std::span<std::int32_t> out);
+void tick_counts_double(const CountTrack<double>& track, const FrameTime<double>& time,
+                        std::span<std::int32_t> out);
+void tick_motion_float(const Track<float>& track, const FrameTime<float>& time,
+                       std::span<AxisMotion<float>> out);
+void tick_motion_double(const Track<double>& track, const FrameTime<double>& time,
+                        std::span<AxisMotion<double>> out);
+void tick_nothing(const void* track, const void* time, std::span<std::int32_t> out);
+void known_loop(std::uint32_t turns);
+}
+
+#define TICK [[gnu::noinline, gnu::noipa]] void
+TICK tick_positions_float(const Track<float>& track, const FrameTime<float>& time, std::span<float> out) {
+  track.positions(time, out);
+}
+TICK tick_positions_double(const Track<double>& track, const FrameTime<double>& time, std::span<double> out) {
+  track.positions(time, out);
+}
+TICK tick_counts_float(const CountTrack<float>& track, const FrameTime<float>& time,
+                       std::span<std::int32_t> out) {
+  track.counts(time, out);
+}
+TICK tick_counts_double(const CountTrack<double>& track, const FrameTime<double>& time,
+                        std::span<std::int32_t> out) {
+  track.counts(time, out);
+}
+TICK tick_motion_float(const Track<float>& track, const FrameTime<float>& time,
+                       std::span<AxisMotion<float>> out) {
+  track.motion(time, out);
+}
+TICK tick_motion_double(const Track<double>& track, const FrameTime<double>& time,
+                        std::span<AxisMotion<double>> out) {
+  track.motion(time, out);
+}
+TICK tick_nothing(const void*, const void*, std::span<std::int32_t>) {
+  asm volatile("");
+}
+#undef TICK
+
+/// Two instructions a turn.
+[[gnu::noinline]] void known_loop(std::uint32_t turns) {
+  asm volatile("1: subs %0, %0, #1\n bne 1b" : "+r"(turns)::"cc");
+}
+
+namespace inbetween::embedded {
+namespace {
+
+constexpr std::uint32_t instructions_per_clock = 1'000'000'000 / board::clock_hz;
+
+/// 8 keys, 7 control values, 3 axes: a short move as an animator makes it, and that of the benchmark tick/3
+/// in kind.
+constexpr std::array keys{41.0, 7.5,  60.0, 84.0, 33.0, 12.0, 15.0, 95.0, 51.0, 66.0, 72.0, 5.0,
+                          28.0, 18.0, 88.0, 99.0, 44.0, 37.0, 3.0,  61.0, 79.0, 54.0, 25.0, 91.0};
+constexpr std::array speed{12.0, 4.0, 17.0, 9.0, 1.0, 20.0, 6.0};
+constexpr Move subject{.name = "subject",
+                       .spline = Spline::tcb,
+                       .axis_count = 3,
+                       .keys = keys,
+                       .speed = speed,
+                       .frames = 240,
+                       .rate_hz = 250};
+constexpr std::array counts_per_unit{10'000.0, 10'000.0, 10'000.0};
+constexpr std::int32_t tick_count = 2500;
+
+template <class Work>
+double instructions_of(Work work) {
+  const std::uint32_t begin = board::clock_now();
+  work();
+  const std::uint32_t clocks = (board::clock_now() - begin) & board::clock_mask;
+  return static_cast<double>(clocks) * instructions_per_clock;
+}
+
+/// In tenths, rounded.
+void print_line(std::string_view name, double instructions) {
+  const auto tenths = static_cast<long long>(instructions * 10 + 0.5);
+  print(name);
+  print(" ");
+  print(tenths / 10);
+  print(".");
+  print(tenths % 10);
+  print("\n");
+}
+
+/// The times of all ticks of the subject, worked out beforehand.
+template <Precise Real>
+std::span<const FrameTime<Real>> all_times() {
+  static std::array<FrameTime<Real>, tick_count> times;
+  for (std::int32_t tick = 0; tick < tick_count; ++tick) {
+    times[static_cast<std::size_t>(tick)] = frame_time_of_tick<Real>(tick, subject.fps, subject.rate_hz);
+  }
+  return times;
+}
+
+template <Precise Real, class TickFunction, class Object, class Out>
+void measure(std::string_view name, TickFunction tick, const Object& object, Out out) {
+  const std::span<const FrameTime<Real>> times = all_times<Real>();
+  std::array<std::int32_t, 3> nowhere{};
+  const double all = instructions_of([&] {
+    for (const FrameTime<Real>& time : times) tick(object, time, out);
+  });
+  const double overhead = instructions_of([&] {
+    for (const FrameTime<Real>& time : times) tick_nothing(&object, &time, std::span<std::int32_t>(nowhere));
+  });
+  print_line(name, (all - overhead) / tick_count);
+}
+
+template <Precise Real>
+void measure_frame_time(std::string_view name) {
+  Real sum = 0;
+  const double all = instructions_of([&] {
+    for (std::int32_t tick = 0; tick < tick_count; ++tick) {
+      std::int32_t opaque = tick;
+      asm volatile("" : "+r"(opaque));
+      const FrameTime<Real> time = frame_time_of_tick<Real>(opaque, subject.fps, subject.rate_hz);
+      sum += time.fraction;
+    }
+  });
+  asm volatile("" ::"r"(&sum) : "memory");
+  print_line(name, all / tick_count);
+}
+
+SolvedMove<float> single_move;
+SolvedMove<double> double_move;
+CountTrackStorage<float, 3, speed.size(), 500> single_counts;
+CountTrackStorage<double, 3, speed.size(), 500> double_counts;
+
+}  // namespace
+
+bool run() {
+  board::start_clock();
+  constexpr std::uint32_t turns = 500'000;
+  print_line("known_loop", instructions_of([] { known_loop(turns); }) / turns);
+
+  Result<Track<double>> track = double_move.solve(subject);
+  print_line("solve/double", instructions_of([&] { track = double_move.solve(subject); }));
+  Result<Track<float>> single = single_move.solve(subject);
+  print_line("solve/float", instructions_of([&] { single = single_move.solve(subject); }));
+  if (!track || !single) {
+    print("FAILED: the subject has no track\n");
+    return false;
+  }
+  auto counts = CountTrack<float>::make(*track, counts_per_unit, single_counts.memory());
+  print_line("count_track/float", instructions_of([&] {
+               counts = CountTrack<float>::make(*track, counts_per_unit, single_counts.memory());
+             }));
+  const auto wide_counts = CountTrack<double>::make(*track, counts_per_unit, double_counts.memory());
+  if (!counts || !wide_counts) {
+    print("FAILED: the subject has no count track\n");
+    return false;
+  }
+  std::array<std::int32_t, 3> out{};
+  std::array<float, 3> single_out{};
+  std::array<double, 3> double_out{};
+  std::array<AxisMotion<float>, 3> single_motion{};
+  std::array<AxisMotion<double>, 3> double_motion{};
+  measure<float>("counts/float/3", tick_counts_float, *counts, std::span<std::int32_t>(out));
+  measure<float>("positions/float/3", tick_positions_float, *single, std::span<float>(single_out));
+  measure<float>("motion/float/3", tick_motion_float, *single, std::span(single_motion));
+  measure_frame_time<float>("frame_time/float");
+  measure<double>("counts/double/3", tick_counts_double, *wide_counts, std::span<std::int32_t>(out));
+  measure<double>("positions/double/3", tick_positions_double, *track, std::span<double>(double_out));
+  measure<double>("motion/double/3", tick_motion_double, *track, std::span(double_motion));
+  measure_frame_time<double>("frame_time/double");
+  return true;
+}
+
+}  // namespace inbetween::embedded

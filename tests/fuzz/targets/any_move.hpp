@@ -1,0 +1,187 @@
+#pragma once
+
+#include <fuzzer/FuzzedDataProvider.h>
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <cstring>
+#include <limits>
+#include <vector>
+
+#include "inbetween/arc_length.hpp"
+#include "inbetween/frame_time.hpp"
+#include "inbetween/path.hpp"
+
+/// A move made from any bytes: mostly one that an animator could draw, often one of the hard cases, and now
+/// and then numbers that must be refused.
+
+namespace inbetween {
+
+template <Precise Real>
+struct AnyMove {
+  Spline spline = Spline::smooth;
+  bool closed = false;
+  std::int32_t axis_count = 1;
+  std::vector<Real> keys;
+  std::vector<Real> weights;
+  std::vector<KeyShape<Real>> shapes;
+  std::vector<Real> control_values;
+  std::int32_t frames = 1;
+  FrameRate fps;
+  ArcLengthOptions<Real> options;
+  std::int32_t substeps = 10;  ///< of the Runge-Kutta solver; 0: not asked
+
+  [[nodiscard]] PathSpec<Real> path_spec() const {
+    return {.spline = spline,
+            .closed = closed,
+            .axis_count = axis_count,
+            .keys = keys,
+            .weights = weights,
+            .shapes = shapes};
+  }
+};
+
+/// Draws the numbers of a move. Every byte string gives a move; a short one gives a small move.
+template <Precise Real>
+class MoveFromBytes {
+ public:
+  explicit MoveFromBytes(FuzzedDataProvider& bytes) : bytes_(bytes) {}
+
+  AnyMove<Real> draw() {
+    AnyMove<Real> move;
+    move.spline = bytes_.PickValueInArray({Spline::smooth, Spline::catmull_rom, Spline::tcb, Spline::linear});
+    move.closed = bytes_.ConsumeBool();
+    move.axis_count = bytes_.ConsumeIntegralInRange<std::int32_t>(1, 6);
+    move.frames = frames();
+    move.fps = fps();
+    move.options = options();
+    move.substeps = bytes_.ConsumeIntegralInRange<std::int32_t>(0, 12);
+    const auto key_count = bytes_.ConsumeIntegralInRange<std::size_t>(1, 16);
+    const auto axes = static_cast<std::size_t>(move.axis_count);
+    if (bytes_.ConsumeBool()) {
+      for (std::size_t axis = 0; axis < axes; ++axis) move.weights.push_back(weight());
+    }
+    const auto value_count = bytes_.ConsumeIntegralInRange<std::size_t>(1, 24);
+    for (std::size_t i = 0; i < value_count; ++i) move.control_values.push_back(control_value());
+    if (move.spline == Spline::tcb) {
+      for (std::size_t i = 0; i < key_count; ++i) move.shapes.push_back({shape(), shape(), shape()});
+    }
+    scale_ = bytes_.PickValueInArray({0, 0, 0, 0, 10, -10, 60, -60, 332, -332});
+    offset_ = bytes_.PickValueInArray<Real>({0, 0, 0, 0, Real(1e6), Real(1e12)});
+    for (std::size_t i = 0; i < key_count * axes; ++i) move.keys.push_back(coordinate(move.keys, axes));
+    return move;
+  }
+
+ private:
+  std::int32_t frames() {
+    switch (bytes_.ConsumeIntegralInRange(0, 15)) {
+      case 0:
+        return bytes_.ConsumeIntegral<std::int32_t>();
+      case 1:
+      case 2:
+        return bytes_.ConsumeIntegralInRange(1, 2000);
+      default:
+        return bytes_.ConsumeIntegralInRange(1, 60);
+    }
+  }
+  FrameRate fps() {
+    if (bytes_.ConsumeIntegralInRange(0, 15) == 0) {
+      return {bytes_.ConsumeIntegralInRange(-1, 1000), bytes_.ConsumeIntegralInRange(-1, 1001)};
+    }
+    return bytes_.PickValueInArray<FrameRate>({{24, 1}, {24000, 1001}, {1000, 1}, {1, 1000}});
+  }
+  ArcLengthOptions<Real> options() {
+    const Real raw_delta = raw();
+    const Real delta = bytes_.PickValueInArray<Real>(
+        {Precision<Real>::default_delta, Real(1e-2), Real(1e-4), Precision<Real>::smallest_delta, raw_delta});
+    return {.delta = delta,
+            .acceptance = bytes_.ConsumeBool() ? Acceptance::certified : Acceptance::estimated};
+  }
+  Real weight() {
+    const Real raw_weight = raw();
+    return bytes_.PickValueInArray<Real>({1, 1, 0, Real(0.01), 100, Real(1e-30), raw_weight});
+  }
+  Real control_value() {
+    switch (bytes_.ConsumeIntegralInRange(0, 7)) {
+      case 0:
+        return raw();
+      case 1:
+      case 2:
+        return 0;
+      case 3:
+        return std::ldexp(Real(1), -bytes_.ConsumeIntegralInRange(0, 200));
+      default:
+        return static_cast<Real>(bytes_.ConsumeIntegralInRange(0, 100));
+    }
+  }
+  /// A tension, continuity or bias: often at an end of its range, or nearly.
+  Real shape() {
+    const Real nearly = 1 - std::ldexp(Real(1), -bytes_.ConsumeIntegralInRange(1, 52));
+    const Real raw_shape = raw();
+    const auto part = static_cast<Real>(bytes_.ConsumeIntegral<std::int8_t>()) / 100;
+    return bytes_.PickValueInArray<Real>({0, 1, -1, nearly, -nearly, part, part, raw_shape});
+  }
+  Real coordinate(const std::vector<Real>& before, std::size_t axes) {
+    const Real earlier = before.size() >= axes ? before[before.size() - axes] : Real(0);
+    const auto number = static_cast<Real>(bytes_.ConsumeIntegral<std::int8_t>());
+    switch (bytes_.ConsumeIntegralInRange(0, 15)) {
+      case 0:
+        return raw();
+      case 1:
+      case 2:
+      case 3:
+        return earlier;
+      case 4:
+        return earlier + number * std::numeric_limits<Real>::epsilon() * earlier;
+      case 5:
+        return earlier + std::ldexp(number, scale_ - bytes_.ConsumeIntegralInRange(0, 60));
+      case 6:
+        return std::ldexp(number, bytes_.ConsumeIntegralInRange(-340, 340));
+      default:
+        return offset_ + std::ldexp(number, scale_);
+    }
+  }
+  /// Any bits: a NaN, an infinity, a subnormal number.
+  Real raw() {
+    if (bytes_.ConsumeIntegralInRange(0, 3) != 0) return bytes_.ConsumeIntegral<std::int8_t>();
+    std::array<std::uint8_t, sizeof(Real)> bits{};
+    for (std::uint8_t& byte : bits) byte = bytes_.ConsumeIntegral<std::uint8_t>();
+    Real value = 0;
+    std::memcpy(&value, bits.data(), sizeof(Real));
+    return value;
+  }
+
+  FuzzedDataProvider& bytes_;
+  int scale_ = 0;
+  Real offset_ = 0;
+};
+
+/// The move in numbers that can be pasted into a test, to the last bit.
+template <Precise Real>
+void print(const AnyMove<Real>& move) {
+  const auto list = [](const char* name, const std::vector<Real>& numbers) {
+    std::fprintf(stderr, "  .%s = {", name);
+    for (const Real number : numbers) std::fprintf(stderr, "%a, ", static_cast<double>(number));
+    std::fprintf(stderr, "}\n");
+  };
+  std::fprintf(
+      stderr, "fuzz: %s, spline %d, closed %d, axes %d, frames %d, fps %d/%d, delta %a, certified %d, k %d\n",
+      sizeof(Real) == sizeof(double) ? "double" : "float", static_cast<int>(move.spline),
+      static_cast<int>(move.closed), move.axis_count, move.frames, move.fps.numerator, move.fps.denominator,
+      static_cast<double>(move.options.delta),
+      static_cast<int>(move.options.acceptance == Acceptance::certified), move.substeps);
+  list("keys", move.keys);
+  list("weights", move.weights);
+  list("speed", move.control_values);
+  std::fprintf(stderr, "  .shapes = {");
+  for (const KeyShape<Real>& shape : move.shapes) {
+    std::fprintf(stderr, "{%a, %a, %a}, ", static_cast<double>(shape.tension),
+                 static_cast<double>(shape.continuity), static_cast<double>(shape.bias));
+  }
+  std::fprintf(stderr, "}\n");
+}
+
+}  // namespace inbetween

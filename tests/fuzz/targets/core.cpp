@@ -1,0 +1,187 @@
+// Any bytes as keys, control values and frames: a table that keeps the invariants, or an error that says why.
+// Nothing that comes out of a move that could be made is a NaN or an infinity.
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <span>
+#include <vector>
+
+#include "inbetween/arc_length.hpp"
+#include "inbetween/frame_table.hpp"
+#include "inbetween/ode_frame_table.hpp"
+#include "inbetween/path.hpp"
+#include "inbetween/speed_profile.hpp"
+#include "inbetween/track.hpp"
+#include "tests/fuzz/targets/any_move.hpp"
+
+namespace inbetween {
+namespace {
+
+/// The Runge-Kutta solver takes up to a hundred integrations of the whole move.
+constexpr std::int32_t most_frames_by_runge_kutta = 300;
+constexpr std::int32_t most_frames_here = 2000;
+/// Far above what is needed at the smallest delta (about 80) even with cusps; a count that runs away is a
+/// find.
+constexpr std::size_t most_pieces_per_segment = 4000;
+
+template <Precise Real>
+class MoveUnderTest {
+ public:
+  explicit MoveUnderTest(const AnyMove<Real>& move) : move_(move) {}
+
+  void run() {
+    const auto axes = static_cast<std::size_t>(move_.axis_count);
+    const std::size_t keys = move_.keys.size() / axes;
+    // Memory is as large as documented and not an entry more, so that the sanitizer sees the first one too
+    // many.
+    const std::size_t segments = move_.closed && keys > 1 ? keys : keys - 1;
+    cubics_.resize((segments + 1) * axes);
+    weights_.resize(axes);
+    const auto path = Path<Real>::make(move_.path_spec(), {cubics_, weights_});
+    if (!checked(path)) return;
+    require(static_cast<std::size_t>(path->segment_count()) == segments, "a path has its segments");
+    const auto arc_length = measure(*path, segments);
+    if (!checked(arc_length)) return;
+    require_finite(arc_length->total());
+
+    const std::size_t f = move_.control_values.size() > 1 ? move_.control_values.size() - 1 : 1;
+    spans_.resize(f);
+    integrals_.resize(f + 1);
+    const auto profile = SpeedProfile<Real>::make(move_.control_values, {spans_, integrals_});
+    if (!checked(profile)) return;
+    span_distances_.resize(f + 1);
+    const auto track =
+        Track<Real>::make(*path, *arc_length, *profile, move_.frames, move_.fps, {span_distances_});
+    if (!checked(track)) return;
+    require_finite(track->constant());
+    if (move_.frames > most_frames_here) {
+      evaluate(*track, move_.frames - 3, move_.frames);
+      return;
+    }
+    solve_closed_form(*track);
+    evaluate(*track, -1, move_.frames + 1);
+    if (move_.substeps > 0 && move_.frames <= most_frames_by_runge_kutta) solve_runge_kutta(*track);
+  }
+
+ private:
+  void require(bool holds, const char* what) const {
+    if (holds) return;
+    print(move_);
+    std::fprintf(stderr, "fuzz: broken: %s\n", what);
+    std::abort();
+  }
+  void require_finite(Real number) const {
+    require(std::isfinite(number), "what comes out is a finite number");
+  }
+
+  template <class T>
+  bool checked(const Result<T>& result) const {
+    if (result) return true;
+    require(result.error().what[0] != '\0' && result.error().remedy[0] != '\0', "an error says what to do");
+    require(result.error().code != ErrorCode::capacity, "memory as large as documented suffices");
+    return false;
+  }
+
+  Result<ArcLength<Real>> measure(const Path<Real>& path, std::size_t segments) {
+    first_pieces_.resize(segments + 1);
+    segment_begins_.resize(segments + 1);
+    const auto with_room = [&](std::size_t pieces) {
+      pieces_.resize(pieces);
+      begins_.resize(pieces);
+      buckets_.resize(pieces);
+      pieces_.shrink_to_fit();
+      begins_.shrink_to_fit();
+      buckets_.shrink_to_fit();
+      return ArcLength<Real>::make(path, move_.options,
+                                   {pieces_, begins_, buckets_, first_pieces_, segment_begins_});
+    };
+    const auto small = with_room(1);
+    if (small || small.error().code != ErrorCode::capacity) return small;
+    const auto needed = static_cast<std::size_t>(small.error().needed);
+    require(needed > 1 && needed <= most_pieces_per_segment * segments, "the number of pieces stays bounded");
+    return with_room(needed);
+  }
+
+  void require_motion(const Track<Real>& track, const FrameTime<Real>& time) {
+    std::vector<Real> position(static_cast<std::size_t>(move_.axis_count));
+    std::vector<AxisMotion<Real>> motion(position.size());
+    track.positions(time, position);
+    track.motion(time, motion);
+    for (std::size_t axis = 0; axis < position.size(); ++axis) {
+      require_finite(position[axis]);
+      require(motion[axis].position == position[axis], "the motion is at the position");
+      require_finite(motion[axis].velocity);
+      require_finite(motion[axis].acceleration);
+      require_finite(motion[axis].jerk);
+    }
+  }
+
+  void evaluate(const Track<Real>& track, std::int32_t first, std::int32_t last) {
+    for (std::int32_t frame = first; frame <= last; ++frame) {
+      for (const Real fraction : {Real(0), Real(0.375), 1 - std::numeric_limits<Real>::epsilon()}) {
+        require_motion(track, {frame, fraction});
+      }
+    }
+  }
+
+  void require_invariants(const Track<Real>& track, const FrameTable<Real>& table) {
+    for (std::int32_t frame = 0; frame <= table.frames(); ++frame) {
+      const FrameRow<Real> row = frame_row(track, table, frame);
+      for (const Real number : {row.alpha, row.point.t, row.distance, row.speed, row.acceleration}) {
+        require_finite(number);
+      }
+      require(row.speed >= 0, "no speed is negative");
+    }
+    const Status invariants = check_invariants(track, table);
+    if (!invariants) std::fprintf(stderr, "fuzz: frame %d\n", invariants.error().frame);
+    require(invariants.has_value(), invariants ? "" : invariants.error().what);
+  }
+
+  void solve_closed_form(const Track<Real>& track) {
+    std::vector<PathPoint<Real>> points(static_cast<std::size_t>(move_.frames) + 1);
+    const auto table = closed_form_table<Real>(track, points);
+    require(table.has_value(), "a track has a table in closed form");
+    require_invariants(track, *table);
+  }
+
+  void solve_runge_kutta(const Track<Real>& track) {
+    std::vector<PathPoint<Real>> points(static_cast<std::size_t>(move_.frames) + 1);
+    std::vector<OdeSegment<Real>> segments(static_cast<std::size_t>(track.path().segment_count()) + 1);
+    const OdeOptions<Real> options{.substeps = move_.substeps};
+    const auto table = runge_kutta_table<Real>(track, options, segments, points);
+    if (checked(table)) require_invariants(track, *table);
+  }
+
+  const AnyMove<Real>& move_;
+  std::vector<Cubic<Real>> cubics_;
+  std::vector<Real> weights_;
+  std::vector<ArcPiece<Real>> pieces_;
+  std::vector<Real> begins_;
+  std::vector<std::int32_t> buckets_;
+  std::vector<std::int32_t> first_pieces_;
+  std::vector<TwoSum<Real>> segment_begins_;
+  std::vector<SpeedSpan<Real>> spans_;
+  std::vector<TwoSum<Real>> integrals_;
+  std::vector<TwoSum<Real>> span_distances_;
+};
+
+template <Precise Real>
+void run(FuzzedDataProvider& bytes) {
+  const AnyMove<Real> move = MoveFromBytes<Real>(bytes).draw();
+  MoveUnderTest<Real>(move).run();
+}
+
+}  // namespace
+}  // namespace inbetween
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  FuzzedDataProvider bytes(data, size);
+  if (bytes.ConsumeBool()) {
+    inbetween::run<double>(bytes);
+  } else {
+    inbetween::run<float>(bytes);
+  }
+  return 0;
+}

@@ -1,0 +1,68 @@
+// Any text is a move that keeps every promise of host_tools/move_file.hpp, or is refused in one line.
+#include "host_tools/move_file.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+#include "tests/fuzz/targets/refusal.hpp"
+
+namespace inbetween {
+namespace {
+
+void require_numbers(const std::vector<double>& numbers, double least, double most) {
+  for (const double number : numbers) {
+    fuzz_require(std::isfinite(number) && number >= least && number <= most, "a number is in its range");
+  }
+}
+
+void require_key(const MoveKey& key, const MoveTrack& track, std::int32_t frames) {
+  fuzz_require(key.at.size() == track.axes.size(), "a key has a coordinate for every axis");
+  fuzz_require(key.at_places.size() == key.at.size(), "a coordinate has a place");
+  require_numbers(key.at, -Precision<double>::largest, Precision<double>::largest);
+  require_numbers({key.tension, key.continuity, key.bias}, -1, 1);
+  const bool shaped = key.tension != 0 || key.continuity != 0 || key.bias != 0;
+  fuzz_require(!shaped || track.spline == Spline::tcb, "only a tcb key is shaped");
+  fuzz_require(!key.frame || (*key.frame >= 0 && *key.frame <= frames), "a locked key is on a frame");
+  fuzz_require(!key.hold || (*key.hold >= 1 && *key.hold <= frames), "a key is held within the move");
+  fuzz_require(!key.breaks || key.frame, "only a locked key breaks the move");
+}
+
+void require_track(const MoveTrack& track, std::int32_t frames) {
+  fuzz_require(!track.axes.empty() && track.axes.size() <= max_track_axes, "a track has axes");
+  fuzz_require(track.axis_places.size() == track.axes.size(), "an axis has a place");
+  fuzz_require(!track.keys.empty() && track.keys.size() <= max_keys, "a track has keys");
+  for (const MoveKey& key : track.keys) require_key(key, track, frames);
+  fuzz_require(track.speed.empty() == (track.timing == Timing::frames),
+               "a speed curve goes with timing by it");
+  fuzz_require(track.speed.size() <= max_control_values, "a speed curve fits");
+  fuzz_require(track.speed_places.size() == track.speed.size(), "a control value has a place");
+  require_numbers(track.speed, 0, max_control_value);
+  fuzz_require(track.weights.empty() || track.weights.size() == track.axes.size(), "every axis has a weight");
+  require_numbers(track.weights, 0, Precision<double>::largest);
+  fuzz_require(!track.kinetic || track.timing == Timing::frames, "a kinetic goes with frame times");
+}
+
+void require_move(const MoveFile& move) {
+  fuzz_require(!move.name.empty(), "a move has a name");
+  fuzz_require(move.frames >= 1 && move.frames <= max_frames, "a move has frames");
+  fuzz_require(move.fps.rate.numerator >= 1 && move.fps.rate.denominator >= 1, "a frame rate is positive");
+  fuzz_require(move.fps.rate.frames_per_second() <= 1000, "a frame rate is at most 1000");
+  fuzz_require(!move.tracks.empty() && move.tracks.size() <= max_tracks, "a move has tracks");
+  for (const MoveTrack& track : move.tracks) require_track(track, move.frames);
+}
+
+}  // namespace
+}  // namespace inbetween
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
+  const std::string_view text(reinterpret_cast<const char*>(bytes), size);
+  try {
+    inbetween::require_move(inbetween::parse_move(text, "any.toml"));
+  } catch (const inbetween::InputError& error) {
+    require_one_line(error, "any.toml");
+  }
+  return 0;
+}

@@ -1,0 +1,171 @@
+#include <gtest/gtest.h>
+#include <rapidcheck.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "inbetween/speed_profile.hpp"
+#include "tests/support/oracle_profile.hpp"
+#include "tests/support/property.hpp"
+
+/// The speed curve against the oracle's Cox-de Boor recursion, on random control values.
+
+namespace inbetween {
+namespace {
+
+constexpr int many_curves = 2000;
+
+/// 1 to 24 values in 0..100 with zeros and hundreds among them.
+template <Precise Real>
+std::vector<Real> random_values() {
+  const auto count = *rc::gen::resize(rc::kNominalSize, rc::gen::inRange<std::size_t>(1, 25));
+  std::vector<Real> values(count);
+  for (Real& value : values) {
+    const int drawn = *rc::gen::resize(rc::kNominalSize, rc::gen::inRange(-2000, 12'001));
+    value = static_cast<Real>(std::clamp(drawn, 0, 10'000)) / 100;
+  }
+  return values;
+}
+
+/// Ten places on a curve: its ends, the knots and what lies between them.
+template <Precise Real>
+std::vector<Real> random_places(std::int32_t spans) {
+  std::vector<Real> places{0, static_cast<Real>(spans)};
+  for (int i = 0; i < 8; ++i) {
+    const auto knot = static_cast<Real>(*rc::gen::inRange(0, spans));
+    const int part = *rc::gen::resize(rc::kNominalSize, rc::gen::inRange(-100, 1000));
+    places.push_back(knot + static_cast<Real>(std::max(part, 0)) / 1000);
+  }
+  return places;
+}
+
+/// A curve with the memory it stands in.
+template <Precise Real>
+struct RandomCurve {
+  std::vector<Real> values = random_values<Real>();
+  SpeedProfileStorage<Real, 24> storage;
+  SpeedProfile<Real> curve = *SpeedProfile<Real>::make(values, storage.memory());
+  oracle::Profile expected{std::vector<long double>(values.begin(), values.end())};
+};
+
+void log(const auto& values) {
+  for (const auto value : values) RC_LOG() << value << ' ';
+  RC_LOG() << '\n';
+}
+
+template <Precise Real>
+void expect_near(Real value, long double expected, long double tolerance) {
+  RC_LOG() << value << " is off by " << static_cast<long double>(value) - expected << ", allowed "
+           << tolerance << '\n';
+  RC_ASSERT(std::fabs(static_cast<long double>(value) - expected) <= tolerance);
+}
+
+template <Precise Real>
+void expect_the_oracles_curve() {
+  constexpr auto epsilon = static_cast<long double>(std::numeric_limits<Real>::epsilon());
+  const RandomCurve<Real> random;
+  log(random.values);
+  const long double largest = static_cast<long double>(*std::ranges::max_element(random.values));
+  for (const Real a : random_places<Real>(random.curve.span_count())) {
+    const auto exact_a = static_cast<long double>(a);
+    RC_LOG() << "a = " << exact_a << '\n';
+    // Value and integral are sums of numbers >= 0 and keep their relative precision, the derivatives
+    // that of the largest control value.
+    const long double value = random.expected.value(exact_a);
+    expect_near(random.curve.value(a), value, 8 * epsilon * value);
+    const long double integral = random.expected.integral(exact_a);
+    expect_near(random.curve.integral(a), integral, 8 * epsilon * integral);
+    expect_near(random.curve.derivative(a), random.expected.derivative(1, exact_a), 16 * epsilon * largest);
+    expect_near(random.curve.second(a), random.expected.derivative(2, exact_a), 64 * epsilon * largest);
+  }
+  expect_near(random.curve.total_integral(),
+              random.expected.integral(static_cast<long double>(random.curve.span_count())),
+              8 * epsilon * static_cast<long double>(random.curve.total_integral()));
+}
+
+TEST(SpeedProfileProperty, IsTheOraclesCurveInDouble) {
+  check_property(many_curves, [] { expect_the_oracles_curve<double>(); });
+}
+
+TEST(SpeedProfileProperty, IsTheOraclesCurveInFloat) {
+  check_property(many_curves, [] { expect_the_oracles_curve<float>(); });
+}
+
+template <Precise Real>
+void expect_hull_and_ends() {
+  const RandomCurve<Real> random;
+  log(random.values);
+  const SpeedProfile<Real>& curve = random.curve;
+  const auto [least, largest] = std::ranges::minmax(random.values);
+  const Real rounding = 4 * std::numeric_limits<Real>::epsilon() * largest;
+  RC_ASSERT(curve.value(0) == random.values.front());
+  RC_ASSERT(curve.value(static_cast<Real>(curve.span_count())) == random.values.back());
+  for (const Real a : random_places<Real>(curve.span_count())) {
+    RC_ASSERT(curve.value(a) >= least - rounding);
+    RC_ASSERT(curve.value(a) <= largest + rounding);
+    RC_ASSERT(curve.value(a) >= 0);
+  }
+}
+
+TEST(SpeedProfileProperty, StaysInTheHullAndMeetsItsEndsInDouble) {
+  check_property(many_curves, [] { expect_hull_and_ends<double>(); });
+}
+
+TEST(SpeedProfileProperty, StaysInTheHullAndMeetsItsEndsInFloat) {
+  check_property(many_curves, [] { expect_hull_and_ends<float>(); });
+}
+
+TEST(SpeedProfileProperty, TheIntegralNeverFalls) {
+  check_property(many_curves, [] {
+    const RandomCurve<double> random;
+    log(random.values);
+    double before = 0;
+    for (std::int32_t span = 0; span < random.curve.span_count(); ++span) {
+      for (int part = 0; part <= 16; ++part) {
+        const double integral = random.curve.integral(span + part / 16.0);
+        // The quartic is rounded a few times, and over a dwell it has nothing to grow by.
+        RC_ASSERT(integral >= before * (1 - 4 * std::numeric_limits<double>::epsilon()));
+        before = integral;
+      }
+    }
+  });
+}
+
+TEST(SpeedProfileProperty, RandomEditsKeepTheListALegalCurve) {
+  check_property(many_curves, [] {
+    ControlValues<double, 12> values;
+    RC_ASSERT(static_cast<bool>(values.push_back(10)));
+    std::vector<double> model{10};
+    for (int i = 0; i < 60; ++i) {
+      const auto index = *rc::gen::resize(rc::kNominalSize, rc::gen::inRange<std::size_t>(0, 14));
+      const double by = *rc::gen::resize(rc::kNominalSize, rc::gen::inRange(-20, 130));
+      const int edit = *rc::gen::resize(rc::kNominalSize, rc::gen::inRange(0, 4));
+      const auto at = model.begin() + static_cast<std::ptrdiff_t>(index);
+      const bool there = index < model.size();
+      const double raised = there ? model[index] + (edit == 3 ? -by : by) : 0;
+      bool legal = there && raised >= 0 && raised <= 100;
+      Status done = Done{};
+      if (edit == 0) {
+        legal = index <= model.size() && model.size() < 12 && by >= 0 && by <= 100;
+        if (legal) model.insert(at, by);
+        done = insert_control_value(values, index, by);
+      } else if (edit == 1) {
+        legal = there && model.size() > 1;
+        if (legal) model.erase(at);
+        done = erase_control_value(values, index);
+      } else {
+        if (legal) *at = raised;
+        done = edit == 2 ? raise_control_value(values, index, by) : lower_control_value(values, index, by);
+      }
+      RC_ASSERT(done.has_value() == legal);
+      RC_ASSERT(std::ranges::equal(values, model));
+    }
+    SpeedProfileStorage<double, 12> storage;
+    RC_ASSERT(SpeedProfile<double>::make(values, storage.memory()).has_value());
+  });
+}
+
+}  // namespace
+}  // namespace inbetween

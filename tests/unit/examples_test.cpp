@@ -1,0 +1,128 @@
+// The files in examples/: read, solved, and fit for the rigs that they were made for.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "host_tools/plan.hpp"
+#include "host_tools/run.hpp"
+#include "tests/support/golden_table.hpp"
+
+namespace inbetween {
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path examples = INBETWEEN_SOURCE_DIR "/examples";
+
+struct ForARig {
+  std::string move, rig;
+};
+const std::vector<ForARig> for_rigs = {{"reveal", "camera_rig"}, {"nod", "puppet_head"}};
+
+fs::path file(const std::string& name) {
+  return examples / (name + ".toml");
+}
+
+bool is_rig(const fs::path& path) {
+  return path == file("camera_rig") || path == file("puppet_head");
+}
+
+std::vector<std::string> names(bool of_rigs) {
+  std::vector<std::string> found;
+  for (const fs::directory_entry& entry : fs::directory_iterator(examples)) {
+    if (entry.path().extension() == ".toml" && is_rig(entry.path()) == of_rigs) {
+      found.push_back(entry.path().stem().string());
+    }
+  }
+  return found;
+}
+
+Plan plan_for_rig(const ForARig& example) {
+  return {read_move_file(file(example.move)), read_rig_file(file(example.rig)), {}};
+}
+
+TEST(Examples, EveryMoveIsSolvedByBothSolversAndKeepsTheInvariants) {
+  const std::vector<std::string> moves = names(false);
+  EXPECT_GE(moves.size(), 5U);
+  for (const std::string& name : moves) {
+    for (const Solver solver : {Solver::closed_form, Solver::runge_kutta}) {
+      const Plan plan(read_move_file(file(name)), std::nullopt, {.solver = solver});
+      for (const SolvedTrack<double>& solved : plan.tracks()) {
+        EXPECT_TRUE(check_invariants(solved.track(), solved.table())) << name;
+      }
+    }
+  }
+}
+
+TEST(Examples, EveryRigIsRead) {
+  const std::vector<std::string> rigs = names(true);
+  EXPECT_EQ(rigs.size(), 2U);
+  for (const std::string& name : rigs) EXPECT_FALSE(read_rig_file(file(name)).axes.empty()) << name;
+}
+
+TEST(Examples, EveryMoveHasAGoldenTable) {
+  EXPECT_THAT(names(false), testing::UnorderedElementsAreArray(golden_examples()));
+}
+
+TEST(Examples, MovesForRigsAreSmooth) {
+  for (const ForARig& example : for_rigs) {
+    for (const MoveTrack& track : read_move_file(file(example.move)).tracks) {
+      EXPECT_EQ(track.spline, Spline::smooth) << example.move;
+    }
+  }
+}
+
+TEST(Examples, MovesForRigsStartAndEndAtRest) {
+  for (const ForARig& example : for_rigs) {
+    const Plan plan = plan_for_rig(example);
+    for (const SolvedTrack<double>& solved : plan.tracks()) {
+      const auto axes = static_cast<std::size_t>(solved.track().path().axis_count());
+      std::vector<AxisMotion<double>> motion(axes);
+      for (const std::int32_t frame : {0, plan.move().frames}) {
+        solved.track().motion({frame, 0}, motion);
+        for (const AxisMotion<double>& axis : motion) {
+          EXPECT_EQ(axis.velocity, 0) << example.move << ", frame " << frame;
+          EXPECT_EQ(axis.acceleration, 0) << example.move << ", frame " << frame;
+        }
+      }
+    }
+  }
+}
+
+TEST(Examples, MovesForRigsMeasureDistanceInOneUnitOrSayWhatCounts) {
+  for (const ForARig& example : for_rigs) {
+    EXPECT_THAT(plan_for_rig(example).warnings(), testing::IsEmpty()) << example.move;
+  }
+}
+
+TEST(Examples, MovesForRigsStayInsideTheLimitsOfEveryAxis) {
+  for (const ForARig& example : for_rigs) {
+    const Plan plan = plan_for_rig(example);
+    const RunReport report = run_simulated(plan, {.fast = true, .progress = {}});  // throws beyond a position
+    EXPECT_EQ(report.ending, Ending::finished) << example.move;
+    for (const PlanAxis& axis : plan.axes()) {
+      ASSERT_TRUE(axis.track.has_value()) << axis.name;
+      const Track<double>& track = plan.tracks()[*axis.track].track();
+      std::vector<AxisMotion<double>> motion(plan.move().tracks[*axis.track].axes.size());
+      const RigAxis& limits = plan.rig()->axes[static_cast<std::size_t>(&axis - plan.axes().data())];
+      for (std::int32_t frame = 0; frame < plan.move().frames; ++frame) {
+        for (const double fraction : {0.0, 0.25, 0.5, 0.75}) {
+          track.motion({frame, fraction}, motion);
+          EXPECT_LE(std::abs(motion[axis.track_axis].velocity), limits.max_velocity) << axis.name << frame;
+          EXPECT_LE(std::abs(motion[axis.track_axis].acceleration), limits.max_acceleration)
+              << axis.name << frame;
+          if (limits.max_jerk) {
+            EXPECT_LE(std::abs(motion[axis.track_axis].jerk), *limits.max_jerk) << axis.name << frame;
+          }
+        }
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace inbetween

@@ -1,0 +1,136 @@
+// A file is written whole or not at all.
+#include "host_tools/output_file.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+
+#include "tests/support/run_program.hpp"
+#include "tests/support/temporary_file.hpp"
+
+namespace inbetween {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::EndsWith;
+using testing::HasSubstr;
+using testing::Not;
+using testing::StartsWith;
+
+void write_text(std::FILE* file) {
+  std::fputs("new\n", file);
+}
+
+template <class Action>
+std::string words_of_error(Action action) {
+  try {
+    action();
+  } catch (const std::runtime_error& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+std::ptrdiff_t files_in(const fs::path& folder) {
+  return std::distance(fs::directory_iterator(folder), fs::directory_iterator());
+}
+
+TEST(OutputFile, IsWrittenAndNothingElseIsLeft) {
+  const TemporaryFolder folder;
+  write_output((folder.path() / "a").string(), write_text);
+  EXPECT_EQ(file_contents((folder.path() / "a").string()), "new\n");
+  EXPECT_EQ(files_in(folder.path()), 1);
+}
+
+TEST(OutputFile, AnOldOneIsReplaced) {
+  const TemporaryFile old("a", "old, and longer");
+  write_output(old.path().string(), write_text);
+  EXPECT_EQ(file_contents(old.path().string()), "new\n");
+  EXPECT_EQ(files_in(old.path().parent_path()), 1);
+}
+
+TEST(OutputFile, AnOldOneSurvivesAnErrorWhileTheNewOneIsWritten) {
+  const TemporaryFile old("a", "old");
+  const auto write = [](std::FILE* file) {
+    write_text(file);
+    std::fflush(file);
+    throw std::runtime_error("half-way");
+  };
+  EXPECT_EQ(words_of_error([&] { write_output(old.path().string(), write); }), "half-way");
+  EXPECT_EQ(file_contents(old.path().string()), "old");
+  EXPECT_EQ(files_in(old.path().parent_path()), 1);
+}
+
+/// A limit on the size of files stands for a full disk: the first bytes arrive, the others do not.
+TEST(OutputFile, AnOldOneSurvivesAFullDisk) {
+  const TemporaryFile old("a", "old");
+  const std::string script = "ulimit -f 8; trap '' XFSZ; exec \"$@\"";
+  const std::string move = INBETWEEN_SOURCE_DIR "/examples/reveal.toml";
+  for (const char* option : {"--json", "--csv"}) {
+    const ProgramRun run = run_command(
+        {"/bin/sh", "-c", script, "sh", INBETWEEN_PROGRAM, "plan", move, option, old.path().string()});
+    EXPECT_EQ(run.status, 1) << option;
+    EXPECT_THAT(run.err, StartsWith(old.path().string() + ": error: could not be written completely: "));
+    EXPECT_EQ(file_contents(old.path().string()), "old") << option;
+    EXPECT_EQ(files_in(old.path().parent_path()), 1) << option;
+  }
+}
+
+TEST(OutputFile, KeepsItsPermissions) {
+  const TemporaryFile old("a", "old");
+  ::chmod(old.path().c_str(), 0640);
+  write_output(old.path().string(), write_text);
+  EXPECT_EQ(fs::status(old.path()).permissions(), fs::perms{0640});
+}
+
+TEST(OutputFile, ASymbolicLinkGoesOnPointingToIt) {
+  const TemporaryFolder folder;
+  const fs::path link = folder.path() / "link";
+  fs::create_directory(folder.path() / "deep");
+  fs::create_symlink("deep/file", link);
+  write_output(link.string(), write_text);
+  EXPECT_TRUE(fs::is_symlink(link));
+  EXPECT_EQ(file_contents((folder.path() / "deep/file").string()), "new\n");
+}
+
+TEST(OutputFile, AFullDeviceIsReportedAndStays) {
+  const std::string words = words_of_error([] { write_output("/dev/full", write_text); });
+  EXPECT_THAT(words,
+              StartsWith("/dev/full: error: could not be written completely: No space left on device; "));
+  EXPECT_TRUE(fs::is_character_file("/dev/full"));
+}
+
+TEST(OutputFile, AFolderThatIsNotThereIsReportedWithARemedy) {
+  const TemporaryFolder folder;
+  const std::string name = (folder.path() / "no/such").string();
+  const std::string expected =
+      name + ": error: cannot be written: No such file or directory; choose a folder";
+  EXPECT_THAT(words_of_error([&] { write_output(name, write_text); }), StartsWith(expected));
+  EXPECT_THAT(words_of_error([&] { check_output(name); }), StartsWith(expected));
+}
+
+TEST(OutputFile, AFolderIsNotAFile) {
+  const TemporaryFolder folder;
+  const std::string expected = folder.path().string() + ": error: cannot be written: Is a directory; ";
+  EXPECT_THAT(words_of_error([&] { write_output(folder.path().string(), write_text); }),
+              StartsWith(expected));
+  EXPECT_THAT(words_of_error([&] { check_output(folder.path().string()); }), StartsWith(expected));
+}
+
+TEST(OutputFile, CheckingCreatesAndChangesNothing) {
+  const TemporaryFile old("a", "old");
+  check_output("-");
+  check_output("/dev/null");
+  check_output(old.path().string());
+  check_output((old.path().parent_path() / "b").string());
+  EXPECT_EQ(file_contents(old.path().string()), "old");
+  EXPECT_EQ(files_in(old.path().parent_path()), 1);
+}
+
+}  // namespace
+}  // namespace inbetween

@@ -1,0 +1,418 @@
+// `plan --json` and `plan --csv`, as design and docs/formats.md promise them, by the program itself.
+#include "host_tools/plan_output.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "tests/support/golden_table.hpp"
+#include "tests/support/oracle_table.hpp"
+#include "tests/support/refused_text.hpp"
+#include "tests/support/run_program.hpp"
+#include "tests/support/temporary_file.hpp"
+
+namespace inbetween {
+namespace {
+
+using Json = nlohmann::ordered_json;  // the order of the fields counts, too
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::Not;
+using testing::SizeIs;
+using testing::StartsWith;
+
+const std::string examples = INBETWEEN_SOURCE_DIR "/examples/";
+
+const std::string drift = R"(name = "drift \"slow\""
+fps = "24000/1001"
+frames = 48
+[[track]]
+axes = ["x", "y, \"up\""]
+spline = "tcb"
+closed = true
+keys = [ { at = [0, 0] }, { at = [30.1, 40] }, { at = [60, -7], tension = 0.5 } ]
+speed = [2, 10, 1]
+weights = [1, 2]
+[[track]]
+axes = ["z"]
+keys = [ { at = [1] }, { at = [2] } ]
+speed = [3]
+)";
+
+ProgramRun plan(std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), "plan");
+  ProgramRun run = run_program(arguments);
+  EXPECT_EQ(run.status, 0) << run.err;
+  return run;
+}
+
+Json json_of(std::vector<std::string> arguments) {
+  arguments.insert(arguments.end(), {"--json", "-"});
+  return Json::parse(plan(arguments).out);
+}
+
+std::vector<std::string> fields(const Json& object) {
+  std::vector<std::string> names;
+  for (const auto& [name, value] : object.items()) names.push_back(name);
+  return names;
+}
+
+std::vector<double> numbers(const Json& list) {
+  return list.get<std::vector<double>>();
+}
+
+/// P(s) and its derivative by the printed coefficients.
+double position(const Json& track, double s, std::size_t axis) {
+  const Json& segments = track.at("segments");
+  const auto segment = std::min(static_cast<std::size_t>(s), segments.size() - 1);
+  const double t = s - static_cast<double>(segment);
+  const std::vector<double> c = numbers(segments[segment].at("coefficients").at(axis));
+  return c[0] + t * (c[1] + t * (c[2] + t * c[3]));
+}
+
+#define EXPECT_SAME_BITS(one, other) \
+  EXPECT_EQ(std::bit_cast<std::uint64_t>(one), std::bit_cast<std::uint64_t>(other)) << (one) << " " << (other)
+
+/// Fields may be added; those of the first version stay, in their order.
+void expect_fields(const Json& object, std::vector<std::string> expected) {
+  std::vector<std::string> names = fields(object);
+  std::erase_if(names, [&](const std::string& name) { return std::ranges::count(expected, name) == 0; });
+  EXPECT_EQ(names, expected);
+}
+
+TEST(PlanJson, HasTheFieldsOfItsFormatInTheirOrder) {
+  const Json json = json_of({examples + "reveal.toml", "--rig", examples + "camera_rig.toml"});
+  expect_fields(json, {"format", "name", "fps", "frames", "duration_s", "tracks", "axes"});
+  expect_fields(json["tracks"][0],
+                {"axes", "solver", "length", "K", "f", "speed", "speed_drawn", "segments", "table"});
+  expect_fields(json["tracks"][0]["segments"][0], {"coefficients"});
+  expect_fields(json["tracks"][0]["table"][0], {"frame", "alpha", "s", "distance", "speed", "acceleration"});
+  expect_fields(json["axes"][0], {"name", "unit", "position", "velocity", "acceleration"});
+}
+
+TEST(PlanJson, SaysWhatWasPlanned) {
+  const Json json = json_of({examples + "reveal.toml", "--rig", examples + "camera_rig.toml"});
+  EXPECT_EQ(json["format"], 1);
+  EXPECT_EQ(json["name"], "reveal");
+  EXPECT_EQ(json["fps"].dump(), "24");
+  EXPECT_EQ(json["frames"], 192);
+  EXPECT_EQ(json["duration_s"], 8);
+  ASSERT_THAT(json["tracks"], SizeIs(1));
+  const Json& track = json["tracks"][0];
+  EXPECT_EQ(track["axes"], Json::parse(R"(["slide", "pan", "tilt"])"));
+  EXPECT_EQ(track["solver"], "closed-form");
+  EXPECT_EQ(track["speed_error"], 1e-6);
+  EXPECT_EQ(track["f"], 9);
+  EXPECT_EQ(track["speed"], Json::parse("[0, 0, 3, 4, 9, 12, 8, 5, 0, 0]"));
+  EXPECT_EQ(track["speed_drawn"], track["speed"]);
+  EXPECT_THAT(track["segments"], SizeIs(4));
+  EXPECT_THAT(track["table"], SizeIs(193));
+  ASSERT_THAT(json["axes"], SizeIs(3));
+  EXPECT_EQ(json["axes"][0]["name"], "slide");
+  EXPECT_EQ(json["axes"][0]["unit"], "mm");
+  EXPECT_EQ(json["axes"][1]["unit"], "deg");
+  for (const Json& axis : json["axes"]) {
+    for (const char* column : {"position", "velocity", "acceleration"})
+      EXPECT_THAT(axis[column], SizeIs(193));
+  }
+}
+
+TEST(PlanJson, UnitsAreNullWithoutARig) {
+  for (const Json& axis : json_of({examples + "reveal.toml"})["axes"]) EXPECT_TRUE(axis["unit"].is_null());
+}
+
+TEST(PlanJson, RepeatsTheFrameRateAndTheNameAsTheyWereWritten) {
+  const TemporaryFile move("move.toml", drift);
+  const Json json = json_of({move.path().string()});
+  EXPECT_EQ(json["fps"], "24000/1001");
+  EXPECT_EQ(json["name"], "drift \"slow\"");
+  EXPECT_EQ(json["tracks"][0]["axes"][1], "y, \"up\"");
+  EXPECT_DOUBLE_EQ(json["duration_s"], 48 * 1001 / 24000.0);
+}
+
+TEST(PlanJson, ASingleControlValueIsTwoEqualOnes) {
+  const TemporaryFile move("move.toml", drift);
+  const Json json = json_of({move.path().string()});
+  const Json& track = json["tracks"][1];
+  EXPECT_EQ(track["f"], 1);
+  EXPECT_EQ(track["speed"], Json::parse("[3, 3]"));
+  EXPECT_EQ(track["speed_drawn"], Json::parse("[3]"));
+}
+
+TEST(PlanJson, ItsCoefficientsReproduceTheKeys) {
+  const TemporaryFile file("move.toml", drift);
+  const MoveFile move = read_move_file(file.path());
+  const Json json = json_of({file.path().string()});
+  for (std::size_t t = 0; t < move.tracks.size(); ++t) {
+    const MoveTrack& written = move.tracks[t];
+    const Json& track = json["tracks"][t];
+    const std::size_t segments = written.keys.size() - (written.closed ? 0 : 1);
+    ASSERT_THAT(track["segments"], SizeIs(segments));
+    for (std::size_t i = 0; i < segments; ++i) {
+      const Json& rows = track["segments"][i]["coefficients"];
+      ASSERT_THAT(rows, SizeIs(written.axes.size()));
+      for (std::size_t d = 0; d < rows.size(); ++d) {
+        const std::vector<double> c = numbers(rows[d]);
+        ASSERT_THAT(c, SizeIs(4));
+        EXPECT_EQ(c[0], written.keys[i].at[d]);
+        EXPECT_NEAR(c[0] + c[1] + c[2] + c[3], written.keys[(i + 1) % written.keys.size()].at[d], 1e-13);
+      }
+    }
+  }
+}
+
+TEST(PlanJson, ItsNumbersReadBackToTheLastBit) {
+  const std::string move = examples + "reveal.toml";
+  const Plan solved(read_move_file(move), std::nullopt, {});
+  const Track<double>& track = solved.tracks()[0].track();
+  const FrameTable<double>& table = solved.tracks()[0].table();
+  const Json json = json_of({move});
+  const Json& printed = json["tracks"][0];
+  EXPECT_SAME_BITS(printed["length"].get<double>(), track.arc_length().total());
+  EXPECT_SAME_BITS(printed["K"].get<double>(), table.provenance().constant);
+  std::vector<AxisMotion<double>> motion(3);
+  for (std::int32_t frame = 0; frame <= 192; ++frame) {
+    const Json& row = printed["table"][static_cast<std::size_t>(frame)];
+    const FrameRow<double> expected = frame_row(track, table, frame);
+    EXPECT_EQ(row["frame"], frame);
+    EXPECT_SAME_BITS(row["alpha"].get<double>(), expected.alpha);
+    EXPECT_SAME_BITS(row["s"].get<double>(), expected.point.segment + expected.point.t);
+    EXPECT_SAME_BITS(row["distance"].get<double>(), expected.distance);
+    EXPECT_SAME_BITS(row["speed"].get<double>(), expected.speed);
+    EXPECT_SAME_BITS(row["acceleration"].get<double>(), expected.acceleration);
+    track.motion({frame, 0}, motion);
+    for (std::size_t d = 0; d < 3; ++d) {
+      const Json& axis = json["axes"][d];
+      const auto j = static_cast<std::size_t>(frame);
+      EXPECT_SAME_BITS(axis["position"][j].get<double>(),
+                       track.path().position(expected.point, static_cast<std::int32_t>(d)));
+      EXPECT_SAME_BITS(axis["velocity"][j].get<double>(), motion[d].velocity);
+      EXPECT_SAME_BITS(axis["acceleration"][j].get<double>(), motion[d].acceleration);
+    }
+  }
+}
+
+TEST(PlanJson, ItsTableIsTheOneOfTheOracle) {
+  const TemporaryFile file("move.toml", drift);
+  const Json json = json_of({file.path().string()});
+  const std::vector<DrawnTrack> drawn = read_drawn_tracks(file.path());
+  const double fps = 24000.0 / 1001.0;
+  for (std::size_t t = 0; t < drawn.size(); ++t) {
+    const oracle::Path path(drawn[t].keys);
+    const std::vector<oracle::Row> rows =
+        oracle::frame_table(path, oracle::Profile(drawn[t].speed), drawn[t].frames);
+    const Json& track = json["tracks"][t];
+    const auto length = static_cast<double>(path.total_length());
+    EXPECT_NEAR(track["length"], length, 1e-13 * length);
+    ASSERT_THAT(track["table"], SizeIs(rows.size()));
+    for (std::size_t j = 0; j < rows.size(); ++j) {
+      const Json& row = track["table"][j];
+      const oracle::Row& expected = rows[j];
+      const auto speed = static_cast<double>(expected.speed) * fps;
+      EXPECT_NEAR(row["alpha"], static_cast<double>(expected.alpha), 1e-15 * 48);
+      EXPECT_NEAR(row["distance"], static_cast<double>(expected.distance), 1e-6 * length);
+      EXPECT_NEAR(row["s"], static_cast<double>(expected.place.segment + expected.place.t), 1e-5);
+      EXPECT_NEAR(row["speed"], speed, 1e-12 * length);
+      EXPECT_NEAR(row["acceleration"], static_cast<double>(expected.acceleration) * fps * fps,
+                  1e-11 * length);
+    }
+  }
+}
+
+TEST(PlanJson, VelocityAndAccelerationAreTheDerivativesOfThePosition) {
+  const Json json = json_of({examples + "reveal.toml"});
+  const std::vector<DrawnTrack> drawn = read_drawn_tracks(examples + "reveal.toml");
+  const oracle::Path path(drawn[0].keys);
+  const oracle::Profile profile(drawn[0].speed);
+  for (const int frame : {31, 74, 100, 160}) {
+    const oracle::Motion expected = oracle::motion_at(path, profile, drawn[0].frames, 24, frame / 24.0L);
+    const auto j = static_cast<std::size_t>(frame);
+    for (std::size_t d = 0; d < 3; ++d) {
+      EXPECT_NEAR(json["axes"][d]["velocity"][j], static_cast<double>(expected.velocity[d]), 1e-3);
+      EXPECT_NEAR(json["axes"][d]["acceleration"][j], static_cast<double>(expected.acceleration[d]), 2e-3);
+    }
+  }
+}
+
+TEST(PlanJson, BothSolversPutTheAxesWhereTheirOwnTableHasThem) {
+  for (const char* solver : {"closed-form", "runge-kutta"}) {
+    const Json json = json_of({examples + "paper_figure_4.toml", "--solver", solver});
+    const Json& track = json["tracks"][0];
+    EXPECT_EQ(track["solver"], solver);
+    for (std::size_t j = 0; j <= 72; ++j) {
+      for (std::size_t d = 0; d < 2; ++d) {
+        EXPECT_NEAR(json["axes"][d]["position"][j], position(track, track["table"][j]["s"], d), 1e-12)
+            << solver;
+      }
+    }
+  }
+}
+
+TEST(PlanJson, TheTwoSolversAgreeWithinTheErrorThatThePapersReports) {
+  const std::string move = examples + "paper_figure_5.toml";
+  const Json exact = json_of({move});
+  const Json paper = json_of({move, "--solver", "runge-kutta"});
+  const double error = paper["tracks"][0]["speed_error"];
+  EXPECT_GT(error, 1e-9);
+  EXPECT_LT(error, 0.02);
+  bool differ = false;
+  for (std::size_t j = 0; j <= 72; ++j) {
+    const double drawn = exact["tracks"][0]["table"][j]["distance"];
+    const double integrated = paper["tracks"][0]["table"][j]["distance"];
+    EXPECT_NEAR(integrated, drawn, (error + 1e-6) * drawn);
+    differ = differ || integrated != drawn;
+  }
+  EXPECT_TRUE(differ);
+}
+
+TEST(PlanJson, PerTickItsAxesHaveAValuePerTick) {
+  const TemporaryFile move("move.toml", with(drift, ", \\\"up\\\"", ""));
+  const std::string axis =
+      "unit = \"m\"\nmin = -100\nmax = 100\nmax_velocity = 1\nmax_acceleration = 1\ndrive = { type = "
+      "\"pipe\", path "
+      "= \"/dev/null\", counts_per_unit = 1 }\n";
+  std::string rig = "name = \"r\"\nrate_hz = 60\n";
+  for (const char* name : {"z", "idle", "y", "x"})
+    rig += fmt::format("[[axis]]\nname = \"{}\"\n{}", name, axis);
+  const TemporaryFile machine("rig.toml", rig);
+  const Json json = json_of({move.path().string(), "--rig", machine.path().string(), "--per", "tick"});
+  EXPECT_THAT(json["tracks"][0]["table"], SizeIs(49));
+  ASSERT_THAT(json["axes"], SizeIs(3)) << "idle is in no track";
+  EXPECT_EQ(json["axes"][0]["name"], "z");
+  const Plan solved(read_move_file(move.path()), std::nullopt, {});
+  for (std::size_t a = 0; a < 3; ++a) {
+    ASSERT_THAT(json["axes"][a]["position"], SizeIs(122));  // 2.002 s at 60 Hz, rounded up, and tick 0
+  }
+  std::vector<double> positions(2);
+  for (std::size_t tick = 0; tick < 122; ++tick) {
+    const auto time = frame_time_of_tick<double>(static_cast<std::int64_t>(tick), {24000, 1001}, 60);
+    solved.tracks()[0].track().positions(time, positions);
+    EXPECT_SAME_BITS(json["axes"][2]["position"][tick].get<double>(), positions[0]);
+    EXPECT_SAME_BITS(json["axes"][1]["position"][tick].get<double>(), positions[1]);
+  }
+  EXPECT_EQ(json["axes"][2]["position"][121], 0);  // closed: back at key 0
+}
+
+/// Adds the names of all fields at any depth.
+void collect_fields(const Json& json, std::set<std::string>& names) {
+  for (const auto& [name, value] : json.items()) {
+    if (json.is_object()) names.insert(name);
+    if (value.is_structured()) collect_fields(value, names);
+  }
+}
+
+TEST(OutputDocument, HasEveryFieldOfTheJsonAndTheHeaderOfTheCsv) {
+  const std::string document = file_contents(INBETWEEN_SOURCE_DIR "/docs/formats.md");
+  const std::string written = document.substr(document.find("## What is written"));
+  const std::string rig = examples + "camera_rig.toml";
+  const std::string move = examples + "reveal.toml";
+  std::set<std::string> names;
+  collect_fields(json_of({move, "--rig", rig}), names);
+  const ProgramRun run = run_program({"run", move, "--rig", rig, "--sim", "--fast", "--json", "-"});
+  collect_fields(Json::parse(run.out), names);
+  EXPECT_GE(names.size(), 25U);
+  for (const std::string& name : names) EXPECT_THAT(written, HasSubstr("`" + name + "`"));
+  std::istringstream csv(plan({move, "--rig", rig, "--csv", "-"}).out);
+  for (int line = 0; line < 2; ++line) {
+    std::string text;
+    std::getline(csv, text);
+    EXPECT_THAT(written, HasSubstr("\n" + text + "\n"));
+  }
+}
+
+struct Csv {
+  std::string header;
+  std::vector<std::vector<std::string>> rows;
+};
+
+Csv csv_of(std::vector<std::string> arguments) {
+  arguments.insert(arguments.end(), {"--csv", "-"});
+  std::istringstream lines(plan(arguments).out);
+  Csv csv;
+  std::getline(lines, csv.header);
+  for (std::string line; std::getline(lines, line);) {
+    std::vector<std::string> row;
+    std::istringstream cells(line);
+    for (std::string cell; std::getline(cells, cell, ',');) row.push_back(cell);
+    csv.rows.push_back(row);
+  }
+  return csv;
+}
+
+double number(const std::string& text) {
+  return std::strtod(text.c_str(), nullptr);
+}
+
+TEST(PlanCsv, NamesItsColumnsWithUnits) {
+  const std::string move = examples + "reveal.toml";
+  EXPECT_EQ(csv_of({move}).header, "frame,time_s,slide,pan,tilt");
+  EXPECT_EQ(csv_of({move, "--rig", examples + "camera_rig.toml"}).header,
+            "frame,time_s,slide (mm),pan (deg),tilt (deg)");
+}
+
+TEST(PlanCsv, QuotesAColumnNameThatNeedsIt) {
+  const TemporaryFile move("move.toml", drift);
+  EXPECT_EQ(csv_of({move.path().string()}).header, R"(frame,time_s,x,"y, ""up""",z)");
+}
+
+TEST(PlanCsv, HasARowPerFrameWithTheNumbersOfTheJson) {
+  const std::string move = examples + "reveal.toml";
+  const Csv csv = csv_of({move});
+  const Json json = json_of({move});
+  ASSERT_THAT(csv.rows, SizeIs(193));
+  for (std::size_t j = 0; j < csv.rows.size(); ++j) {
+    ASSERT_THAT(csv.rows[j], SizeIs(5));
+    EXPECT_EQ(csv.rows[j][0], std::to_string(j));
+    EXPECT_EQ(number(csv.rows[j][1]), static_cast<double>(j) / 24);
+    for (std::size_t d = 0; d < 3; ++d) {
+      EXPECT_SAME_BITS(number(csv.rows[j][2 + d]), json["axes"][d]["position"][j].get<double>());
+    }
+  }
+}
+
+TEST(PlanCsv, HasARowPerTickOfTheRig) {
+  const std::vector<std::string> arguments = {examples + "reveal.toml", "--rig", examples + "camera_rig.toml",
+                                              "--per", "tick"};
+  const Csv csv = csv_of(arguments);
+  const Json json = json_of(arguments);
+  EXPECT_EQ(csv.header, "tick,time_s,slide (mm),pan (deg),tilt (deg)");
+  ASSERT_THAT(csv.rows, SizeIs(2001));
+  for (std::size_t k = 0; k < csv.rows.size(); ++k) {
+    EXPECT_EQ(csv.rows[k][0], std::to_string(k));
+    EXPECT_EQ(number(csv.rows[k][1]), static_cast<double>(k) / 250);
+    EXPECT_SAME_BITS(number(csv.rows[k][3]), json["axes"][1]["position"][k].get<double>());
+  }
+  EXPECT_EQ(csv.rows.back()[2], "1640");
+}
+
+TEST(PlanPicture, ShowsTheAxesOfTheMoveOnly) {
+  const std::string move = with(drift, ", \\\"up\\\"", "");
+  const std::string axis =
+      "unit = \"m\"\nmin = -100\nmax = 100\nmax_velocity = 1\nmax_acceleration = 1\ndrive = { type = "
+      "\"pipe\", path "
+      "= \"/dev/null\", counts_per_unit = 1 }\n";
+  std::string rig = "name = \"r\"\nrate_hz = 60\n";
+  for (const char* name : {"idle", "z", "y", "x"})
+    rig += fmt::format("[[axis]]\nname = \"{}\"\n{}", name, axis);
+  const PlotMove plot = plot_of(Plan(parse_move(move, "move.toml"), parse_rig(rig, "rig.toml"), {}));
+  ASSERT_THAT(plot.axes, SizeIs(3));
+  EXPECT_EQ(plot.axes[0].name, "z");
+  EXPECT_THAT(plot.tracks[0].axes, ElementsAre(2, 1));
+  EXPECT_THAT(plot.tracks[1].axes, ElementsAre(0));
+  EXPECT_EQ(plot.axes[2].positions.front(), 0);
+  EXPECT_THAT(plot.tracks[1].control_values, ElementsAre(3, 3));
+}
+
+}  // namespace
+}  // namespace inbetween

@@ -1,0 +1,178 @@
+// A move, solved: what a plan knows of axes and units, and at which place of the file it complains.
+#include "host_tools/plan.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <initializer_list>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "tests/support/refused_text.hpp"
+
+namespace inbetween {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+using testing::SizeIs;
+
+const std::string two_tracks = R"(name = "arc"
+fps = "24000/1001"
+frames = 48
+[[track]]
+axes = ["pan", "slide"]
+keys = [ { at = [0, 0] }, { at = [30, 40] }, { at = [60, 90] } ]
+speed = [0, 0, 10, 0, 0]
+weights = [0, 1]
+[[track]]
+axes = ["focus"]
+keys = [ { at = [1] }, { at = [2] } ]
+speed = [3]
+)";
+
+const std::string axis = R"(
+[[axis]]
+name = "NAME"
+unit = "UNIT"
+min = -1000
+max = 1000
+max_velocity = 100
+max_acceleration = 100
+drive = { type = "pipe", path = "/dev/null", counts_per_unit = 1 }
+)";
+
+struct Named {
+  std::string_view name, unit;
+};
+
+RigFile rig_of(std::initializer_list<Named> axes) {
+  std::string text = "name = \"stand\"\nrate_hz = 100\n";
+  for (const Named& one : axes) text += with(with(axis, "NAME", one.name), "UNIT", one.unit);
+  return parse_rig(text, "rig.toml");
+}
+
+Plan plan_of(const std::string& move, std::optional<RigFile> rig = std::nullopt,
+             Solver solver = Solver::closed_form) {
+  return {parse_move(move, "move.toml"), std::move(rig), {.solver = solver}};
+}
+
+void expect_plan_refused(const std::string& marked, std::initializer_list<std::string_view> words) {
+  expect_refused(
+      [](std::string_view text, const std::string& file) { Plan(parse_move(text, file), std::nullopt, {}); },
+      marked, words);
+}
+
+std::vector<std::string> names(const Plan& plan) {
+  std::vector<std::string> all;
+  for (const PlanAxis& one : plan.axes()) all.push_back(one.name);
+  return all;
+}
+
+TEST(Plan, WithoutARigAxesComeInTheOrderOfTheTracksAndHaveNoUnit) {
+  const Plan plan = plan_of(two_tracks);
+  EXPECT_THAT(names(plan), ElementsAre("pan", "slide", "focus"));
+  for (const PlanAxis& one : plan.axes()) EXPECT_FALSE(one.unit.has_value());
+  EXPECT_EQ(plan.length_unit(0), "");
+  EXPECT_THAT(plan.tracks(), SizeIs(2));
+  EXPECT_THAT(plan.warnings(), IsEmpty());
+}
+
+TEST(Plan, WithARigAxesComeInItsOrderAndThoseInNoTrackToo) {
+  const Plan plan =
+      plan_of(two_tracks, rig_of({{"focus", "turn"}, {"lift", "mm"}, {"slide", "m"}, {"pan", "deg"}}));
+  EXPECT_THAT(names(plan), ElementsAre("focus", "lift", "slide", "pan"));
+  EXPECT_EQ(plan.axes()[0].unit, AxisUnit::turn);
+  EXPECT_EQ(plan.axes()[0].track, 1U);
+  EXPECT_FALSE(plan.axes()[1].track.has_value());
+  EXPECT_EQ(plan.axes()[2].track, 0U);
+  EXPECT_EQ(plan.axes()[2].track_axis, 1U);
+  EXPECT_EQ(plan.axes()[3].track_axis, 0U);
+}
+
+TEST(Plan, LastsAsLongAsItsExactRateSays) {
+  EXPECT_DOUBLE_EQ(plan_of(two_tracks).duration_s(), 2.002);
+}
+
+TEST(Plan, ALengthHasTheUnitOfTheAxesThatCount) {
+  const Plan plan = plan_of(two_tracks, rig_of({{"focus", "turn"}, {"slide", "m"}, {"pan", "deg"}}));
+  EXPECT_EQ(plan.length_unit(0), "m");  // pan has no weight
+  EXPECT_EQ(plan.length_unit(1), "turn");
+}
+
+TEST(Plan, WarnsThatMillimetresCountAsDegreesWhereNobodySaidOtherwise) {
+  const RigFile rig = rig_of({{"focus", "turn"}, {"slide", "mm"}, {"pan", "deg"}});
+  const std::string unweighted = with(two_tracks, "weights = [0, 1]\n", "");
+  const Plan plan = plan_of(unweighted, rig);
+  ASSERT_THAT(plan.warnings(), SizeIs(1));
+  EXPECT_EQ(
+      to_string(plan.warnings().front()),
+      "move.toml:4:1: warning: 1 mm counts as 1 deg of distance along this track; give weights, one per "
+      "axis, to say otherwise");
+  EXPECT_EQ(plan.length_unit(0), "");
+  const std::string weighted = with(two_tracks, "weights = [0, 1]", "weights = [1, 1]");
+  EXPECT_THAT(plan_of(weighted, rig).warnings(), IsEmpty());
+}
+
+TEST(Plan, WarnsOfEveryUnitOfATrack) {
+  const std::string move = R"(name = "m"
+fps = 24
+frames = 2
+[[track]]
+axes = ["a", "b", "c"]
+keys = [ { at = [0, 0, 0] }, { at = [1, 1, 1] } ]
+speed = [1]
+)";
+  const Plan plan = plan_of(move, rig_of({{"a", "mm"}, {"b", "turn"}, {"c", "deg"}}));
+  ASSERT_THAT(plan.warnings(), SizeIs(1));
+  EXPECT_THAT(plan.warnings().front().message,
+              testing::StartsWith("1 mm and 1 turn count as 1 deg of distance along this track"));
+}
+
+TEST(Plan, EveryTrackTravelsItsWholePath) {
+  for (const Solver solver : {Solver::closed_form, Solver::runge_kutta}) {
+    const Plan plan = plan_of(two_tracks, std::nullopt, solver);
+    for (const SolvedTrack<double>& solved : plan.tracks()) {
+      EXPECT_EQ(solved.table().provenance().solver, solver);
+      EXPECT_EQ(solved.table().frames(), 48);
+      EXPECT_TRUE(check_invariants(solved.track(), solved.table()));
+    }
+  }
+}
+
+TEST(Plan, AnAxisThatTheRigDoesNotHaveIsNamedWithThoseThatItHas) {
+  expect_refused(
+      [](std::string_view text, const std::string& file) {
+        Plan(parse_move(text, file), rig_of({{"slide", "mm"}, {"pan", "deg"}}), {});
+      },
+      with(two_tracks, "[\"focus\"]", "[@\"focus\"]"), {"\"stand\"", "\"focus\"", "it has slide, pan"});
+}
+
+TEST(Plan, AMoveWithMoreTicksThanAnyRigPlaysIsRefused) {
+  expect_refused(
+      [](std::string_view text, const std::string& file) {
+        Plan(parse_move(text, file), rig_of({{"slide", "mm"}, {"pan", "deg"}, {"focus", "turn"}}), {});
+      },
+      with(with(two_tracks, "24000/1001", "1/1000000"), "48", "@48"),
+      {"4800000000 ticks", "100 Hz", "lower"});
+}
+
+TEST(Plan, NoSpeedOnARealPathNamesTheSpeedCurve) {
+  expect_plan_refused(with(two_tracks, "[0, 0, 10, 0, 0]", "@[0, 0]"), {"zero everywhere", "raise"});
+}
+
+TEST(Plan, NoSpeedIsFineWhereThereIsNoWay) {
+  const std::string still = with(with(two_tracks, "[2]", "[1]"), "[3]", "[0]");
+  EXPECT_EQ(plan_of(still).tracks()[1].track().constant(), 0);
+}
+
+TEST(Plan, AnAxisThatMovesOnAPathWithoutLengthNamesKeyAndAxis) {
+  const std::string move = with(two_tracks, "{ at = [0, 0] }, { at = [30, 40] }",
+                                "{ at = [0, 0] }, { at = [@30, 40] }, { at = [31, 40] }");
+  expect_plan_refused(move, {"axis \"pan\"", "key 1"});
+}
+
+}  // namespace
+}  // namespace inbetween
