@@ -66,6 +66,7 @@ void SolvedTrack<Real>::apply_locks(const TrackSpec<Real>& spec, const ArcLength
   const std::size_t rows = spec.locks.size() + 1;
   std::vector<Real> adjusted(most_control_values);
   std::vector<Real> drawn(most_control_values);
+  std::vector<Real> mobility(most_control_values);
   std::vector<Real> ceiling(most_control_values);
   std::vector<Real> targets(rows);
   std::vector<Real> multipliers(4 * rows);
@@ -76,7 +77,7 @@ void SolvedTrack<Real>::apply_locks(const TrackSpec<Real>& spec, const ArcLength
                                    .locks = spec.locks,
                                    .frames = spec.frames};
   KeyTiming<Real> timing = value_or_throw(adjust_to_locks<Real>(
-      wishes, {adjusted, drawn, ceiling, completed_locks_, targets, multipliers, matrix}));
+      wishes, {adjusted, drawn, mobility, ceiling, completed_locks_, targets, multipliers, matrix}));
   control_values_.assign(timing.control_values.begin(), timing.control_values.end());
   timing.control_values = control_values_;
   key_timing_ = timing;

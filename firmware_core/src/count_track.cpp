@@ -34,12 +34,12 @@ struct Sizes {
 template <Precise Real>
 Status check_memory(const Sizes& needed, const CountTrackMemory<Real>& memory) {
   Error error{.code = ErrorCode::capacity, .remedy = "give it a larger capacity"};
-  if (memory.spans.size() < needed.spans + 1) {
+  if (memory.spans.size() < needed.spans) {
     error.what = "the speed curve has more spans than the memory of the count track";
-    error.needed = static_cast<std::int64_t>(needed.spans) + 1;
-  } else if (memory.pieces.size() < needed.pieces || memory.begins.size() < needed.pieces + 1) {
+    error.needed = static_cast<std::int64_t>(needed.spans);
+  } else if (memory.pieces.size() < needed.pieces + 1) {
     error.what = "the arc length has more pieces than the memory of the count track";
-    error.needed = static_cast<std::int64_t>(needed.pieces);
+    error.needed = static_cast<std::int64_t>(needed.pieces) + 1;
   } else if (memory.cubics.size() < (needed.pieces + 1) * needed.axes) {
     error.what = "the pieces have more axes than the memory of the count track";
     error.needed = static_cast<std::int64_t>((needed.pieces + 1) * needed.axes);
@@ -72,10 +72,10 @@ void set_way(const SpeedSpan<Source>& drawn, const Part& part, double scale, Cou
                                static_cast<double>(drawn.b2), static_cast<double>(drawn.b3)};
   const double h = part.b - part.a;
   const double third = wide.b3 - wide.b0 + 3 * (wide.b1 - wide.b2);
-  to.c1 = static_cast<Real>(scale * h * wide.value(part.a));
-  to.c2 = static_cast<Real>(scale * h * h * wide.derivative(part.a) / 2);
-  to.c3 = static_cast<Real>(scale * h * h * h * wide.second(part.a) / 6);
-  to.c4 = static_cast<Real>(scale * h * h * h * h * third / 4);
+  to.c = {static_cast<Real>(scale * h * wide.value(part.a)),
+          static_cast<Real>(scale * h * h * wide.derivative(part.a) / 2),
+          static_cast<Real>(scale * h * h * h * wide.second(part.a) / 6),
+          static_cast<Real>(scale * h * h * h * h * third / 4)};
 }
 
 template <Precise Source>
@@ -85,33 +85,34 @@ double integral_to(const SpeedSpan<Source>& drawn, double t) {
   return wide.integral(t);
 }
 
-/// Cuts every span of the curve into `parts` and finds the piece in which each starts.
+/// Cuts every span of the curve into `parts` and finds the pieces in which each starts and ends.
 template <Precise Real, Precise Source>
-void cut_spans(const Track<Source>& track, std::int32_t parts, std::span<const Real> begins,
+void cut_spans(const Track<Source>& track, std::int32_t parts, std::span<const CountPiece<Real>> pieces,
                std::span<CountSpan<Real>> spans) {
   const SpeedProfile<Source>& profile = track.profile();
   const std::int32_t f = profile.span_count();
   const double length = sum_of(track.arc_length().segment_begin(track.path().segment_count()));
   // K of the track, with all digits that there are.
   const double constant = length > 0 ? length / sum_of(profile.integral_before(f)) : 0.0;
-  std::size_t piece = 0;
-  const auto begin_at = [&](double distance, CountSpan<Real>& span) {
-    span.begin = in_two_parts<Real>(distance, 0);
-    while (begins[piece + 1] <= span.begin.high) ++piece;
-    span.first_piece = static_cast<std::int32_t>(piece);
+  std::int32_t piece = 0;
+  const auto piece_at = [&](Real distance) {  // distances rise from call to call
+    while (pieces[static_cast<std::size_t>(piece) + 1].begin.high <= distance) ++piece;
+    return piece;
   };
   std::size_t index = 0;
   for (std::int32_t i = 0; i < f; ++i) {
     const double before = sum_of(profile.integral_before(i));
     for (std::int32_t k = 0; k < parts; ++k) {
       const Part part{static_cast<double>(k) / parts, static_cast<double>(k + 1) / parts};
-      CountSpan<Real>& span = spans[index++];
+      CountSpan<Real>& span = spans[index];
       set_way(profile.span(i), part, constant, span);
-      begin_at(constant * (before + integral_to(profile.span(i), part.a)), span);
+      span.begin = in_two_parts<Real>(constant * (before + integral_to(profile.span(i), part.a)), 0);
+      span.first_piece = piece_at(span.begin.high);
+      if (index > 0) spans[index - 1].last_piece = span.first_piece;
+      ++index;
     }
   }
-  spans[index] = {};
-  begin_at(length, spans[index]);
+  spans[index - 1].last_piece = piece_at(static_cast<Real>(length));
 }
 
 /// How much of its segment a piece covers, in t.
@@ -225,7 +226,8 @@ class PieceCutter {
     if (count_ == 0) {  // the path stays where it is
       if (const Status done = add({}, 0, {}); !done) return done.error();
     }
-    memory_.begins[count_] = std::numeric_limits<Real>::infinity();
+    memory_.pieces[count_] = {};
+    memory_.pieces[count_].begin.high = std::numeric_limits<Real>::infinity();
     return set_row(path_.segment_count(), {});
   }
   [[nodiscard]] std::size_t count() const { return count_; }
@@ -233,7 +235,7 @@ class PieceCutter {
  private:
   Status add(const CountPiece<Real>& piece, std::int32_t segment, const Stretch& stretch) {
     memory_.pieces[count_] = piece;
-    memory_.begins[count_] = piece.begin.high;
+    memory_.pieces[count_].first_cubic = static_cast<std::int32_t>(count_) * path_.axis_count();
     if (const Status done = set_row(segment, stretch); !done) return done.error();
     ++count_;
     return Done{};
@@ -282,7 +284,7 @@ Result<CountTrack<Real>> CountTrack<Real>::make(const Track<Source>& track,
                                                 const CountTrackMemory<Real>& memory) {
   const Path<Source>& path = track.path();
   const std::int32_t f = track.profile().span_count();
-  const std::int32_t spans = count_span_count<Real>(f);
+  const std::int32_t spans = count_span_count(f);
   const Sizes sizes{.spans = static_cast<std::size_t>(spans),
                     .pieces = count_piece_count<Real>(track.arc_length()),
                     .axes = static_cast<std::size_t>(path.axis_count())};
@@ -294,12 +296,11 @@ Result<CountTrack<Real>> CountTrack<Real>::make(const Track<Source>& track,
   }
   PieceCutter<Real, Source> cutter(path, counts_per_unit, memory);
   if (const Status done = cutter.cut(track.arc_length()); !done) return done.error();
-  cut_spans<Real, Source>(track, spans / f, memory.begins, memory.spans);
+  cut_spans<Real, Source>(track, spans / f, memory.pieces, memory.spans);
 
   CountTrack result;
   result.spans_ = memory.spans.data();
   result.pieces_ = memory.pieces.data();
-  result.begins_ = memory.begins.data();
   result.cubics_ = memory.cubics.data();
   result.span_count_ = spans;
   result.piece_count_ = static_cast<std::int32_t>(sizes.pieces);

@@ -50,13 +50,15 @@ Status check_speed(const Track<Real>& track, const FrameTable<Real>& table) {
   const Real short_step = static_cast<Real>(short_step_share) * length;
   // Points and distances are themselves rounded to a few ulp of the length.
   const Real rounding = 16 * std::numeric_limits<Real>::epsilon() * length;
+  const Real short_step_error = table.provenance().short_step_error * length;
   const Real promised = table.provenance().speed_error;
   Status status = Done{};
   compare_steps(track, table.points(), [&](std::int32_t frame, Real drawn, Real deviation) {
-    if (!status || deviation <= promised * std::max(drawn, short_step) + rounding) return;
+    const bool is_short = drawn <= short_step;
+    const Real allowed = promised * std::max(drawn, short_step) + (is_short ? short_step_error : Real(0));
+    if (!status || deviation <= allowed + rounding) return;
     status =
-        broken(drawn > short_step ? "the speed is not as drawn" : "the speed of a short step is not as drawn",
-               frame);
+        broken(is_short ? "the speed of a short step is not as drawn" : "the speed is not as drawn", frame);
   });
   return status;
 }
@@ -86,8 +88,8 @@ template <Precise Real>
 FrameRow<Real> frame_row(const Track<Real>& track, const FrameTable<Real>& table, std::int32_t frame) {
   const AlongPath<Real> along = track.along({frame, 0});
   const Real constant = table.provenance().constant;
-  const bool other_constant = table.provenance().solver == Solver::runge_kutta && track.constant() > 0;
-  const Real scale = other_constant ? constant / track.constant() : Real(1);
+  const bool one_constant = track.has_profile() && track.portions().empty() && track.constant() > 0;
+  const Real scale = one_constant ? constant / track.constant() : Real(1);
   const auto f = static_cast<Real>(track.profile().span_count());
   return {.alpha = static_cast<Real>(frame) * f / static_cast<Real>(track.frames()),
           .point = table.point(frame),

@@ -36,7 +36,9 @@ class IntegralRow {
  public:
   IntegralRow(Real begin, Real end, std::int32_t f) : begin_(begin), end_(end), f_(f) {}
 
-  [[nodiscard]] std::int32_t first() const { return std::max<std::int32_t>(0, static_cast<std::int32_t>(begin_) - 2); }
+  [[nodiscard]] std::int32_t first() const {
+    return std::max<std::int32_t>(0, static_cast<std::int32_t>(begin_) - 2);
+  }
   [[nodiscard]] std::int32_t last() const { return std::min(f_, static_cast<std::int32_t>(end_) + 3); }
   [[nodiscard]] Real weight(std::int32_t i) const {
     Real sum = spline(i);
@@ -93,6 +95,7 @@ class NearestCurve {
     for (int i = 0; i < most_iterations; ++i) {
       if (worst_residual() <= tolerance) return -1;
       newton_direction();
+      const Real unmet = worst_residual();
       Real slope = 0;
       for (std::size_t r = 0; r < rows_; ++r) slope -= residual_[r] * direction_[r];
       Real step = 1;
@@ -101,11 +104,13 @@ class NearestCurve {
         for (std::size_t r = 0; r < rows_; ++r) trial_[r] = lambda_[r] + step * direction_[r];
         next = evaluate(trial_);
         step /= 2;
-      } while (!(next >= dual + Real(1e-4) * 2 * step * slope) && step > Real(1e-10));
+        // Close to the solution the rise of the dual drowns in rounding; the residual still tells.
+      } while (!(next >= dual + Real(1e-4) * 2 * step * slope) && !(worst_residual() <= unmet / 2) &&
+               step > Real(1e-10));
       std::ranges::copy(trial_, lambda_.begin());
       dual = next;
     }
-    if (worst_residual() <= 1000 * tolerance) return -1;
+    if (worst_residual() <= tolerance) return -1;
     return worst_row();
   }
 
@@ -117,14 +122,15 @@ class NearestCurve {
     for (std::size_t r = 0; r < rows_; ++r) {
       const IntegralRow<Real> weights = row(r);
       for (std::int32_t i = weights.first(); i <= weights.last(); ++i) {
-        x[static_cast<std::size_t>(i)] += lambda[r] * weights.weight(i);
+        const auto index = static_cast<std::size_t>(i);
+        x[index] += lambda[r] * memory_.mobility[index] * weights.weight(i);
       }
     }
     Real dual = 0;
     for (std::size_t i = 0; i < x.size(); ++i) {
       x[i] = std::clamp(x[i], Real(0), memory_.ceiling[i]);
       const Real change = x[i] - memory_.drawn[i];
-      dual += change * change / 2;
+      if (memory_.mobility[i] > 0) dual += change * change / (2 * memory_.mobility[i]);
     }
     for (std::size_t r = 0; r < rows_; ++r) {
       residual_[r] = row(r).integral(x) - memory_.targets[r];
@@ -159,7 +165,7 @@ class NearestCurve {
           const auto index = static_cast<std::size_t>(i);
           const Real x = memory_.adjusted[index];
           const bool is_free = x > 0 && x < memory_.ceiling[index];
-          if (is_free) m[r * n + c] += here.weight(i) * other.weight(i);
+          if (is_free) m[r * n + c] += memory_.mobility[index] * here.weight(i) * other.weight(i);
         }
       }
     }
@@ -212,7 +218,9 @@ void refine(std::span<Real> values, std::int32_t f) {
 template <Precise Real>
 std::int32_t arrival(const KeyTimingSpec<Real>& spec, std::int32_t key, std::int32_t moving_frames) {
   const auto f = static_cast<std::int32_t>(spec.control_values.size()) - 1;
-  const Real share = spec.key_distances[static_cast<std::size_t>(key)] / spec.key_distances.back();
+  const Real length = spec.key_distances.back();
+  const Real share = length > 0 ? spec.key_distances[static_cast<std::size_t>(key)] / length
+                                : static_cast<Real>(key) / static_cast<Real>(spec.key_distances.size());
   const Real target = share * IntegralRow<Real>(0, static_cast<Real>(f), f).integral(spec.control_values);
   std::int32_t low = 0;
   std::int32_t high = moving_frames;
@@ -305,6 +313,7 @@ class Adjustment {
       } else {
         refine(memory_.drawn, f / 2);
       }
+      if (spec_.key_distances.back() <= 0) return as_drawn();
       if (!is_fine_enough(f)) continue;
       const std::int32_t row = attempt(f);
       if (row < 0) return timing(f, refinements);
@@ -317,11 +326,17 @@ class Adjustment {
 
  private:
   /// The rest of a hold covers whole spans: they must be short beside it.
-  [[nodiscard]] bool is_fine_enough(std::int32_t f) const {
-    return std::ranges::all_of(locks_, [&](const KeyLock& lock) {
+  bool is_fine_enough(std::int32_t f) {
+    const auto too_short = std::ranges::find_if(locks_, [&](const KeyLock& lock) {
       const std::int64_t frames_per_span_allowed = std::max<std::int32_t>(lock.hold / 4, 1);
-      return lock.hold == 0 || static_cast<std::int64_t>(f) * frames_per_span_allowed >= spec_.frames;
+      return lock.hold > 0 && static_cast<std::int64_t>(f) * frames_per_span_allowed < spec_.frames;
     });
+    hold_is_too_short_ = too_short != locks_.end();
+    if (hold_is_too_short_) {
+      unmet_key_ = too_short->key;
+      unmet_frame_ = too_short->frame;
+    }
+    return !hold_is_too_short_;
   }
 
   std::int32_t attempt(std::int32_t f) {
@@ -337,7 +352,24 @@ class Adjustment {
     for (const KeyLock& lock : locks_) {
       if (lock.hold > 0) rest_at(lock, curve, f);
     }
+    set_mobility(f);
     return curve.solve();
+  }
+
+  /// The distance to the nearest value that stands still, in drawn spans, through a smooth step.
+  void set_mobility(std::int32_t f) {
+    const std::span<Real> mobility = memory_.mobility.first(static_cast<std::size_t>(f) + 1);
+    const Real per_value = static_cast<Real>(drawn_f_) / static_cast<Real>(f);
+    Real away = 1;
+    for (std::size_t i = 0; i < mobility.size(); ++i) {
+      away = memory_.ceiling[i] > 0 ? std::min(away + per_value, Real(1)) : Real(0);
+      mobility[i] = away;
+    }
+    away = 1;
+    for (std::size_t i = mobility.size(); i-- > 0;) {
+      away = memory_.ceiling[i] > 0 ? std::min(away + per_value, Real(1)) : Real(0);
+      mobility[i] = smooth_step(std::min(mobility[i], away));
+    }
   }
 
   /// Phi between two breaks as drawn, and in it each lock's share of the length.
@@ -376,6 +408,12 @@ class Adjustment {
     }
   }
 
+  /// On a path without length every key is met on every frame.
+  [[nodiscard]] KeyTiming<Real> as_drawn() {
+    std::ranges::copy(spec_.control_values, memory_.adjusted.begin());
+    return timing(drawn_f_, 0);
+  }
+
   void restore_drawn(std::int32_t refinements) {
     std::ranges::copy(spec_.control_values, memory_.drawn.begin());
     for (std::int32_t i = 0; i < refinements; ++i) refine(memory_.drawn, drawn_f_ << i);
@@ -398,9 +436,9 @@ class Adjustment {
 
   [[nodiscard]] Error unmet(std::int64_t needed) const {
     return {.code = ErrorCode::no_solution,
-            .what = unmet_key_ < 0 ? "the speed curve has too few control values for a hold this short"
-                                   : "no speed curve from 0 to 100 meets this key on its frame",
-            .remedy = unmet_key_ < 0
+            .what = hold_is_too_short_ ? "the speed curve has too few control values for a hold this short"
+                                       : "no speed curve from 0 to 100 meets this key on its frame",
+            .remedy = hold_is_too_short_
                           ? "make the hold longer, or draw fewer control values"
                           : "move the frame, or draw the curve lower elsewhere so that there is room",
             .key = unmet_key_,
@@ -412,6 +450,7 @@ class Adjustment {
   KeyTimingMemory<Real> memory_;
   std::span<const KeyLock> locks_;
   std::int32_t drawn_f_;
+  bool hold_is_too_short_ = false;
   std::int32_t unmet_key_ = -1;
   std::int32_t unmet_frame_ = -1;
 };
@@ -421,9 +460,9 @@ Status check_memory(const KeyTimingSpec<Real>& spec, const KeyTimingMemory<Real>
   const std::size_t rows = spec.locks.size() + 1;
   const std::size_t values = memory.adjusted.size();
   const bool enough = values >= spec.control_values.size() && memory.drawn.size() >= values &&
-                      memory.ceiling.size() >= values && memory.locks.size() >= rows + 1 &&
-                      memory.targets.size() >= rows && memory.multipliers.size() >= 4 * rows &&
-                      memory.matrix.size() >= rows * rows;
+                      memory.mobility.size() >= values && memory.ceiling.size() >= values &&
+                      memory.locks.size() >= rows + 1 && memory.targets.size() >= rows &&
+                      memory.multipliers.size() >= 4 * rows && memory.matrix.size() >= rows * rows;
   if (enough) return Done{};
   return Error{.code = ErrorCode::capacity,
                .what = "there are more locked keys or control values than the memory of the key timing",

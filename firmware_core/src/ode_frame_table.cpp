@@ -228,6 +228,7 @@ Result<FrameTable<Real>> runge_kutta_table(const Track<Real>& track, const OdeOp
       measure_speed_deviation(track, std::span<const PathPoint<Real>>(memory.first(count)));
   provenance.speed_error = deviation.relative;
   provenance.speed_error_frame = deviation.frame;
+  provenance.short_step_error = deviation.absolute;
   if (!(deviation.relative <= static_cast<Real>(worst_speed_error_allowed))) {
     return Error{.code = ErrorCode::accuracy,
                  .what = "the Runge-Kutta solver is more than 2 % off the drawn speed",

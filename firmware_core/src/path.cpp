@@ -123,10 +123,11 @@ class Construction {
 
   void build_smooth() {
     std::size_t steps = 0;
+    const int exponent = chord_exponent();
     for (std::size_t i = 0; i < segments_; ++i) {
       const Real length = weighted_chord(i);
       if (length == 0) continue;
-      cubic(steps, 0).c0 = std::sqrt(length);
+      cubic(steps, 0).c0 = std::sqrt(std::ldexp(length, -exponent));
       for (std::size_t d = 0; d < axes_; ++d) cubic(steps, d).c2 = chord(i, d) / cubic(steps, 0).c0;
       ++steps;
     }
@@ -146,6 +147,16 @@ class Construction {
       }
     }
     for (std::size_t d = axes_; d-- > 0;) write_smooth(d, steps);  // axis 0 last: its slots hold h
+  }
+
+  /// Of the power of two that makes the longest chord about 1: only ratios of knots matter, and the roots of
+  /// scaled chords round as those of unscaled ones.
+  [[nodiscard]] int chord_exponent() const {
+    Real longest = 0;
+    for (std::size_t i = 0; i < segments_; ++i) longest = std::max(longest, weighted_chord(i));
+    int exponent = 0;
+    static_cast<void>(std::frexp(longest, &exponent));
+    return exponent;
   }
 
   [[nodiscard]] Real weighted_chord(std::size_t i) const {

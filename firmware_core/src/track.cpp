@@ -154,10 +154,12 @@ Derivatives Track<Real>::motion(const FrameTime<Real>& time, std::span<AxisMotio
 
   const Real still = still_speed_share<Real> * (second + third);
   if (sigma <= still) {
-    // P' = 0: the direction is the limit of P' / |P'|, +-P'' on either side.
+    // P' = 0: the direction is the limit of P' / |P'|, +-P'' on either side, and where P'' = 0 too, P'''.
     const Real side = where.point.segment == path_.segment_count() ? Real(-1) : Real(1);
+    const bool turns = second > still_speed_share<Real> * third;
     for (std::size_t d = 0; d < cubics.size(); ++d) {
-      const Real direction = second > 0 ? side * cubics[d].second(t) / second : Real(0);
+      const Real onward = third > 0 ? cubics[d].third() / third : Real(0);
+      const Real direction = turns ? side * cubics[d].second(t) / second : onward;
       out[d] = {cubics[d].value(t), direction * where.speed, direction * where.acceleration, 0};
     }
     const bool stays = where.speed == 0 && where.acceleration == 0 && where.jerk == 0;

@@ -119,10 +119,10 @@ TEST(RungeKuttaProperty, AgreesWithTheClosedFormWithinItsOwnError) {
       const oracle::Place there{expected[frame].first, static_cast<long double>(expected[frame].second)};
       RC_ASSERT(std::fabs(path.travelled(there, here)) <= allowed * path.total_length());
     }
-    // K is the mean speed over the drawn one, and no step's share of it is off by more than the worst.
+    // A frame that the solver resolves is travelled at its K. Among a hundred there is one.
     const double ratio = solved->table().provenance().constant / closed_form.track().constant();
     RC_LOG() << "K is off by " << ratio - 1 << '\n';
-    RC_ASSERT(std::fabs(static_cast<long double>(ratio) - 1) <= 2 * said + 1e-6L);
+    if (move.frames >= 100) RC_ASSERT(std::fabs(static_cast<long double>(ratio) - 1) <= said + 1e-6L);
   });
 }
 
@@ -148,12 +148,12 @@ TEST(RungeKuttaProperty, MoreStepsAFrameShrinkTheErrorOnTheWhole) {
     const double before = coarse->table().provenance().speed_error;
     const double after = fine->table().provenance().speed_error;
     RC_LOG() << before << " with 5 steps, " << after << " with 50\n";
-    RC_ASSERT(after <= before + 1e-6);
     ++compared;
     if (after <= before / 3 || after <= 1e-6) ++better;
   });
+  // Not on every move: a step across a key, where |P'| jumps, may happen to fall well with a coarse step.
   EXPECT_GT(compared, many_moves / 16);
-  EXPECT_GT(better, compared * 3 / 4);
+  EXPECT_GT(better, compared * 4 / 5);
 }
 
 }  // namespace

@@ -105,11 +105,11 @@ TEST(TrackProperty, EveryDerivativeBetweenFramesIsTheOracles) {
     for (int i = 0; i < 3; ++i) {
       const FrameTime<double> time = random_time(move.frames);
       const std::optional<oracle::Motion> expected = motion_of(path, profile, move.frames, frame_of(time));
-      if (!expected) continue;
+      const oracle::Place place = oracle::row_at(path, profile, move.frames, frame_of(time)).place;
+      if (!expected || path.speed(place.segment, place.t) == 0) continue;  // nothing moves
       ++compared;
       RC_LOG() << "frame " << frame_of(time) << '\n';
       RC_ASSERT(track.motion(time, axes) == Derivatives::exact);
-      const oracle::Place place = oracle::row_at(path, profile, move.frames, frame_of(time)).place;
       const Sensitivity sensitivity(path, place, track.along(time));
       if (sensitivity.reach > 1e-2L) ++tight;
       for (int axis = 0; axis < path.axes(); ++axis) {

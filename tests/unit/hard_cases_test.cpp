@@ -88,31 +88,47 @@ Error refusal(const RandomMove& move, Solver solver = Solver::closed_form) {
   return {};
 }
 
-/// The worst step of a table over what it may be off by. In double precision the oracle judges. In single
-/// precision a point is itself rounded to 2^-24 of its segment, so that every step may be off by 8 ulp of the
-/// length besides, not the shortest ones only.
+/// How far a step may be off: a share of the step, and a share of the length of the path.
+struct Tolerance {
+  long double of_step = 0;
+  long double of_length = 0;
+};
+
+/// The worst step of a table over what it may be off by.
 template <Precise Real>
-long double worst_step(const RandomMove& move, const SolvedTrack<Real>& solution, long double delta) {
+long double worst_step(const RandomMove& move, const SolvedTrack<Real>& solution,
+                       const Tolerance& tolerance) {
   const oracle::Path path(move.keys);
-  const oracle::Profile profile(move.speed);
   const auto places = oracle_places(solution.track(), solution.table());
-  if (std::is_same_v<Real, double>) {
-    return oracle::worst_speed_error(path, profile, move.frames, places, delta).worst;
-  }
-  const auto place = [&](int frame) {
-    const auto [segment, t] = places[static_cast<std::size_t>(frame)];
-    return oracle::Place{segment, static_cast<long double>(t)};
+  const auto rows = oracle::frame_table(path, oracle::Profile(move.speed), move.frames);
+  const auto place = [&](std::size_t frame) {
+    return oracle::Place{places[frame].first, static_cast<long double>(places[frame].second)};
   };
-  const auto rows = oracle::frame_table(path, profile, move.frames);
-  const long double rounding = 8 * static_cast<long double>(std::numeric_limits<Real>::epsilon());
   long double worst = 0;
-  for (int frame = 1; frame <= move.frames; ++frame) {
-    const auto index = static_cast<std::size_t>(frame);
-    const long double wanted = rows[index].distance - rows[index - 1].distance;
+  for (std::size_t frame = 1; frame < rows.size(); ++frame) {
+    const long double wanted = rows[frame].distance - rows[frame - 1].distance;
     const long double error = std::fabs(path.travelled(place(frame - 1), place(frame)) - wanted);
-    worst = std::max(worst, error / (delta * wanted + rounding * path.total_length()));
+    const long double allowed = tolerance.of_step * wanted + tolerance.of_length * path.total_length();
+    worst = std::max(worst, error / allowed);
   }
   return worst;
+}
+
+template <Precise Real>
+long double rounding(int ulps) {
+  return static_cast<long double>(ulps) * static_cast<long double>(std::numeric_limits<Real>::epsilon());
+}
+
+/// The same for a table in closed form. In double precision the oracle judges, by the strict rule. In single
+/// precision a point is itself rounded to 2^-24 of its segment, so that every step may be off by 8 ulp of the
+/// length, not the shortest ones only.
+template <Precise Real>
+long double worst_step(const RandomMove& move, const SolvedTrack<Real>& solution) {
+  const auto delta = static_cast<long double>(solution.track().arc_length().delta());
+  if (std::is_same_v<Real, float>) return worst_step(move, solution, {delta, rounding<Real>(8)});
+  const auto places = oracle_places(solution.track(), solution.table());
+  const oracle::Path path(move.keys);
+  return oracle::worst_speed_error(path, oracle::Profile(move.speed), move.frames, places, delta).worst;
 }
 
 template <Precise Real>
@@ -148,7 +164,7 @@ template <Precise Real>
 void expect_as_drawn(const RandomMove& drawn, Real delta = Precision<Real>::default_delta) {
   const RandomMove move = rounded<Real>(drawn);
   const SolvedTrack<Real> solution = solved<Real>(move, delta);
-  EXPECT_LE(worst_step(move, solution, static_cast<long double>(delta)), 1.0L);
+  EXPECT_LE(worst_step(move, solution), 1.0L);
   const Status invariants = check_invariants(solution.track(), solution.table());
   EXPECT_TRUE(invariants) << (invariants ? "" : invariants.error().what);
   expect_finite(solution);
@@ -165,11 +181,13 @@ void expect_right_or_refused_by_runge_kutta(const RandomMove& drawn) {
     const SolvedTrack<Real> solution(input.spec, Solver::runge_kutta);
     const Status invariants = check_invariants(solution.track(), solution.table());
     EXPECT_TRUE(invariants) << (invariants ? "" : invariants.error().what);
-    const auto allowed = static_cast<long double>(solution.table().provenance().speed_error);
-    EXPECT_LE(allowed, 0.02L);
+    const Provenance<Real>& provenance = solution.table().provenance();
+    EXPECT_LE(provenance.speed_error, Real(0.02));
+    EXPECT_LE(provenance.short_step_error, Real(1e-6));
     // The solver's own measure of its error rounds, too.
-    const auto rounding = static_cast<long double>(1000 * std::numeric_limits<Real>::epsilon());
-    EXPECT_LE(worst_step(move, solution, allowed + rounding), 1.0L);
+    const Tolerance tolerance{static_cast<long double>(provenance.speed_error),
+                              static_cast<long double>(provenance.short_step_error) + rounding<Real>(16)};
+    EXPECT_LE(worst_step(move, solution, tolerance), 1.0L);
     expect_finite(solution);
   } catch (const SolverError& error) {
     EXPECT_STRNE(error.error().remedy, "") << error.error().what;
@@ -265,7 +283,7 @@ TEST(HardCases, NearCuspsAreAsDrawnAtEveryDelta) {
       SCOPED_TRACE("e = 1e-" + std::to_string(i) + ", delta " + std::to_string(delta));
       const RandomMove move = cusp(std::pow(10.0L, -i));
       const SolvedTrack<double> solution = solved<double>(rounded<double>(move), delta);
-      EXPECT_LE(worst_step(rounded<double>(move), solution, static_cast<long double>(delta)), 1.0L);
+      EXPECT_LE(worst_step(rounded<double>(move), solution), 1.0L);
       EXPECT_LE(solution.track().arc_length().piece_count(), 3 * 4 * most_pieces_per_segment);
     }
   }
@@ -408,29 +426,40 @@ TYPED_TEST(HardCasesIn, ALineThatTurnsBackIsTravelledBothWays) {
   }
 }
 
+/// There and back: closed, with the turns on both keys, where Catmull-Rom has no tangent.
+RandomMove there_and_back() {
+  RandomMove move = move_of(Kind::catmull_rom, {{0}, {8}});
+  move.keys.closed = true;
+  return move;
+}
+
 TYPED_TEST(HardCasesIn, WhereALineTurnsBackTheInfiniteAccelerationIsReported) {
   using Real = TypeParam;
-  RandomMove move = move_of(Kind::catmull_rom, {{0}, {8}, {0}});
-  move.speed = {1};
-  const SolvedTrack<Real> solution = solved<Real>(move);
-  ASSERT_EQ(solution.table().point(24), (PathPoint<Real>{1, 0}));
+  const SolvedTrack<Real> solution = solved<Real>(there_and_back());
   Derivatives derivatives{};
-  const auto turn = motion_at<Real>(solution, {24, 0}, &derivatives);
+  const auto start = motion_at<Real>(solution, {0, 0}, &derivatives);
   EXPECT_EQ(derivatives, Derivatives::one_sided);
-  EXPECT_NEAR(turn[0].velocity, -8, 1e-3);  // with which it leaves
-  EXPECT_NEAR(motion_at<Real>(solution, {23, Real(0.5)})[0].velocity, 8, 1e-3);
+  EXPECT_NEAR(start[0].velocity, 8, 1e-3);  // 16 units in 48 frames of 1/24 s
+  const auto end = motion_at<Real>(solution, {48, 0}, &derivatives);
+  EXPECT_EQ(derivatives, Derivatives::one_sided);
+  EXPECT_NEAR(end[0].velocity, -8, 1e-3);  // with which it arrives
+  // On both sides of the turn the rig has its whole speed.
+  EXPECT_NEAR(motion_at<Real>(solution, {23, Real(0.99)})[0].velocity, 8, 1e-3);
+  EXPECT_NEAR(motion_at<Real>(solution, {24, Real(0.01)})[0].velocity, -8, 1e-3);
 }
 
 TYPED_TEST(HardCasesIn, ALineThatTurnsBackAtRestHasNothingToReport) {
   using Real = TypeParam;
-  RandomMove move = move_of(Kind::catmull_rom, {{0}, {8}, {0}});
-  move.speed = {0, 0, 5, 0, 0, 0, 0, 0, 5, 0, 0};
+  RandomMove move = there_and_back();
+  move.speed = {0, 0, 0, 5, 0, 0, 0, 0, 0, 5, 0, 0, 0};
   const SolvedTrack<Real> solution = solved<Real>(move);
-  Derivatives derivatives{};
-  const auto turn = motion_at<Real>(solution, {24, 0}, &derivatives);
-  EXPECT_EQ(derivatives, Derivatives::exact);
-  EXPECT_EQ(turn[0].velocity, 0);
-  EXPECT_EQ(turn[0].acceleration, 0);
+  for (const int frame : {0, 24, 48}) {
+    Derivatives derivatives{};
+    const auto turn = motion_at<Real>(solution, {frame, 0}, &derivatives);
+    EXPECT_EQ(derivatives, Derivatives::exact) << frame;
+    EXPECT_EQ(turn[0].velocity, 0) << frame;
+    EXPECT_EQ(turn[0].acceleration, 0) << frame;
+  }
 }
 
 // --- dwells

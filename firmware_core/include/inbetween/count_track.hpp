@@ -20,28 +20,38 @@
 
 namespace inbetween {
 
-/// In single precision the speed curve and the segments of the path are cut, exactly, into parts so short
-/// that what a float rounds is a small share of the way: the curve into at least this many spans, a segment
-/// into at least this many pieces. CountTrack.IsWithinATenthOfACountOfTwentyBits holds both. Double needs no
-/// cutting.
-template <Precise Real>
-inline constexpr std::int32_t least_count_spans = std::same_as<Real, float> ? 64 : 1;
+/// The speed curve is cut, exactly, into at least this many spans: what a float rounds is then a small share
+/// of the way, and the piece that a distance lies in is found among few.
+/// CountTrack.IsWithinATenthOfACountOfTwentyBits and Budget.TheTickKeepsToItsInstructions hold it.
+inline constexpr std::int32_t least_count_spans = 64;
+/// Likewise a segment of the path into at least this many pieces; double needs no cutting.
 template <Precise Real>
 inline constexpr std::int32_t least_pieces_per_segment = std::same_as<Real, float> ? 8 : 1;
 
-/// One span of the speed curve as a way: begin + c1 t + c2 t^2 + c3 t^3 + c4 t^4, t from 0 to 1. Within so
-/// short a span powers of t are as good as Bernstein's polynomials, and half the work.
+/// c[0] + c[1] x + c[2] x^2 + ... by Horner's rule with fused multiply-adds: one instruction and one rounding
+/// a step on every processor with a floating-point unit, and the same bits on all, because IEEE 754 defines
+/// them.
+template <std::size_t Index = 0, Precise Real, std::size_t Count>
+Real polynomial(const std::array<Real, Count>& c, Real x) {
+  if constexpr (Index + 1 == Count) {
+    return c[Index];
+  } else {
+    return std::fma(polynomial<Index + 1>(c, x), x, c[Index]);
+  }
+}
+
+/// One span of the speed curve as a way: begin + t * (c[0] + c[1] t + c[2] t^2 + c[3] t^3), t from 0 to 1.
+/// Within so short a span powers of t are as good as Bernstein's polynomials, and half the work.
 template <Precise Real>
 struct CountSpan {
   TwoSum<Real> begin;  ///< distance at its start
-  Real c1 = 0, c2 = 0, c3 = 0, c4 = 0;
-  std::int32_t first_piece = 0;  ///< the piece in which it starts
-
-  [[nodiscard]] Real way(Real t) const { return t * (c1 + t * (c2 + t * (c3 + t * c4))); }
+  std::array<Real, 4> c{};
+  std::int32_t first_piece = 0;  ///< that in which it starts
+  std::int32_t last_piece = 0;   ///< that in which it ends
 };
 
-/// One piece of the inverse of arc length, with a parameter of its own: w from 0 to 1 over the piece is the
-/// quintic c[0] u + ... + c[4] u^5. The way from its start enters as
+/// One piece of the inverse of arc length, with a parameter of its own: w from 0 to 1 over the piece is
+/// u * (c[0] + c[1] u + ... + c[4] u^4). The way from its start enters as
 ///   plain:        u = way * inverse_step
 ///   root_after:   u = (sqrt(gap + way) - root) * inverse_step   (gap: from where the path stands still)
 ///   root_before:  u = (root - sqrt(gap - way)) * inverse_step   (gap: to where the path stands still)
@@ -53,18 +63,18 @@ struct CountPiece {
   Real gap = 0;
   Real root = 0;
   std::array<Real, 5> c{};
+  std::int32_t first_cubic = 0;  ///< that of axis 0
   typename ArcPiece<Real>::Kind kind{};
 
   [[nodiscard]] Real w_at(Real way) const {
     const Real u = parameter(way);
-    return u * (c[0] + u * (c[1] + u * (c[2] + u * (c[3] + u * c[4]))));
+    return u * polynomial(c, u);
   }
 
  private:
   [[nodiscard]] Real parameter(Real way) const {
     using Kind = typename ArcPiece<Real>::Kind;
-    if (kind == Kind::plain) [[likely]]
-      return way * inverse_step;
+    if (kind == Kind::plain) return way * inverse_step;
     const Real square = kind == Kind::root_after ? gap + way : gap - way;
     // Below zero is rounding at the very point where the path stands still.
     const Real sum = std::sqrt(square > 0 ? square : Real(0)) + root;
@@ -93,13 +103,14 @@ constexpr std::uint32_t low_bits(double number) {
 template <Precise Real>
 struct CountCubic {
   std::uint32_t rounded_base = 0;  ///< base - low_bits(rounder), modulo 2^32
-  Cubic<Real> offset;
+  std::array<Real, 4> c{};
 
   [[nodiscard]] std::int32_t base() const {
     return static_cast<std::int32_t>(rounded_base + low_bits(rounder<Real>));
   }
+  [[nodiscard]] Real offset(Real w) const { return polynomial(c, w); }
   [[nodiscard]] std::int32_t count(Real w) const {
-    return static_cast<std::int32_t>(rounded_base + low_bits(offset.value(w) + rounder<Real>));
+    return static_cast<std::int32_t>(rounded_base + low_bits(offset(w) + rounder<Real>));
   }
 };
 
@@ -112,9 +123,8 @@ struct CountPosition {
 
 /// How many spans a count track cuts a speed curve of f spans into: the first of f, 2 f, 4 f, ... that is
 /// not below least_count_spans.
-template <Precise Real>
 constexpr std::int32_t count_span_count(std::int32_t f) {
-  while (f < least_count_spans<Real>) f *= 2;
+  while (f < least_count_spans) f *= 2;
   return f;
 }
 
@@ -126,10 +136,9 @@ std::size_t count_piece_count(const ArcLength<Source>& arc_length);
 /// The memory of a count track, owned by the caller.
 template <Precise Real>
 struct CountTrackMemory {
-  std::span<CountSpan<Real>> spans;    ///< count_span_count() + 1
-  std::span<CountPiece<Real>> pieces;  ///< count_piece_count()
-  std::span<Real> begins;              ///< count_piece_count() + 1
-  std::span<CountCubic<Real>> cubics;  ///< (pieces + 1) * axes
+  std::span<CountSpan<Real>> spans;    ///< count_span_count()
+  std::span<CountPiece<Real>> pieces;  ///< count_piece_count() + 1
+  std::span<CountCubic<Real>> cubics;  ///< (count_piece_count() + 1) * axes
 };
 
 /// The same motion as that of a track, in integer counts. Every floating-point number in it is local: time
@@ -143,8 +152,9 @@ class CountTrack {
   /// drive counts the other way.
   ///
   /// Accuracy, Real = float, from a Track<double>: within 0.1 counts of that track, where the longest axis
-  /// travels 2^20 counts and the path is at most eight times as long. From a Track<float> it is no better
-  /// than that track: up to 1 count.
+  /// travels 2^20 counts, the path is at most eight times as long, and the move has at least 12 frames (in
+  /// fewer, the fraction of a frame is too coarse). From a Track<float> it is no better than that track: up
+  /// to 1 count.
   /// Errors: wrong_count, not_finite and out_of_range (counts_per_unit; a position that does not fit 32
   /// bits, or a piece longer than the whole numbers that Real knows, with key and axis; too many frames
   /// times spans), capacity.
@@ -160,78 +170,65 @@ class CountTrack {
   /// call; the same bits on every target.
   void counts(const FrameTime<Real>& time, std::span<std::int32_t> out) const {
     const Place place = locate(time);
-    const CountCubic<Real>* cubic = cubics_of(place);
-    for (std::int32_t& count : out.first(static_cast<std::size_t>(axis_count_))) {
-      count = (cubic++)->count(place.w);
-    }
+    const CountCubic<Real>* cubic = cubics_ + place.first_cubic;
+    for (std::int32_t& count : out) count = (cubic++)->count(place.w);
   }
   /// One axis with its part of a count, for drives that interpolate.
   [[nodiscard]] CountPosition<Real> position(const FrameTime<Real>& time, std::int32_t axis) const {
     const Place place = locate(time);
-    const CountCubic<Real>& cubic = cubics_of(place)[axis];
-    return {cubic.base(), cubic.offset.value(place.w)};
+    const CountCubic<Real>& cubic = cubics_[place.first_cubic + axis];
+    return {cubic.base(), cubic.offset(place.w)};
   }
 
  private:
   CountTrack() = default;
 
   struct Place {
-    std::int32_t piece = 0;
+    std::int32_t first_cubic = 0;
     Real w = 0;
   };
   [[nodiscard]] Place locate(const FrameTime<Real>& time) const {
     // Negative frames are large ones here.
-    if (static_cast<std::uint32_t>(time.frame) >= static_cast<std::uint32_t>(frames_)) [[unlikely]] {
-      return {time.frame < 0 ? 0 : piece_count_, 0};
+    if (static_cast<std::uint32_t>(time.frame) >= static_cast<std::uint32_t>(frames_)) {
+      return {time.frame < 0 ? 0 : piece_count_ * axis_count_, 0};
     }
     const std::int32_t scaled = time.frame * span_count_;
     std::int32_t index = scaled / frames_;
-    Real t = (static_cast<Real>(scaled - index * frames_) + time.fraction * spans_in_real_) * inverse_frames_;
-    if (t >= 1) [[unlikely]] {  // more spans than frames: a fraction of a frame may pass over some
-      const auto whole = static_cast<std::int32_t>(t);
+    const auto phase = static_cast<Real>(scaled - index * frames_);
+    Real t = std::fma(time.fraction, spans_in_real_, phase) * inverse_frames_;
+    if (t >= 1) {  // within a frame the curve may pass into the next span, or over several
+      const auto whole = std::min(static_cast<std::int32_t>(t), span_count_ - 1 - index);
       index += whole;
       t -= static_cast<Real>(whole);
-      if (index >= span_count_) {
-        index = span_count_ - 1;
-        t = 1;
-      }
     }
     const CountSpan<Real>& span = spans_[index];
-    const Real way = span.way(t);
-    const std::int32_t number = piece_at(span, span.begin.high + way);
-    const CountPiece<Real>& piece = pieces_[number];
+    const Real way = t * polynomial(span.c, t);
+    const CountPiece<Real>& piece = piece_at(span, span.begin.high + way);
     // The starts of span and piece are near each other: their difference rounds to a share of itself.
-    return {number, piece.w_at(span.begin.minus(piece.begin) + way)};
+    return {piece.first_cubic, piece.w_at(span.begin.minus(piece.begin) + way)};
   }
   /// The last piece that begins at or before a distance in the span.
-  [[nodiscard]] std::int32_t piece_at(const CountSpan<Real>& span, Real distance) const {
-    const Real* low = begins_ + span.first_piece;
-    const Real* high = begins_ + (&span)[1].first_piece;
-    while (high - low > 4) [[unlikely]] {  // near a cusp
-        const Real* middle = low + (high - low + 1) / 2;
-        if (*middle <= distance) {
-          low = middle;
-        } else {
-          high = middle - 1;
-        }
-      }
-    while (low[1] <= distance) ++low;  // the last entry is above every distance
-    return static_cast<std::int32_t>(low - begins_);
-  }
-  [[nodiscard]] const CountCubic<Real>* cubics_of(const Place& place) const {
-    return cubics_ + place.piece * axis_count_;
+  [[nodiscard]] const CountPiece<Real>& piece_at(const CountSpan<Real>& span, Real distance) const {
+    const CountPiece<Real>* piece = pieces_ + span.first_piece;
+    std::int32_t count = span.last_piece - span.first_piece;
+    while (count > 4) {  // near a cusp
+      const std::int32_t half = count / 2;
+      if (piece[half].begin.high <= distance) piece += half;
+      count -= half;
+    }
+    while (piece[1].begin.high <= distance) ++piece;  // the last entry is above every distance
+    return *piece;
   }
 
-  const CountSpan<Real>* spans_ = nullptr;  ///< span_count_ and one more, whose first_piece ends the search
+  const CountSpan<Real>* spans_ = nullptr;
   const CountPiece<Real>* pieces_ = nullptr;
-  const Real* begins_ = nullptr;
   const CountCubic<Real>* cubics_ = nullptr;
   std::int32_t span_count_ = 0;
   std::int32_t piece_count_ = 0;
-  Real spans_in_real_ = 0;
-  Real inverse_frames_ = 0;
   std::int32_t frames_ = 0;
   std::int32_t axis_count_ = 0;
+  Real spans_in_real_ = 0;
+  Real inverse_frames_ = 0;
 };
 
 /// Memory for tracks with up to `Axes` axes, `Values` control values and `Pieces` pieces by
@@ -239,13 +236,12 @@ class CountTrack {
 template <Precise Real, std::size_t Axes, std::size_t Values, std::size_t Pieces>
 struct CountTrackStorage {
   /// A curve of fewer spans may be cut into more than one of `Values` - 1.
-  static constexpr std::size_t span_count = 2 * std::max<std::size_t>(Values, least_count_spans<Real>);
-  std::array<CountSpan<Real>, span_count + 1> spans;
-  std::array<CountPiece<Real>, Pieces> pieces;
-  std::array<Real, Pieces + 1> begins;
+  static constexpr std::size_t span_count = 2 * std::max<std::size_t>(Values, least_count_spans);
+  std::array<CountSpan<Real>, span_count> spans;
+  std::array<CountPiece<Real>, Pieces + 1> pieces;
   std::array<CountCubic<Real>, (Pieces + 1) * Axes> cubics;
 
-  [[nodiscard]] CountTrackMemory<Real> memory() { return {spans, pieces, begins, cubics}; }
+  [[nodiscard]] CountTrackMemory<Real> memory() { return {spans, pieces, cubics}; }
 };
 
 }  // namespace inbetween

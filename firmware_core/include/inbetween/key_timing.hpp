@@ -34,6 +34,7 @@ template <Precise Real>
 struct KeyTimingMemory {
   std::span<Real> adjusted;     ///< control values: the answer; its size bounds the refinement
   std::span<Real> drawn;        ///< control values
+  std::span<Real> mobility;     ///< control values
   std::span<Real> ceiling;      ///< control values
   std::span<KeyLock> locks;     ///< locks + 2
   std::span<Real> targets;      ///< locks + 1
@@ -51,15 +52,18 @@ struct KeyTiming {
   std::int32_t largest_change_at = 0;    ///< its index
 };
 
-/// The control values x nearest to the drawn ones v, sum (x - v)^2 least, for which
+/// The control values x nearest to the drawn ones v, sum (x - v)^2 / w least, for which
 /// Phi(a at the lock's frame) / Phi(f) is the key's share of the length, 0 <= x <= 100, and Phi between two
 /// breaks is as drawn. A neighbouring pair of zeros is a wish to stand still and is kept. For a hold the
 /// drawn curve is first brought to rest and back within one of its spans on either side.
+/// w is 1, so that the change is the least in the ordinary sense, as long as the curve is not refined. On
+/// a refined curve w rises from 0 at what stands still to 1 within one drawn span: otherwise all of the
+/// change would be piled up beside the rests, and the rig would start with a jerk.
 /// Where no such curve exists, the drawn one is refined, f -> 2 f, up to the memory.
 ///
 /// Method: the dual of the problem is smooth and concave in one multiplier per lock, x = clip(v + A^T
 /// lambda); Newton's method with a line search (Qi and Sun 1993, semismooth Newton).
-/// Accuracy: each lock is met within 1e-12 (double) of the length.
+/// Accuracy: each lock is met within 1e-12 (double) or 1e-5 (float) of the length.
 /// Errors: out_of_range (a frame outside 0..N, the first key not on 0, the last not on N, order reversed,
 /// two keys on one frame: with key and frame), no_solution (with the first key that cannot be met),
 /// capacity. Cost: iterations * f * 5; tens of iterations at most.
@@ -68,14 +72,14 @@ Result<KeyTiming<Real>> adjust_to_locks(const KeyTimingSpec<Real>& spec, const K
 
 template <Precise Real, std::size_t Locks, std::size_t Values>
 struct KeyTimingStorage {
-  std::array<Real, Values> adjusted, drawn, ceiling;
+  std::array<Real, Values> adjusted, drawn, mobility, ceiling;
   std::array<KeyLock, Locks + 2> locks;
   std::array<Real, Locks + 1> targets;
   std::array<Real, 4 * (Locks + 1)> multipliers;
   std::array<Real, (Locks + 1) * (Locks + 1)> matrix;
 
   [[nodiscard]] KeyTimingMemory<Real> memory() {
-    return {adjusted, drawn, ceiling, locks, targets, multipliers, matrix};
+    return {adjusted, drawn, mobility, ceiling, locks, targets, multipliers, matrix};
   }
 };
 

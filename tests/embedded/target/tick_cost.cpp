@@ -19,44 +19,36 @@ using namespace inbetween;
 
 // By name, so that the disassembly can be searched for what they call (no_library_calls.sh).
 extern "C" {
-void tick_positions_float(const Track<float>& track, const FrameTime<float>& time, std::span<float> out);
-void tick_positions_double(const Track<double>& track, const FrameTime<double>& time, std::span<double> out);
-void tick_counts_float(const CountTrack<float>& track, const FrameTime<float>& time,
-                       std::span<std::int32_t> out);
-void tick_counts_double(const CountTrack<double>& track, const FrameTime<double>& time,
-                        std::span<std::int32_t> out);
-void tick_motion_float(const Track<float>& track, const FrameTime<float>& time,
-                       std::span<AxisMotion<float>> out);
-void tick_motion_double(const Track<double>& track, const FrameTime<double>& time,
-                        std::span<AxisMotion<double>> out);
-void tick_nothing(const void* track, const void* time, std::span<std::int32_t> out);
+void tick_positions_float(const Track<float>& track, const FrameTime<float>& time, float* out);
+void tick_positions_double(const Track<double>& track, const FrameTime<double>& time, double* out);
+void tick_counts_float(const CountTrack<float>& track, const FrameTime<float>& time, std::int32_t* out);
+void tick_counts_double(const CountTrack<double>& track, const FrameTime<double>& time, std::int32_t* out);
+void tick_motion_float(const Track<float>& track, const FrameTime<float>& time, AxisMotion<float>* out);
+void tick_motion_double(const Track<double>& track, const FrameTime<double>& time, AxisMotion<double>* out);
+void tick_nothing(const void* track, const void* time, std::int32_t* out);
 void known_loop(std::uint32_t turns);
 }
 
 #define TICK [[gnu::noinline, gnu::noipa]] void
-TICK tick_positions_float(const Track<float>& track, const FrameTime<float>& time, std::span<float> out) {
-  track.positions(time, out);
+TICK tick_positions_float(const Track<float>& track, const FrameTime<float>& time, float* out) {
+  track.positions(time, std::span(out, 3));
 }
-TICK tick_positions_double(const Track<double>& track, const FrameTime<double>& time, std::span<double> out) {
-  track.positions(time, out);
+TICK tick_positions_double(const Track<double>& track, const FrameTime<double>& time, double* out) {
+  track.positions(time, std::span(out, 3));
 }
-TICK tick_counts_float(const CountTrack<float>& track, const FrameTime<float>& time,
-                       std::span<std::int32_t> out) {
-  track.counts(time, out);
+TICK tick_counts_float(const CountTrack<float>& track, const FrameTime<float>& time, std::int32_t* out) {
+  track.counts(time, std::span(out, 3));
 }
-TICK tick_counts_double(const CountTrack<double>& track, const FrameTime<double>& time,
-                        std::span<std::int32_t> out) {
-  track.counts(time, out);
+TICK tick_counts_double(const CountTrack<double>& track, const FrameTime<double>& time, std::int32_t* out) {
+  track.counts(time, std::span(out, 3));
 }
-TICK tick_motion_float(const Track<float>& track, const FrameTime<float>& time,
-                       std::span<AxisMotion<float>> out) {
-  track.motion(time, out);
+TICK tick_motion_float(const Track<float>& track, const FrameTime<float>& time, AxisMotion<float>* out) {
+  track.motion(time, std::span(out, 3));
 }
-TICK tick_motion_double(const Track<double>& track, const FrameTime<double>& time,
-                        std::span<AxisMotion<double>> out) {
-  track.motion(time, out);
+TICK tick_motion_double(const Track<double>& track, const FrameTime<double>& time, AxisMotion<double>* out) {
+  track.motion(time, std::span(out, 3));
 }
-TICK tick_nothing(const void*, const void*, std::span<std::int32_t>) {
+TICK tick_nothing(const void*, const void*, std::int32_t*) {
   asm volatile("");
 }
 #undef TICK
@@ -123,7 +115,7 @@ void measure(std::string_view name, TickFunction tick, const Object& object, Out
     for (const FrameTime<Real>& time : times) tick(object, time, out);
   });
   const double overhead = instructions_of([&] {
-    for (const FrameTime<Real>& time : times) tick_nothing(&object, &time, std::span<std::int32_t>(nowhere));
+    for (const FrameTime<Real>& time : times) tick_nothing(&object, &time, nowhere.data());
   });
   print_line(name, (all - overhead) / tick_count);
 }
@@ -177,13 +169,13 @@ bool run() {
   std::array<double, 3> double_out{};
   std::array<AxisMotion<float>, 3> single_motion{};
   std::array<AxisMotion<double>, 3> double_motion{};
-  measure<float>("counts/float/3", tick_counts_float, *counts, std::span<std::int32_t>(out));
-  measure<float>("positions/float/3", tick_positions_float, *single, std::span<float>(single_out));
-  measure<float>("motion/float/3", tick_motion_float, *single, std::span(single_motion));
+  measure<float>("counts/float/3", tick_counts_float, *counts, out.data());
+  measure<float>("positions/float/3", tick_positions_float, *single, single_out.data());
+  measure<float>("motion/float/3", tick_motion_float, *single, single_motion.data());
   measure_frame_time<float>("frame_time/float");
-  measure<double>("counts/double/3", tick_counts_double, *wide_counts, std::span<std::int32_t>(out));
-  measure<double>("positions/double/3", tick_positions_double, *track, std::span<double>(double_out));
-  measure<double>("motion/double/3", tick_motion_double, *track, std::span(double_motion));
+  measure<double>("counts/double/3", tick_counts_double, *wide_counts, out.data());
+  measure<double>("positions/double/3", tick_positions_double, *track, double_out.data());
+  measure<double>("motion/double/3", tick_motion_double, *track, double_motion.data());
   measure_frame_time<double>("frame_time/double");
   return true;
 }

@@ -1,0 +1,299 @@
+#include <gtest/gtest.h>
+#include <rapidcheck.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+#include <optional>
+#include <vector>
+
+#include "host_tools/solved_track.hpp"
+#include "inbetween/key_timing.hpp"
+#include "tests/support/oracle_least_squares.hpp"
+#include "tests/support/oracle_table.hpp"
+#include "tests/support/property.hpp"
+#include "tests/support/random_move.hpp"
+#include "tests/support/solved_move.hpp"
+
+/// Keys locked to frames on random moves: met, and by the least change of the drawn curve.
+
+namespace inbetween {
+namespace {
+
+constexpr int many_moves = 150;
+/// The dense oracle takes its time: larger curves are not compared with it.
+constexpr int most_spans = 80;
+
+using Values = std::vector<long double>;
+
+long double widened(double value) {
+  return static_cast<long double>(value);
+}
+
+int number(int from, int below) {
+  return *rc::gen::resize(rc::kNominalSize, rc::gen::inRange(from, below));
+}
+
+/// A move with keys that want to be met somewhat earlier or later than the drawn curve does.
+struct LockedMove {
+  RandomMove move;
+  oracle::Path path;
+  std::vector<KeyLock> locks;
+
+  explicit LockedMove(RandomMove drawn) : move(std::move(drawn)), path(move.keys) {
+    if (move.speed.size() == 1) move.speed.push_back(move.speed.front());
+    const oracle::Profile profile(move.speed);
+    std::int32_t before = 0;
+    for (int key = 1; key < path.segments(); ++key) {
+      if (!locks.empty() && number(0, 2) == 0) continue;
+      const double percent = 1 + number(-30, 31) / 100.0;
+      const auto frame = static_cast<std::int32_t>(std::lround(arrival(profile, key) * percent));
+      if (frame <= before || frame >= move.frames) continue;
+      locks.push_back({.key = key, .frame = frame});
+      before = frame;
+    }
+  }
+
+  [[nodiscard]] long double distance(std::int32_t key) const {
+    return path.travelled({0, 0}, oracle_place(key));
+  }
+  [[nodiscard]] oracle::Place oracle_place(std::int32_t key) const {
+    return key < path.segments() ? oracle::Place{key, 0} : oracle::Place{path.segments() - 1, 1};
+  }
+
+ private:
+  /// The frame, not a whole one, on which the drawn curve reaches a key.
+  [[nodiscard]] double arrival(const oracle::Profile& profile, int key) const {
+    const auto f = static_cast<long double>(profile.spans());
+    const long double target = distance(key) / path.total_length() * profile.integral(f);
+    long double low = 0;
+    long double high = f;
+    for (int i = 0; i < 60; ++i) {
+      const long double middle = (low + high) / 2;
+      (profile.integral(middle) < target ? low : high) = middle;
+    }
+    return static_cast<double>(high / f) * move.frames;
+  }
+};
+
+LockedMove random_locked_move() {
+  RandomMove move = *regular_move();
+  RC_PRE(move.keys.at.size() + (move.keys.closed ? 1 : 0) >= 3 && move.frames >= 4);
+  LockedMove locked(std::move(move));
+  RC_PRE(!locked.locks.empty() && locked.path.total_length() > 0);
+  return locked;
+}
+
+void showLocks(const LockedMove& locked) {
+  std::ostringstream text;
+  showValue(locked.move, text);
+  RC_LOG() << text.str();
+  for (const KeyLock& lock : locked.locks)
+    RC_LOG() << "# key " << lock.key << " on frame " << lock.frame << '\n';
+}
+
+template <Precise Real>
+std::optional<SolvedTrack<Real>> solved(const TrackInput<Real>& input, const LockedMove& locked) {
+  TrackSpec<Real> spec = input.spec;
+  spec.locks = locked.locks;
+  try {
+    return SolvedTrack<Real>(spec, Solver::closed_form);
+  } catch (const SolverError& refused) {
+    RC_LOG() << refused.what() << '\n';
+    RC_ASSERT(refused.error().code == ErrorCode::no_solution);
+    RC_ASSERT(std::ranges::count(locked.locks, refused.error().key, &KeyLock::key) +
+                  (refused.error().key == locked.path.segments() ? 1 : 0) ==
+              1);
+    return std::nullopt;
+  }
+}
+
+/// Wherever a neighbouring pair of the drawn values, refined as they are, is zero. 1 where values move
+/// freely, 0 at the pairs, and between the two a smooth step over one drawn span.
+Values mobility(const Values& drawn, int refinements) {
+  const auto count = static_cast<int>(drawn.size());
+  const auto zero = [&](int i) { return i >= 0 && i < count && drawn[static_cast<std::size_t>(i)] == 0; };
+  std::vector<int> still;
+  for (int i = 0; i < count; ++i) {
+    if (zero(i) && (zero(i - 1) || zero(i + 1))) still.push_back(i);
+  }
+  Values result(drawn.size(), 1);
+  for (int i = 0; i < count; ++i) {
+    for (const int each : still) {
+      const long double x =
+          std::min(1.0L, static_cast<long double>(std::abs(i - each)) / std::pow(2.0L, refinements));
+      const long double step = x * x * x * (10 - x * (15 - 6 * x));
+      result[static_cast<std::size_t>(i)] = std::min(result[static_cast<std::size_t>(i)], step);
+    }
+  }
+  return result;
+}
+
+/// What the product had to solve, from the oracle's own lengths and integrals.
+oracle::LeastChange problem_of(const LockedMove& locked, int refinements) {
+  oracle::LeastChange problem;
+  problem.drawn.assign(locked.move.speed.begin(), locked.move.speed.end());
+  const oracle::Profile profile(problem.drawn);
+  const long double total = profile.integral(static_cast<long double>(profile.spans()));
+  for (int i = 0; i < refinements; ++i) problem.drawn = oracle::refined(problem.drawn);
+  problem.mobility = mobility(problem.drawn, refinements);
+  problem.ceiling.assign(problem.drawn.size(), 100);
+  const auto f = static_cast<int>(problem.drawn.size()) - 1;
+  const long double per_frame = static_cast<long double>(f) / static_cast<long double>(locked.move.frames);
+  Values bounds{0};
+  Values distances{0};
+  for (const KeyLock& lock : locked.locks) {
+    bounds.push_back(static_cast<long double>(lock.frame) * per_frame);
+    distances.push_back(locked.distance(lock.key));
+  }
+  bounds.push_back(static_cast<long double>(f));
+  distances.push_back(locked.path.total_length());
+  problem.rows = oracle::integral_rows(f, bounds);
+  const long double scale = total * std::pow(2.0L, refinements);
+  for (std::size_t r = 0; r + 1 < distances.size(); ++r) {
+    problem.targets.push_back((distances[r + 1] - distances[r]) / locked.path.total_length() * scale);
+  }
+  return problem;
+}
+
+TEST(KeyTimingProperty, EveryLockedKeyIsMetOnItsFrame) {
+  int met = 0;
+  check_property(many_moves, [&met] {
+    const LockedMove locked = random_locked_move();
+    showLocks(locked);
+    const TrackInput<double> input(locked.move);
+    const auto track = solved(input, locked);
+    if (!track) return;
+    ++met;
+    const auto places = oracle_places(track->track(), track->table());
+    for (const KeyLock& lock : locked.locks) {
+      const auto [segment, t] = places[static_cast<std::size_t>(lock.frame)];
+      const long double off = locked.path.travelled({segment, widened(t)}, locked.oracle_place(lock.key));
+      RC_LOG() << "key " << lock.key << " is off by " << off / locked.path.total_length() << '\n';
+      RC_ASSERT(std::fabs(off) <= 1e-9L * locked.path.total_length());
+    }
+  });
+  std::cout << met << " solved\n";
+  EXPECT_GT(met, 0);
+}
+
+TEST(KeyTimingProperty, ThePlayedControlValuesReproduceTheTable) {
+  check_property(many_moves, [] {
+    const LockedMove locked = random_locked_move();
+    showLocks(locked);
+    const TrackInput<double> input(locked.move);
+    const auto track = solved(input, locked);
+    if (!track) return;
+    const oracle::Profile played(track->control_values());
+    const auto places = oracle_places(track->track(), track->table());
+    const oracle::SpeedError error =
+        oracle::worst_speed_error(locked.path, played, locked.move.frames, places, 1e-6L);
+    RC_LOG() << "frame " << error.frame << " travels " << error.travelled << ", wanted " << error.wanted
+             << '\n';
+    RC_ASSERT(error.worst <= 1);
+  });
+}
+
+TEST(KeyTimingProperty, TheAdjustedValuesStayInRangeAndKeepTheAreaAndTheRests) {
+  check_property(many_moves, [] {
+    const LockedMove locked = random_locked_move();
+    showLocks(locked);
+    const TrackInput<double> input(locked.move);
+    const auto track = solved(input, locked);
+    if (!track) return;
+    const std::vector<double>& values = track->control_values();
+    RC_ASSERT(*std::ranges::min_element(values) >= 0);
+    RC_ASSERT(*std::ranges::max_element(values) <= 100);
+    const oracle::LeastChange problem = problem_of(locked, track->key_timing()->refinements);
+    RC_ASSERT(values.size() == problem.drawn.size());
+    const auto f = static_cast<long double>(values.size() - 1);
+    const long double area = oracle::Profile(values).integral(f);
+    const long double drawn = oracle::Profile(problem.drawn).integral(f);
+    RC_LOG() << "area " << area << ", drawn " << drawn << '\n';
+    RC_ASSERT(std::fabs(area - drawn) <= 1e-12L * drawn);
+    double largest = 0;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      if (problem.mobility[i] == 0) RC_ASSERT(values[i] == 0.0);
+      largest = std::max(largest, std::fabs(values[i] - static_cast<double>(problem.drawn[i])));
+    }
+    const KeyTiming<double>& timing = *track->key_timing();
+    RC_ASSERT(std::fabs(timing.largest_change - largest) <= 1e-12);
+    const auto at = static_cast<std::size_t>(timing.largest_change_at);
+    RC_ASSERT(std::fabs(std::fabs(values[at] - static_cast<double>(problem.drawn[at])) - largest) <= 1e-12);
+  });
+}
+
+TEST(KeyTimingProperty, NoOtherCurveThatMeetsTheKeysChangesLess) {
+  int compared = 0;
+  check_property(many_moves, [&compared] {
+    const LockedMove locked = random_locked_move();
+    showLocks(locked);
+    const TrackInput<double> input(locked.move);
+    const auto track = solved(input, locked);
+    if (!track || track->control_values().size() > most_spans) return;
+    const oracle::LeastChange problem = problem_of(locked, track->key_timing()->refinements);
+    const std::optional<Values> least = oracle::solve(problem);
+    RC_ASSERT(least.has_value());
+    const long double best = oracle::change(problem, *least);
+    const Values values(track->control_values().begin(), track->control_values().end());
+    const long double change = oracle::change(problem, values);
+    RC_LOG() << "changed by " << change << ", least " << best << '\n';
+    const long double rounding = 1e-20L;
+    RC_ASSERT(change <= best * (1 + 1e-6L) + rounding);
+    RC_ASSERT(change >= best * (1 - 1e-6L) - rounding);
+    ++compared;
+  });
+  std::cout << compared << " compared\n";
+  EXPECT_GT(compared, 0);
+}
+
+TEST(KeyTimingProperty, TheCurveIsRefinedOnlyWhereNoCurveOfFewerValuesMeetsTheKeys) {
+  int refined = 0;
+  check_property(many_moves, [&refined] {
+    const LockedMove locked = random_locked_move();
+    showLocks(locked);
+    const TrackInput<double> input(locked.move);
+    const auto track = solved(input, locked);
+    const int refinements = track ? track->key_timing()->refinements : 99;
+    if (refinements == 0) return;
+    ++refined;
+    int spans = static_cast<int>(locked.move.speed.size()) - 1;
+    for (int level = 0; level < refinements && spans <= most_spans; ++level, spans *= 2) {
+      RC_LOG() << "refined " << level << " times\n";
+      RC_ASSERT(!oracle::solve(problem_of(locked, level)).has_value());
+    }
+  });
+  std::cout << refined << " refined\n";
+  EXPECT_GT(refined, 0);
+}
+
+TEST(KeyTimingProperty, InFloatEveryLockedKeyIsMetWithinAHundredThousandthOfTheLength) {
+  int met = 0;
+  check_property(many_moves, [&met] {
+    const LockedMove locked = random_locked_move();
+    // Float has too few digits for keys that lie far from the origin, for their size, or near a cusp.
+    long double largest = 0;
+    for (const auto& key : locked.move.keys.at) {
+      for (const long double value : key) largest = std::max(largest, std::fabs(value));
+    }
+    RC_PRE(largest <= 50 * locked.path.total_length() && largest < 1e12L && largest > 1e-12L);
+    RC_PRE(locked.path.slowest() > 1e-2L);
+    showLocks(locked);
+    const TrackInput<float> input(locked.move);
+    const auto track = solved(input, locked);
+    if (!track) return;
+    ++met;
+    const auto places = oracle_places(track->track(), track->table());
+    for (const KeyLock& lock : locked.locks) {
+      const auto [segment, t] = places[static_cast<std::size_t>(lock.frame)];
+      const long double off = locked.path.travelled({segment, widened(t)}, locked.oracle_place(lock.key));
+      RC_LOG() << "key " << lock.key << " is off by " << off / locked.path.total_length() << '\n';
+      RC_ASSERT(std::fabs(off) <= 1e-5L * locked.path.total_length());
+    }
+  });
+  std::cout << met << " solved\n";
+  EXPECT_GT(met, 0);
+}
+
+}  // namespace
+}  // namespace inbetween

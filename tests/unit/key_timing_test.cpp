@@ -1,0 +1,297 @@
+#include "inbetween/key_timing.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "host_tools/solved_track.hpp"
+#include "tests/support/oracle_least_squares.hpp"
+#include "tests/support/oracle_profile.hpp"
+#include "tests/support/run_program.hpp"
+#include "tests/support/temporary_file.hpp"
+
+namespace inbetween {
+namespace {
+
+using Storage = KeyTimingStorage<double, 4, 1025>;
+
+/// The wishes of a move along a line with keys at 0, 10, 30, 60, 100.
+struct Wishes {
+  std::vector<double> speed = {0, 0, 10, 10, 10, 10, 10, 0, 0};
+  std::vector<KeyLock> locks;
+  std::int32_t frames = 240;
+  std::vector<double> distances = {0, 10, 30, 60, 100};
+};
+
+Result<KeyTiming<double>> adjust(const Wishes& wishes, Storage& storage) {
+  return adjust_to_locks<double>({.control_values = wishes.speed,
+                                  .key_distances = wishes.distances,
+                                  .locks = wishes.locks,
+                                  .frames = wishes.frames},
+                                 storage.memory());
+}
+
+std::vector<double> adjusted(const Wishes& wishes) {
+  const auto storage = std::make_unique<Storage>();
+  const Result<KeyTiming<double>> result = adjust(wishes, *storage);
+  if (!result) {
+    ADD_FAILURE() << result.error().what;
+    return wishes.speed;
+  }
+  return {result->control_values.begin(), result->control_values.end()};
+}
+
+void expect_refused(const Wishes& wishes, ErrorCode code, std::int32_t key, std::int32_t frame) {
+  const auto storage = std::make_unique<Storage>();
+  const Result<KeyTiming<double>> result = adjust(wishes, *storage);
+  ASSERT_FALSE(result.has_value());
+  EXPECT_EQ(result.error().code, code) << result.error().what;
+  EXPECT_EQ(result.error().key, key) << result.error().what;
+  EXPECT_EQ(result.error().frame, frame) << result.error().what;
+  EXPECT_STRNE(result.error().remedy, "");
+}
+
+/// The share of the way that has been gone on a frame.
+double share(const std::vector<double>& values, std::int32_t frame, std::int32_t frames) {
+  const oracle::Profile profile(values);
+  const auto f = static_cast<long double>(profile.spans());
+  const long double a = static_cast<long double>(frame) * f / static_cast<long double>(frames);
+  return static_cast<double>(profile.integral(a) / profile.integral(f));
+}
+
+SolvedTrack<double> solved(const Wishes& wishes) {
+  const std::vector<double> keys = {0, 10, 30, 60, 100};
+  return {{.path = {.spline = Spline::linear, .axis_count = 1, .keys = keys},
+           .control_values = wishes.speed,
+           .frames = wishes.frames,
+           .fps = {24, 1},
+           .arc_length = {},
+           .locks = wishes.locks},
+          Solver::closed_form};
+}
+
+// --- the oracle itself
+
+TEST(LeastChangeOracle, SolvesWhatCanBeSolvedByHand) {
+  // x + y + z = 9 from (1, 1, 1): each gains 2; with z at most 2, the others gain 2.5.
+  oracle::LeastChange problem{.rows = {{1, 1, 1}},
+                              .targets = {9},
+                              .drawn = {1, 1, 1},
+                              .mobility = {1, 1, 1},
+                              .ceiling = {100, 100, 100}};
+  EXPECT_THAT(oracle::solve(problem).value(), testing::Each(3));
+  problem.ceiling[2] = 2;
+  EXPECT_THAT(oracle::solve(problem).value(), testing::ElementsAre(3.5L, 3.5L, 2));
+  problem.mobility[0] = 4;
+  EXPECT_NEAR(static_cast<double>(oracle::solve(problem).value()[0]), 1 + 5 * 0.8, 1e-15);
+  problem.ceiling = {3, 3, 2};
+  EXPECT_FALSE(oracle::solve(problem).has_value());
+}
+
+TEST(LeastChangeOracle, RefinementKeepsTheCurve) {
+  const std::vector<long double> drawn = {3, 0, 100, 7, 7, 20};
+  const oracle::Profile coarse(drawn);
+  const oracle::Profile fine(oracle::refined(drawn));
+  for (int i = 0; i <= 100; ++i) {
+    const long double a = static_cast<long double>(i) / 20;
+    EXPECT_NEAR(static_cast<double>(fine.value(2 * a)), static_cast<double>(coarse.value(a)), 1e-15);
+  }
+}
+
+// --- locks
+
+TEST(KeyTiming, ACurveThatMeetsTheKeyAlreadyIsLeftAlone) {
+  // A straight line at constant speed: key 3, at 60 of 100, is met on frame 144 of 240.
+  const Wishes wishes{.speed = {10, 10, 10, 10, 10}, .locks = {{.key = 3, .frame = 144}}};
+  for (const double value : adjusted(wishes)) EXPECT_NEAR(value, 10, 1e-13);
+}
+
+TEST(KeyTiming, EarlyAndLateKeysAreMet) {
+  for (const std::int32_t frame : {60, 90, 110, 150}) {
+    const Wishes wishes{.locks = {{.key = 2, .frame = frame}}};
+    EXPECT_NEAR(share(adjusted(wishes), frame, 240), 0.3, 1e-12) << frame;
+  }
+}
+
+TEST(KeyTiming, ANeighbouringPairOfZerosStaysARest) {
+  const std::vector<double> values =
+      adjusted({.speed = {0, 0, 10, 10, 0, 0, 10, 10, 10, 0, 0}, .locks = {{.key = 2, .frame = 95}}});
+  ASSERT_EQ(values.size(), 11U);
+  for (const std::size_t i : {0U, 1U, 4U, 5U, 9U, 10U}) EXPECT_EQ(values[i], 0) << i;
+}
+
+TEST(KeyTiming, ASoleZeroIsNoRestAndMayBeRaised) {
+  const std::vector<double> values =
+      adjusted({.speed = {5, 5, 0, 5, 5}, .locks = {{.key = 3, .frame = 140}}});
+  ASSERT_EQ(values.size(), 5U);
+  EXPECT_GT(values[2], 0);
+}
+
+TEST(KeyTiming, ARefinedCurveIsTheDrawnOneOnTwiceAsManySpans) {
+  // A hold of 8 frames in 240 wants spans of 2 frames: the drawn 8 are doubled until there are 120 or more.
+  const Wishes wishes{.locks = {{.key = 2, .frame = 100, .hold = 8}}};
+  const auto storage = std::make_unique<Storage>();
+  const Result<KeyTiming<double>> timing = adjust(wishes, *storage);
+  ASSERT_TRUE(timing.has_value());
+  EXPECT_EQ(timing->refinements, 4);
+  ASSERT_EQ(timing->control_values.size(), 8U * 16 + 1);
+  const oracle::Profile drawn(wishes.speed);
+  const oracle::Profile fine(std::vector<double>(storage->drawn.begin(), storage->drawn.begin() + 129));
+  for (int i = 0; i <= 160; ++i) {
+    const long double a = static_cast<long double>(i) / 20;
+    EXPECT_NEAR(static_cast<double>(fine.value(16 * a)), static_cast<double>(drawn.value(a)), 1e-13) << i;
+  }
+}
+
+TEST(KeyTiming, APathWithoutLengthLeavesTheCurveAsDrawn) {
+  const Wishes wishes{.locks = {{.key = 2, .frame = 100}}, .distances = {0, 0, 0, 0, 0}};
+  EXPECT_EQ(adjusted(wishes), wishes.speed);
+}
+
+// --- refusals
+
+TEST(KeyTiming, WishesThatContradictEachOtherNameKeyAndFrame) {
+  const auto bad = ErrorCode::out_of_range;
+  expect_refused({.locks = {{.key = 1, .frame = 80}, {.key = 2, .frame = 80}}}, bad, 2, 80);
+  expect_refused({.locks = {{.key = 1, .frame = 80}, {.key = 2, .frame = 60}}}, bad, 2, 60);
+  expect_refused({.locks = {{.key = 1, .frame = 80, .hold = 20}, {.key = 2, .frame = 90}}}, bad, 2, 90);
+  expect_refused({.locks = {{.key = 0, .frame = 3}}}, bad, 0, 3);
+  expect_refused({.locks = {{.key = 4, .frame = 239}}}, bad, 4, 239);
+  expect_refused({.locks = {{.key = 2, .frame = 0}}}, bad, 2, 0);
+  expect_refused({.locks = {{.key = 2, .frame = 240}}}, bad, 2, 240);
+  expect_refused({.locks = {{.key = 2, .frame = 230, .hold = 11}}}, bad, 2, 230);
+  expect_refused({.locks = {{.key = 2, .frame = 230, .hold = 10}}}, bad, 2, 230);
+  expect_refused({.locks = {{.key = 1, .hold = 140}, {.key = 3, .hold = 100}}}, bad, 1, -1);
+}
+
+TEST(KeyTiming, AKeyThatNoCurveMeetsIsRefusedWithItsKey) {
+  // From 0 to 100: the first 2 frames of 240 cannot cover 60 % of the way.
+  expect_refused({.speed = {10, 10, 10, 10}, .locks = {{.key = 3, .frame = 2}}}, ErrorCode::no_solution, 3,
+                 2);
+}
+
+TEST(KeyTiming, AHoldTooShortForTheMemoryNamesItsKey) {
+  expect_refused({.locks = {{.key = 2, .frame = 5000, .hold = 1}}, .frames = 10000}, ErrorCode::no_solution,
+                 2, 5000);
+}
+
+TEST(KeyTiming, TooLittleMemorySaysHowMuchIsNeeded) {
+  const auto storage = std::make_unique<KeyTimingStorage<double, 1, 9>>();
+  const Wishes wishes{.locks = {{.key = 1, .frame = 60}, {.key = 2, .frame = 90}}};
+  const Result<KeyTiming<double>> result = adjust_to_locks<double>({.control_values = wishes.speed,
+                                                                    .key_distances = wishes.distances,
+                                                                    .locks = wishes.locks,
+                                                                    .frames = wishes.frames},
+                                                                   storage->memory());
+  ASSERT_FALSE(result.has_value());
+  EXPECT_EQ(result.error().code, ErrorCode::capacity);
+  EXPECT_GE(result.error().needed, 3);
+}
+
+// --- holds
+
+TEST(Hold, TheRigStandsStillToTheBitAndMovesBeforeAndAfter) {
+  for (const std::int32_t hold : {2, 8, 24, 60}) {
+    const SolvedTrack<double> track = solved({.locks = {{.key = 2, .frame = 100, .hold = hold}}});
+    const PathPoint<double> at_key = track.track().locate({100, 0});
+    EXPECT_NEAR(at_key.segment + at_key.t, 2, 1e-12);
+    for (std::int32_t quarter = 0; quarter <= 4 * hold; ++quarter) {
+      const FrameTime<double> time{100 + quarter / 4, (quarter % 4) / 4.0};
+      EXPECT_EQ(track.track().locate(time), at_key) << hold << " frames, " << quarter << " quarters";
+      EXPECT_EQ(track.track().along(time).speed, 0);
+    }
+    EXPECT_LT(track.table().point(80).segment + track.table().point(80).t, 1.9999);
+    const PathPoint<double> later = track.table().point(120 + hold);
+    EXPECT_GT(later.segment + later.t, 2.0001);
+  }
+}
+
+TEST(Hold, TheRestIsHardlyLongerThanAsked) {
+  for (const std::int32_t hold : {2, 8, 24, 60}) {
+    const SolvedTrack<double> track = solved({.locks = {{.key = 2, .frame = 100, .hold = hold}}});
+    const oracle::Profile played(track.control_values());
+    const auto a = [&](double frame) {
+      return static_cast<long double>(frame) * static_cast<long double>(played.spans()) / 240;
+    };
+    double begin = 100;
+    while (played.value(a(begin - 0.125)) == 0) begin -= 0.125;
+    double end = 100 + hold;
+    while (played.value(a(end + 0.125)) == 0) end += 0.125;
+    EXPECT_LE(end - begin, 1.5 * hold + 2) << hold;
+  }
+}
+
+TEST(Hold, TheAccelerationNeverSteps) {
+  const SolvedTrack<double> track = solved({.locks = {{.key = 2, .frame = 100, .hold = 24}}});
+  double most_jerk = 0;
+  double most_step = 0;
+  double before = 0;
+  for (std::int32_t step = 0; step < 240 * 64; ++step) {
+    const AlongPath<double> here = track.track().along({step / 64, (step % 64) / 64.0});
+    most_jerk = std::max(most_jerk, std::fabs(here.jerk));
+    most_step = std::max(most_step, std::fabs(here.acceleration - before));
+    before = here.acceleration;
+  }
+  EXPECT_LE(most_step, 1.01 * most_jerk / (24 * 64));
+}
+
+TEST(Hold, WithoutAFrameTheKeyIsMetWhereTheDrawnCurveReachesItInTheFramesThatAreNoHolds) {
+  const Wishes wishes{.locks = {{.key = 1, .hold = 20}, {.key = 3, .hold = 30}}};
+  const auto storage = std::make_unique<Storage>();
+  const Result<KeyTiming<double>> timing = adjust(wishes, *storage);
+  ASSERT_TRUE(timing.has_value());
+  ASSERT_EQ(timing->locks.size(), 4U);
+  for (const auto& [index, held, part] : {std::tuple{1U, 0, 0.1}, {2U, 20, 0.6}}) {
+    const std::int32_t moving = timing->locks[index].frame - held;
+    EXPECT_GE(share(wishes.speed, moving, 190), part);
+    EXPECT_LT(share(wishes.speed, moving - 1, 190), part);
+  }
+}
+
+TEST(Hold, TheFirstAndTheLastKeyMayBeHeldToo) {
+  const SolvedTrack<double> track = solved({.locks = {{.key = 0, .hold = 24}, {.key = 4, .hold = 36}}});
+  for (std::int32_t frame = 0; frame <= 24; ++frame)
+    EXPECT_EQ(track.table().point(frame), (PathPoint<double>{0, 0})) << frame;
+  for (std::int32_t frame = 204; frame < 240; ++frame) {
+    const PathPoint<double> point = track.table().point(frame);
+    EXPECT_NEAR(point.segment + point.t, 4, 1e-12) << frame;
+  }
+}
+
+// --- end to end
+
+TEST(KeyTiming, WhatTheFileAsksInVainIsOneLineAtTheKey) {
+  struct Case {
+    const char* second;
+    const char* third;
+    std::string place;
+    const char* words;
+  };
+  const std::vector<Case> cases = {
+      {", frame = 40", ", frame = 40", "move.toml:9:3: error: key 2: frame 40: ", "different frames"},
+      {", frame = 40", ", frame = 30", "move.toml:9:3: error: key 2: frame 30: ", "in their own order"},
+      {", frame = 1", "", "move.toml:8:3: error: key 1: frame 1: ", "from 0 to 100"},
+      {", frame = 90, hold = 20", "", "move.toml:8:3: error: key 1: frame 90: ", "last frame"},
+      {", hold = 50", ", hold = 50", "move.toml:8:3: error: key 1: ", "all frames"},
+  };
+  for (const Case& each : cases) {
+    const TemporaryFile file("move.toml", std::string("name = \"m\"\nfps = 24\nframes = 100\n[[track]]\naxes "
+                                                      "= [\"x\"]\nkeys = [\n  { at = [0.0] },\n") +
+                                              "  { at = [50.0]" + each.second + " },\n  { at = [60.0]" +
+                                              each.third +
+                                              " },\n  { at = [100.0] },\n]\nspeed = [0, 0, 10, 10, 0, 0]\n");
+    const ProgramRun run = run_program({"plan", file.path().string()});
+    EXPECT_EQ(run.status, 1);
+    EXPECT_THAT(run.err, testing::StartsWith((file.path().parent_path() / each.place).string()));
+    EXPECT_THAT(run.err, testing::HasSubstr(each.words));
+    EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
+  }
+}
+
+}  // namespace
+}  // namespace inbetween
