@@ -63,6 +63,18 @@ Real rough_fifth_root(Real x) {
   return root * (Real(0.8514) + Real(0.1486) * (x < 2 ? x : Real(2)));
 }
 
+/// What rounding alone may show as a residual of a piece: the Hermite coefficients add numbers up to 15
+/// times their sum. In single precision it is of the size of the default delta, and without it pieces
+/// would be divided for nothing (held by HardCases and NoAllocation in float).
+template <Precise Real>
+inline constexpr Real residual_rounding = 48 * std::numeric_limits<Real>::epsilon();
+
+/// A segment this much shorter than the path is passed in no distance: it is below the last bit of a
+/// length that is carried in two numbers.
+template <Precise Real>
+inline constexpr Real unresolved_share =
+    std::numeric_limits<Real>::epsilon() * std::numeric_limits<Real>::epsilon();
+
 /// The lengths of stretches in tau, outward from the anchor: as long as the last error allows.
 template <Precise Real>
 class Stride {
@@ -118,13 +130,14 @@ class InverseBuilder {
   InverseBuilder(const ArcLengthOptions<Real>& options, Real shortest_total,
                  const ArcLengthMemory<Real>& memory)
       : options_(options),
+        shortest_total_(shortest_total),
         per_estimate_(4 / (2 * options.delta)),
         negligible_(shortest_total * Precision<Real>::negligible_share),
         list_(memory) {}
 
   void add_segment(const Path<Real>& path, std::int32_t segment) {
     const SegmentSpeed<Real> speed(path.segment(segment), path.weights());
-    if (speed.is_still()) return;
+    if (!(speed.largest() > shortest_total_ * unresolved_share<Real>)) return;
     segment_ = segment;
     scale_ = std::ldexp(Real(1), speed.exponent());
     inverse_scale_ = 1 / scale_;
@@ -134,6 +147,8 @@ class InverseBuilder {
 
   [[nodiscard]] const TwoSum<Real>& length() const { return length_; }
   [[nodiscard]] const PieceList<Real>& list() const { return list_; }
+  /// Every piece so far is as accurate as asked, or too short to matter.
+  [[nodiscard]] bool reachable() const { return reachable_; }
 
  private:
   void add_interval(const AnchoredInterval<Real>& interval) {
@@ -151,12 +166,15 @@ class InverseBuilder {
       const Real error = error_over_allowed(fitter, near, piece);
       if (error <= 1) {
         stride.adapt(error);
-      } else if (stride.is_divisible(end) && !is_negligible(piece)) {
+      } else if (is_negligible(piece)) {
+        straighten(interval, near, piece);
+        stride.adapt(0);
+      } else if (stride.is_divisible(end)) {
         stride.shorten(end, error);
         continue;
       } else {
-        straighten(interval, near, piece);
-        stride.adapt(0);
+        reachable_ = false;
+        return;
       }
       stride.advance(end);
       add_piece(interval, piece, anchor);
@@ -167,7 +185,7 @@ class InverseBuilder {
 
   [[nodiscard]] Real error_over_allowed(const PieceFitter<Real>& fitter, const PieceEnd<Real>& near,
                                         const PieceFit<Real>& piece) const {
-    const Real estimate = fitter.estimated_residual(near, piece) * per_estimate_;
+    const Real estimate = (fitter.estimated_residual(near, piece) - residual_rounding<Real>)*per_estimate_;
     if (options_.acceptance == Acceptance::estimated || !(estimate <= 1)) return weighed(estimate, piece);
     return weighed(fitter.certified_residual(near, piece) / (2 * options_.delta), piece);
   }
@@ -232,10 +250,12 @@ class InverseBuilder {
   }
 
   ArcLengthOptions<Real> options_;
+  Real shortest_total_;
   Real per_estimate_;
   Real negligible_;
   PieceList<Real> list_;
   TwoSum<Real> length_;
+  bool reachable_ = true;
   std::int32_t segment_ = 0;
   Real scale_ = 1;
   Real inverse_scale_ = 1;
@@ -294,11 +314,23 @@ Result<ArcLength<Real>> ArcLength<Real>::make(const Path<Real>& path, const ArcL
                  .remedy = "give it a larger capacity",
                  .needed = static_cast<std::int64_t>(segments)};
   }
-  InverseBuilder<Real> builder(options, chord_sum(path), memory);
+  const Real chords = chord_sum(path);
+  if (chords > 0 && chords < Precision<Real>::smallest_square_root) {
+    return Error{.code = ErrorCode::out_of_range,
+                 .what = "the path is too short for this floating-point type",
+                 .remedy = "use a smaller unit or larger weights, so that its numbers become larger"};
+  }
+  InverseBuilder<Real> builder(options, chords, memory);
   for (std::size_t i = 0; i < segments; ++i) {
     memory.first_pieces[i] = static_cast<std::int32_t>(builder.list().count());
     memory.segment_begins[i] = builder.length();
     builder.add_segment(path, static_cast<std::int32_t>(i));
+    if (!builder.reachable()) {
+      return Error{.code = ErrorCode::accuracy,
+                   .what = "the inverse of arc length cannot be as accurate as asked after this key",
+                   .remedy = "use a larger delta, or estimated instead of certified acceptance",
+                   .key = static_cast<std::int32_t>(i)};
+    }
   }
   const std::size_t pieces = builder.list().count();
   memory.first_pieces[segments] = static_cast<std::int32_t>(pieces);
@@ -348,7 +380,9 @@ TwoSum<Real> ArcLength<Real>::distance(const Path<Real>& path, const PathPoint<R
   const auto segment = static_cast<std::size_t>(point.segment);
   TwoSum<Real> sum = segment_begins_[std::min(segment, segment_begins_.size() - 1)];
   const SegmentSpeed<Real> speed(path.segment(point.segment), path.weights());
-  if (speed.is_still()) return sum;
+  const bool is_passed_in_no_distance =
+      point.segment < segment_count() && first_pieces_[segment] == first_pieces_[segment + 1];
+  if (speed.is_still() || is_passed_in_no_distance) return sum;
 
   // Past the end of an open path the speed is that of the continuation, in one stretch.
   Real from = 0;

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "count_piece.hpp"
+
 namespace inbetween {
 namespace {
 
@@ -26,255 +28,180 @@ Status check_counts_per_unit(std::int32_t axis_count, std::span<const double> co
   return Done{};
 }
 
-/// What the memory of a count track must hold.
-struct Sizes {
-  std::size_t spans, pieces, axes;
-};
-
 template <Precise Real>
-Status check_memory(const Sizes& needed, const CountTrackMemory<Real>& memory) {
+Status check_memory(const CountSizes& needed, std::size_t axes, const CountTrackMemory<Real>& memory) {
   Error error{.code = ErrorCode::capacity, .remedy = "give it a larger capacity"};
-  if (memory.spans.size() < needed.spans) {
+  if (memory.portions.size() < needed.portions + 1) {
+    error.what = "the track has more portions than the memory of the count track";
+    error.needed = static_cast<std::int64_t>(needed.portions) + 1;
+  } else if (memory.spans.size() < needed.spans) {
     error.what = "the speed curve has more spans than the memory of the count track";
     error.needed = static_cast<std::int64_t>(needed.spans);
   } else if (memory.pieces.size() < needed.pieces + 1) {
     error.what = "the arc length has more pieces than the memory of the count track";
     error.needed = static_cast<std::int64_t>(needed.pieces) + 1;
-  } else if (memory.cubics.size() < (needed.pieces + 1) * needed.axes) {
+  } else if (memory.cubics.size() < (needed.pieces + 1) * axes) {
     error.what = "the pieces have more axes than the memory of the count track";
-    error.needed = static_cast<std::int64_t>((needed.pieces + 1) * needed.axes);
+    error.needed = static_cast<std::int64_t>((needed.pieces + 1) * axes);
   } else {
     return Done{};
   }
   return error;
 }
 
-template <Precise Real>
-TwoSum<Real> in_two_parts(double high, double low) {
-  const auto part = static_cast<Real>(high + low);
-  return {part, static_cast<Real>((high - static_cast<double>(part)) + low)};
-}
-
-template <Precise Source>
-double sum_of(const TwoSum<Source>& sum) {
-  return static_cast<double>(sum.high) + static_cast<double>(sum.low);
-}
-
-/// A part of a piece, or of a span: the parameter from a to b.
-struct Part {
-  double a = 0, b = 1;
+/// The spans of the curve, uniform over all frames, that a portion of the move passes through.
+struct SpanRange {
+  std::int32_t first = 0;
+  std::int32_t last = 0;
 };
 
-/// The integral of a span over a part of it as powers of the part's own t, times `scale`.
-template <Precise Real, Precise Source>
-void set_way(const SpeedSpan<Source>& drawn, const Part& part, double scale, CountSpan<Real>& to) {
-  const SpeedSpan<double> wide{static_cast<double>(drawn.b0), static_cast<double>(drawn.b1),
-                               static_cast<double>(drawn.b2), static_cast<double>(drawn.b3)};
-  const double h = part.b - part.a;
-  const double third = wide.b3 - wide.b0 + 3 * (wide.b1 - wide.b2);
-  to.c = {static_cast<Real>(scale * h * wide.value(part.a)),
-          static_cast<Real>(scale * h * h * wide.derivative(part.a) / 2),
-          static_cast<Real>(scale * h * h * h * wide.second(part.a) / 6),
-          static_cast<Real>(scale * h * h * h * h * third / 4)};
-}
-
 template <Precise Source>
-double integral_to(const SpeedSpan<Source>& drawn, double t) {
-  const SpeedSpan<double> wide{static_cast<double>(drawn.b0), static_cast<double>(drawn.b1),
-                               static_cast<double>(drawn.b2), static_cast<double>(drawn.b3)};
-  return wide.integral(t);
+SpanRange spans_of_portion(const Track<Source>& track, std::size_t portion) {
+  const std::span<const Portion<Source>> portions = track.portions();
+  const std::int64_t spans = count_span_count(track.profile().span_count());
+  const std::int64_t begin = portions.empty() ? 0 : portions[portion].begin_frame;
+  const std::int64_t end = portion + 1 < portions.size() ? portions[portion + 1].begin_frame : track.frames();
+  return {static_cast<std::int32_t>(begin * spans / track.frames()),
+          static_cast<std::int32_t>((end * spans - 1) / track.frames())};
 }
 
-/// Cuts every span of the curve into `parts` and finds the pieces in which each starts and ends.
+/// Fills the portions and spans of a count track; the pieces are there already.
 template <Precise Real, Precise Source>
-void cut_spans(const Track<Source>& track, std::int32_t parts, std::span<const CountPiece<Real>> pieces,
-               std::span<CountSpan<Real>> spans) {
-  const SpeedProfile<Source>& profile = track.profile();
-  const std::int32_t f = profile.span_count();
-  const double length = sum_of(track.arc_length().segment_begin(track.path().segment_count()));
-  // K of the track, with all digits that there are.
-  const double constant = length > 0 ? length / sum_of(profile.integral_before(f)) : 0.0;
-  std::int32_t piece = 0;
-  const auto piece_at = [&](Real distance) {  // distances rise from call to call
-    while (pieces[static_cast<std::size_t>(piece) + 1].begin.high <= distance) ++piece;
-    return piece;
-  };
-  std::size_t index = 0;
-  for (std::int32_t i = 0; i < f; ++i) {
-    const double before = sum_of(profile.integral_before(i));
-    for (std::int32_t k = 0; k < parts; ++k) {
-      const Part part{static_cast<double>(k) / parts, static_cast<double>(k + 1) / parts};
-      CountSpan<Real>& span = spans[index];
-      set_way(profile.span(i), part, constant, span);
-      span.begin = in_two_parts<Real>(constant * (before + integral_to(profile.span(i), part.a)), 0);
-      span.first_piece = piece_at(span.begin.high);
-      if (index > 0) spans[index - 1].last_piece = span.first_piece;
-      ++index;
-    }
-  }
-  spans[index - 1].last_piece = piece_at(static_cast<Real>(length));
-}
-
-/// How much of its segment a piece covers, in t.
-template <Precise Source>
-double extent_of(const ArcPiece<Source>& piece) {
-  double extent = 0;
-  for (std::size_t k = 1; k < piece.c.size(); ++k) extent += static_cast<double>(piece.c[k]);
-  return extent;
-}
-
-/// Into how many a piece is cut. One that the inverse takes as a point stays whole.
-template <Precise Real, Precise Source>
-std::int32_t part_count(const ArcPiece<Source>& piece) {
-  if (!(piece.inverse_step > 0)) return 1;
-  const double parts = std::ceil(least_pieces_per_segment<Real> * extent_of(piece));
-  return parts > 1 ? static_cast<std::int32_t>(parts) : 1;
-}
-
-/// What the parameter of a part starts from: distances in double.
-template <Precise Real, Precise Source>
-void set_begin(const ArcPiece<Source>& from, const Part& part, CountPiece<Real>& to) {
-  using Kind = typename ArcPiece<Source>::Kind;
-  const auto origin = static_cast<double>(from.origin);
-  const auto shift = static_cast<double>(from.shift);
-  const auto inverse_step = static_cast<double>(from.inverse_step);
-  const double step = inverse_step > 0 ? 1 / inverse_step : 0.0;
-  to.kind = static_cast<typename ArcPiece<Real>::Kind>(from.kind);
-  to.inverse_step = static_cast<Real>(inverse_step / (part.b - part.a));
-  if (from.kind == Kind::plain) {
-    to.begin = in_two_parts<Real>(origin, shift + part.a * step);
-    return;
-  }
-  const bool after = from.kind == Kind::root_after;
-  const double root = std::max((after ? shift + part.a : shift - part.a) * step, 0.0);
-  to.begin = in_two_parts<Real>(origin, after ? root * root : -root * root);
-  to.gap = static_cast<Real>(root * root);
-  to.root = static_cast<Real>(root);
-}
-
-/// Where a part lies on its segment: t = begin + extent * w.
-struct Stretch {
-  double begin = 0;
-  double extent = 0;
-};
-
-/// t over the part as a quintic from 0 to 1, and where that is on the segment.
-template <Precise Real, Precise Source>
-Stretch set_quintic(const ArcPiece<Source>& from, const Part& part, CountPiece<Real>& to) {
-  std::array<double, 6> c{};
-  for (std::size_t k = 0; k < c.size(); ++k) c[k] = static_cast<double>(from.c[k]);
-  double power = 1;
-  for (std::size_t k = 0; k < c.size(); ++k) {  // Taylor's coefficients about a, in units of b - a
-    for (std::size_t j = c.size() - 1; j-- > k;) c[j] += part.a * c[j + 1];
-    c[k] *= power;
-    power *= part.b - part.a;
-  }
-  const Stretch stretch{.begin = c[0], .extent = c[1] + c[2] + c[3] + c[4] + c[5]};
-  // A piece without extent is passed without moving.
-  const double scale = stretch.extent > 0 ? 1 / stretch.extent : 0.0;
-  for (std::size_t k = 0; k < to.c.size(); ++k) to.c[k] = static_cast<Real>(c[k + 1] * scale);
-  return stretch;
-}
-
-/// One axis of a segment over a stretch of it, in counts.
-template <Precise Source>
-Cubic<double> cut_cubic(const Cubic<Source>& source, const Stretch& stretch, double counts_per_unit) {
-  const Cubic<double> c{static_cast<double>(source.c0), static_cast<double>(source.c1),
-                        static_cast<double>(source.c2), static_cast<double>(source.c3)};
-  const double t = stretch.begin;
-  const double h = stretch.extent;
-  return {counts_per_unit * c.value(t), counts_per_unit * h * c.derivative(t),
-          counts_per_unit * h * h * (c.second(t) / 2), counts_per_unit * h * h * h * c.c3};
-}
-
-/// Splits off the integer base. False if a position does not fit; the Bezier ordinates enclose them all.
-template <Precise Real>
-bool set_base(const Cubic<double>& c, CountCubic<Real>& result) {
-  const auto [least, largest] = std::minmax({0.0, c.c1 / 3, (2 * c.c1 + c.c2) / 3, c.c1 + c.c2 + c.c3});
-  const bool offset_fits = std::max(-least, largest) + 1 <= largest_offset<Real>;
-  // A NaN, which coordinates near the largest number can make, fits nowhere.
-  if (!offset_fits || !(c.c0 + least - 1 >= std::numeric_limits<std::int32_t>::min()) ||
-      !(c.c0 + largest + 1 <= std::numeric_limits<std::int32_t>::max())) {
-    return false;
-  }
-  const double base = std::floor(c.c0 + 0.5);
-  result = {static_cast<std::uint32_t>(static_cast<std::int32_t>(base)) - low_bits(rounder<Real>),
-            {static_cast<Real>(c.c0 - base), static_cast<Real>(c.c1), static_cast<Real>(c.c2),
-             static_cast<Real>(c.c3)}};
-  return true;
-}
-
-/// Fills the memory of a count track piece by piece.
-template <Precise Real, Precise Source>
-class PieceCutter {
+class SpanCutter {
  public:
-  PieceCutter(const Path<Source>& path, std::span<const double> counts_per_unit,
-              const CountTrackMemory<Real>& memory)
-      : path_(path), counts_per_unit_(counts_per_unit), memory_(memory) {}
+  SpanCutter(const Track<Source>& track, std::size_t piece_count, const CountTrackMemory<Real>& memory)
+      : track_(track), pieces_(memory.pieces.first(piece_count)), memory_(memory) {}
 
-  Status cut(const ArcLength<Source>& arc_length) {
-    for (const ArcPiece<Source>& piece : arc_length.pieces()) {
-      const std::int32_t parts = part_count<Real>(piece);
-      for (std::int32_t i = 0; i < parts; ++i) {
-        const Part part{static_cast<double>(i) / parts, static_cast<double>(i + 1) / parts};
-        CountPiece<Real> cut;
-        set_begin(piece, part, cut);
-        const Stretch stretch = set_quintic(piece, part, cut);
-        if (const Status done = add(cut, piece.segment, stretch); !done) return done.error();
-      }
+  /// A drawn curve, broken in portions or not.
+  void cut_curve() {
+    const std::int32_t spans = count_span_count(track_.profile().span_count());
+    const std::size_t portions = std::max<std::size_t>(track_.portions().size(), 1);
+    for (std::size_t i = 0; i < portions; ++i) {
+      const SpanRange range = spans_of_portion(track_, i);
+      const std::int32_t first = span_count_;
+      for (std::int32_t index = range.first; index <= range.last; ++index) add_curve_span(i, index);
+      const std::int32_t begin = track_.portions().empty() ? 0 : track_.portions()[i].begin_frame;
+      add_portion({.begin_frame = begin,
+                   .frames = track_.frames(),
+                   .spans = spans,
+                   .phase = (first - range.first) * track_.frames(),
+                   .last_span = span_count_ - 1});
     }
-    if (count_ == 0) {  // the path stays where it is
-      if (const Status done = add({}, 0, {}); !done) return done.error();
-    }
-    memory_.pieces[count_] = {};
-    memory_.pieces[count_].begin.high = std::numeric_limits<Real>::infinity();
-    return set_row(path_.segment_count(), {});
+    finish();
   }
-  [[nodiscard]] std::size_t count() const { return count_; }
+  /// A frame for every key: each interval is a portion.
+  void cut_intervals() {
+    constexpr std::int32_t parts = least_pieces_per_segment<Real>;
+    std::int32_t segment = 0;
+    for (const KeyInterval<Source>& interval : track_.key_intervals()) {
+      const std::int32_t first = span_count_;
+      for (std::int32_t i = 0; i < parts; ++i) add_interval_span(interval, segment, part_of(i, parts));
+      add_portion({.begin_frame = interval.begin_frame,
+                   .frames = interval.frames,
+                   .spans = parts,
+                   .phase = first * interval.frames - interval.begin_frame * parts,
+                   .last_span = span_count_ - 1});
+      ++segment;
+    }
+    finish();
+  }
 
  private:
-  Status add(const CountPiece<Real>& piece, std::int32_t segment, const Stretch& stretch) {
-    memory_.pieces[count_] = piece;
-    memory_.pieces[count_].first_cubic = static_cast<std::int32_t>(count_) * path_.axis_count();
-    if (const Status done = set_row(segment, stretch); !done) return done.error();
-    ++count_;
-    return Done{};
-  }
-  /// All axes of a segment over a stretch of it, as the next row of cubics.
-  Status set_row(std::int32_t segment, const Stretch& stretch) {
-    const std::span<const Cubic<Source>> cubics = path_.segment(segment);
-    for (std::size_t d = 0; d < cubics.size(); ++d) {
-      const Cubic<double> counts = cut_cubic(cubics[d], stretch, counts_per_unit_[d]);
-      if (set_base(counts, memory_.cubics[count_ * cubics.size() + d])) continue;
-      return Error{
-          .code = ErrorCode::out_of_range,
-          .what = "a position after this key does not fit the counts of a drive",
-          .remedy = "use fewer counts per unit: a position has 32 bits, in single precision a piece 24",
-          .key = segment,
-          .axis = static_cast<std::int32_t>(d)};
+  /// distance = offset + constant * Phi(a), with all digits that there are.
+  struct Scale {
+    double constant = 0;
+    double offset = 0;
+  };
+  [[nodiscard]] Scale scale_of(std::size_t portion) const {
+    if (!track_.portions().empty()) {
+      const Portion<Source>& broken = track_.portions()[portion];
+      return {static_cast<double>(broken.constant), sum_of(broken.offset)};
     }
-    return Done{};
+    const double length = sum_of(track_.arc_length().segment_begin(track_.path().segment_count()));
+    const double integral = sum_of(track_.profile().integral_before(track_.profile().span_count()));
+    return {length > 0 ? length / integral : 0.0, 0};
   }
 
-  const Path<Source>& path_;
-  std::span<const double> counts_per_unit_;
-  const CountTrackMemory<Real>& memory_;
-  std::size_t count_ = 0;
-};
+  void add_curve_span(std::size_t portion, std::int32_t index) {
+    const SpeedProfile<Source>& profile = track_.profile();
+    const std::int32_t parts = count_span_count(profile.span_count()) / profile.span_count();
+    const SpeedSpan<Source>& drawn = profile.span(index / parts);
+    const SpeedSpan<double> speed{static_cast<double>(drawn.b0), static_cast<double>(drawn.b1),
+                                  static_cast<double>(drawn.b2), static_cast<double>(drawn.b3)};
+    const Part part = part_of(index % parts, parts);
+    const Scale scale = scale_of(portion);
+    const double h = part.b - part.a;
+    const double third = speed.b3 - speed.b0 + 3 * (speed.b1 - speed.b2);
+    const double integral = sum_of(profile.integral_before(index / parts)) + speed.integral(part.a);
+    add_span(
+        scale.offset + scale.constant * integral,
+        {scale.constant * h * speed.value(part.a), scale.constant * h * h * speed.derivative(part.a) / 2,
+         scale.constant * h * h * h * speed.second(part.a) / 6, scale.constant * h * h * h * h * third / 4});
+  }
 
-Error too_many_spans() {
-  return {.code = ErrorCode::out_of_range,
-          .what = "frames times spans of the count track do not fit 31 bits",
-          .remedy = "draw the speed curve with fewer control values, or plan fewer frames"};
-}
+  void add_interval_span(const KeyInterval<Source>& interval, std::int32_t segment, const Part& part) {
+    const Cubic<double> t{0, static_cast<double>(interval.c1), static_cast<double>(interval.c2),
+                          static_cast<double>(interval.c3)};
+    const double h = part.b - part.a;
+    add_span(segment + t.value(part.a),
+             {h * t.derivative(part.a), h * h * t.second(part.a) / 2, h * h * h * t.c3, 0});
+  }
+
+  void add_span(double begin, const std::array<double, 4>& c) {
+    CountSpan<Real>& span = memory_.spans[static_cast<std::size_t>(span_count_++)];
+    span.begin = in_two_parts<Real>(begin, 0);
+    std::ranges::transform(c, span.c.begin(), [](double x) { return static_cast<Real>(x); });
+    span.first_piece = piece_at(span.begin.high);
+    const std::int32_t last_piece = piece_at(static_cast<Real>(begin + c[0] + c[1] + c[2] + c[3]));
+    const std::int32_t touched = last_piece - span.first_piece + 1;
+    span.crowd = touched > most_pieces_in_turn ? touched : 0;
+  }
+  /// The last piece that begins at or before a distance.
+  [[nodiscard]] std::int32_t piece_at(Real distance) const {
+    std::size_t piece = 0;
+    std::size_t end = pieces_.size();
+    while (end - piece > 1) {  // it is in [piece, end)
+      const std::size_t middle = (piece + end) / 2;
+      (pieces_[middle].begin.high <= distance ? piece : end) = middle;
+    }
+    return static_cast<std::int32_t>(piece);
+  }
+
+  void add_portion(CountPortion<Real> portion) {
+    portion.spans_in_real = static_cast<Real>(portion.spans);
+    portion.inverse_frames = 1 / static_cast<Real>(portion.frames);
+    memory_.portions[portion_count_++] = portion;
+  }
+  void finish() {
+    memory_.portions[portion_count_] = {.begin_frame = std::numeric_limits<std::int32_t>::max()};
+  }
+
+  const Track<Source>& track_;
+  std::span<const CountPiece<Real>> pieces_;
+  const CountTrackMemory<Real>& memory_;
+  std::size_t portion_count_ = 0;
+  std::int32_t span_count_ = 0;
+};
 
 }  // namespace
 
 template <Precise Real, Precise Source>
-std::size_t count_piece_count(const ArcLength<Source>& arc_length) {
-  std::int32_t count = 0;
-  for (const ArcPiece<Source>& piece : arc_length.pieces()) count += part_count<Real>(piece);
-  return count > 0 ? static_cast<std::size_t>(count) : 1;
+CountSizes count_sizes(const Track<Source>& track) {
+  if (!track.has_profile()) {
+    const std::size_t intervals = track.key_intervals().size();
+    const std::size_t parts = intervals * static_cast<std::size_t>(least_pieces_per_segment<Real>);
+    return {.portions = intervals, .spans = parts, .pieces = parts};
+  }
+  CountSizes sizes{.portions = std::max<std::size_t>(track.portions().size(), 1), .spans = 0, .pieces = 0};
+  for (std::size_t i = 0; i < sizes.portions; ++i) {
+    const SpanRange range = spans_of_portion(track, i);
+    sizes.spans += static_cast<std::size_t>(range.last - range.first + 1);
+  }
+  for (const ArcPiece<Source>& piece : track.arc_length().pieces()) {
+    sizes.pieces += static_cast<std::size_t>(part_count<Real>(piece));
+  }
+  sizes.pieces = std::max<std::size_t>(sizes.pieces, 1);
+  return sizes;
 }
 
 template <Precise Real>
@@ -283,36 +210,43 @@ Result<CountTrack<Real>> CountTrack<Real>::make(const Track<Source>& track,
                                                 std::span<const double> counts_per_unit,
                                                 const CountTrackMemory<Real>& memory) {
   const Path<Source>& path = track.path();
-  const std::int32_t f = track.profile().span_count();
-  const std::int32_t spans = count_span_count(f);
-  const Sizes sizes{.spans = static_cast<std::size_t>(spans),
-                    .pieces = count_piece_count<Real>(track.arc_length()),
-                    .axes = static_cast<std::size_t>(path.axis_count())};
+  const CountSizes sizes = count_sizes<Real>(track);
   if (const Status valid = check_counts_per_unit(path.axis_count(), counts_per_unit); !valid)
     return valid.error();
-  if (const Status enough = check_memory(sizes, memory); !enough) return enough.error();
-  if (static_cast<std::int64_t>(track.frames()) * spans > std::numeric_limits<std::int32_t>::max()) {
-    return too_many_spans();
+  if (const Status enough = check_memory(sizes, static_cast<std::size_t>(path.axis_count()), memory);
+      !enough) {
+    return enough.error();
   }
-  PieceCutter<Real, Source> cutter(path, counts_per_unit, memory);
-  if (const Status done = cutter.cut(track.arc_length()); !done) return done.error();
-  cut_spans<Real, Source>(track, spans / f, memory.pieces, memory.spans);
-
+  // No more spans than this are uniform over all frames.
+  if (static_cast<std::int64_t>(track.frames()) * static_cast<std::int64_t>(sizes.spans) >
+      std::numeric_limits<std::int32_t>::max()) {
+    return Error{.code = ErrorCode::out_of_range,
+                 .what = "frames times spans of the count track do not fit 31 bits",
+                 .remedy = "draw the speed curve with fewer control values, or plan fewer frames"};
+  }
+  PieceCutter<Real, Source> pieces(path, counts_per_unit, memory);
+  SpanCutter<Real, Source> spans(track, sizes.pieces, memory);
+  const Status done = track.has_profile() ? pieces.cut(track.arc_length()) : pieces.cut_segments();
+  if (!done) return done.error();
+  if (track.has_profile()) {
+    spans.cut_curve();
+  } else {
+    spans.cut_intervals();
+  }
   CountTrack result;
+  result.portions_ = memory.portions.data();
   result.spans_ = memory.spans.data();
   result.pieces_ = memory.pieces.data();
   result.cubics_ = memory.cubics.data();
-  result.span_count_ = spans;
+  result.portion_count_ = static_cast<std::int32_t>(sizes.portions);
   result.piece_count_ = static_cast<std::int32_t>(sizes.pieces);
-  result.spans_in_real_ = static_cast<Real>(spans);
-  result.inverse_frames_ = 1 / static_cast<Real>(track.frames());
   result.frames_ = track.frames();
   result.axis_count_ = path.axis_count();
   return result;
 }
 
 #define INBETWEEN_INSTANTIATE(Real, Source)                                                               \
-  template std::size_t count_piece_count<Real>(const ArcLength<Source>&);                                 \
+  template CountSizes count_sizes<Real>(const Track<Source>&);                                            \
   template Result<CountTrack<Real>> CountTrack<Real>::make(const Track<Source>&, std::span<const double>, \
                                                            const CountTrackMemory<Real>&);
 INBETWEEN_INSTANTIATE(float, float)

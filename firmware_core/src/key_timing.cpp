@@ -22,12 +22,11 @@ template <Precise Real>
 Real bspline_integral(Real x) {
   if (x <= -2) return 0;
   if (x >= 2) return 1;
-  if (x > 0) return 1 - bspline_integral(-x);
-  if (x <= -1) {
-    const Real u = x + 2;
-    return u * u * u * u / 24;
-  }
-  return Real(0.5) + x * (Real(2) / 3 - x * x * (Real(1) / 3 + x / 8));
+  const Real y = x > 0 ? -x : x;  // the spline is even
+  const Real u = y + 2;
+  const Real below =
+      y <= -1 ? u * u * u * u / 24 : Real(0.5) + y * (Real(2) / 3 - y * y * (Real(1) / 3 + y / 8));
+  return x > 0 ? 1 - below : below;
 }
 
 /// How the integral of phi over [begin, end] depends on each control value, natural ends included.

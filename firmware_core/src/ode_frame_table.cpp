@@ -79,7 +79,8 @@ class Integration {
   }
   /// 1 / |P'(s)|; beyond the end that of the last tangent.
   [[nodiscard]] Real slowness(Real s) const {
-    const auto index = static_cast<std::size_t>(std::clamp(s, Real(0), end_));
+    // Not std::clamp: a NaN must not become an index. It stays in t, and so in the result.
+    const auto index = static_cast<std::size_t>(s > 0 ? std::min(s, end_) : Real(0));
     const OdeSegment<Real>& g = segments_[index];
     const Real t = s - static_cast<Real>(index);
     return g.scale / std::sqrt(g.q0 + t * (g.q1 + t * (g.q2 + t * (g.q3 + t * g.q4))));
@@ -192,6 +193,13 @@ Result<FrameTable<Real>> runge_kutta_table(const Track<Real>& track, const OdeOp
                  .remedy = "give it a larger capacity",
                  .needed = segment_rows};
   }
+  if (!track.has_profile() || !track.portions().empty()) {
+    return Error{.code = ErrorCode::out_of_range,
+                 .what =
+                     "the Runge-Kutta solver knows one speed curve for the whole move, no breaks and no move "
+                     "timed by frames",
+                 .remedy = "use the closed-form solver"};
+  }
   Provenance<Real> provenance{.solver = Solver::runge_kutta, .substeps = options.substeps};
   if (track.arc_length().total() == 0) {
     std::ranges::fill(memory.first(count), PathPoint<Real>{0, 0});
@@ -222,7 +230,9 @@ Result<FrameTable<Real>> runge_kutta_table(const Track<Real>& track, const OdeOp
                  .what = "the Runge-Kutta solver does not end at the last key",
                  .remedy = "use more steps a frame, or the closed-form solver"};
   }
-  memory[count - 1] = {path.segment_count(), 0};
+  // A dwell at the end stands where the last step ended, and that is the end.
+  const PathPoint<Real> last = memory[count - 1];
+  for (std::size_t i = count; i-- > 0 && memory[i] == last;) memory[i] = {path.segment_count(), 0};
 
   const SpeedDeviation<Real> deviation =
       measure_speed_deviation(track, std::span<const PathPoint<Real>>(memory.first(count)));
@@ -234,6 +244,12 @@ Result<FrameTable<Real>> runge_kutta_table(const Track<Real>& track, const OdeOp
                  .what = "the Runge-Kutta solver is more than 2 % off the drawn speed",
                  .remedy = "use more steps a frame, or the closed-form solver",
                  .frame = deviation.frame};
+  }
+  if (!(deviation.absolute <= static_cast<Real>(end_tolerance))) {
+    return Error{.code = ErrorCode::accuracy,
+                 .what = "the Runge-Kutta solver moves where the drawn speed is next to nothing",
+                 .remedy = "use more steps a frame, or the closed-form solver",
+                 .frame = deviation.absolute_frame};
   }
   return FrameTable<Real>(memory.first(count), provenance);
 }

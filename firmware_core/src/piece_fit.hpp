@@ -68,7 +68,8 @@ class PieceFitter {
     piece.far.tau = tau;
     piece.far.y = interval_.stands_still ? std::sqrt(distance + piece.length) : distance + piece.length;
     differentiate(piece.far);
-    piece.step = interval_.stands_still ? piece.far.y - near.y : piece.length;
+    // Where y = sqrt(l), the difference of two y from the difference of their squares: no digits cancel.
+    piece.step = interval_.stands_still ? piece.length / (piece.far.y + near.y) : piece.length;
     piece.inverse_step = 1 / piece.step;
     if (interval_.forward) {
       piece.c = quintic(interval_.t(near.tau), tau - near.tau, near, piece.far, piece.step, 1);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 namespace inbetween {
 namespace {
@@ -40,7 +41,7 @@ void add_inner_minima(const Quartic<Real>& q, Real slow, Anchors<Real>& anchors)
   if (discriminant > 0) {
     const Real r = -(b + std::copysign(std::sqrt(discriminant), b)) / 2;
     std::array<Real, 2> zeros{a != 0 ? r / a : Real(-1), r != 0 ? c / r : Real(-1)};
-    std::ranges::sort(zeros);
+    if (zeros[1] < zeros[0]) std::swap(zeros[0], zeros[1]);
     for (const Real zero : zeros) {
       if (zero > 0 && zero < 1) cuts[cut_count++] = zero;
     }

@@ -47,20 +47,22 @@ class SegmentSpeed {
  public:
   SegmentSpeed(std::span<const Cubic<Real>> cubics, std::span<const Real> weights)
       : cubics_(cubics), weights_(weights) {
-    Real largest = 0;
     for (std::size_t d = 0; d < cubics.size(); ++d) {
       const Cubic<Real>& c = cubics[d];
       for (const Real part : {c.c1, 2 * c.c2, 3 * c.c3}) {
-        if (const Real magnitude = weights[d] * std::fabs(part); magnitude > largest) largest = magnitude;
+        if (const Real magnitude = weights[d] * std::fabs(part); magnitude > largest_) largest_ = magnitude;
       }
     }
-    if (largest == 0) return;
-    static_cast<void>(std::frexp(largest, &exponent_));
+    // Below the normal numbers there are neither digits nor a reciprocal.
+    if (largest_ < std::numeric_limits<Real>::min()) return;
+    static_cast<void>(std::frexp(largest_, &exponent_));
     scale_ = std::ldexp(Real(1), -exponent_);
   }
 
   /// The segment has no length.
   [[nodiscard]] bool is_still() const { return scale_ == 0; }
+  /// The largest coefficient of the derivative, in the units of the path.
+  [[nodiscard]] Real largest() const { return largest_; }
   /// Lengths of this class times 2^exponent are lengths of the path.
   [[nodiscard]] int exponent() const { return exponent_; }
 
@@ -97,6 +99,7 @@ class SegmentSpeed {
  private:
   std::span<const Cubic<Real>> cubics_;
   std::span<const Real> weights_;
+  Real largest_ = 0;
   Real scale_ = 0;
   int exponent_ = 0;
 };

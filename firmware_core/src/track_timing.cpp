@@ -227,7 +227,7 @@ std::size_t Track<Real>::interval_at(std::int32_t frame) const {
 
 template <Precise Real>
 TwoSum<Real> Track<Real>::special_distance(const FrameTime<Real>& time) const {
-  if (!has_profile()) return arc_length_.distance(path_, locate(time));
+  if (!has_profile()) return arc_length_.distance(path_, key_frame_point(time));
   const CurvePlace where = place(time);
   const Portion<Real>& portion = portion_at(time.frame);
   const TwoSum<Real>& integral = profile_.integral_before(where.span);
@@ -241,7 +241,12 @@ TwoSum<Real> Track<Real>::special_distance(const FrameTime<Real>& time) const {
 
 template <Precise Real>
 PathPoint<Real> Track<Real>::special_locate(const FrameTime<Real>& time) const {
-  if (has_profile()) return arc_length_.locate(special_distance(time));
+  return has_profile() ? arc_length_.locate(special_distance(time)) : key_frame_point(time);
+}
+
+template <Precise Real>
+PathPoint<Real> Track<Real>::key_frame_point(const FrameTime<Real>& time) const {
+  if (time.frame >= frames_) return {path_.segment_count(), 0};
   const std::size_t index = interval_at(time.frame);
   const KeyInterval<Real>& interval = key_intervals_[index];
   const Real u = (static_cast<Real>(time.frame - interval.begin_frame) + time.fraction) /
@@ -277,6 +282,7 @@ ParameterRates<Real> Track<Real>::key_frame_rates(const FrameTime<Real>& time) c
   template std::size_t Track<Real>::interval_at(std::int32_t) const;                                   \
   template TwoSum<Real> Track<Real>::special_distance(const FrameTime<Real>&) const;                   \
   template PathPoint<Real> Track<Real>::special_locate(const FrameTime<Real>&) const;                  \
+  template PathPoint<Real> Track<Real>::key_frame_point(const FrameTime<Real>&) const;                 \
   template ParameterRates<Real> Track<Real>::key_frame_rates(const FrameTime<Real>&) const;
 INBETWEEN_INSTANTIATE(double)
 INBETWEEN_INSTANTIATE(float)

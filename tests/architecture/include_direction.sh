@@ -75,6 +75,8 @@ function room_of(path) {
   # What is private to the core lies beside its sources and goes by its bare name, so that the core compiles
   # without the rest of the checkout.
   if (FILENAME ~ /^firmware_core\/src\// && name !~ /\// && beside(name)) next
+  # Tests see everything, the private parts of the core and the example firmware too.
+  if (FILENAME ~ /^tests\// && FILENAME !~ /oracle_/ && name ~ /^(firmware_core\/src|examples\/firmware)\//) next
   if (name ~ /^firmware_core\//)
     refuse("the core is included by its public name, \"inbetween/...\"")
   else if (!(target in sees))

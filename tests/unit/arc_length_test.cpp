@@ -3,12 +3,16 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
 #include <string>
 #include <type_traits>
 #include <vector>
+
+#include "firmware_core/src/piece_fit.hpp"
+#include "firmware_core/src/segment_speed.hpp"
 
 namespace inbetween {
 namespace {
@@ -109,6 +113,7 @@ TEST(ArcLength, ACuspHasTheLengthOfItsFormulaAndIsPassedAtIt) {
   const double cusp = path->segment_begin(1).high + cusp_length(1);
   EXPECT_NEAR(path->segment_begin(2).high - cusp, cusp_length(1), 1e-13);
   EXPECT_NEAR(path.coordinate_at(cusp, 0), 0, 1e-12);
+  EXPECT_LE(path->piece_count(), 100) << "cut at the cusp, the two halves are smooth";
   for (const double u : {1e-4, 0.01, 0.1, 0.5, 0.9}) {
     EXPECT_NEAR(path.coordinate_at(cusp + cusp_length(u), 1), u * u * u, 2e-6 * cusp_length(u)) << u;
     EXPECT_NEAR(path.coordinate_at(cusp - cusp_length(u), 1), -u * u * u, 2e-6 * cusp_length(u)) << u;
@@ -234,6 +239,58 @@ TEST(ArcLength, ASmallerDeltaTakesMorePiecesAndLessError) {
     pieces_before = path->piece_count();
     error_before = error;
   }
+}
+
+/// The largest |q t'^2 - 1| that a thousand places of a piece show.
+double sampled_residual(const AnchoredInterval<double>& interval, const PieceEnd<double>& near,
+                        const PieceFit<double>& piece) {
+  double worst = 0;
+  for (int i = 1; i < 1000; ++i) {
+    const double u = i / 1000.0;
+    const auto& c = piece.c;
+    const double t = c[0] + u * (c[1] + u * (c[2] + u * (c[3] + u * (c[4] + u * c[5]))));
+    const double slope = c[1] + u * (2 * c[2] + u * (3 * c[3] + u * (4 * c[4] + u * 5 * c[5])));
+    const double y = near.y + piece.step * (interval.forward ? u : 1 - u);
+    const double rate = slope / piece.step / (interval.stands_still ? 2 * y : 1);
+    const double q = interval.speed_squared.value(std::fabs(t - interval.anchor));
+    worst = std::max(worst, std::fabs(q * rate * rate - 1));
+  }
+  return worst;
+}
+
+TEST(ArcLength, TheCertificateBoundsTheErrorOfAPieceAndIsNotFarAboveIt) {
+  // A bend, a cusp inside, tension 1 at both ends: plain pieces and square roots, forward and backward.
+  const std::vector<double> line{0, 1};
+  const std::vector<KeyShape<double>> still(2, {.tension = 1, .continuity = 0, .bias = 0});
+  const std::vector<double> parabola{-3, 9, -1, 1, 1, 1, 3, 9};
+  const PathSpec<double> bend{.spline = Spline::catmull_rom, .axis_count = 2, .keys = parabola};
+  const PathSpec<double> cusp{.spline = Spline::catmull_rom, .axis_count = 2, .keys = cusp_keys};
+  const PathSpec<double> rest{.spline = Spline::tcb, .axis_count = 1, .keys = line, .shapes = still};
+  int checked = 0;
+  for (const PathSpec<double>& spec : {bend, cusp, rest}) {
+    const MeasuredPath<double> path(spec);
+    const SegmentSpeed<double> speed(path.path().segment(spec.keys.size() > 2 ? 1 : 0),
+                                     path.path().weights());
+    const AnchoredIntervals<double> split = split_where_slow(speed);
+    for (std::size_t i = 0; i < split.count; ++i) {
+      const AnchoredInterval<double>& interval = split.intervals[i];
+      const PieceFitter<double> fitter(interval);
+      PieceEnd<double> near = fitter.at_anchor();
+      double distance = 0;
+      for (int end = 1; end <= 4; ++end) {
+        PieceFit<double> piece;
+        fitter.fit(near, distance, interval.extent * end / 4, piece);
+        const double sampled = sampled_residual(interval, near, piece);
+        const double certified = fitter.certified_residual(near, piece);
+        EXPECT_GE(certified, sampled);
+        EXPECT_LE(certified, 8 * sampled + 1e-11);
+        distance += piece.length;
+        near = piece.far;
+        ++checked;
+      }
+    }
+  }
+  EXPECT_GE(checked, 20);
 }
 
 // --- scale and offset

@@ -3,11 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 #include <optional>
 #include <random>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -49,6 +51,7 @@ SolvedTrack<Real> solved(const Drawn& move) {
 /// A count track with exactly the memory that it asks for.
 template <Precise Real>
 struct Counting {
+  std::vector<CountPortion<Real>> portions;
   std::vector<CountSpan<Real>> spans;
   std::vector<CountPiece<Real>> pieces;
   std::vector<CountCubic<Real>> cubics;
@@ -56,13 +59,15 @@ struct Counting {
 
   template <Precise Source>
   Counting(const Track<Source>& source, const std::vector<double>& counts_per_unit) {
-    spans.resize(static_cast<std::size_t>(count_span_count(source.profile().span_count())));
-    pieces.resize(count_piece_count<Real>(source.arc_length()) + 1);
+    const CountSizes sizes = count_sizes<Real>(source);
+    portions.resize(sizes.portions + 1);
+    spans.resize(sizes.spans);
+    pieces.resize(sizes.pieces + 1);
     cubics.resize(pieces.size() * static_cast<std::size_t>(source.path().axis_count()));
     const auto made = CountTrack<Real>::make(source, counts_per_unit, memory());
     if (made) track = *made;
   }
-  CountTrackMemory<Real> memory() { return {spans, pieces, cubics}; }
+  CountTrackMemory<Real> memory() { return {portions, spans, pieces, cubics}; }
 
   [[nodiscard]] double at(const FrameTime<Real>& time, std::int32_t axis) const {
     const CountPosition<Real> position = track->position(time, axis);
@@ -171,6 +176,62 @@ TEST(CountTrack, InDoubleIsTheTrackItself) {
   }
 }
 
+/// The same path, a sixth of 2^20 counts from key to key, in other ways of timing.
+class CountTrackTimedOtherwise : public testing::Test {
+ protected:
+  static constexpr std::int32_t frames = 100;
+  static constexpr double scale = twenty_bits / 600;
+
+  [[nodiscard]] Track<double> with_breaks(std::span<const BreakKey> breaks) {
+    const Track<double>& drawn = drawn_.track();
+    return *Track<double>::make_with_breaks(drawn.path(), drawn.arc_length(), drawn.profile(), frames,
+                                            {24, 1}, breaks,
+                                            {.span_distances = span_distances_, .portions = portions_});
+  }
+  [[nodiscard]] Track<double> with_key_frames(std::span<const std::int32_t> key_frames, Kinetic kinetic) {
+    const Track<double>& drawn = drawn_.track();
+    return *Track<double>::make_with_key_frames(drawn.path(), drawn.arc_length(), key_frames, kinetic, frames,
+                                                {24, 1}, {.key_intervals = key_intervals_});
+  }
+  template <Precise Real>
+  static double error_of(const Track<double>& track) {
+    const Counting<Real> counting(track, {scale, scale});
+    EXPECT_TRUE(counting.track);
+    return counting.track ? worst_error(track, counting, scale) : twenty_bits;
+  }
+
+ private:
+  SolvedTrack<double> drawn_ = solved({.axes = 2,
+                                       .keys = {0, 0, 100, 50, 200, 200, 350, 210, 500, 300, 600, 600},
+                                       .speed = {0, 0, 4, 9, 3, 3, 8, 0, 0},
+                                       .frames = frames});
+  std::array<TwoSum<double>, 9> span_distances_;
+  std::array<Portion<double>, 3> portions_;
+  std::array<KeyInterval<double>, 5> key_intervals_;
+};
+
+TEST_F(CountTrackTimedOtherwise, KeepsTheSpeedOfEveryPortionBetweenBreaks) {
+  // On a border of spans, inside one, and on frames next to each other.
+  for (const auto& breaks :
+       {std::array<BreakKey, 2>{{{1, 25}, {3, 50}}}, std::array<BreakKey, 2>{{{2, 31}, {4, 88}}},
+        std::array<BreakKey, 2>{{{2, 60}, {3, 61}}}}) {
+    const Track<double> track = with_breaks(breaks);
+    EXPECT_LE(error_of<float>(track), 0.1) << "breaks on " << breaks[0].frame << " and " << breaks[1].frame;
+    EXPECT_LE(error_of<double>(track), 1e-5);
+  }
+}
+
+TEST_F(CountTrackTimedOtherwise, KeepsTheFramesOfKeys) {
+  for (const Kinetic kinetic : {Kinetic::linear, Kinetic::smooth}) {
+    for (const auto& key_frames : {std::array<std::int32_t, 6>{0, 20, 40, 60, 80, 100},
+                                   std::array<std::int32_t, 6>{0, 1, 2, 50, 99, 100}}) {
+      const Track<double> track = with_key_frames(key_frames, kinetic);
+      EXPECT_LE(error_of<float>(track), 0.1);
+      EXPECT_LE(error_of<double>(track), 1e-5);
+    }
+  }
+}
+
 TEST(CountTrack, OfAFewFramesIsAsGoodAsAFractionOfAFrame) {
   std::mt19937 random(12);
   for (int i = 0; i < 200; ++i) {
@@ -241,7 +302,7 @@ TEST(CountTrack, ANegativeScaleTurnsTheAxisRound) {
   const Counting<float> backward(source.track(), {-40.0});
   ASSERT_TRUE(forward.track && backward.track);
   for (std::int32_t frame = 0; frame <= move.frames; ++frame) {
-    EXPECT_EQ(forward.counts({frame, 0})[0], -backward.counts({frame, 0})[0]);
+    EXPECT_EQ(forward.counts({frame, 0}).at(0), -backward.counts({frame, 0}).at(0));
   }
 }
 
@@ -260,8 +321,8 @@ TEST(CountTrack, RestsWhereTheSpeedCurveIsZero) {
   const SolvedTrack<double> source = solved(move);
   const Counting<float> counting(source.track(), {1000.0});
   ASSERT_TRUE(counting.track);
-  const std::int32_t resting = counting.counts({25, 0})[0];
-  for (std::int32_t frame = 20; frame <= 40; ++frame) EXPECT_EQ(counting.counts({frame, 0})[0], resting);
+  const std::int32_t resting = counting.counts({25, 0}).at(0);
+  for (std::int32_t frame = 20; frame <= 40; ++frame) EXPECT_EQ(counting.counts({frame, 0}).at(0), resting);
 }
 
 /// What a refusal says.
@@ -310,6 +371,9 @@ TEST(CountTrack, SaysWhichMemoryItNeeds) {
   const CountTrackMemory<float> enough = room.memory();
   EXPECT_STREQ(refusal(source, {1.0, 1.0}, enough).what, "made");
   CountTrackMemory<float> memory = enough;
+  memory.portions = enough.portions.first(1);
+  EXPECT_EQ(refusal(source, {1.0, 1.0}, memory).needed, 2);
+  memory = enough;
   memory.spans = enough.spans.first(enough.spans.size() - 1);
   EXPECT_EQ(refusal(source, {1.0, 1.0}, memory).code, ErrorCode::capacity);
   EXPECT_EQ(refusal(source, {1.0, 1.0}, memory).needed, static_cast<std::int64_t>(enough.spans.size()));

@@ -389,6 +389,13 @@ TYPED_TEST(PathIn, AnAxisThatNothingMeasuresIsNamedWithItsKey) {
     const DrawnPath<Real> path({.spline = spline, .axis_count = 2, .keys = keys, .weights = weights});
     expect_refused(path.result(), ErrorCode::unmeasured, 1, 1, "weight");
   }
+  const std::vector<Real> between{0, 7, 1, 8, 1, 12, 3, 12};
+  const DrawnPath<Real> bridged({.axis_count = 2, .keys = between, .weights = weights});
+  expect_refused(bridged.result(), ErrorCode::unmeasured, 1, 1, "weight");
+  const std::vector<Real> both{0, 7, 7, 0, 8, 9};
+  const std::vector<Real> first_only{1, 0, 0};
+  const DrawnPath<Real> two_unmeasured({.axis_count = 3, .keys = both, .weights = first_only});
+  expect_refused(two_unmeasured.result(), ErrorCode::unmeasured, 0, 1, "weight");
   const std::vector<Real> never{2, 7, 2, 8, 2, 12};
   for (const Spline spline : every_kind) {
     const DrawnPath<Real> path({.spline = spline, .axis_count = 2, .keys = never, .weights = weights});
@@ -477,9 +484,9 @@ TYPED_TEST(PathIn, NamesTheKeyAndAxisOfACoordinateThatIsNoUsableNumber) {
   for (const Case& each : cases) {
     for (const Spline spline : every_kind) {
       std::vector<Real> keys{0, 0, 1, 2, 3, 4};
-      keys[3] = each.value;
+      keys[5] = each.value;
       const DrawnPath<Real> path({.spline = spline, .axis_count = 2, .keys = keys});
-      expect_refused(path.result(), each.code, 1, 1, each.word);
+      expect_refused(path.result(), each.code, 2, 1, each.word);
     }
   }
 }

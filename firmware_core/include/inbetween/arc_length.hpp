@@ -32,8 +32,11 @@ struct ArcPiece {
   std::int32_t segment = 0;
   Kind kind = Kind::plain;
 
+  /// At either end of the piece for a distance beside it: where pieces are shorter than the last bit of
+  /// the distance, the one looked up may be a neighbour of the one meant.
   [[nodiscard]] Real t_at(const TwoSum<Real>& distance) const {
-    const Real u = parameter(distance);
+    const Real raw = parameter(distance);
+    const Real u = raw > 0 ? (raw < 1 ? raw : Real(1)) : Real(0);
     return c[0] + u * (c[1] + u * (c[2] + u * (c[3] + u * (c[4] + u * c[5]))));
   }
 
@@ -82,8 +85,11 @@ class ArcLength {
   /// total length. Segments are normalised by a power of two, so neither offset nor scale matters.
   ///
   /// Accuracy: |speed / speed as asked - 1| <= delta over every step longer than 1e-6 of the length;
-  /// a shorter step is within delta * step + 8 ulp(length).
-  /// Errors: accuracy (delta below Precision<Real>::smallest_delta or not below 0.1), capacity.
+  /// a shorter step is within delta * step + 8 ulp(length), and in single precision every step: t
+  /// itself is rounded to 2^-24.
+  /// Errors: accuracy (delta below Precision<Real>::smallest_delta or not below 0.1; with the key where
+  /// the acceptance asked for cannot be reached), out_of_range (a length that is not 0 and below
+  /// Precision<Real>::smallest_square_root), capacity.
   /// Cost: about 0.1 us a piece on a desktop machine.
   static Result<ArcLength> make(const Path<Real>& path, const ArcLengthOptions<Real>& options,
                                 const ArcLengthMemory<Real>& memory);

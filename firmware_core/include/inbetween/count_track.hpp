@@ -29,8 +29,8 @@ template <Precise Real>
 inline constexpr std::int32_t least_pieces_per_segment = std::same_as<Real, float> ? 8 : 1;
 
 /// c[0] + c[1] x + c[2] x^2 + ... by Horner's rule with fused multiply-adds: one instruction and one rounding
-/// a step on every processor with a floating-point unit, and the same bits on all, because IEEE 754 defines
-/// them.
+/// a step on every processor with a floating-point unit for Real, and the same bits on all, because IEEE 754
+/// defines them. (A Cortex-M4 has none for double; use float there.)
 template <std::size_t Index = 0, Precise Real, std::size_t Count>
 Real polynomial(const std::array<Real, Count>& c, Real x) {
   if constexpr (Index + 1 == Count) {
@@ -47,40 +47,45 @@ struct CountSpan {
   TwoSum<Real> begin;  ///< distance at its start
   std::array<Real, 4> c{};
   std::int32_t first_piece = 0;  ///< that in which it starts
-  std::int32_t last_piece = 0;   ///< that in which it ends
+  std::int32_t crowd = 0;        ///< how many it touches, if these are more than are tried in turn
 };
 
 /// One piece of the inverse of arc length, with a parameter of its own: w from 0 to 1 over the piece is
 /// u * (c[0] + c[1] u + ... + c[4] u^4). The way from its start enters as
-///   plain:        u = way * inverse_step
-///   root_after:   u = (sqrt(gap + way) - root) * inverse_step   (gap: from where the path stands still)
-///   root_before:  u = (root - sqrt(gap - way)) * inverse_step   (gap: to where the path stands still)
+///   plain, delicate:  u = way * inverse_step
+///   root_after:       u = (sqrt(gap + way) - root) * inverse_step   (gap: from where the path stands still)
+///   root_before:      u = (root - sqrt(gap - way)) * inverse_step   (gap: to where the path stands still)
 /// with root = sqrt(gap), and both differences of roots written as way over their sum, which loses no digits.
 template <Precise Real>
 struct CountPiece {
+  /// At all but plain ones it matters on which side of its start a distance is, to the last bit: behind a
+  /// key the direction may have changed, and a short piece means nothing outside itself.
+  enum class Kind : std::uint8_t { plain, delicate, root_after, root_before };
+
   TwoSum<Real> begin;
   Real inverse_step = 0;
   Real gap = 0;
   Real root = 0;
   std::array<Real, 5> c{};
   std::int32_t first_cubic = 0;  ///< that of axis 0
-  typename ArcPiece<Real>::Kind kind{};
+  Kind kind = Kind::plain;
 
-  [[nodiscard]] Real w_at(Real way) const {
-    const Real u = parameter(way);
-    return u * polynomial(c, u);
-  }
-
- private:
+  [[nodiscard]] Real w(Real u) const { return u * polynomial(c, u); }
+  /// u for a way of any kind of piece; one outside it belongs to its nearer end.
   [[nodiscard]] Real parameter(Real way) const {
-    using Kind = typename ArcPiece<Real>::Kind;
-    if (kind == Kind::plain) return way * inverse_step;
-    const Real square = kind == Kind::root_after ? gap + way : gap - way;
-    // Below zero is rounding at the very point where the path stands still.
-    const Real sum = std::sqrt(square > 0 ? square : Real(0)) + root;
-    return sum > 0 ? way * inverse_step / sum : Real(0);
+    if (!(way > 0)) return 0;
+    Real u = way * inverse_step;
+    if (kind >= Kind::root_after) {
+      // Below zero is rounding at the very point where the path stands still.
+      const Real square = kind == Kind::root_after ? gap + way : gap - way;
+      u /= std::sqrt(square > 0 ? square : Real(0)) + root;
+    }
+    return u < 1 ? u : Real(1);
   }
 };
+
+/// Pieces in a span up to this number are tried one after the other.
+inline constexpr std::int32_t most_pieces_in_turn = 6;
 
 /// Adding this to an offset puts its whole part, rounded to nearest even, into the lowest bits of the sum:
 /// one addition instead of a comparison and a conversion.
@@ -121,24 +126,43 @@ struct CountPosition {
   Real offset = 0;
 };
 
-/// How many spans a count track cuts a speed curve of f spans into: the first of f, 2 f, 4 f, ... that is
-/// not below least_count_spans.
+/// A stretch of the move with a time of its own: the whole move, or what lies between two breaks, or between
+/// two keys of a move timed by frames. (frame * spans + phase) / frames is the number of a span, and the rest
+/// the t in it.
+template <Precise Real>
+struct CountPortion {
+  std::int32_t begin_frame = 0;
+  std::int32_t frames = 1;
+  std::int32_t spans = 1;
+  std::int32_t phase = 0;
+  std::int32_t last_span = 0;
+  Real spans_in_real = 0;
+  Real inverse_frames = 0;
+};
+
+/// How many spans a speed curve of f spans is cut into: the first of f, 2 f, 4 f, ... that is not below
+/// least_count_spans.
 constexpr std::int32_t count_span_count(std::int32_t f) {
   while (f < least_count_spans) f *= 2;
   return f;
 }
 
-/// How many pieces a count track cuts those of an arc length into: less than
-/// least_pieces_per_segment more a segment, and at least 1.
+/// What a count track of a track consists of. Spans: count_span_count(), and one more a break. Pieces: those
+/// of the arc length, and less than least_pieces_per_segment more a segment. For a move timed by frames: a
+/// portion a segment, and least_pieces_per_segment spans and pieces.
+struct CountSizes {
+  std::size_t portions, spans, pieces;
+};
 template <Precise Real, Precise Source>
-std::size_t count_piece_count(const ArcLength<Source>& arc_length);
+CountSizes count_sizes(const Track<Source>& track);
 
-/// The memory of a count track, owned by the caller.
+/// The memory of a count track, owned by the caller; sizes by count_sizes().
 template <Precise Real>
 struct CountTrackMemory {
-  std::span<CountSpan<Real>> spans;    ///< count_span_count()
-  std::span<CountPiece<Real>> pieces;  ///< count_piece_count() + 1
-  std::span<CountCubic<Real>> cubics;  ///< (count_piece_count() + 1) * axes
+  std::span<CountPortion<Real>> portions;  ///< portions + 1
+  std::span<CountSpan<Real>> spans;
+  std::span<CountPiece<Real>> pieces;  ///< pieces + 1
+  std::span<CountCubic<Real>> cubics;  ///< (pieces + 1) * axes
 };
 
 /// The same motion as that of a track, in integer counts. Every floating-point number in it is local: time
@@ -189,59 +213,87 @@ class CountTrack {
   };
   [[nodiscard]] Place locate(const FrameTime<Real>& time) const {
     // Negative frames are large ones here.
-    if (static_cast<std::uint32_t>(time.frame) >= static_cast<std::uint32_t>(frames_)) {
+    if (static_cast<std::uint32_t>(time.frame) >= static_cast<std::uint32_t>(frames_)) [[unlikely]]
       return {time.frame < 0 ? 0 : piece_count_ * axis_count_, 0};
-    }
-    const std::int32_t scaled = time.frame * span_count_;
-    std::int32_t index = scaled / frames_;
-    const auto phase = static_cast<Real>(scaled - index * frames_);
-    Real t = std::fma(time.fraction, spans_in_real_, phase) * inverse_frames_;
-    if (t >= 1) {  // within a frame the curve may pass into the next span, or over several
-      const auto whole = std::min(static_cast<std::int32_t>(t), span_count_ - 1 - index);
+    const CountPortion<Real>& portion = portion_at(time.frame);
+    const std::int32_t scaled = time.frame * portion.spans + portion.phase;
+    std::int32_t index = scaled / portion.frames;
+    const auto phase = static_cast<Real>(scaled - index * portion.frames);
+    Real t = std::fma(time.fraction, portion.spans_in_real, phase) * portion.inverse_frames;
+    if (t >= 1) [[unlikely]] {  // within a frame the curve may pass into the next span, or over several
+      const auto whole = std::min(static_cast<std::int32_t>(t), portion.last_span - index);
       index += whole;
       t -= static_cast<Real>(whole);
     }
     const CountSpan<Real>& span = spans_[index];
     const Real way = t * polynomial(span.c, t);
-    const CountPiece<Real>& piece = piece_at(span, span.begin.high + way);
+    const CountPiece<Real>* piece = piece_at(span, span.begin.high + way);
     // The starts of span and piece are near each other: their difference rounds to a share of itself.
-    return {piece.first_cubic, piece.w_at(span.begin.minus(piece.begin) + way)};
+    const Real piece_way = span.begin.minus(piece->begin) + way;
+    if (piece->kind != CountPiece<Real>::Kind::plain) [[unlikely]]
+      return locate_exactly(piece, span.begin, way);
+    return {piece->first_cubic, piece->w(piece_way * piece->inverse_step)};
   }
-  /// The last piece that begins at or before a distance in the span.
-  [[nodiscard]] const CountPiece<Real>& piece_at(const CountSpan<Real>& span, Real distance) const {
-    const CountPiece<Real>* piece = pieces_ + span.first_piece;
-    std::int32_t count = span.last_piece - span.first_piece;
-    while (count > 4) {  // near a cusp
+  /// `piece` is the one in which begin + way lies, or by a rounding one behind it.
+  [[nodiscard]] Place locate_exactly(const CountPiece<Real>* piece, const TwoSum<Real>& begin,
+                                     Real way) const {
+    Real piece_way = begin.minus(piece->begin) + way;
+    while (piece_way < 0 && piece != pieces_) {
+      --piece;
+      piece_way = begin.minus(piece->begin) + way;
+    }
+    return {piece->first_cubic, piece->w(piece->parameter(piece_way))};
+  }
+  [[nodiscard]] const CountPortion<Real>& portion_at(std::int32_t frame) const {
+    if (portion_count_ == 1) [[likely]]
+      return portions_[0];
+    std::int32_t portion = 0;
+    for (std::int32_t count = portion_count_; count > 1;) {  // it is one of `count` from `portion` on
       const std::int32_t half = count / 2;
-      if (piece[half].begin.high <= distance) piece += half;
+      if (portions_[portion + half].begin_frame <= frame) portion += half;
       count -= half;
     }
+    return portions_[portion];
+  }
+  /// The last piece that begins at or before a distance in the span; by a rounding of the distance it may be
+  /// a neighbour. Never the one before a piece that is not plain, which tells its start to be a little
+  /// earlier than it is (PieceCutter).
+  [[nodiscard]] const CountPiece<Real>* piece_at(const CountSpan<Real>& span, Real distance) const {
+    const CountPiece<Real>* piece = pieces_ + span.first_piece;
+    if (span.crowd > 0) [[unlikely]] {  // near a cusp
+      for (std::int32_t count = span.crowd; count > 1;) {
+        const std::int32_t half = count / 2;
+        if (piece[half].begin.high <= distance) piece += half;
+        count -= half;
+      }
+    }
     while (piece[1].begin.high <= distance) ++piece;  // the last entry is above every distance
-    return *piece;
+    return piece;
   }
 
+  const CountPortion<Real>* portions_ = nullptr;
   const CountSpan<Real>* spans_ = nullptr;
   const CountPiece<Real>* pieces_ = nullptr;
   const CountCubic<Real>* cubics_ = nullptr;
-  std::int32_t span_count_ = 0;
+  std::int32_t portion_count_ = 0;
   std::int32_t piece_count_ = 0;
   std::int32_t frames_ = 0;
   std::int32_t axis_count_ = 0;
-  Real spans_in_real_ = 0;
-  Real inverse_frames_ = 0;
 };
 
-/// Memory for tracks with up to `Axes` axes, `Values` control values and `Pieces` pieces by
-/// count_piece_count().
-template <Precise Real, std::size_t Axes, std::size_t Values, std::size_t Pieces>
+/// Memory for tracks with up to `Axes` axes, `Values` control values, `Pieces` pieces as count_sizes() counts
+/// them, and `Portions` portions.
+template <Precise Real, std::size_t Axes, std::size_t Values, std::size_t Pieces, std::size_t Portions = 1>
 struct CountTrackStorage {
-  /// A curve of fewer spans may be cut into more than one of `Values` - 1.
-  static constexpr std::size_t span_count = 2 * std::max<std::size_t>(Values, least_count_spans);
+  /// A curve of fewer control values may be cut into more spans, but into less than twice the least number.
+  static constexpr std::size_t span_count =
+      std::max<std::size_t>(Values, 2 * least_count_spans - 2) + Portions - 1;
+  std::array<CountPortion<Real>, Portions + 1> portions;
   std::array<CountSpan<Real>, span_count> spans;
   std::array<CountPiece<Real>, Pieces + 1> pieces;
   std::array<CountCubic<Real>, (Pieces + 1) * Axes> cubics;
 
-  [[nodiscard]] CountTrackMemory<Real> memory() { return {spans, pieces, cubics}; }
+  [[nodiscard]] CountTrackMemory<Real> memory() { return {portions, spans, pieces, cubics}; }
 };
 
 }  // namespace inbetween

@@ -31,7 +31,8 @@ struct OdeSegment {
 ///
 /// `segments` has room for segment_count() + 1 entries, `memory` for N + 1 points.
 /// Errors: singular (a speed of 0 on the path: use the closed form), not_bracketed, not_converged,
-/// accuracy (worst speed error above 2 %: use a larger k), out_of_range, capacity.
+/// accuracy (worst speed error above 2 %: use a larger k), out_of_range (k; a track with breaks, or
+/// timed by frames), capacity.
 /// Cost: 4 k N evaluations for each of about ten integrations.
 template <Precise Real>
 Result<FrameTable<Real>> runge_kutta_table(const Track<Real>& track, const OdeOptions<Real>& options,

@@ -197,6 +197,7 @@ class Track {
   }
   [[nodiscard]] TwoSum<Real> special_distance(const FrameTime<Real>& time) const;
   [[nodiscard]] PathPoint<Real> special_locate(const FrameTime<Real>& time) const;
+  [[nodiscard]] PathPoint<Real> key_frame_point(const FrameTime<Real>& time) const;
   [[nodiscard]] const Portion<Real>& portion_at(std::int32_t frame) const;
   [[nodiscard]] std::size_t interval_at(std::int32_t frame) const;
   [[nodiscard]] ParameterRates<Real> key_frame_rates(const FrameTime<Real>& time) const;

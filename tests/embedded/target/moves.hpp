@@ -30,9 +30,6 @@ struct Move {
   FrameRate fps{24, 1};
   std::int32_t rate_hz = 100;
   double counts_per_unit = 1000;
-  /// Solved in single precision too. Where the path stands still, its inverse in single precision has more
-  /// pieces than a controller has memory; a CountTrack, made from the track in double, does it.
-  bool single_too = true;
 };
 
 namespace data {
@@ -117,16 +114,14 @@ inline constexpr std::array moves{
          .shapes = data::tense_shapes,
          .speed = data::tense_speed,
          .frames = 60,
-         .counts_per_unit = 1048576.0 / 80.0,
-         .single_too = false},
+         .counts_per_unit = 1048576.0 / 80.0},
     Move{
         .name = "dwell", .axis_count = 2, .keys = data::tense_keys, .speed = data::dwell_speed, .frames = 90},
     Move{.name = "there_and_back",
          .axis_count = 2,
          .keys = data::back_keys,
          .speed = data::back_speed,
-         .frames = 40,
-         .single_too = false},
+         .frames = 40},
     Move{.name = "same_key_thrice",
          .spline = Spline::tcb,
          .axis_count = 2,

@@ -13,7 +13,9 @@
 
 #include "inbetween/arc_length.hpp"
 #include "inbetween/frame_time.hpp"
+#include "inbetween/key_timing.hpp"
 #include "inbetween/path.hpp"
+#include "inbetween/track.hpp"
 
 /// A move made from any bytes: mostly one that an animator could draw, often one of the hard cases, and now
 /// and then numbers that must be refused.
@@ -32,7 +34,10 @@ struct AnyMove {
   std::int32_t frames = 1;
   FrameRate fps;
   ArcLengthOptions<Real> options;
-  std::int32_t substeps = 10;  ///< of the Runge-Kutta solver; 0: not asked
+  std::int32_t substeps = 10;  ///< of the Runge-Kutta solver; 0 or less: not asked
+  std::vector<KeyLock> locks;
+  std::vector<std::int32_t> key_frames;  ///< not empty: timed by these, without a speed curve
+  Kinetic kinetic = Kinetic::linear;
 
   [[nodiscard]] PathSpec<Real> path_spec() const {
     return {.spline = spline,
@@ -58,7 +63,7 @@ class MoveFromBytes {
     move.frames = frames();
     move.fps = fps();
     move.options = options();
-    move.substeps = bytes_.ConsumeIntegralInRange<std::int32_t>(0, 12);
+    move.substeps = bytes_.ConsumeIntegralInRange<std::int32_t>(-12, 12);
     const auto key_count = bytes_.ConsumeIntegralInRange<std::size_t>(1, 16);
     const auto axes = static_cast<std::size_t>(move.axis_count);
     if (bytes_.ConsumeBool()) {
@@ -72,10 +77,35 @@ class MoveFromBytes {
     scale_ = bytes_.PickValueInArray({0, 0, 0, 0, 10, -10, 60, -60, 332, -332});
     offset_ = bytes_.PickValueInArray<Real>({0, 0, 0, 0, Real(1e6), Real(1e12)});
     for (std::size_t i = 0; i < key_count * axes; ++i) move.keys.push_back(coordinate(move.keys, axes));
+    draw_timing(move, static_cast<std::int32_t>(key_count));
     return move;
   }
 
  private:
+  /// Drawn from what is left of the bytes, so that a short string is timed by its speed curve.
+  void draw_timing(AnyMove<Real>& move, std::int32_t key_count) {
+    const int way = bytes_.ConsumeIntegralInRange(0, 7);
+    if (way == 1 || way == 2) {
+      std::int32_t frame = 0;
+      const std::int32_t count = bytes_.ConsumeBool() ? key_count : key_count + 1;  // closed: and back
+      for (std::int32_t i = 0; i < count; ++i) {
+        move.key_frames.push_back(frame);
+        frame += bytes_.ConsumeIntegralInRange(0, 30);
+      }
+      if (bytes_.ConsumeIntegralInRange(0, 7) != 0) move.frames = move.key_frames.back();
+      move.kinetic = way == 1 ? Kinetic::linear : Kinetic::smooth;
+    } else if (way >= 3) {
+      const std::int32_t last_key = move.closed && key_count > 1 ? key_count : key_count - 1;
+      std::int32_t frame = 0;
+      for (std::int32_t key = 0; key <= last_key; ++key) {
+        if (bytes_.ConsumeIntegralInRange(0, 2) != 0) continue;
+        frame += bytes_.ConsumeIntegralInRange(-1, 20);
+        const bool is_held = bytes_.ConsumeIntegralInRange(0, 3) == 0;
+        const std::int32_t hold = is_held ? bytes_.ConsumeIntegralInRange(0, 12) : 0;
+        move.locks.push_back({key, frame, hold, bytes_.ConsumeIntegralInRange(0, 3) == 0});
+      }
+    }
+  }
   std::int32_t frames() {
     switch (bytes_.ConsumeIntegralInRange(0, 15)) {
       case 0:
@@ -173,6 +203,15 @@ void print(const AnyMove<Real>& move) {
       static_cast<int>(move.closed), move.axis_count, move.frames, move.fps.numerator, move.fps.denominator,
       static_cast<double>(move.options.delta),
       static_cast<int>(move.options.acceptance == Acceptance::certified), move.substeps);
+  for (const KeyLock& lock : move.locks) {
+    std::fprintf(stderr, "  lock {%d, %d, %d, %d}\n", lock.key, lock.frame, lock.hold,
+                 static_cast<int>(lock.breaks));
+  }
+  if (!move.key_frames.empty()) {
+    std::fprintf(stderr, "  %s key frames", move.kinetic == Kinetic::linear ? "linear" : "smooth");
+    for (const std::int32_t frame : move.key_frames) std::fprintf(stderr, " %d", frame);
+    std::fprintf(stderr, "\n");
+  }
   list("keys", move.keys);
   list("weights", move.weights);
   list("speed", move.control_values);

@@ -10,6 +10,7 @@
 
 #include "inbetween/arc_length.hpp"
 #include "inbetween/frame_table.hpp"
+#include "inbetween/key_timing.hpp"
 #include "inbetween/ode_frame_table.hpp"
 #include "inbetween/path.hpp"
 #include "inbetween/speed_profile.hpp"
@@ -22,6 +23,8 @@ namespace {
 /// The Runge-Kutta solver takes up to a hundred integrations of the whole move.
 constexpr std::int32_t most_frames_by_runge_kutta = 300;
 constexpr std::int32_t most_frames_here = 2000;
+/// How far a curve with locked keys may be refined.
+constexpr std::size_t most_values = 200;
 /// Far above what is needed at the smallest delta (about 80) even with cusps; a count that runs away is a
 /// find.
 constexpr std::size_t most_pieces_per_segment = 4000;
@@ -46,14 +49,7 @@ class MoveUnderTest {
     if (!checked(arc_length)) return;
     require_finite(arc_length->total());
 
-    const std::size_t f = move_.control_values.size() > 1 ? move_.control_values.size() - 1 : 1;
-    spans_.resize(f);
-    integrals_.resize(f + 1);
-    const auto profile = SpeedProfile<Real>::make(move_.control_values, {spans_, integrals_});
-    if (!checked(profile)) return;
-    span_distances_.resize(f + 1);
-    const auto track =
-        Track<Real>::make(*path, *arc_length, *profile, move_.frames, move_.fps, {span_distances_});
+    const auto track = time(*path, *arc_length);
     if (!checked(track)) return;
     require_finite(track->constant());
     if (move_.frames > most_frames_here) {
@@ -102,6 +98,75 @@ class MoveUnderTest {
     const auto needed = static_cast<std::size_t>(small.error().needed);
     require(needed > 1 && needed <= most_pieces_per_segment * segments, "the number of pieces stays bounded");
     return with_room(needed);
+  }
+
+  Result<Track<Real>> time(const Path<Real>& path, const ArcLength<Real>& arc_length) {
+    if (!move_.key_frames.empty()) {
+      key_intervals_.resize(static_cast<std::size_t>(path.segment_count()));
+      return Track<Real>::make_with_key_frames(path, arc_length, move_.key_frames, move_.kinetic,
+                                               move_.frames, move_.fps, {.key_intervals = key_intervals_});
+    }
+    std::vector<Real> values = move_.control_values;
+    if (values.size() == 1) values.push_back(values.front());
+    const std::size_t f = values.size() - 1;
+    spans_.resize(f);
+    integrals_.resize(f + 1);
+    const auto drawn = SpeedProfile<Real>::make(values, {spans_, integrals_});
+    if (!checked(drawn)) return drawn.error();
+    if (move_.locks.empty()) {
+      span_distances_.resize(f + 1);
+      return Track<Real>::make(path, arc_length, *drawn, move_.frames, move_.fps, {span_distances_});
+    }
+    if (move_.frames > most_frames_here) return no_need();
+    const auto timing = adjust(values, path, arc_length);
+    if (!timing) return timing.error();
+    return time_with_locks(path, arc_length, *timing);
+  }
+
+  Result<KeyTiming<Real>> adjust(const std::vector<Real>& values, const Path<Real>& path,
+                                 const ArcLength<Real>& arc_length) {
+    for (std::int32_t i = 0; i <= path.segment_count(); ++i) {
+      key_distances_.push_back(arc_length.segment_begin(i).high);
+    }
+    const std::size_t rows = move_.locks.size() + 1;
+    for (std::vector<Real>* part : {&adjusted_, &drawn_, &mobility_, &ceiling_}) part->resize(most_values);
+    locks_.resize(rows + 1);
+    targets_.resize(rows);
+    multipliers_.resize(4 * rows);
+    matrix_.resize(rows * rows);
+    const auto timing = adjust_to_locks<Real>(
+        {.control_values = values,
+         .key_distances = key_distances_,
+         .locks = move_.locks,
+         .frames = move_.frames},
+        {adjusted_, drawn_, mobility_, ceiling_, locks_, targets_, multipliers_, matrix_});
+    if (!timing) {
+      require(timing.error().what[0] != '\0' && timing.error().remedy[0] != '\0', "an error says what to do");
+    }
+    return timing;
+  }
+
+  Result<Track<Real>> time_with_locks(const Path<Real>& path, const ArcLength<Real>& arc_length,
+                                      const KeyTiming<Real>& timing) {
+    for (const KeyLock& lock : timing.locks) {
+      const bool inside = lock.key > 0 && lock.key < path.segment_count();
+      if (lock.breaks && inside) breaks_.push_back({lock.key, lock.frame});
+    }
+    const std::size_t f = timing.control_values.size() - 1;
+    spans_.resize(f);
+    integrals_.resize(f + 1);
+    span_distances_.resize(f + 1);
+    portions_.resize(breaks_.size() + 1);
+    const auto profile = SpeedProfile<Real>::make(timing.control_values, {spans_, integrals_});
+    require(profile.has_value(), "an adjusted curve is a speed curve");
+    const auto track = Track<Real>::make_with_breaks(path, arc_length, *profile, move_.frames, move_.fps,
+                                                     breaks_, {span_distances_, portions_});
+    if (!track) return track;
+    for (const KeyLock& lock : timing.locks) {
+      const Real early = arc_length.segment_begin(lock.key).minus(track->distance({lock.frame, 0}));
+      require(std::fabs(early) <= lock_tolerance * arc_length.total(), "a locked key is met on its frame");
+    }
+    return track;
   }
 
   void require_motion(const Track<Real>& track, const FrameTime<Real>& time) {
@@ -154,6 +219,11 @@ class MoveUnderTest {
     if (checked(table)) require_invariants(track, *table);
   }
 
+  static Error no_need() { return {.code = ErrorCode::out_of_range, .what = "too long", .remedy = "none"}; }
+
+  /// Ten times what adjust_to_locks promises.
+  static constexpr Real lock_tolerance = std::numeric_limits<Real>::digits > 30 ? Real(1e-11) : Real(1e-4);
+
   const AnyMove<Real>& move_;
   std::vector<Cubic<Real>> cubics_;
   std::vector<Real> weights_;
@@ -165,6 +235,12 @@ class MoveUnderTest {
   std::vector<SpeedSpan<Real>> spans_;
   std::vector<TwoSum<Real>> integrals_;
   std::vector<TwoSum<Real>> span_distances_;
+  std::vector<Portion<Real>> portions_;
+  std::vector<KeyInterval<Real>> key_intervals_;
+  std::vector<BreakKey> breaks_;
+  std::vector<Real> key_distances_;
+  std::vector<Real> adjusted_, drawn_, mobility_, ceiling_, targets_, multipliers_, matrix_;
+  std::vector<KeyLock> locks_;
 };
 
 template <Precise Real>
