@@ -167,27 +167,23 @@ Result<Bracket<Real>> bracket(Integration<Real>& integration, Real guess) {
       .remedy = "use the closed-form solver"};
 }
 
-}  // namespace
-
 template <Precise Real>
-Result<FrameTable<Real>> runge_kutta_table(const Track<Real>& track, const OdeOptions<Real>& options,
-                                           std::span<OdeSegment<Real>> segments,
-                                           std::span<PathPoint<Real>> memory) {
-  const Path<Real>& path = track.path();
+Status check_request(const Track<Real>& track, const OdeOptions<Real>& options, std::size_t segment_memory,
+                     std::size_t point_memory) {
   const std::size_t count = static_cast<std::size_t>(track.frames()) + 1;
   if (options.substeps < 1 || options.substeps > 10'000) {
     return Error{.code = ErrorCode::out_of_range,
                  .what = "the number of Runge-Kutta steps a frame is not between 1 and 10000",
                  .remedy = "use 10, the paper's value"};
   }
-  if (memory.size() < count) {
+  if (point_memory < count) {
     return Error{.code = ErrorCode::capacity,
                  .what = "the move has more frames than the memory of the table",
                  .remedy = "give it a larger capacity",
                  .needed = static_cast<std::int64_t>(count)};
   }
-  const std::int64_t segment_rows = static_cast<std::int64_t>(path.segment_count()) + 1;
-  if (segments.size() < static_cast<std::size_t>(segment_rows)) {
+  const std::int64_t segment_rows = static_cast<std::int64_t>(track.path().segment_count()) + 1;
+  if (segment_memory < static_cast<std::size_t>(segment_rows)) {
     return Error{.code = ErrorCode::capacity,
                  .what = "the path has more segments than the memory of the Runge-Kutta solver",
                  .remedy = "give it a larger capacity",
@@ -199,6 +195,38 @@ Result<FrameTable<Real>> runge_kutta_table(const Track<Real>& track, const OdeOp
                      "the Runge-Kutta solver knows one speed curve for the whole move, no breaks and no move "
                      "timed by frames",
                  .remedy = "use the closed-form solver"};
+  }
+  return Done{};
+}
+
+/// Refuses a table that is too far off the drawn speed.
+template <Precise Real>
+Status judge(const SpeedDeviation<Real>& deviation) {
+  if (!(deviation.relative <= static_cast<Real>(worst_speed_error_allowed))) {
+    return Error{.code = ErrorCode::accuracy,
+                 .what = "the Runge-Kutta solver is more than 2 % off the drawn speed",
+                 .remedy = "use more steps a frame, or the closed-form solver",
+                 .frame = deviation.frame};
+  }
+  if (!(deviation.absolute <= static_cast<Real>(end_tolerance))) {
+    return Error{.code = ErrorCode::accuracy,
+                 .what = "the Runge-Kutta solver moves where the drawn speed is next to nothing",
+                 .remedy = "use more steps a frame, or the closed-form solver",
+                 .frame = deviation.absolute_frame};
+  }
+  return Done{};
+}
+
+}  // namespace
+
+template <Precise Real>
+Result<FrameTable<Real>> runge_kutta_table(const Track<Real>& track, const OdeOptions<Real>& options,
+                                           std::span<OdeSegment<Real>> segments,
+                                           std::span<PathPoint<Real>> memory) {
+  const Path<Real>& path = track.path();
+  const std::size_t count = static_cast<std::size_t>(track.frames()) + 1;
+  if (const Status valid = check_request(track, options, segments.size(), memory.size()); !valid) {
+    return valid.error();
   }
   Provenance<Real> provenance{.solver = Solver::runge_kutta, .substeps = options.substeps};
   if (track.arc_length().total() == 0) {
@@ -239,18 +267,7 @@ Result<FrameTable<Real>> runge_kutta_table(const Track<Real>& track, const OdeOp
   provenance.speed_error = deviation.relative;
   provenance.speed_error_frame = deviation.frame;
   provenance.short_step_error = deviation.absolute;
-  if (!(deviation.relative <= static_cast<Real>(worst_speed_error_allowed))) {
-    return Error{.code = ErrorCode::accuracy,
-                 .what = "the Runge-Kutta solver is more than 2 % off the drawn speed",
-                 .remedy = "use more steps a frame, or the closed-form solver",
-                 .frame = deviation.frame};
-  }
-  if (!(deviation.absolute <= static_cast<Real>(end_tolerance))) {
-    return Error{.code = ErrorCode::accuracy,
-                 .what = "the Runge-Kutta solver moves where the drawn speed is next to nothing",
-                 .remedy = "use more steps a frame, or the closed-form solver",
-                 .frame = deviation.absolute_frame};
-  }
+  if (const Status good = judge(deviation); !good) return good.error();
   return FrameTable<Real>(memory.first(count), provenance);
 }
 

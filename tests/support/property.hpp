@@ -18,6 +18,11 @@ inline constexpr bool sanitized = true;
 inline constexpr bool sanitized = false;
 #endif
 
+/// How many of `cases` are run: a tenth under a sanitizer.
+constexpr int cases_to_run(int cases) {
+  return sanitized ? (cases + 9) / 10 : cases;
+}
+
 /// Runs a RapidCheck property on `cases` random inputs, a tenth of them under a sanitizer, and prints the
 /// seed, pass or fail; RC_PARAMS in the environment ("seed=... max_success=...") replays a run. A
 /// counterexample fails the test.
@@ -30,7 +35,7 @@ void check_property(int cases, Property&& property) {
   rc::detail::TestParams params = rc::detail::configuration().testParams;
   const char* replay = std::getenv("RC_PARAMS");
   if (replay == nullptr || std::string_view(replay).find("max_success") == std::string_view::npos) {
-    params.maxSuccess = sanitized ? (cases + 9) / 10 : cases;
+    params.maxSuccess = cases_to_run(cases);
   }
   params.maxSize = 100;
   std::cout << metadata.id << ": seed=" << params.seed << ", " << params.maxSuccess << " cases"

@@ -196,6 +196,19 @@ TEST(RungeKutta, RefusesASpeedMoreThanTwoPercentOffAndAsksForMoreSteps) {
   EXPECT_LE(solution.table().provenance().speed_error, 0.02);
 }
 
+TEST(RungeKutta, RefusesATableThatMissesTheLastKey) {
+  // |P'| jumps at the keys, so that s(f) jumps as a function of K and may jump over the end.
+  const Drawing steady{
+      .spline = Spline::linear, .axis_count = 1, .keys = {17, 18, 2, 16, 13}, .speed = {9, 9}, .frames = 31};
+  const Drawing slow_end{
+      .spline = Spline::linear, .axis_count = 1, .keys = {0, 6, 16, 13}, .speed = {0, 1, 4, 0}, .frames = 22};
+  for (const Drawing& drawing : {steady, slow_end}) {
+    const Error error = refusal(drawing);
+    EXPECT_EQ(error.code, ErrorCode::not_converged);
+    EXPECT_THAT(error.remedy, HasSubstr("closed-form"));
+  }
+}
+
 TEST(RungeKutta, TensionOneIsSingularAndNamesItsKey) {
   std::vector<KeyShape<double>> shapes(5);
   for (const std::int32_t key : {0, 2, 4}) {
@@ -344,10 +357,12 @@ TEST(Zeroin, APlateauOfZeroEndsTheSearch) {
 }
 
 TEST(Zeroin, AStepIsHalvedDownToItsTolerance) {
-  const auto step = [](double x) { return x < 0.7 ? -1.0 : 5.0; };
-  const Search<double> search(step, 0.0, 1.0, 1e-9);
-  EXPECT_NEAR(search.found.x, 0.7, 1e-9);
-  EXPECT_LE(search.evaluations, 80);
+  for (int i = 1; i < 100; ++i) {
+    const double edge = i / 100.0 + 1e-3;
+    const Search<double> search([&](double x) { return x < edge ? -1.0 : 5.0; }, 0.0, 1.0, 1e-9);
+    EXPECT_NEAR(search.found.x, edge, 1.0001e-9);
+    EXPECT_LE(search.evaluations, 80);
+  }
 }
 
 TEST(Zeroin, AFunctionFlatOnOneSideOnlyIsStillFound) {

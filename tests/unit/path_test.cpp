@@ -434,11 +434,14 @@ void expect_scaled(const DrawnPath<Real>& path, const DrawnPath<Real>& plain, Re
 
 TYPED_TEST(PathIn, ScaleIsOfNoConsequence) {
   using Real = TypeParam;
-  const int exponent = std::is_same_v<Real, double> ? 332 : 40;  // about 1e100 and 1e12
+  // About 1e100, 1e-100 and 1e-180 in double; the squares of the last are no numbers of the type.
+  const bool wide = std::is_same_v<Real, double>;
+  const std::vector<int> exponents{wide ? 332 : 40, wide ? -332 : -40, wide ? -600 : -70};
   const std::vector<Real> keys{0, 0, 1, 3, 7, 2, 8, -20};
   for (const Spline spline : every_kind) {
     const DrawnPath<Real> plain({.spline = spline, .axis_count = 2, .keys = keys});
-    for (const Real scale : {std::ldexp(Real(1), exponent), std::ldexp(Real(1), -exponent)}) {
+    for (const int exponent : exponents) {
+      const Real scale = std::ldexp(Real(1), exponent);
       std::vector<Real> scaled = keys;
       for (Real& coordinate : scaled) coordinate *= scale;
       const DrawnPath<Real> path({.spline = spline, .axis_count = 2, .keys = scaled});

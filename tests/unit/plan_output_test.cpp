@@ -129,7 +129,8 @@ TEST(PlanJson, SaysWhatWasPlanned) {
 }
 
 TEST(PlanJson, UnitsAreNullWithoutARig) {
-  for (const Json& axis : json_of({examples + "reveal.toml"})["axes"]) EXPECT_TRUE(axis["unit"].is_null());
+  const Json json = json_of({examples + "reveal.toml"});
+  for (const Json& axis : json["axes"]) EXPECT_TRUE(axis["unit"].is_null());
 }
 
 TEST(PlanJson, RepeatsTheFrameRateAndTheNameAsTheyWereWritten) {

@@ -91,12 +91,12 @@ class Path {
   /// one beyond its end, expanded there: at t = 0 it gives the last key to the last bit, and the
   /// derivatives with which the path arrives.
   [[nodiscard]] std::span<const Cubic<Real>> segment(std::int32_t index) const {
-    return cubics_.subspan(static_cast<std::size_t>(index * axis_count_),
-                           static_cast<std::size_t>(axis_count_));
+    const auto axes = static_cast<std::size_t>(axis_count_);
+    return cubics_.subspan(static_cast<std::size_t>(index) * axes, axes);
   }
   /// Position of one axis, in axis units.
   [[nodiscard]] Real position(const PathPoint<Real>& point, std::int32_t axis) const {
-    return cubics_[static_cast<std::size_t>(point.segment * axis_count_ + axis)].value(point.t);
+    return segment(point.segment)[static_cast<std::size_t>(axis)].value(point.t);
   }
   /// |diag(weights) dP/dt| at a point, scaled by a power of two where a plain sum of squares would
   /// overflow or vanish.
