@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 namespace inbetween {
@@ -21,7 +22,7 @@ ProgressBar::~ProgressBar() {
 
 void ProgressBar::show(double share, const std::string& words) {
   if (!on_terminal_) return;
-  const int filled = std::clamp(static_cast<int>(share * width + 0.5), 0, width);
+  const int filled = std::clamp(static_cast<int>(std::lround(share * width)), 0, width);
   // \033[K clears what a longer text before has left.
   fmt::print(stderr, "\r[{:#>{}}{:.>{}}] {}\033[K", "", filled, "", width - filled, words);
   std::fflush(stderr);

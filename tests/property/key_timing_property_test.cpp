@@ -247,26 +247,6 @@ TEST(KeyTimingProperty, NoOtherCurveThatMeetsTheKeysChangesLess) {
   EXPECT_GT(compared, 0);
 }
 
-TEST(KeyTimingProperty, TheCurveIsRefinedOnlyWhereNoCurveOfFewerValuesMeetsTheKeys) {
-  int refined = 0;
-  check_property(many_moves, [&refined] {
-    const LockedMove locked = random_locked_move();
-    showLocks(locked);
-    const TrackInput<double> input(locked.move);
-    const auto track = solved(input, locked);
-    const int refinements = track ? track->key_timing()->refinements : 99;
-    if (refinements == 0) return;
-    ++refined;
-    int spans = static_cast<int>(locked.move.speed.size()) - 1;
-    for (int level = 0; level < refinements && spans <= most_spans; ++level, spans *= 2) {
-      RC_LOG() << "refined " << level << " times\n";
-      RC_ASSERT(!oracle::solve(problem_of(locked, level)).has_value());
-    }
-  });
-  std::cout << refined << " refined\n";
-  EXPECT_GT(refined, 0);
-}
-
 TEST(KeyTimingProperty, InFloatEveryLockedKeyIsMetWithinAHundredThousandthOfTheLength) {
   int met = 0;
   check_property(many_moves, [&met] {
