@@ -75,43 +75,71 @@ template <Precise Real>
 inline constexpr Real unresolved_share =
     std::numeric_limits<Real>::epsilon() * std::numeric_limits<Real>::epsilon();
 
-/// The lengths of stretches in tau, outward from the anchor: as long as the last error allows.
+/// What came of a batch of stretches: the errors of its pieces over what is allowed.
+template <Precise Real>
+struct BatchErrors {
+  Real first = 0;
+  Real last = 0;
+  Real worst = 0;
+};
+
+/// The lengths of stretches in tau, outward from the anchor: as long as the last errors allow.
 template <Precise Real>
 class Stride {
  public:
-  explicit Stride(Real extent) : extent_(extent), length_(extent / 16) {}
+  explicit Stride(Real extent) : extent_(extent), length_(extent / 32) {}
 
   [[nodiscard]] bool at_end() const { return begin_ >= extent_; }
-  /// The end of the next stretch. What is left is divided evenly, so that no sliver remains.
-  [[nodiscard]] Real end() const {
+  /// Sets the ends of the next stretches, all of one length, and returns how many they are; the ends of more
+  /// are the last end again. Near the end what is left is divided evenly, so that no sliver remains.
+  [[nodiscard]] std::size_t divide(Lanes<Real>& ends) const {
+    constexpr auto lanes = static_cast<Real>(lane_count);
     const Real rest = extent_ - begin_;
-    const Real length = std::max(length_, least());
-    if (length >= rest) return extent_;
-    return begin_ + (2 * length >= rest ? rest / 2 : length);
+    Real length = std::max(length_, least());
+    std::size_t count = lane_count;
+    if (rest <= lanes * length) {
+      count = 1;
+      while (static_cast<Real>(count) * length < rest) ++count;
+      length = rest / static_cast<Real>(count);
+    } else if (rest < (lanes + 2) * length) {
+      length = rest / (lanes + 2);
+    }
+    for (std::size_t i = 0; i < lane_count; ++i) {
+      const bool is_last = rest <= lanes * length && i + 1 >= count;
+      ends.set(i, is_last ? extent_ : begin_ + static_cast<Real>(i + 1) * length);
+    }
+    return count;
   }
   /// Whether the stretch to `end` can be made shorter.
   [[nodiscard]] bool is_divisible(Real end) const { return end - begin_ > 2 * least(); }
-  /// After a refusal: `error` is that of the stretch to `end`, over what is allowed. It grows with the
+  /// Goes on behind the first `done` stretches, of which a later one was refused. The error grows with the
   /// fifth power of the length (quintic Hermite interpolation); 0.7 of what is allowed is aimed at.
-  void shorten(Real end, Real error) {
-    const Real length = end - begin_;
+  void shorten(const Lanes<Real>& ends, std::size_t done, Real worst) {
+    const Real length = ends[0] - begin_;
     // Not finite: the derivatives at an end are useless, and much shorter is the only remedy.
-    length_ = std::isfinite(error) ? length / rough_fifth_root(error / Real(0.7)) : length / 8;
+    length_ = std::isfinite(worst) ? length / rough_fifth_root(worst / Real(0.7)) : length / 8;
+    if (done > 0) begin_ = ends[done - 1];
   }
-  /// After a success, in steps chosen by comparisons: the processor guesses them and begins with the
-  /// next stretch before this one's error is known, which makes all of it twice as fast.
-  void adapt(Real error) {
-    if (error < Real(0.02)) {
-      length_ *= Real(1.6);
-    } else if (error < Real(0.25)) {
-      length_ *= Real(1.2);
-    } else if (error > Real(0.6)) {
-      length_ *= Real(0.92);
-    }
+  /// Goes on behind the last stretch, with lengths chosen by comparisons: the processor guesses them and
+  /// begins with the next batch before the errors of this one are known. The steps were found by measurement
+  /// (pieces and time over random paths); hard_cases_test holds the number of pieces.
+  void advance(const Lanes<Real>& ends, const BatchErrors<Real>& errors) {
+    length_ = (ends[0] - begin_) * factor(errors);
+    begin_ = ends[lane_count - 1];
   }
-  void advance(Real end) { begin_ = end; }
 
  private:
+  static Real factor(const BatchErrors<Real>& errors) {
+    const Real last = errors.last;
+    const bool rises = last >= errors.worst && last > 2 * errors.first;  // and will go on rising
+    if (last < Real(0.003)) return rises ? Real(1.5) : Real(2.2);
+    if (last < Real(0.02)) return rises ? Real(1.3) : Real(1.7);
+    if (last < Real(0.06)) return rises ? Real(1.05) : Real(1.45);
+    if (last < Real(0.13)) return rises ? Real(1.05) : Real(1.28);
+    if (last < Real(0.25)) return rises ? Real(1.05) : Real(1.12);
+    if (rises) return last < Real(0.5) ? Real(0.87) : Real(0.8);
+    return last < Real(0.65) ? Real(1) : Real(0.92);
+  }
   /// So short that the piece is below the negligible share for every curve that floating point can tell
   /// from a cusp, and long enough that `end` is behind `begin`.
   [[nodiscard]] Real least() const {
@@ -155,72 +183,81 @@ class InverseBuilder {
     const std::size_t first = list_.count();
     const TwoSum<Real> begin = length_;
     if (!interval.forward) length_ = {};  // distances from the anchor, until `turn_round`
-    const PieceFitter<Real> fitter(interval);
-    PieceEnd<Real> near = fitter.at_anchor();
-    Stride<Real> stride(interval.extent);
     const TwoSum<Real> anchor = length_;
+    const PieceFitter<Real> fitter(interval);
+    PieceBatch<Real> batch;
+    batch.near = fitter.at_anchor();
+    Stride<Real> stride(interval.extent);
     while (!stride.at_end()) {
-      const Real end = stride.end();
-      PieceFit<Real> piece;
-      fitter.fit(near, length_.minus(anchor) * inverse_scale_, end, piece);
-      const Real error = error_over_allowed(fitter, near, piece);
-      if (error <= 1) {
-        stride.adapt(error);
-      } else if (is_negligible(piece)) {
-        straighten(interval, near, piece);
-        stride.adapt(0);
-      } else if (stride.is_divisible(end)) {
-        stride.shorten(end, error);
-        continue;
-      } else {
+      const std::size_t count = stride.divide(batch.tau);
+      fitter.fit(length_.minus(anchor) * inverse_scale_, batch);
+      BatchErrors<Real> errors;
+      std::size_t done = 0;
+      bool refused = false;
+      for (std::size_t i = 0; i < count; ++i) {
+        errors.last = error_over_allowed(fitter, batch, i);
+        if (!(errors.last <= 1) && is_negligible(batch.length[i])) {
+          errors.last = 0;
+          straighten(interval, batch, i);
+        }
+        if (i == 0) errors.first = errors.last;
+        if (!(errors.last <= errors.worst)) errors.worst = errors.last;
+        refused = refused || !(errors.last <= 1);
+        if (!refused) add_piece(interval, batch, done++, anchor);
+      }
+      if (done == 0 && !stride.is_divisible(batch.tau[0])) {
         reachable_ = false;
         return;
       }
-      stride.advance(end);
-      add_piece(interval, piece, anchor);
-      near = piece.far;
+      if (refused) {
+        stride.shorten(batch.tau, done, errors.worst);
+      } else {
+        stride.advance(batch.tau, errors);
+      }
+      if (done > 0) batch.near = batch.far_end(done - 1);
     }
     if (!interval.forward) turn_round(first, begin);
   }
 
-  [[nodiscard]] Real error_over_allowed(const PieceFitter<Real>& fitter, const PieceEnd<Real>& near,
-                                        const PieceFit<Real>& piece) const {
-    const Real estimate = (fitter.estimated_residual(near, piece) - residual_rounding<Real>)*per_estimate_;
-    if (options_.acceptance == Acceptance::estimated || !(estimate <= 1)) return weighed(estimate, piece);
-    return weighed(fitter.certified_residual(near, piece) / (2 * options_.delta), piece);
+  [[nodiscard]] Real error_over_allowed(const PieceFitter<Real>& fitter, const PieceBatch<Real>& batch,
+                                        std::size_t index) const {
+    const Real length = batch.length[index];
+    const Real estimate = (batch.largest_residual(index) - residual_rounding<Real>)*per_estimate_;
+    if (options_.acceptance == Acceptance::estimated || !(estimate <= 1)) return weighed(estimate, length);
+    return weighed(fitter.certified_residual(batch, index) / (2 * options_.delta), length);
   }
   /// A relative error of the speed over a piece moves its inside by less than that share of its length.
-  [[nodiscard]] Real weighed(Real error, const PieceFit<Real>& piece) const {
-    const Real absolute = error * options_.delta * piece.length * scale_;
+  [[nodiscard]] Real weighed(Real error, Real length) const {
+    const Real absolute = error * options_.delta * length * scale_;
     return absolute < error * negligible_ ? absolute / negligible_ : error;
   }
-  [[nodiscard]] bool is_negligible(const PieceFit<Real>& piece) const {
-    return piece.length * scale_ <= negligible_;
-  }
+  [[nodiscard]] bool is_negligible(Real length) const { return length * scale_ <= negligible_; }
   /// Where the derivatives are useless the piece is so short that a straight line does.
-  static void straighten(const AnchoredInterval<Real>& interval, const PieceEnd<Real>& near,
-                         PieceFit<Real>& piece) {
-    const Real rise = piece.far.tau - near.tau;
-    piece.c = {interval.forward ? interval.t(near.tau) : interval.t(piece.far.tau), rise, 0, 0, 0, 0};
+  static void straighten(const AnchoredInterval<Real>& interval, PieceBatch<Real>& batch, std::size_t index) {
+    const Real near = batch.near_end(index).tau;
+    const Real far = batch.tau[index];
+    const std::array<Real, 6> c{interval.t(interval.forward ? near : far), far - near, 0, 0, 0, 0};
+    for (std::size_t i = 0; i < c.size(); ++i) batch.c[i].set(index, c[i]);
   }
 
-  void add_piece(const AnchoredInterval<Real>& interval, const PieceFit<Real>& fit,
+  void add_piece(const AnchoredInterval<Real>& interval, const PieceBatch<Real>& batch, std::size_t index,
                  const TwoSum<Real>& anchor) {
     ArcPiece<Real> piece;
-    piece.c = fit.c;
+    piece.c = batch.coefficients(index);
     piece.segment = segment_;
+    const Real step = batch.step[index];
     const TwoSum<Real> near = length_;
-    length_.add(fit.length * scale_);
+    length_.add(batch.length[index] * scale_);
     length_.renormalize();
     const TwoSum<Real>& begin = interval.forward ? near : length_;
     if (interval.stands_still) {
       using Kind = typename ArcPiece<Real>::Kind;
       piece.kind = interval.forward ? Kind::root_after : Kind::root_before;
-      piece.inverse_step = 1 / (fit.step * std::sqrt(scale_));
-      piece.shift = (interval.forward ? fit.near_y : fit.far.y) / fit.step;
+      piece.inverse_step = 1 / (step * std::sqrt(scale_));
+      piece.shift = (interval.forward ? batch.near_end(index).y : batch.y[index]) / step;
       piece.origin = anchor.high;
     } else {
-      piece.inverse_step = fit.step > 0 ? fit.inverse_step * inverse_scale_ : Real(0);
+      piece.inverse_step = step > 0 ? batch.inverse_step[index] * inverse_scale_ : Real(0);
       piece.origin = begin.high;
       piece.shift = begin.low;
     }

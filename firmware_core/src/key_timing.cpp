@@ -11,6 +11,10 @@ namespace {
 
 /// Newton's method on a piecewise quadratic function ends in as many steps as pieces are met.
 constexpr int most_iterations = 200;
+/// Of a step, far enough for any multiplier that a curve from 0 to 100 can need.
+constexpr int most_doublings = 40;
+/// Of them every third halves the stretch that is searched.
+constexpr int most_secants = 60;
 
 Error wish_error(const char* what, const char* remedy, const KeyLock& lock) {
   return {
@@ -84,33 +88,19 @@ class NearestCurve {
     return static_cast<Real>(lock.frame) * static_cast<Real>(f_) / static_cast<Real>(frames_);
   }
 
-  /// The index of the first row that stays unmet, or -1.
+  /// The index of a row that stays unmet, or -1.
   std::int32_t solve() {
     std::ranges::fill(lambda_, Real(0));
     Real total = 0;
     for (std::size_t r = 0; r < rows_; ++r) total += memory_.targets[r];
     const Real tolerance = 64 * std::numeric_limits<Real>::epsilon() * total;
-    Real dual = evaluate(lambda_);
-    for (int i = 0; i < most_iterations; ++i) {
-      if (worst_residual() <= tolerance) return -1;
+    const Real largest_cost = cost_bound();
+    static_cast<void>(evaluate(lambda_));
+    for (int i = 0; i < most_iterations && worst_residual() > tolerance; ++i) {
       newton_direction();
-      const Real unmet = worst_residual();
-      Real slope = 0;
-      for (std::size_t r = 0; r < rows_; ++r) slope -= residual_[r] * direction_[r];
-      Real step = 1;
-      Real next = 0;
-      do {
-        for (std::size_t r = 0; r < rows_; ++r) trial_[r] = lambda_[r] + step * direction_[r];
-        next = evaluate(trial_);
-        step /= 2;
-        // Close to the solution the rise of the dual drowns in rounding; the residual still tells.
-      } while (!(next >= dual + Real(1e-4) * 2 * step * slope) && !(worst_residual() <= unmet / 2) &&
-               step > Real(1e-10));
-      std::ranges::copy(trial_, lambda_.begin());
-      dual = next;
+      if (!climb(largest_cost)) break;
     }
-    if (worst_residual() <= tolerance) return -1;
-    return worst_row();
+    return worst_residual() <= tolerance ? -1 : worst_row();
   }
 
  private:
@@ -137,6 +127,64 @@ class NearestCurve {
     }
     return dual;
   }
+  /// No curve changes the drawn one by more than this, which is why no dual value is larger if there is a
+  /// curve (weak duality).
+  [[nodiscard]] Real cost_bound() const {
+    Real bound = 0;
+    for (std::size_t i = 0; i <= static_cast<std::size_t>(f_); ++i) {
+      if (!(memory_.mobility[i] > 0)) continue;
+      const Real change = std::max(memory_.drawn[i], memory_.ceiling[i] - memory_.drawn[i]);
+      bound += change * change / (2 * memory_.mobility[i]);
+    }
+    return bound * (1 + 16 * std::numeric_limits<Real>::epsilon()) + std::numeric_limits<Real>::min();
+  }
+
+  /// How fast the dual rises along the direction, at the multipliers evaluated last.
+  [[nodiscard]] Real slope() const {
+    Real sum = 0;
+    for (std::size_t r = 0; r < rows_; ++r) sum -= residual_[r] * direction_[r];
+    return sum;
+  }
+  Real evaluate_at(Real step) {
+    for (std::size_t r = 0; r < rows_; ++r) trial_[r] = lambda_[r] + step * direction_[r];
+    return evaluate(trial_);
+  }
+
+  /// Goes on along the direction until the dual rises no more; its slope falls there, piece by piece linear.
+  /// Where few values are free a Newton step is far from there, which is why the zero of the slope is
+  /// searched for. False if there is no curve.
+  bool climb(Real largest_cost) {
+    const Real unmet = worst_residual();
+    const Real first_slope = slope();
+    if (!(first_slope > 0)) return false;  // rounding: nothing is gained any more
+    Real low = 0;
+    Real low_slope = first_slope;
+    Real high = 1;
+    if (evaluate_at(high) > largest_cost) return false;
+    Real high_slope = slope();
+    for (int i = 0; i < most_doublings && high_slope > first_slope / 2; ++i) {
+      low = high;
+      low_slope = high_slope;
+      high *= 4;
+      if (evaluate_at(high) > largest_cost) return false;
+      high_slope = slope();
+    }
+    Real step = high;
+    Real step_slope = high_slope;
+    for (int i = 0; i < most_secants; ++i) {
+      if (std::fabs(step_slope) <= first_slope / 16 || worst_residual() <= unmet / 16) break;
+      const Real secant = low + (high - low) * (low_slope / (low_slope - high_slope));
+      const Real middle = low + (high - low) / 2;
+      step = i % 3 == 2 || !(secant > low && secant < high) ? middle : secant;
+      static_cast<void>(evaluate_at(step));
+      step_slope = slope();
+      (step_slope > 0 ? low : high) = step;
+      (step_slope > 0 ? low_slope : high_slope) = step_slope;
+    }
+    std::ranges::copy(trial_, lambda_.begin());
+    return true;
+  }
+
   [[nodiscard]] Real worst_residual() const {
     Real worst = 0;
     for (const Real r : residual_) {
@@ -247,10 +295,13 @@ Result<std::size_t> complete_locks(const KeyTimingSpec<Real>& spec, std::span<Ke
   out[count++] = {.key = 0, .frame = 0};
   std::int32_t held = 0;
   for (KeyLock lock : spec.locks) {
+    if (lock.key < 0 || lock.key > last_key) {
+      return wish_error("there is no such key", "count the keys from 0", lock);
+    }
     if (lock.frame < 0) lock.frame = arrival(spec, lock.key, spec.frames - holds) + held;
     held += lock.hold;
     const std::int32_t end = lock.frame + lock.hold;
-    if (lock.key < 0 || lock.key > last_key || end > spec.frames) {
+    if (end > spec.frames) {
       return wish_error("this key would be left after the last frame",
                         "give it an earlier frame or a shorter hold", lock);
     }
@@ -291,6 +342,22 @@ Real smooth_step(Real x) {
   return u * u * u * (10 - u * (15 - 6 * u));
 }
 
+/// Whether the curve stands still at a value: two zeros at an end of it, three elsewhere.
+template <Precise Real>
+bool is_rest(std::span<const Real> values, std::size_t index) {
+  const auto zeros = [&](std::size_t first, std::size_t last) {
+    const auto part = values.subspan(first, last - first + 1);
+    return std::ranges::all_of(part, [](Real value) { return value == 0; });
+  };
+  const std::size_t f = values.size() - 1;
+  if (index <= 1 && zeros(0, 1)) return true;
+  if (index + 1 >= f && zeros(f - 1, f)) return true;
+  for (std::size_t middle = std::max<std::size_t>(index, 2) - 1; middle <= index + 1; ++middle) {
+    if (middle + 1 <= f && zeros(middle - 1, middle + 1)) return true;
+  }
+  return false;
+}
+
 template <Precise Real>
 class Adjustment {
  public:
@@ -316,8 +383,11 @@ class Adjustment {
       if (!is_fine_enough(f)) continue;
       const std::int32_t row = attempt(f);
       if (row < 0) return timing(f, refinements);
-      unmet_key_ = locks_[static_cast<std::size_t>(row) + 1].key;
-      unmet_frame_ = locks_[static_cast<std::size_t>(row) + 1].frame;
+      blame(locks_[static_cast<std::size_t>(row) + 1]);
+      // That the last key is met on the last frame is nobody's wish; the key before it is in the way.
+      if (row > 0 && static_cast<std::size_t>(row) + 2 == locks_.size()) {
+        blame(locks_[static_cast<std::size_t>(row)]);
+      }
       // `adjusted` served as the scratch of the attempt; `drawn` must be the drawn curve again.
       restore_drawn(refinements);
     }
@@ -331,11 +401,13 @@ class Adjustment {
       return lock.hold > 0 && static_cast<std::int64_t>(f) * frames_per_span_allowed < spec_.frames;
     });
     hold_is_too_short_ = too_short != locks_.end();
-    if (hold_is_too_short_) {
-      unmet_key_ = too_short->key;
-      unmet_frame_ = too_short->frame;
-    }
+    if (hold_is_too_short_) blame(*too_short);
     return !hold_is_too_short_;
+  }
+
+  void blame(const KeyLock& lock) {
+    unmet_key_ = lock.key;
+    unmet_frame_ = lock.frame;
   }
 
   std::int32_t attempt(std::int32_t f) {
@@ -344,15 +416,26 @@ class Adjustment {
     NearestCurve<Real> curve(memory_, f, locks_, spec_.frames);
     set_targets(curve, f);
     for (std::size_t i = 0; i < count; ++i) {
-      const bool pair =
-          drawn[i] == 0 && ((i > 0 && drawn[i - 1] == 0) || (i + 1 < count && drawn[i + 1] == 0));
-      memory_.ceiling[i] = pair ? Real(0) : Real(largest_control_value);
+      memory_.ceiling[i] = is_rest<Real>(drawn, i) ? Real(0) : Real(largest_control_value);
     }
     for (const KeyLock& lock : locks_) {
       if (lock.hold > 0) rest_at(lock, curve, f);
     }
     set_mobility(f);
+    stop_between_equal_keys(curve);
     return curve.solve();
+  }
+
+  /// Between two locks with no distance in between no value can be above 0. Left to the multipliers, this
+  /// would take an infinite one.
+  void stop_between_equal_keys(const NearestCurve<Real>& curve) {
+    for (std::size_t r = 0; r + 1 < locks_.size(); ++r) {
+      if (memory_.targets[r] > 0) continue;
+      const IntegralRow<Real> row = curve.row(r);
+      for (std::int32_t i = row.first(); i <= row.last(); ++i) {
+        if (row.weight(i) > 0) memory_.ceiling[static_cast<std::size_t>(i)] = 0;
+      }
+    }
   }
 
   /// The distance to the nearest value that stands still, in drawn spans, through a smooth step.

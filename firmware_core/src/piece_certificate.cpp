@@ -48,17 +48,20 @@ Real bernstein_bound(const Polynomial<Real>& p) {
 }  // namespace
 
 template <Precise Real>
-Real PieceFitter<Real>::certified_residual(const PieceEnd<Real>& near, const PieceFit<Real>& piece) const {
+Real PieceFitter<Real>::certified_residual(const PieceBatch<Real>& batch, std::size_t index) const {
+  const PieceEnd<Real> near = batch.near_end(index);
+  const PieceEnd<Real> far = batch.far_end(index);
+  const Real outward_step = batch.step[index];
   // tau(u), and its square of the slope per unit of y.
-  std::array<Real, 6> tau = piece.c;
+  std::array<Real, 6> tau = batch.coefficients(index);
   if (interval_.forward) {
     tau[0] = near.tau;
   } else {
     for (Real& c : tau) c = -c;
-    tau[0] = piece.far.tau;
+    tau[0] = far.tau;
   }
   std::array<Real, 5> slope;
-  for (std::size_t i = 0; i < 5; ++i) slope[i] = static_cast<Real>(i + 1) * tau[i + 1] / piece.step;
+  for (std::size_t i = 0; i < 5; ++i) slope[i] = static_cast<Real>(i + 1) * tau[i + 1] / outward_step;
 
   Polynomial<Real> q{};  // q(tau(u)) by Horner's rule in polynomials
   q[0] = interval_.speed_squared.q[4];
@@ -75,8 +78,8 @@ Real PieceFitter<Real>::certified_residual(const PieceEnd<Real>& near, const Pie
     return bernstein_bound<Real>(residual);
   }
   // Compare with (2 y)^2, y linear in u, relative to its least value on the piece.
-  const Real y0 = interval_.forward ? near.y : piece.far.y;
-  const Real step = interval_.forward ? piece.step : -piece.step;
+  const Real y0 = interval_.forward ? near.y : far.y;
+  const Real step = interval_.forward ? outward_step : -outward_step;
   residual[0] -= 4 * y0 * y0;
   residual[1] -= 8 * y0 * step;
   residual[2] -= 4 * step * step;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 #include <utility>
 
 namespace inbetween {
@@ -17,15 +18,21 @@ struct Anchors {
   }
 };
 
-/// The place where the rising function `slope` passes 0 between a and b, by bisection to the last bit.
-template <Precise Real, class Slope>
-Real sign_change(Slope slope, Real a, Real b) {
+/// Where q has its minimum on [a, b], to the last bit, if that is below `slow`; q' rises from negative to
+/// positive.
+template <Precise Real>
+std::optional<Real> slow_minimum(const Quartic<Real>& q, Real a, Real b, Real slow) {
   for (int i = 0; i < std::numeric_limits<Real>::digits + 8; ++i) {
+    // A convex function is above its tangents.
+    if (q.value(a) + q.derivative(a) * (b - a) >= slow || q.value(b) - q.derivative(b) * (b - a) >= slow) {
+      return std::nullopt;
+    }
     const Real middle = a + (b - a) / 2;
     if (middle <= a || middle >= b) break;
-    (slope(middle) < 0 ? a : b) = middle;
+    (q.derivative(middle) < 0 ? a : b) = middle;
   }
-  return b;
+  if (q.value(b) < slow) return b;
+  return std::nullopt;
 }
 
 /// Where q has a minimum inside (0, 1): q' passes from negative to positive between two
@@ -47,13 +54,12 @@ void add_inner_minima(const Quartic<Real>& q, Real slow, Anchors<Real>& anchors)
     }
   }
   cuts[cut_count++] = 1;
-  const auto slope = [&](Real t) { return q.derivative(t); };
   // A minimum this near to an end is the end: the slope there is rounding.
   const Real rounding = 64 * std::numeric_limits<Real>::epsilon();
   for (std::size_t i = 0; i + 1 < cut_count; ++i) {
-    if (!(slope(cuts[i]) < 0) || slope(cuts[i + 1]) < 0) continue;
-    const Real t = sign_change<Real>(slope, cuts[i], cuts[i + 1]);
-    if (q.value(t) < slow && t > rounding && t < 1 - rounding) anchors.add(t);
+    if (!(q.derivative(cuts[i]) < 0) || q.derivative(cuts[i + 1]) < 0) continue;
+    const std::optional<Real> t = slow_minimum(q, cuts[i], cuts[i + 1], slow);
+    if (t && *t > rounding && *t < 1 - rounding) anchors.add(*t);
   }
 }
 

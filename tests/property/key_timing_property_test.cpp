@@ -108,14 +108,17 @@ std::optional<SolvedTrack<Real>> solved(const TrackInput<Real>& input, const Loc
   }
 }
 
-/// Wherever a neighbouring pair of the drawn values, refined as they are, is zero. 1 where values move
-/// freely, 0 at the pairs, and between the two a smooth step over one drawn span.
+/// 0 where the drawn curve, refined as it is, stands still: at two zeros at an end and at three in a row
+/// inside. 1 where values move freely, and between the two a smooth step over one drawn span.
 Values mobility(const Values& drawn, int refinements) {
   const auto count = static_cast<int>(drawn.size());
   const auto zero = [&](int i) { return i >= 0 && i < count && drawn[static_cast<std::size_t>(i)] == 0; };
   std::vector<int> still;
   for (int i = 0; i < count; ++i) {
-    if (zero(i) && (zero(i - 1) || zero(i + 1))) still.push_back(i);
+    const auto three = [&](int middle) { return zero(middle - 1) && zero(middle) && zero(middle + 1); };
+    const bool at_begin = i <= 1 && zero(0) && zero(1);
+    const bool at_end = i >= count - 2 && zero(count - 1) && zero(count - 2);
+    if (at_begin || at_end || three(i - 1) || three(i) || three(i + 1)) still.push_back(i);
   }
   Values result(drawn.size(), 1);
   for (int i = 0; i < count; ++i) {
@@ -152,6 +155,10 @@ oracle::LeastChange problem_of(const LockedMove& locked, int refinements) {
   const long double scale = total * std::pow(2.0L, refinements);
   for (std::size_t r = 0; r + 1 < distances.size(); ++r) {
     problem.targets.push_back((distances[r + 1] - distances[r]) / locked.path.total_length() * scale);
+    if (problem.targets.back() > 0) continue;
+    for (std::size_t i = 0; i < problem.ceiling.size(); ++i) {  // no way, no speed
+      if (problem.rows[r][i] > 0) problem.ceiling[i] = 0;
+    }
   }
   return problem;
 }
@@ -273,6 +280,26 @@ TEST(KeyTimingProperty, InFloatEveryLockedKeyIsMetWithinAHundredThousandthOfTheL
   });
   std::cout << met << " solved\n";
   EXPECT_GT(met, 0);
+}
+
+TEST(KeyTimingProperty, TheCurveIsRefinedOnlyWhereNoCurveOfFewerValuesMeetsTheKeys) {
+  int refined = 0;
+  check_property(many_moves, [&refined] {
+    const LockedMove locked = random_locked_move();
+    showLocks(locked);
+    const TrackInput<double> input(locked.move);
+    const auto track = solved(input, locked);
+    const int refinements = track ? track->key_timing()->refinements : 99;
+    if (refinements == 0) return;
+    ++refined;
+    int spans = static_cast<int>(locked.move.speed.size()) - 1;
+    for (int level = 0; level < refinements && spans <= most_spans; ++level, spans *= 2) {
+      RC_LOG() << "refined " << level << " times\n";
+      RC_ASSERT(!oracle::solve(problem_of(locked, level)).has_value());
+    }
+  });
+  std::cout << refined << " refined\n";
+  EXPECT_GT(refined, 0);
 }
 
 }  // namespace

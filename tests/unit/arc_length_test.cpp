@@ -242,16 +242,17 @@ TEST(ArcLength, ASmallerDeltaTakesMorePiecesAndLessError) {
 }
 
 /// The largest |q t'^2 - 1| that a thousand places of a piece show.
-double sampled_residual(const AnchoredInterval<double>& interval, const PieceEnd<double>& near,
-                        const PieceFit<double>& piece) {
+double sampled_residual(const AnchoredInterval<double>& interval, const PieceBatch<double>& batch,
+                        std::size_t index) {
+  const auto c = batch.coefficients(index);
+  const double step = batch.step[index];
   double worst = 0;
   for (int i = 1; i < 1000; ++i) {
     const double u = i / 1000.0;
-    const auto& c = piece.c;
     const double t = c[0] + u * (c[1] + u * (c[2] + u * (c[3] + u * (c[4] + u * c[5]))));
     const double slope = c[1] + u * (2 * c[2] + u * (3 * c[3] + u * (4 * c[4] + u * 5 * c[5])));
-    const double y = near.y + piece.step * (interval.forward ? u : 1 - u);
-    const double rate = slope / piece.step / (interval.stands_still ? 2 * y : 1);
+    const double y = batch.near_end(index).y + step * (interval.forward ? u : 1 - u);
+    const double rate = slope / step / (interval.stands_still ? 2 * y : 1);
     const double q = interval.speed_squared.value(std::fabs(t - interval.anchor));
     worst = std::max(worst, std::fabs(q * rate * rate - 1));
   }
@@ -275,17 +276,18 @@ TEST(ArcLength, TheCertificateBoundsTheErrorOfAPieceAndIsNotFarAboveIt) {
     for (std::size_t i = 0; i < split.count; ++i) {
       const AnchoredInterval<double>& interval = split.intervals[i];
       const PieceFitter<double> fitter(interval);
-      PieceEnd<double> near = fitter.at_anchor();
-      double distance = 0;
-      for (int end = 1; end <= 4; ++end) {
-        PieceFit<double> piece;
-        fitter.fit(near, distance, interval.extent * end / 4, piece);
-        const double sampled = sampled_residual(interval, near, piece);
-        const double certified = fitter.certified_residual(near, piece);
+      PieceBatch<double> batch;
+      batch.near = fitter.at_anchor();
+      for (std::size_t end = 0; end < lane_count; ++end) {
+        batch.tau.set(end, interval.extent * static_cast<double>(end + 1) / 4);
+      }
+      fitter.fit(0, batch);
+      for (std::size_t index = 0; index < lane_count; ++index) {
+        const double sampled = sampled_residual(interval, batch, index);
+        const double certified = fitter.certified_residual(batch, index);
         EXPECT_GE(certified, sampled);
         EXPECT_LE(certified, 8 * sampled + 1e-11);
-        distance += piece.length;
-        near = piece.far;
+        EXPECT_LE(batch.largest_residual(index), sampled * (1 + 1e-9) + 1e-12);
         ++checked;
       }
     }

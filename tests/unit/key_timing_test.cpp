@@ -118,11 +118,19 @@ TEST(KeyTiming, EarlyAndLateKeysAreMet) {
   }
 }
 
-TEST(KeyTiming, ANeighbouringPairOfZerosStaysARest) {
+TEST(KeyTiming, TwoZerosAtAnEndAndThreeInsideStayARest) {
   const std::vector<double> values =
-      adjusted({.speed = {0, 0, 10, 10, 0, 0, 10, 10, 10, 0, 0}, .locks = {{.key = 2, .frame = 95}}});
+      adjusted({.speed = {0, 0, 10, 10, 0, 0, 0, 10, 10, 0, 0}, .locks = {{.key = 2, .frame = 95}}});
   ASSERT_EQ(values.size(), 11U);
-  for (const std::size_t i : {0U, 1U, 4U, 5U, 9U, 10U}) EXPECT_EQ(values[i], 0) << i;
+  for (const std::size_t i : {0U, 1U, 4U, 5U, 6U, 9U, 10U}) EXPECT_EQ(values[i], 0) << i;
+}
+
+TEST(KeyTiming, TwoZerosInsideAreNoRestBecauseTheCurveIsAboveThem) {
+  const std::vector<double> drawn{0, 0, 10, 10, 0, 0, 10, 10, 10, 0, 0};
+  EXPECT_GT(oracle::Profile(drawn).value(4.5L), 0.4L);
+  const std::vector<double> values = adjusted({.speed = drawn, .locks = {{.key = 2, .frame = 95}}});
+  ASSERT_EQ(values.size(), 11U);
+  EXPECT_GT(values[4] + values[5], 0);
 }
 
 TEST(KeyTiming, ASoleZeroIsNoRestAndMayBeRaised) {
@@ -264,6 +272,36 @@ TEST(Hold, TheFirstAndTheLastKeyMayBeHeldToo) {
 }
 
 // --- end to end
+
+TEST(KeyTiming, BetweenTwoLocksOnEqualKeysNothingMoves) {
+  const auto storage = std::make_unique<Storage>();
+  const std::vector<double> distances{0, 40, 40, 100};
+  const std::vector<double> speed{10, 10, 10, 10, 10, 10, 10, 10, 10, 10, 10, 10, 10};
+  const std::vector<KeyLock> locks{{.key = 1, .frame = 80}, {.key = 2, .frame = 160}};
+  const auto timing = adjust_to_locks<double>(
+      {.control_values = speed, .key_distances = distances, .locks = locks, .frames = 240},
+      storage->memory());
+  ASSERT_TRUE(timing.has_value()) << timing.error().what;
+  EXPECT_EQ(timing->refinements, 0);
+  for (std::size_t i = 3; i <= 9; ++i) EXPECT_EQ(timing->control_values[i], 0) << i;
+}
+
+TEST(KeyTiming, ALockOnAKeyThatIsNotThereIsRefused) {
+  const auto storage = std::make_unique<Storage>();
+  const std::vector<double> distances{0, 40, 100};
+  const std::vector<double> speed{10, 10, 10};
+  for (const std::int32_t key : {-1, 3, 1'000'000}) {
+    for (const std::int32_t frame : {-1, 100}) {
+      const std::vector<KeyLock> locks{{.key = key, .frame = frame, .hold = 10}};
+      const auto timing = adjust_to_locks<double>(
+          {.control_values = speed, .key_distances = distances, .locks = locks, .frames = 240},
+          storage->memory());
+      ASSERT_FALSE(timing.has_value());
+      EXPECT_EQ(timing.error().code, ErrorCode::out_of_range);
+      EXPECT_EQ(timing.error().key, key);
+    }
+  }
+}
 
 TEST(KeyTiming, WhatTheFileAsksInVainIsOneLineAtTheKey) {
   struct Case {

@@ -54,19 +54,24 @@ struct KeyTiming {
 
 /// The control values x nearest to the drawn ones v, sum (x - v)^2 / w least, for which
 /// Phi(a at the lock's frame) / Phi(f) is the key's share of the length, 0 <= x <= 100, and Phi between two
-/// breaks is as drawn. A neighbouring pair of zeros is a wish to stand still and is kept. For a hold the
-/// drawn curve is first brought to rest and back within one of its spans on either side.
-/// w is 1, so that the change is the least in the ordinary sense, as long as the curve is not refined. On
-/// a refined curve w rises from 0 at what stands still to 1 within one drawn span: otherwise all of the
+/// breaks is as drawn. Where the drawn curve stands still (two zeros at an end, three in a row inside) it
+/// goes on to. For a hold the drawn curve is first brought to rest and back within one of its spans on either
+/// side. w is 1, so that the change is the least in the ordinary sense, as long as the curve is not refined.
+/// On a refined curve w rises from 0 at what stands still to 1 within one drawn span: otherwise all of the
 /// change would be piled up beside the rests, and the rig would start with a jerk.
 /// Where no such curve exists, the drawn one is refined, f -> 2 f, up to the memory.
 ///
 /// Method: the dual of the problem is smooth and concave in one multiplier per lock, x = clip(v + A^T
-/// lambda); Newton's method with a line search (Qi and Sun 1993, semismooth Newton).
+/// lambda); semismooth Newton steps (Qi and Sun 1993), each followed to where the dual is highest. A dual
+/// value above the cost of every curve from 0 to 100 proves that there is none.
+///
 /// Accuracy: each lock is met within 1e-12 (double) or 1e-5 (float) of the length.
-/// Errors: out_of_range (a frame outside 0..N, the first key not on 0, the last not on N, order reversed,
-/// two keys on one frame: with key and frame), no_solution (with the first key that cannot be met),
-/// capacity. Cost: iterations * f * 5; tens of iterations at most.
+///
+/// Errors: out_of_range (no such key, a frame outside 0..N, the first key not on 0, the last not on N, order
+/// reversed, two keys on one frame: with key and frame), no_solution (with a key that cannot be met),
+/// capacity.
+///
+/// Cost: iterations * f * 5; tens of iterations at most.
 template <Precise Real>
 Result<KeyTiming<Real>> adjust_to_locks(const KeyTimingSpec<Real>& spec, const KeyTimingMemory<Real>& memory);
 
