@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "host_tools/budget.hpp"
 #include "host_tools/output_file.hpp"
 #include "host_tools/plan.hpp"
 #include "host_tools/plan_output.hpp"
@@ -227,6 +228,15 @@ int run_command(const RunArguments& arguments) {
   return report.ending == Ending::fault ? exit_fault : 0;
 }
 
+int budget_command(const BudgetCapacity& capacity) {
+  if (capacity.locks > capacity.keys) {
+    throw UsageError(
+        fmt::format("--locks {} is more than --keys {}; raise --keys", capacity.locks, capacity.keys));
+  }
+  print_budget(capacity, stdout);
+  return 0;
+}
+
 void describe_plan(CLI::App& app, PlanArguments& arguments) {
   app.add_option("MOVE", arguments.move, "the move: a TOML file with keys, a speed curve and a frame count")
       ->required();
@@ -266,6 +276,42 @@ void describe_run(CLI::App& app, RunArguments& arguments) {
       "  inbetween run move.toml --rig rig.toml --sim --fast        for scripts and tests");
 }
 
+void describe_budget(CLI::App& app, BudgetCapacity& capacity) {
+  const auto add_count = [&](const char* name, std::int32_t& count, std::int32_t least, std::int32_t largest,
+                             const char* what) {
+    app.add_option(name, count, what)->check(CLI::Range(least, largest))->capture_default_str();
+  };
+  add_count("--keys", capacity.keys, 1, largest_budget.keys, "keys of a track");
+  add_count("--axes", capacity.axes, 1, largest_budget.axes, "axes of a track");
+  add_count(
+      "--control-values", capacity.control_values, 1, largest_budget.control_values,
+      "control values of the speed curve; locked keys may refine a drawn one, to twice as many and more");
+  add_count("--frames", capacity.frames, 1, largest_budget.frames, "frames of the move");
+  add_count("--locks", capacity.locks, 0, largest_budget.locks,
+            "keys with a frame, a hold or a break of their own");
+  app.add_option("--delta", capacity.delta,
+                 "largest relative error of the speed; without it 1e-6 in double, 1e-5 in single precision")
+      ->check([](const std::string& text) {
+        constexpr double least = Precision<double>::smallest_delta;
+        double delta = 0;
+        const double above = *largest_budget.delta;
+        const bool known = CLI::detail::lexical_cast(text, delta) && delta >= least && delta < above;
+        return known ? "" : fmt::format("Value {} not in range: from {:g} to below {:g}", text, least, above);
+      });
+  app.footer(
+      "Three tables: the bytes that the caller of the core provides for every object of a move of that "
+      "capacity\n"
+      "(the same on every processor); the worst stack of every public function on two microcontrollers, "
+      "added up\n"
+      "from what the compiler says; the instructions that a tick of three axes takes there, counted in an "
+      "emulator.\n"
+      "The last two are limits, which the tests of the project hold.\n\n"
+      "Examples:\n"
+      "  inbetween budget                                           8 keys, 3 axes, 240 frames\n"
+      "  inbetween budget --keys 100 --axes 16 --control-values 40 --frames 5000\n"
+      "  inbetween budget --delta 1e-4                              coarser, in less memory");
+}
+
 /// Not fmt::print, which throws where standard error cannot be written either: the status still tells.
 void complain(const std::string& line) {
   std::fputs((line + '\n').c_str(), stderr);
@@ -290,7 +336,13 @@ int run_command_line(int argc, const char* const* argv) {
   describe_plan(*plan, plan_arguments);
   CLI::App* run = app.add_subcommand("run", "Play a move on a rig, a position of every axis per tick");
   describe_run(*run, run_arguments);
-  const auto wrong_usage = [](const std::string& what, const std::string& command) {
+  BudgetCapacity budget_capacity;
+  CLI::App* budget =
+      app.add_subcommand("budget", "Say what a move takes of a machine: memory, stack, instructions");
+  describe_budget(*budget, budget_capacity);
+  const auto wrong_usage = [&](const std::string& what) {
+    const std::vector<CLI::App*> commands = app.get_subcommands();
+    const std::string command = commands.empty() ? "" : commands.front()->get_name() + " ";
     complain(fmt::format("inbetween: error: {}; see inbetween {}--help", what, command));
     return exit_wrong_usage;
   };
@@ -300,6 +352,8 @@ int run_command_line(int argc, const char* const* argv) {
       app.parse(argc, argv);
       if (run->parsed()) {
         status = run_command(run_arguments);
+      } else if (budget->parsed()) {
+        status = budget_command(budget_capacity);
       } else {
         plan_command(plan_arguments);
       }
@@ -310,9 +364,9 @@ int run_command_line(int argc, const char* const* argv) {
     check_standard_output();
     return status;
   } catch (const CLI::ParseError& error) {
-    return wrong_usage(error.what(), plan->parsed() ? "plan " : run->parsed() ? "run " : "");
+    return wrong_usage(error.what());
   } catch (const UsageError& error) {
-    return wrong_usage(error.what(), run->parsed() ? "run " : "plan ");
+    return wrong_usage(error.what());
   } catch (const LimitError& error) {
     complain(error.what());
     return exit_limit;

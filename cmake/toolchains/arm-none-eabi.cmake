@@ -10,5 +10,5 @@ set(CMAKE_CXX_FLAGS_INIT
   # .ci file says who calls whom with how much stack; scripts/measure-budget adds it up.
   # The linker leaves out what is not called: a program in single precision has no double instantiations.
   "${INBETWEEN_CPU_FLAGS} -mthumb -ffunction-sections -fdata-sections -fno-exceptions -fno-rtti \
--fno-threadsafe-statics -fno-use-cxa-atexit -fno-math-errno -Wno-psabi -fcallgraph-info=su")
+-fno-threadsafe-statics -fno-use-cxa-atexit -Wno-psabi -fcallgraph-info=su")
 set(CMAKE_EXE_LINKER_FLAGS_INIT "-nostartfiles -Wl,--gc-sections -Wl,--fatal-warnings")

@@ -22,7 +22,7 @@ namespace inbetween {
 
 /// The speed curve is cut, exactly, into at least this many spans: what a float rounds is then a small share
 /// of the way, and the piece that a distance lies in is found among few.
-/// CountTrack.IsWithinATenthOfACountOfTwentyBits and Budget.TheTickKeepsToItsInstructions hold it.
+/// CountTrack.IsWithinATenthOfACountOfTwentyBits and Budget.EveryFunctionKeepsToItsInstructions hold it.
 inline constexpr std::int32_t least_count_spans = 64;
 /// Likewise a segment of the path into at least this many pieces; double needs no cutting.
 template <Precise Real>

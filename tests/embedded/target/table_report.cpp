@@ -6,6 +6,7 @@
 #include "inbetween/count_track.hpp"
 #include "inbetween/frame_table.hpp"
 #include "inbetween/hash.hpp"
+#include "inbetween/key_timing.hpp"
 #include "inbetween/ode_frame_table.hpp"
 #include "inbetween/track.hpp"
 #include "tests/embedded/target/console.hpp"
@@ -142,7 +143,8 @@ void report_sizes() {
   for (const std::size_t size :
        {sizeof(Cubic<Real>), sizeof(ArcPiece<Real>), sizeof(TwoSum<Real>), sizeof(SpeedSpan<Real>),
         sizeof(PathPoint<Real>), sizeof(OdeSegment<Real>), sizeof(CountSpan<Real>), sizeof(CountPiece<Real>),
-        sizeof(CountCubic<Real>), sizeof(FrameTime<Real>), sizeof(AxisMotion<Real>)}) {
+        sizeof(CountCubic<Real>), sizeof(CountPortion<Real>), sizeof(Portion<Real>),
+        sizeof(KeyInterval<Real>), sizeof(KeyLock), sizeof(FrameTime<Real>), sizeof(AxisMotion<Real>)}) {
     print(" ");
     print(static_cast<long long>(size));
   }

@@ -1,0 +1,85 @@
+#include "host_tools/budget.hpp"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <map>
+#include <set>
+#include <span>
+#include <sstream>
+#include <string>
+#include <utility>
+
+/// What scripts/measure-budget has measured against the limits that `inbetween budget` prints.
+
+namespace inbetween {
+namespace {
+
+using Measured = std::map<std::string, double>;
+
+/// Of one kind ("instructions", "stack") on one target, by name.
+Measured measured(const std::string& kind, const std::string& target) {
+  std::ifstream file(INBETWEEN_MEASURED_BUDGET);
+  Measured result;
+  std::string line;
+  while (std::getline(file, line)) {
+    std::istringstream words(line);
+    std::string line_kind;
+    std::string line_target;
+    std::string name;
+    double number = 0;
+    if (words >> line_kind >> line_target >> name >> number && line_kind == kind && line_target == target) {
+      result[name] = number;
+    }
+  }
+  return result;
+}
+
+/// Every limit is kept, and is not so far above that nobody would notice a change for the worse. Below
+/// `negligible` nobody needs to.
+void expect_kept(const Measured& numbers, const std::string& name, std::int32_t limit, double least_share,
+                 std::int32_t negligible) {
+  const auto found = numbers.find(name);
+  ASSERT_NE(found, numbers.end()) << name << " has a limit, but is not measured";
+  EXPECT_LE(found->second, limit) << name;
+  if (limit <= negligible) return;
+  EXPECT_GE(found->second, least_share * limit) << name << " takes far less than its limit: lower the limit";
+}
+
+/// And whatever is measured has a limit.
+void expect_all_kept(const std::string& kind, std::span<const FunctionBudget> limits, double least_share,
+                     std::int32_t negligible) {
+  for (const std::string target : {"cortex-m7", "cortex-m4f"}) {
+    const Measured numbers = measured(kind, target);
+    std::set<std::string> limited;
+    for (const FunctionBudget& function : limits) {
+      const BudgetLimit& limit = target == "cortex-m7" ? function.cortex_m7 : function.cortex_m4f;
+      SCOPED_TRACE(kind + " on " + target);
+      for (const auto& [precision, most] :
+           {std::pair("/double", limit.in_double), {"/float", limit.in_float}}) {
+        const std::string name = std::string(function.name) + precision;
+        limited.insert(name);
+        expect_kept(numbers, name, most, least_share, negligible);
+      }
+    }
+    for (const auto& [name, number] : numbers) {
+      EXPECT_EQ(limited.count(name), 1U) << name << " takes " << number << " and has no limit";
+    }
+  }
+}
+
+TEST(Budget, EveryFunctionKeepsToItsInstructions) {
+  expect_all_kept("instructions", instruction_limits(), 0.7, 0);
+}
+
+TEST(Budget, EveryFunctionKeepsToItsStack) {
+  expect_all_kept("stack", stack_limits(), 0.5, 32);
+}
+
+TEST(Budget, TheTickOfADriveIsAsQuickAsWasAskedFor) {
+  EXPECT_LE(measured("instructions", "cortex-m4f").at("CountTrack::counts/float"), 130);
+  EXPECT_LE(measured("instructions", "cortex-m7").at("CountTrack::counts/double"), 140);
+}
+
+}  // namespace
+}  // namespace inbetween

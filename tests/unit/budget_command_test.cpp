@@ -1,0 +1,227 @@
+// `inbetween budget` as its users meet it, and what it says against the memory that moves really take.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <malloc.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <initializer_list>
+#include <optional>
+#include <sstream>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "host_tools/budget.hpp"
+#include "host_tools/move_file.hpp"
+#include "host_tools/plan.hpp"
+#include "inbetween/count_track.hpp"
+#include "inbetween/key_timing.hpp"
+#include "inbetween/ode_frame_table.hpp"
+#include "inbetween/track.hpp"
+#include "tests/support/run_program.hpp"
+
+namespace inbetween {
+namespace {
+
+using testing::HasSubstr;
+using testing::StartsWith;
+
+std::int64_t bytes_of(const BudgetCapacity& capacity, std::string_view name, bool in_double = true) {
+  for (const BudgetObject& object : budget_objects(capacity)) {
+    if (object.name.find(name) != std::string_view::npos) {
+      return (in_double ? object.in_double : object.in_float).value_or(0);
+    }
+  }
+  ADD_FAILURE() << "the budget has no " << name;
+  return 0;
+}
+
+/// What a Track of a drawn curve takes.
+std::int64_t bytes_of_track(const BudgetCapacity& capacity, bool in_double) {
+  std::int64_t sum = 0;
+  for (const char* part : {"path", "arc length", "speed profile", "track"}) {
+    sum += bytes_of(capacity, part, in_double);
+  }
+  return sum;
+}
+
+/// In the order of their lines; "-" is 0.
+std::vector<std::int64_t> numbers_behind(const std::string& text, const std::string& name) {
+  std::vector<std::int64_t> numbers;
+  const std::size_t begin = text.find("\n  " + name + " ");
+  if (begin == std::string::npos) return numbers;
+  std::istringstream words(
+      text.substr(begin + 3 + name.size(), text.find('\n', begin + 1) - begin - 3 - name.size()));
+  for (std::string word; words >> word;) numbers.push_back(word == "-" ? 0 : std::stoll(word));
+  return numbers;
+}
+
+TEST(BudgetCommand, PrintsTheMemoryAndTheLimitsThatTheTestsHold) {
+  const ProgramRun run = run_program({"budget"});
+  EXPECT_EQ(run.status, 0);
+  EXPECT_EQ(run.err, "");
+  EXPECT_THAT(
+      run.out,
+      StartsWith("Memory in bytes for 8 keys, 3 axes, 10 control values, 240 frames, 0 locked keys:\n"));
+  for (const BudgetObject& object : budget_objects({})) {
+    EXPECT_EQ(numbers_behind(run.out, std::string(object.name)),
+              (std::vector{object.in_double.value_or(0), object.in_float.value_or(0)}))
+        << object.name;
+  }
+  for (const auto& limits : {stack_limits(), instruction_limits()}) {
+    EXPECT_GE(limits.size(), 5U);
+    for (const FunctionBudget& function : limits) {
+      const std::string row = "\n  " + std::string(function.name) + " ";
+      EXPECT_THAT(run.out, HasSubstr(row));
+      EXPECT_THAT(run.out, HasSubstr(std::to_string(function.cortex_m4f.in_float)));
+    }
+  }
+}
+
+TEST(BudgetCommand, TakesEveryPartOfTheCapacityFromItsOption) {
+  const ProgramRun run = run_program({"budget", "--keys", "21", "--axes", "5", "--control-values", "33",
+                                      "--frames", "1000", "--locks", "4", "--delta", "1e-4"});
+  EXPECT_EQ(run.status, 0) << run.err;
+  EXPECT_THAT(
+      run.out,
+      StartsWith("Memory in bytes for 21 keys, 5 axes, 33 control values, 1000 frames, 4 locked keys:\n"));
+  const BudgetCapacity capacity{
+      .keys = 21, .axes = 5, .control_values = 33, .frames = 1000, .delta = 1e-4, .locks = 4};
+  for (const BudgetObject& object : budget_objects(capacity)) {
+    EXPECT_EQ(numbers_behind(run.out, std::string(object.name)),
+              (std::vector{*object.in_double, *object.in_float}))
+        << object.name;
+  }
+}
+
+TEST(BudgetCommand, SaysWhichPrecisionCannotReachADelta) {
+  const ProgramRun run = run_program({"budget", "--delta", "1e-7"});
+  EXPECT_EQ(run.status, 0) << run.err;
+  EXPECT_EQ(numbers_behind(run.out, "arc length").at(1), 0);
+  EXPECT_GT(numbers_behind(run.out, "arc length").at(0), 20'000);
+  EXPECT_THAT(run.out, HasSubstr("single precision reaches a speed error of 4e-06 at best"));
+  EXPECT_THAT(run_program({"budget"}).out, Not(HasSubstr("at best")));
+}
+
+TEST(BudgetCommand, ItsHelpNamesEveryOptionAndSaysWhatTheTablesAre) {
+  EXPECT_THAT(run_program({"--help"}).out, HasSubstr("\n  budget "));
+  const ProgramRun run = run_program({"budget", "--help"});
+  EXPECT_EQ(run.status, 0);
+  for (const char* words : {"--keys", "--axes", "--control-values", "--frames", "--delta", "--locks",
+                            "[1 - 10000]", "worst stack", "instructions", "inbetween budget --keys 100"}) {
+    EXPECT_THAT(run.out, HasSubstr(words));
+  }
+}
+
+void expect_refused(const std::vector<std::string>& options, std::initializer_list<const char*> words) {
+  std::vector<std::string> arguments{"budget"};
+  arguments.insert(arguments.end(), options.begin(), options.end());
+  const ProgramRun run = run_program(arguments);
+  EXPECT_EQ(run.status, 2) << options.front();
+  EXPECT_EQ(run.out, "");
+  EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
+  EXPECT_THAT(run.err, StartsWith("inbetween: error: "));
+  EXPECT_THAT(run.err, HasSubstr("; see inbetween budget --help\n"));
+  for (const char* word : words) EXPECT_THAT(run.err, HasSubstr(word));
+}
+
+TEST(BudgetCommand, RefusesWhatIsNoCapacity) {
+  for (const char* option : {"--keys", "--axes", "--control-values", "--frames"}) {
+    for (const char* number : {"0", "-1", "1000001", "99999999999", "3.5", "many", "nan", ""}) {
+      expect_refused({std::string(option) + "=" + number}, {option});
+    }
+  }
+  expect_refused({"--keys", "10001"}, {"--keys", "10001", "1 to 10000"});
+  expect_refused({"--axes", "65"}, {"--axes", "65", "1 to 64"});
+  expect_refused({"--control-values", "100001"}, {"--control-values", "100001"});
+  expect_refused({"--locks=-1"}, {"--locks", "-1"});
+  expect_refused({"--keys", "5", "--locks", "6"}, {"--locks 6 is more than --keys 5", "raise --keys"});
+  for (const char* delta : {"0", "0.1", "1e-10", "-1e-6", "nan", "inf", "small"}) {
+    expect_refused({std::string("--delta=") + delta}, {"--delta", "from 1e-09 to below 0.1"});
+  }
+  expect_refused({"--delta="}, {"--delta"});
+  expect_refused({"move.toml"}, {"move.toml"});
+  expect_refused({"--keys", "5", "--keys", "6"}, {"--keys"});
+}
+
+/// But for what the compiler puts between the parts of a storage.
+void expect_size(std::int64_t bytes, std::size_t size_of_storage) {
+  EXPECT_NEAR(static_cast<double>(bytes), static_cast<double>(size_of_storage), 16);
+}
+
+TEST(Budget, IsWhatTheStoragesOfTheCoreTake) {
+  constexpr BudgetCapacity capacity{.keys = 8, .axes = 3, .control_values = 10, .locks = 3};
+  expect_size(bytes_of_track(capacity, true), sizeof(TrackStorage<double, 8, 3, 10, std::size_t{8} * 40>));
+  expect_size(bytes_of_track(capacity, false), sizeof(TrackStorage<float, 8, 3, 10, std::size_t{8} * 29>));
+  expect_size(bytes_of(capacity, "adjusted"), sizeof(KeyTimingStorage<double, 3, 10>));
+  expect_size(bytes_of(capacity, "adjusted", false), sizeof(KeyTimingStorage<float, 3, 10>));
+  expect_size(bytes_of(capacity, "frame table"), sizeof(std::array<PathPoint<double>, 241>));
+  expect_size(bytes_of(capacity, "breaks"), sizeof(std::array<Portion<double>, 4>));
+  expect_size(bytes_of(capacity, "timed by frames"), sizeof(std::array<KeyInterval<double>, 8>));
+  expect_size(bytes_of(capacity, "Runge-Kutta"), sizeof(std::array<OdeSegment<double>, 9>));
+  // Three breaks make four portions. The storage has room for the most spans that a curve is cut into; this
+  // one, of nine, is cut into 72.
+  constexpr std::size_t spare_spans = 126 - 72;
+  expect_size(bytes_of(capacity, "count track"),
+              sizeof(CountTrackStorage<double, 3, 10, std::size_t{8} * 40, 4>) -
+                  spare_spans * sizeof(CountSpan<double>));
+  expect_size(bytes_of(capacity, "count track", false),
+              sizeof(CountTrackStorage<float, 3, 10, std::size_t{8} * (40 + 7), 4>) -
+                  spare_spans * sizeof(CountSpan<float>));
+}
+
+TEST(Budget, HasRoomForThePiecesOfEveryExample) {
+  for (const char* name : {"reveal", "nod", "paper_figure_4", "paper_figure_5", "paper_figure_6"}) {
+    const Plan plan(read_move_file(std::string(INBETWEEN_SOURCE_DIR "/examples/") + name + ".toml"), {}, {});
+    for (const SolvedTrack<double>& solved : plan.tracks()) {
+      const Path<double>& path = solved.track().path();
+      for (const double delta : {1e-3, 1e-4, 1e-6, 1e-8, 1e-9}) {
+        std::vector<ArcPiece<double>> pieces(10'000);
+        std::vector<double> begins(pieces.size());
+        std::vector<std::int32_t> buckets(1);
+        std::vector<std::int32_t> first_pieces(static_cast<std::size_t>(path.segment_count()) + 1);
+        std::vector<TwoSum<double>> segment_begins(first_pieces.size());
+        const auto inverse = ArcLength<double>::make(path, {.delta = delta},
+                                                     {pieces, begins, buckets, first_pieces, segment_begins});
+        ASSERT_TRUE(inverse);
+        EXPECT_LE(inverse->piece_count(), usual_pieces_per_segment(delta) * path.key_count())
+            << name << " at " << delta;
+      }
+    }
+  }
+}
+
+#ifndef INBETWEEN_SANITIZED  // a sanitizer has an allocator of its own, which mallinfo2() does not know
+TEST(Budget, CoversTheHeapThatTheExampleTakes) {
+  const Plan plan(read_move_file(INBETWEEN_SOURCE_DIR "/examples/reveal.toml"), {}, {});
+  const MoveTrack& move = plan.move().tracks.front();
+  const Track<double>& track = plan.tracks().front().track();
+  std::vector<double> keys;
+  for (const MoveKey& key : move.keys) keys.insert(keys.end(), key.at.begin(), key.at.end());
+  const TrackSpec<double> spec{.path = {.spline = track.path().spline(),
+                                        .axis_count = track.path().axis_count(),
+                                        .keys = keys,
+                                        .weights = track.path().weights()},
+                               .control_values = plan.tracks().front().control_values(),
+                               .frames = track.frames(),
+                               .fps = track.frame_rate(),
+                               .arc_length = {}};
+  const std::size_t before = mallinfo2().uordblks;
+  const SolvedTrack<double> solved(spec, Solver::closed_form);
+  const auto taken = static_cast<std::int64_t>(mallinfo2().uordblks - before);
+  const BudgetCapacity capacity{.keys = static_cast<std::int32_t>(move.keys.size()),
+                                .axes = spec.path.axis_count,
+                                .control_values = static_cast<std::int32_t>(spec.control_values.size()),
+                                .frames = spec.frames};
+  // The control values, and at most 24 bytes for the allocator with each of about 15 vectors.
+  const std::int64_t besides = 8 * static_cast<std::int64_t>(spec.control_values.size()) + 15 * 24;
+  const std::int64_t budget = bytes_of_track(capacity, true) + bytes_of(capacity, "frame table");
+  EXPECT_LE(taken, budget + besides);
+  EXPECT_GE(2 * taken, budget);  // this path is one of few pieces, and open
+}
+#endif
+
+}  // namespace
+}  // namespace inbetween
