@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "scaled_norm.hpp"
 
@@ -50,6 +51,24 @@ class Construction {
         break;
     }
     append_continuation();
+  }
+
+  /// The first segment on which the path swings beyond the numbers: a smooth path does where an axis of
+  /// little weight goes far between keys that are near to each other as weighted.
+  [[nodiscard]] Status check_range() const {
+    // An ordinary path overshoots a few times; the square of this is still finite for every axis.
+    const Real most = 1000 * Precision<Real>::largest;
+    for (std::size_t i = 0; i < segments_ * axes_; ++i) {
+      const Cubic<Real>& c = cubics_[i];
+      const auto inside = [&](Real x) { return std::fabs(x) <= most; };  // false for a NaN
+      if (inside(c.c1) && inside(c.c2) && inside(c.c3)) continue;
+      return Error{.code = ErrorCode::out_of_range,
+                   .what = "the path swings beyond the range of numbers after this key",
+                   .remedy = "make the weights less unequal, or use a spline that is not smooth",
+                   .key = static_cast<std::int32_t>(i / axes_),
+                   .axis = static_cast<std::int32_t>(i % axes_)};
+    }
+    return Done{};
   }
 
   /// The first segment in which an axis moves although the weighted length does not grow.
@@ -123,11 +142,10 @@ class Construction {
 
   void build_smooth() {
     std::size_t steps = 0;
-    const int exponent = chord_exponent();
+    exponent_ = chord_exponent();
     for (std::size_t i = 0; i < segments_; ++i) {
-      const Real length = weighted_chord(i);
-      if (length == 0) continue;
-      cubic(steps, 0).c0 = std::sqrt(std::ldexp(length, -exponent));
+      if (same_knot(i)) continue;
+      cubic(steps, 0).c0 = std::sqrt(scaled_chord(i));
       for (std::size_t d = 0; d < axes_; ++d) cubic(steps, d).c2 = chord(i, d) / cubic(steps, 0).c0;
       ++steps;
     }
@@ -163,11 +181,10 @@ class Construction {
     return scaled_norm<Real>(axes_, [&](std::size_t d) { return weights_[d] * chord(i, d); });
   }
 
+  [[nodiscard]] Real scaled_chord(std::size_t i) const { return std::ldexp(weighted_chord(i), -exponent_); }
+  /// Equal keys, or nearer to each other than the longest chord lets them be told apart.
   [[nodiscard]] bool same_knot(std::size_t i) const {
-    for (std::size_t d = 0; d < axes_; ++d) {
-      if (weights_[d] * chord(i, d) != 0) return false;
-    }
-    return true;
+    return scaled_chord(i) < std::numeric_limits<Real>::min();
   }
 
   void slopes_to_right_hand_side(std::size_t d, std::size_t steps) {
@@ -260,6 +277,7 @@ class Construction {
   std::size_t axes_;
   std::size_t keys_;
   std::size_t segments_;
+  int exponent_ = 0;
 };
 
 template <Precise Real>
@@ -347,6 +365,7 @@ Result<Path<Real>> Path<Real>::make(const PathSpec<Real>& spec, const PathMemory
 
   Construction<Real> construction(spec, memory);
   construction.build();
+  if (const Status in_range = construction.check_range(); !in_range) return in_range.error();
   if (const Status measured = construction.check_measured(); !measured) return measured.error();
 
   Path path;

@@ -70,7 +70,7 @@ class SegmentSpeed {
   [[nodiscard]] Real at(Real t) const {
     Real sum = 0;
     for (std::size_t d = 0; d < cubics_.size(); ++d) {
-      const Real component = weights_[d] * scale_ * cubics_[d].derivative(t);
+      const Real component = scale_ * (weights_[d] * cubics_[d].derivative(t));
       sum += component * component;
     }
     return std::sqrt(sum);
@@ -81,10 +81,11 @@ class SegmentSpeed {
     Quartic<Real> result;
     std::array<Real, 5>& q = result.q;
     for (std::size_t d = 0; d < cubics_.size(); ++d) {
-      const Real scale = weights_[d] * scale_;
-      const Real c = 3 * cubics_[d].c3 * scale;
-      const Real linear = 2 * cubics_[d].c2 * scale;
-      const Real a = cubics_[d].c1 * scale + anchor * (linear + anchor * c);
+      // Weighted first: the weight of a segment that is next to nothing overflows when scaled alone.
+      const auto scaled = [&](Real part) { return scale_ * (weights_[d] * part); };
+      const Real c = scaled(3 * cubics_[d].c3);
+      const Real linear = scaled(2 * cubics_[d].c2);
+      const Real a = scaled(cubics_[d].c1) + anchor * (linear + anchor * c);
       const Real outward = linear + 2 * anchor * c;
       const Real b = forward ? outward : -outward;
       q[0] += a * a;

@@ -88,9 +88,11 @@ Result<Track<Real>> Track<Real>::make(const Path<Real>& path, const ArcLength<Re
                  .needed = static_cast<std::int64_t>(f) + 1};
   }
   const TwoSum<Real> length = arc_length.segment_begin(path.segment_count());
-  if (profile.total_integral() <= 0 && length.high > 0) {
+  if (profile.total_integral() < Precision<Real>::smallest_square_root && length.high > 0) {
+    const bool zero = profile.total_integral() <= 0;
     return Error{.code = ErrorCode::no_distance,
-                 .what = "the speed curve is zero everywhere, but the path has length",
+                 .what = zero ? "the speed curve is zero everywhere, but the path has length"
+                              : "the speed curve is too near zero everywhere for a path that has length",
                  .remedy = "raise a control value above 0"};
   }
   TwoSum<Real> constant;
@@ -100,7 +102,9 @@ Result<Track<Real>> Track<Real>::make(const Path<Real>& path, const ArcLength<Re
     TwoSum<Real> distance = two_product(constant.high, integral.high);
     distance.low += constant.high * integral.low + constant.low * integral.high;
     distance.renormalize();
-    memory.span_distances[i] = distance;
+    // In a dwell at the end the move is at the end, to the last bit.
+    const bool arrived = integral == profile.integral_before(profile.span_count());
+    memory.span_distances[i] = arrived ? length : distance;
   }
   Track track(path, arc_length, profile, frames, fps);
   track.span_distances_ = memory.span_distances.first(f + 1);
@@ -141,9 +145,10 @@ Result<Track<Real>> Track<Real>::make_with_breaks(const Path<Real>& path, const 
     }
     const Real length = arc_length.segment_begin(end.key).minus(arc_length.segment_begin(begin.key));
     const Real covered = integral.minus(integral_before);
-    if (!(covered > 0) && length > 0) {
+    if (!(covered >= Precision<Real>::smallest_square_root) && length > 0) {
       return Error{.code = ErrorCode::no_distance,
-                   .what = "the speed curve is zero on the whole way to this key",
+                   .what = covered > 0 ? "the speed curve is too near zero on the whole way to this key"
+                                       : "the speed curve is zero on the whole way to this key",
                    .remedy = "raise a control value there above 0",
                    .key = end.key,
                    .frame = end.frame};

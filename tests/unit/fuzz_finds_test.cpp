@@ -4,8 +4,12 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <iterator>
 #include <limits>
+#include <random>
 #include <span>
+#include <string>
+#include <type_traits>
 #include <vector>
 
 #include "host_tools/solved_track.hpp"
@@ -23,6 +27,10 @@ struct Move {
   std::int32_t frames = 50;
   ArcLengthOptions<Real> options = {};
   std::vector<std::int32_t> key_frames = {};
+  std::vector<Real> weights = {};
+  FrameRate fps = {24, 1};
+  Kinetic kinetic = Kinetic::linear;
+  std::vector<KeyLock> locks = {};
 };
 
 template <Precise Real>
@@ -30,13 +38,15 @@ SolvedTrack<Real> solved(const Move<Real>& move, Solver solver = Solver::closed_
   return SolvedTrack<Real>({.path = {.spline = move.spline,
                                      .closed = move.closed,
                                      .axis_count = move.axis_count,
-                                     .keys = move.keys},
+                                     .keys = move.keys,
+                                     .weights = move.weights},
                             .control_values = move.speed,
                             .frames = move.frames,
-                            .fps = {24, 1},
+                            .fps = move.fps,
                             .arc_length = move.options,
-                            .locks = {},
-                            .key_frames = move.key_frames},
+                            .locks = move.locks,
+                            .key_frames = move.key_frames,
+                            .kinetic = move.kinetic},
                            solver);
 }
 
@@ -59,6 +69,26 @@ void expect_sound(const SolvedTrack<Real>& solution) {
   for (std::int32_t frame = 0; frame <= solution.track().frames(); ++frame) {
     EXPECT_TRUE(std::isfinite(frame_row(solution.track(), solution.table(), frame).distance)) << frame;
   }
+}
+
+template <Precise Real>
+struct Reported {
+  std::vector<AxisMotion<Real>> axes;
+  Derivatives derivatives{};
+};
+
+/// The motion of every axis, which must be finite.
+template <Precise Real>
+Reported<Real> motion_at(const SolvedTrack<Real>& solution, const FrameTime<Real>& time) {
+  Reported<Real> motion;
+  motion.axes.resize(static_cast<std::size_t>(solution.track().path().axis_count()));
+  motion.derivatives = solution.track().motion(time, motion.axes);
+  for (const AxisMotion<Real>& axis : motion.axes) {
+    for (const Real number : {axis.position, axis.velocity, axis.acceleration, axis.jerk}) {
+      EXPECT_TRUE(std::isfinite(number)) << "frame " << time.frame << " + " << time.fraction;
+    }
+  }
+  return motion;
 }
 
 TEST(FuzzFinds, DivisionEndsWhereSinglePrecisionHasNoMoreDigits) {
@@ -150,6 +180,267 @@ TEST(FuzzFinds, RungeKuttaRefusesAMoveThatHasNoSpeedCurve) {
   const Error error = refusal(move, Solver::runge_kutta);
   EXPECT_EQ(error.code, ErrorCode::out_of_range);
   EXPECT_STREQ(error.remedy, "use the closed-form solver");
+}
+
+template <class Real>
+class FuzzFindsIn : public testing::Test {};
+using Precisions = testing::Types<double, float>;
+TYPED_TEST_SUITE(FuzzFindsIn, Precisions);
+
+// --- chords, control values and weights beside which others are nothing
+
+TYPED_TEST(FuzzFindsIn, ASmoothPathSharesAKnotWhereAChordIsNothingBesideTheLongest) {
+  using Real = TypeParam;
+  // Divided by the longest chord the second one is 0, and the knots were divided by it.
+  const Real longest = std::is_same_v<Real, double> ? Real(1e110) : Real(1e11);
+  const Real nothing = std::numeric_limits<Real>::min();
+  for (const bool closed : {false, true}) {
+    const auto solution = solved<Real>({.spline = Spline::smooth,
+                                        .closed = closed,
+                                        .axis_count = 2,
+                                        .keys = {0, longest, nothing, 0, 0, 0, 0, -longest},
+                                        .frames = 60});
+    expect_sound(solution);
+    for (std::int32_t frame = 0; frame <= 60; ++frame) motion_at<Real>(solution, {frame, 0});
+    EXPECT_EQ(solution.track().path().position({1, 0}, 0), nothing);
+    EXPECT_EQ(solution.track().path().position({3, 0}, 1), -longest);
+  }
+}
+
+TYPED_TEST(FuzzFindsIn, ASmoothPathThatSwingsBeyondTheNumbersIsRefused) {
+  using Real = TypeParam;
+  // Axis 1 counts for next to nothing and goes far between keys 1 and 2, which share nearly one knot: its
+  // second derivative there was infinite, and the length not a number.
+  const Real next_to_nothing = std::is_same_v<Real, double> ? Real(1e-300) : Real(1e-30);
+  const Real far = std::is_same_v<Real, double> ? Real(1e100) : Real(1e12);
+  const Error error = refusal<Real>({.spline = Spline::smooth,
+                                     .axis_count = 2,
+                                     .keys = {0, 0, far, 0, far, far, 0, 0},
+                                     .weights = {1, next_to_nothing}});
+  EXPECT_EQ(error.code, ErrorCode::out_of_range);
+  EXPECT_STREQ(error.what, "the path swings beyond the range of numbers after this key");
+  EXPECT_EQ(error.axis, 1);
+}
+
+TYPED_TEST(FuzzFindsIn, ASpeedCurveTooNearZeroForItsConstantIsRefused) {
+  using Real = TypeParam;
+  // K = L / Phi(f) was infinite.
+  const Real subnormal = std::numeric_limits<Real>::denorm_min();
+  for (const Real value : {subnormal, 8 * subnormal, Precision<Real>::smallest_square_root / 2}) {
+    const Error error = refusal<Real>({.keys = {0, 100}, .speed = {value}});
+    EXPECT_EQ(error.code, ErrorCode::no_distance);
+    EXPECT_STREQ(error.what, "the speed curve is too near zero everywhere for a path that has length");
+    EXPECT_STREQ(error.remedy, "raise a control value above 0");
+  }
+  EXPECT_STREQ(refusal<Real>({.keys = {0, 100}, .speed = {0, 0}}).what,
+               "the speed curve is zero everywhere, but the path has length");
+  expect_sound(solved<Real>({.keys = {0, 100}, .speed = {2 * Precision<Real>::smallest_square_root}}));
+}
+
+TYPED_TEST(FuzzFindsIn, APortionWhoseSpeedIsTooNearZeroForItsConstantIsRefused) {
+  using Real = TypeParam;
+  const auto broken_at_key_1 = [](Real before) {
+    return Move<Real>{.keys = {0, 50, 100},
+                      .speed = {before, before, before, before, 0, 0, 10, 10},
+                      .frames = 70,
+                      .locks = {{.key = 1, .frame = 20, .breaks = true}}};
+  };
+  const Error error = refusal(broken_at_key_1(std::numeric_limits<Real>::denorm_min()));
+  EXPECT_EQ(error.code, ErrorCode::no_distance);
+  EXPECT_EQ(error.key, 1);
+  EXPECT_STREQ(error.what, "the speed curve is too near zero on the whole way to this key");
+  EXPECT_STREQ(refusal(broken_at_key_1(0)).what, "the speed curve is zero on the whole way to this key");
+  expect_sound(solved(broken_at_key_1(1)));
+}
+
+TYPED_TEST(FuzzFindsIn, InADwellAtTheEndTheMoveIsAtItsEndToTheLastBit) {
+  using Real = TypeParam;
+  // K Phi(f) was an ulp below the length, and the rig stood at t = 1 of the last segment, not on the key.
+  const std::vector<Real> speed = std::is_same_v<Real, float> ? std::vector<Real>{25, 4, 0, 0, 0, 0}
+                                                              : std::vector<Real>{5, 5, 0, 0, 0, 0};
+  const auto solution =
+      solved<Real>({.spline = Spline::linear, .keys = {0, 1}, .speed = speed, .frames = 35});
+  expect_sound(solution);
+  for (std::int32_t frame = 21; frame <= 35; ++frame) {
+    EXPECT_EQ(solution.track().locate({frame, 0}), (PathPoint<Real>{1, 0})) << frame;
+    EXPECT_EQ(motion_at<Real>(solution, {frame, 0}).axes[0].velocity, 0) << frame;
+  }
+}
+
+// --- derivatives that no number can hold
+
+TEST(FuzzFinds, ADerivativeBeyondTheRangeIsGivenAsZeroAndReported) {
+  const FrameRate quick{2'147'483'647, 1};
+  const auto by_frames = solved<float>({.keys = {0, 7e14F, 1e15F},
+                                        .frames = 3,
+                                        .key_frames = {0, 1, 3},
+                                        .fps = quick,
+                                        .kinetic = Kinetic::smooth});
+  EXPECT_EQ(motion_at<float>(by_frames, {0, 0}).derivatives, Derivatives::unbounded);
+  const auto by_curve = solved<float>(
+      {.spline = Spline::linear, .keys = {0, 1e15F}, .speed = {0, 0, 9, 0, 0}, .frames = 3, .fps = quick});
+  EXPECT_EQ(motion_at<float>(by_curve, {1, 0}).derivatives, Derivatives::unbounded);
+  for (const SolvedTrack<float>* solution : {&by_frames, &by_curve}) {
+    for (const std::int32_t frame : {0, 1, 2, 3}) {
+      const AlongPath<float> along = solution->track().along({frame, 0});
+      EXPECT_TRUE(std::isfinite(along.speed) && std::isfinite(along.acceleration) &&
+                  std::isfinite(along.jerk));
+    }
+  }
+}
+
+// --- where the weighted path stands still
+
+TYPED_TEST(FuzzFindsIn, AnAxisOfWeightZeroThatMovesOnWhereThePathStandsStillIsReported) {
+  using Real = TypeParam;
+  // Axis 0 turns back on key 1 at a speed of 8; axis 1 counts for nothing and has to pass the same stretch
+  // of t in no time. It was given a finite velocity from its second derivative.
+  const Move<Real> move{
+      .axis_count = 2, .keys = {0, 0, 8, 5, 0, 10}, .speed = {10}, .frames = 48, .weights = {1, 0}};
+  const auto solution = solved(move);
+  const Reported<Real> turn = motion_at<Real>(solution, {24, 0});
+  EXPECT_EQ(turn.derivatives, Derivatives::unbounded);
+  EXPECT_NEAR(turn.axes[0].velocity, -8, Real(1e-3));
+  EXPECT_NEAR(turn.axes[1].position, 5, 1e-2);
+  EXPECT_EQ(turn.axes[1].velocity, 0);
+  EXPECT_EQ(turn.axes[1].acceleration, 0);
+  // Beside it the velocity is what it is, and grows as the root of the distance falls.
+  const Reported<Real> near = motion_at<Real>(solution, {24, Real(0.25)});
+  const Reported<Real> nearer = motion_at<Real>(solution, {24, Real(0.0625)});
+  EXPECT_EQ(near.derivatives, Derivatives::exact);
+  EXPECT_EQ(nearer.derivatives, Derivatives::exact);
+  EXPECT_NEAR(nearer.axes[1].velocity / near.axes[1].velocity, 2, 0.1);
+}
+
+TYPED_TEST(FuzzFindsIn, ATurnBetweenKeysIsReportedForTheAxisOfWeightZeroToo) {
+  using Real = TypeParam;
+  const auto solution = solved<Real>(
+      {.axis_count = 2, .keys = {9, 0, 1, 1, 1, 2, 9, 3}, .speed = {10}, .frames = 48, .weights = {1, 0}});
+  const Reported<Real> turn = motion_at<Real>(solution, {24, 0});
+  EXPECT_EQ(turn.derivatives, Derivatives::unbounded);
+  EXPECT_NEAR(turn.axes[1].position, 1.5, 1e-3);
+  EXPECT_EQ(turn.axes[1].velocity, 0);
+}
+
+TYPED_TEST(FuzzFindsIn, AnAxisThatCountsForNextToNothingIsAsUnboundedAsOneOfWeightZero) {
+  using Real = TypeParam;
+  // On key 0 axis 0 turns. The velocity of axis 1 was the drawn speed over its weight, its jerk infinite.
+  const Real next_to_nothing = std::is_same_v<Real, double> ? Real(1e-110) : Real(1e-30);
+  const auto solution = solved<Real>({.closed = true,
+                                      .axis_count = 2,
+                                      .keys = {8, 0, 0, 5, 0, 10},
+                                      .speed = {10},
+                                      .frames = 48,
+                                      .weights = {1, next_to_nothing}});
+  EXPECT_EQ(motion_at<Real>(solution, {0, 0}).derivatives, Derivatives::unbounded);
+}
+
+TYPED_TEST(FuzzFindsIn, AnAxisOfWeightZeroThatTurnsWithThePathHasItsShareOfTheVelocity) {
+  using Real = TypeParam;
+  const auto solution = solved<Real>(
+      {.axis_count = 2, .keys = {0, 0, 8, 4, 0, 0}, .speed = {10}, .frames = 48, .weights = {1, 0}});
+  const Reported<Real> turn = motion_at<Real>(solution, {24, 0});
+  EXPECT_EQ(turn.derivatives, Derivatives::one_sided);
+  EXPECT_NEAR(turn.axes[0].velocity, -8, Real(1e-3));
+  EXPECT_NEAR(turn.axes[1].velocity, -4, Real(1e-3));
+}
+
+TYPED_TEST(FuzzFindsIn, AnAxisOfWeightZeroRestsWhereTheSpeedIsDrawnToRest) {
+  using Real = TypeParam;
+  const auto solution = solved<Real>({.axis_count = 2,
+                                      .keys = {0, 0, 8, 5, 0, 10},
+                                      .speed = {0, 0, 0, 5, 0, 0, 0, 0, 0, 5, 0, 0, 0},
+                                      .frames = 48,
+                                      .weights = {1, 0}});
+  const Reported<Real> turn = motion_at<Real>(solution, {24, 0});
+  EXPECT_EQ(turn.derivatives, Derivatives::exact);
+  EXPECT_EQ(turn.axes[1].velocity, 0);
+  EXPECT_NEAR(turn.axes[1].position, 5, 1e-2);
+}
+
+/// Catmull-Rom keys of which the stretch behind key `cusp` is (u^2, u^3), -1 <= u <= 1, large or small beside
+/// the stretches before and behind it.
+struct CuspedPath {
+  std::vector<double> keys;
+  std::int32_t cusp = 0;
+};
+
+CuspedPath path_with_cusp(std::mt19937& random) {
+  std::uniform_real_distribution<double> anywhere(-40, 40);
+  std::uniform_int_distribution<int> count(0, 3);
+  std::uniform_int_distribution<int> magnitude(-4, 6);
+  CuspedPath path;
+  const auto add_keys = [&](int keys) {
+    for (int i = 0; i < 2 * keys; ++i) path.keys.push_back(anywhere(random));
+  };
+  const int before = count(random);
+  add_keys(before);
+  path.cusp = before + 1;
+  const double scale = std::ldexp(1.0, magnitude(random));
+  const double x = anywhere(random);
+  const double y = anywhere(random);
+  for (const double side : {-1.0, 1.0}) {
+    const double near[] = {x + scale, y + side * scale};
+    const double far[] = {x + 9 * scale, y + side * 11 * scale};
+    path.keys.insert(path.keys.end(), std::begin(side < 0 ? far : near), std::end(side < 0 ? far : near));
+    path.keys.insert(path.keys.end(), std::begin(side < 0 ? near : far), std::end(side < 0 ? near : far));
+  }
+  add_keys(count(random));
+  return path;
+}
+
+/// The last time at which the move is not beyond a distance from its start.
+template <Precise Real>
+FrameTime<Real> time_of(const Track<Real>& track, const TwoSum<Real>& distance) {
+  const auto before = [&](const FrameTime<Real>& time) { return track.distance(time).minus(distance) <= 0; };
+  std::int32_t frame = 0;
+  while (frame + 1 < track.frames() && before({frame + 1, 0})) ++frame;
+  Real low = 0;
+  Real high = 1;
+  for (int i = 0; i < std::numeric_limits<Real>::digits; ++i) {
+    const Real middle = (low + high) / 2;
+    (before({frame, middle}) ? low : high) = middle;
+  }
+  return {frame, low};
+}
+
+TYPED_TEST(FuzzFindsIn, ACuspBetweenKeysIsReportedWhereverItLies) {
+  using Real = TypeParam;
+  // What is known of the distance of a cusp is a few roundings of the length: no move meets it better.
+  std::mt19937 random(5489);
+  for (int i = 0; i < 300; ++i) {
+    SCOPED_TRACE("path " + std::to_string(i));
+    const bool alone = i < 7;
+    const CuspedPath path = alone ? CuspedPath{{9, -11, 1, -1, 1, 1, 9, 11}, 1} : path_with_cusp(random);
+    const auto solution = solved<Real>({.axis_count = 2,
+                                        .keys = {path.keys.begin(), path.keys.end()},
+                                        .speed = {5, static_cast<Real>(3 + i % 7), 5},
+                                        .frames = 48});
+    const Track<Real>& track = solution.track();
+    const TwoSum<Real> cusp = track.arc_length().distance(track.path(), {path.cusp, Real(0.5)});
+    const FrameTime<Real> time = time_of(track, cusp);
+    const Reported<Real> at = motion_at<Real>(solution, time);
+    ASSERT_EQ(at.derivatives, Derivatives::one_sided);
+    const AlongPath<Real> along = track.along(time);
+    EXPECT_NEAR(std::hypot(at.axes[0].velocity, at.axes[1].velocity) / along.speed, 1, 1e-3);
+    EXPECT_NEAR(at.axes[0].acceleration * at.axes[0].velocity + at.axes[1].acceleration * at.axes[1].velocity,
+                along.acceleration * along.speed,
+                Real(1e-3) * along.speed * (along.speed + std::fabs(along.acceleration)));
+    // A thousand roundings away the acceleration is known, and large.
+    TwoSum<Real> away = cusp;
+    away.add(1000 * std::numeric_limits<Real>::epsilon() * track.arc_length().total());
+    EXPECT_EQ(motion_at<Real>(solution, time_of(track, away)).derivatives, Derivatives::exact);
+  }
+}
+
+TEST(FuzzFinds, ASegmentAtTheEdgeOfTheNumbersHasAFiniteLengthWhateverItsWeight) {
+  // Its scale by a power of two times its weight was infinite, and 0 times that the distance at the end.
+  const auto single = solved<float>({.spline = Spline::linear, .keys = {1, 0, 0x1p-130F}, .weights = {100}});
+  expect_sound(single);
+  EXPECT_EQ(frame_row(single.track(), single.table(), 50).distance, 100);
+  const auto full = solved<double>({.spline = Spline::linear, .keys = {1, 0, 0x1p-1026}, .weights = {1000}});
+  expect_sound(full);
+  EXPECT_EQ(frame_row(full.track(), full.table(), 50).distance, 1000);
 }
 
 }  // namespace

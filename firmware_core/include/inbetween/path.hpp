@@ -75,8 +75,8 @@ class Path {
   /// only chord there is.
   ///
   /// Errors: not_finite, out_of_range (coordinate beyond Precision<Real>::largest, negative weight,
-  /// shape outside [-1, 1]), wrong_count, capacity, unmeasured (with key and axis).
-  /// Cost: linear in keys * axes. One key is a path that stays there.
+  /// shape outside [-1, 1], a smooth path that overshoots a thousand times as far), wrong_count, capacity,
+  /// unmeasured (with key and axis). Cost: linear in keys * axes. One key is a path that stays there.
   static Result<Path> make(const PathSpec<Real>& spec, const PathMemory<Real>& memory);
 
   [[nodiscard]] std::int32_t axis_count() const { return axis_count_; }

@@ -48,6 +48,7 @@ struct TwoSum {
   Real high = 0;
   Real low = 0;
 
+  friend constexpr bool operator==(const TwoSum&, const TwoSum&) = default;
   /// Exact to about twice the precision of Real (Knuth, TAOCP vol. 2, 4.2.2, Theorem B).
   constexpr void add(Real term) {
     const Real sum = high + term;

@@ -48,11 +48,15 @@ struct BreakKey {
   std::int32_t frame = 0;
 };
 
-/// Whether the derivatives that `Track::motion` returns are those of the motion.
+/// Whether the derivatives that `Track::motion` returns are those of the motion. Positions always are.
 enum class Derivatives : std::uint8_t {
   exact,      ///< yes
-  one_sided,  ///< at a point where P' = 0: position and velocity are exact, the acceleration is that
-              ///< along the path only (across it there may be no bound), the jerk is given as 0
+  one_sided,  ///< within two roundings of the length from a point where P' = 0 (tension 1, a cusp, a line
+              ///< that turns back): the velocity is that of one side, the acceleration is that along the
+              ///< path only (across it there may be no bound), the jerk is given as 0
+  unbounded,  ///< a derivative that has no bound, or is beyond the range of Real, is given as 0. A velocity
+              ///< has none where the weighted path stands still (P' = 0) and is passed at a speed, while
+              ///< an axis of weight 0 moves on
 };
 
 /// A stretch of the move between two breaks, where the speed may jump: the drawn curve with a K of its own.
@@ -158,6 +162,8 @@ class Track {
   void locate_frames(std::int32_t first, std::span<PathPoint<Real>> points) const;
 
   /// Point, speed and its derivatives along the path. After frame N and before frame 0: at rest.
+  /// 0 for what is beyond the range of Real, which motion() reports, and for the derivatives of the speed of
+  /// a move timed by frames where P' = 0.
   [[nodiscard]] AlongPath<Real> along(const FrameTime<Real>& time) const;
 
   /// Position, velocity, acceleration and jerk of every axis, analytically at (segment, t), not from
@@ -195,6 +201,8 @@ class Track {
     sum.add(constant_ * profile_.span(place.span).integral(place.t));
     return sum;
   }
+  /// along() with infinities where it is beyond the range of Real.
+  [[nodiscard]] AlongPath<Real> unbounded_along(const FrameTime<Real>& time) const;
   [[nodiscard]] TwoSum<Real> special_distance(const FrameTime<Real>& time) const;
   [[nodiscard]] PathPoint<Real> special_locate(const FrameTime<Real>& time) const;
   [[nodiscard]] PathPoint<Real> key_frame_point(const FrameTime<Real>& time) const;

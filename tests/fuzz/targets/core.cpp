@@ -174,6 +174,8 @@ class MoveUnderTest {
     std::vector<AxisMotion<Real>> motion(position.size());
     track.positions(time, position);
     track.motion(time, motion);
+    const AlongPath<Real> along = track.along(time);
+    for (const Real number : {along.speed, along.acceleration, along.jerk}) require_finite(number);
     for (std::size_t axis = 0; axis < position.size(); ++axis) {
       require_finite(position[axis]);
       require(motion[axis].position == position[axis], "the motion is at the position");
