@@ -201,7 +201,7 @@ class InverseBuilder {
           straighten(interval, batch, i);
         }
         if (i == 0) errors.first = errors.last;
-        if (!(errors.last <= errors.worst)) errors.worst = errors.last;
+        errors.worst = std::max(errors.worst, errors.last);
         refused = refused || !(errors.last <= 1);
         if (!refused) add_piece(interval, batch, done++, anchor);
       }
@@ -228,6 +228,8 @@ class InverseBuilder {
   }
   /// A relative error of the speed over a piece moves its inside by less than that share of its length.
   [[nodiscard]] Real weighed(Real error, Real length) const {
+    // Where a derivative at an end is useless the residual is not a number.
+    if (!std::isfinite(error)) return std::numeric_limits<Real>::infinity();
     const Real absolute = error * options_.delta * length * scale_;
     return absolute < error * negligible_ ? absolute / negligible_ : error;
   }

@@ -295,6 +295,19 @@ TEST(ArcLength, TheCertificateBoundsTheErrorOfAPieceAndIsNotFarAboveIt) {
   EXPECT_GE(checked, 20);
 }
 
+TEST(ArcLength, ALineThatStartsFromRestWithNextToNoCurvatureIsMeasured) {
+  // P' = b t + c t^2 with b = 0.0077 c: the first stretch has a derivative that is no number, the next ones
+  // fit.
+  const std::vector<double> line{0, 1, 5.977};
+  const std::vector<KeyShape<double>> shapes{{.tension = 1, .continuity = 0, .bias = 0}, {}, {}};
+  for (const double delta : {1e-4, 1e-6, 1e-9}) {
+    const MeasuredPath<double> path({.spline = Spline::tcb, .axis_count = 1, .keys = line, .shapes = shapes},
+                                    {.delta = delta});
+    EXPECT_NEAR(path->total(), 5.977, 1e-12);
+    EXPECT_LT(path->piece_count(), 1000);
+  }
+}
+
 // --- scale and offset
 
 TEST(ArcLength, NeitherScaleNorOffsetMatters) {
