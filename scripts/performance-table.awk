@@ -13,9 +13,9 @@ function time_text(ns) {
   return sprintf("%.1f ms", ns / 1e6)
 }
 
-function ratio_row(what, slow, fast) {
+function ratio_row(what, slow, fast, form) {
   if (!((slow in time) && (fast in time))) return
-  printf "| %s | %.0f |\n", what, time[slow] / time[fast]
+  printf "| %s | " (form ? form : "%.0f") " |\n", what, time[slow] / time[fast]
 }
 
 BEGIN {
@@ -54,4 +54,7 @@ END {
   print "\n| the paper's solver over the closed form | times |\n|---|---:|"
   ratio_row("240 frames, 8 keys, 3 axes", "runge_kutta/240", "closed_form/240")
   ratio_row("100 000 frames, 100 keys, 3 axes", "runge_kutta/100000", "closed_form/100000")
+  print "\n| frames looked up one by one over frames in runs | times |\n|---|---:|"
+  ratio_row("240 frames", "frames_one_by_one/240", "frames_in_runs/240", "%.1f")
+  ratio_row("100 000 frames", "frames_one_by_one/100000", "frames_in_runs/100000", "%.1f")
 }

@@ -118,6 +118,33 @@ void tick(benchmark::State& state) {
 }
 BENCHMARK(tick)->Arg(3)->Arg(16);
 
+/// The places of all frames alone, in runs that share a span and a piece.
+void frames_in_runs(benchmark::State& state) {
+  Subject subject = subject_of(static_cast<std::int32_t>(state.range(0)));
+  const Track<double> track = subject.make_track();
+  std::vector<PathPoint<double>> points(static_cast<std::size_t>(subject.frames()) + 1);
+  for (auto _ : state) {
+    track.locate_frames(0, points);
+    benchmark::DoNotOptimize(points.data());
+    benchmark::ClobberMemory();
+  }
+}
+BENCHMARK(frames_in_runs)->Arg(240)->Arg(100'000);
+
+/// The same, each looked up by itself.
+void frames_one_by_one(benchmark::State& state) {
+  Subject subject = subject_of(static_cast<std::int32_t>(state.range(0)));
+  const Track<double> track = subject.make_track();
+  std::vector<PathPoint<double>> points(static_cast<std::size_t>(subject.frames()) + 1);
+  for (auto _ : state) {
+    for (std::size_t i = 0; i < points.size(); ++i)
+      points[i] = track.locate({static_cast<std::int32_t>(i), 0});
+    benchmark::DoNotOptimize(points.data());
+    benchmark::ClobberMemory();
+  }
+}
+BENCHMARK(frames_one_by_one)->Arg(240)->Arg(100'000);
+
 /// Position, velocity, acceleration and jerk of all axes.
 void motion(benchmark::State& state) {
   Subject subject(8, 7, static_cast<std::size_t>(state.range(0)), 240);

@@ -1,0 +1,123 @@
+#include "inbetween/limits.hpp"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <limits>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+namespace inbetween {
+namespace {
+
+template <class Real>
+class AxisLimitsIn : public testing::Test {};
+struct PrecisionName {
+  template <class Real>
+  static std::string GetName(int) {
+    return std::is_same_v<Real, double> ? "double" : "float";
+  }
+};
+using Precisions = testing::Types<double, float>;
+TYPED_TEST_SUITE(AxisLimitsIn, Precisions, PrecisionName);
+
+template <Precise Real>
+AxisLimitsSpec<Real> slider() {
+  return {.min = 0, .max = 1500, .max_velocity = 400, .max_acceleration = 800, .max_jerk = Real{8000}};
+}
+
+TYPED_TEST(AxisLimitsIn, StopsMayUseHalfAsMuchAgainWhereTheRigDoesNotSay) {
+  const auto limits = AxisLimits<TypeParam>::make(slider<TypeParam>());
+  ASSERT_TRUE(limits.has_value());
+  EXPECT_EQ(limits->min(), 0);
+  EXPECT_EQ(limits->max(), 1500);
+  EXPECT_EQ(limits->max_velocity(), 400);
+  EXPECT_EQ(limits->max_acceleration(), 800);
+  EXPECT_EQ(limits->max_jerk(), TypeParam{8000});
+  EXPECT_EQ(limits->stop_acceleration(), 1200);
+  EXPECT_EQ(limits->stop_jerk(), TypeParam{12000});
+  EXPECT_EQ(limits->max_acceleration_step(), 0);
+}
+
+TYPED_TEST(AxisLimitsIn, WhatTheRigSaysOfStopsHolds) {
+  AxisLimitsSpec<TypeParam> spec = slider<TypeParam>();
+  spec.stop_acceleration = TypeParam{800};
+  spec.stop_jerk = TypeParam{9000};
+  spec.max_acceleration_step = TypeParam{50};
+  const auto limits = AxisLimits<TypeParam>::make(spec);
+  ASSERT_TRUE(limits.has_value());
+  EXPECT_EQ(limits->stop_acceleration(), 800);
+  EXPECT_EQ(limits->stop_jerk(), TypeParam{9000});
+  EXPECT_EQ(limits->max_acceleration_step(), 50);
+}
+
+TYPED_TEST(AxisLimitsIn, WithoutAJerkLimitThereIsNoneForStops) {
+  AxisLimitsSpec<TypeParam> spec = slider<TypeParam>();
+  spec.max_jerk.reset();
+  const auto limits = AxisLimits<TypeParam>::make(spec);
+  ASSERT_TRUE(limits.has_value());
+  EXPECT_FALSE(limits->max_jerk().has_value());
+  EXPECT_FALSE(limits->stop_jerk().has_value());
+}
+
+TYPED_TEST(AxisLimitsIn, AJerkLimitCanHoldForStopsAlone) {
+  AxisLimitsSpec<TypeParam> spec = slider<TypeParam>();
+  spec.max_jerk.reset();
+  spec.stop_jerk = TypeParam{100};
+  const auto limits = AxisLimits<TypeParam>::make(spec);
+  ASSERT_TRUE(limits.has_value());
+  EXPECT_FALSE(limits->max_jerk().has_value());
+  EXPECT_EQ(limits->stop_jerk(), TypeParam{100});
+}
+
+TYPED_TEST(AxisLimitsIn, IllegalValuesAreRefusedByName) {
+  using Spec = AxisLimitsSpec<TypeParam>;
+  struct Case {
+    std::string named;
+    ErrorCode code;
+    std::function<void(Spec&)> spoil;
+  };
+  const TypeParam nan = std::numeric_limits<TypeParam>::quiet_NaN();
+  const TypeParam infinity = std::numeric_limits<TypeParam>::infinity();
+  const TypeParam huge = std::numeric_limits<TypeParam>::max();
+  const std::vector<Case> cases = {
+      {"range", ErrorCode::not_finite, [&](Spec& s) { s.min = nan; }},
+      {"range", ErrorCode::not_finite, [&](Spec& s) { s.max = infinity; }},
+      {"range", ErrorCode::out_of_range, [&](Spec& s) { s.max = huge; }},
+      {"range", ErrorCode::out_of_range, [&](Spec& s) { s.min = -huge; }},
+      {"range", ErrorCode::out_of_range, [&](Spec& s) { s.max = s.min; }},
+      {"range", ErrorCode::out_of_range, [&](Spec& s) { s.min = 1501; }},
+      {"max_velocity", ErrorCode::out_of_range, [&](Spec& s) { s.max_velocity = 0; }},
+      {"max_velocity", ErrorCode::out_of_range, [&](Spec& s) { s.max_velocity = huge; }},
+      {"max_velocity", ErrorCode::not_finite, [&](Spec& s) { s.max_velocity = infinity; }},
+      {"max_acceleration", ErrorCode::out_of_range, [&](Spec& s) { s.max_acceleration = -1; }},
+      {"max_acceleration", ErrorCode::not_finite, [&](Spec& s) { s.max_acceleration = nan; }},
+      {"max_jerk", ErrorCode::out_of_range, [&](Spec& s) { s.max_jerk = TypeParam{0}; }},
+      {"max_jerk", ErrorCode::not_finite, [&](Spec& s) { s.max_jerk = nan; }},
+      {"max_acceleration_step", ErrorCode::out_of_range,
+       [&](Spec& s) { s.max_acceleration_step = TypeParam{0}; }},
+      {"stop_acceleration", ErrorCode::not_finite, [&](Spec& s) { s.stop_acceleration = nan; }},
+      {"stop_acceleration is below", ErrorCode::out_of_range,
+       [&](Spec& s) { s.stop_acceleration = TypeParam{799}; }},
+      {"stop_jerk", ErrorCode::out_of_range, [&](Spec& s) { s.stop_jerk = TypeParam{-1}; }},
+      {"stop_jerk is not a limit", ErrorCode::out_of_range,
+       [&](Spec& s) {
+         s.max_jerk.reset();
+         s.stop_jerk = TypeParam{0};
+       }},
+      {"stop_jerk is below", ErrorCode::out_of_range, [&](Spec& s) { s.stop_jerk = TypeParam{7999}; }},
+  };
+  for (const Case& one : cases) {
+    Spec spec = slider<TypeParam>();
+    one.spoil(spec);
+    const auto limits = AxisLimits<TypeParam>::make(spec);
+    ASSERT_FALSE(limits.has_value()) << one.named;
+    EXPECT_EQ(limits.error().code, one.code) << limits.error().what;
+    EXPECT_NE(std::string(limits.error().what).find(one.named), std::string::npos) << limits.error().what;
+    EXPECT_NE(std::string(limits.error().remedy), "");
+  }
+}
+
+}  // namespace
+}  // namespace inbetween

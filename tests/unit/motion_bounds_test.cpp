@@ -1,0 +1,189 @@
+#include "inbetween/motion_bounds.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "host_tools/solved_track.hpp"
+
+/// The proven bounds on moves whose peaks are known; random moves are in tests/property.
+
+namespace inbetween {
+namespace {
+
+template <Precise Real>
+SolvedTrack<Real> solved(const PathSpec<Real>& path, const std::vector<Real>& speed, std::int32_t frames,
+                         const std::vector<KeyLock>& locks = {}) {
+  TrackSpec<Real> spec{.path = path, .control_values = speed, .frames = frames, .fps = {24, 1}};
+  spec.locks = locks;
+  return SolvedTrack<Real>(spec, Solver::closed_form);
+}
+
+template <Precise Real>
+std::vector<AxisPeaks<Real>> bounds_of(const Track<Real>& track) {
+  const auto axes = static_cast<std::size_t>(track.path().axis_count());
+  std::vector<AxisTurn<Real>> turns(axes);
+  const std::vector<PeakSlack<Real>> slack(axes);
+  std::vector<AxisPeaks<Real>> peaks(axes);
+  EXPECT_TRUE(bound_motion<Real>(track, slack, {turns}, peaks).has_value());
+  return peaks;
+}
+
+/// At or above the truth, and within 1 % of it.
+void expect_bound(double bound, double truth) {
+  EXPECT_GE(bound, truth);
+  EXPECT_LE(bound, 1.01 * truth);
+}
+
+TEST(MotionBounds, AStraightLineWithAStraightSpeedCurveIsKnownByHand) {
+  // 100 mm in 48 frames, from v to 3 v: v = 25 mm/s, acceleration 2 v in 2 s.
+  const std::vector<double> keys{0, 100};
+  const auto move = solved<double>({.axis_count = 1, .keys = keys}, {10, 30}, 48);
+  const AxisPeaks<double> peaks = bounds_of(move.track())[0];
+  EXPECT_EQ(peaks.lowest.value, 0);
+  EXPECT_EQ(peaks.highest.value, 100);
+  EXPECT_EQ(peaks.highest.frame, 48);
+  expect_bound(peaks.velocity.value, 75);
+  EXPECT_EQ(peaks.velocity.frame, 48);
+  expect_bound(peaks.acceleration.value, 25);
+  EXPECT_LE(peaks.jerk.value, 1e-9);
+}
+
+TEST(MotionBounds, AnAxisThatTurnsInsideASegmentIsBoundedBeyondItsKeys) {
+  const std::vector<double> keys{0, 0, 10, 50, 20, 50, 30, 0};
+  const auto move = solved<double>({.axis_count = 2, .keys = keys}, {10, 10}, 48);
+  const AxisPeaks<double> peaks = bounds_of(move.track())[1];
+  double sampled = 0;
+  for (int i = 0; i <= 1000; ++i)
+    sampled = std::max(sampled, move.track().path().segment(1)[1].value(i / 1000.0));
+  EXPECT_GT(sampled, 52);
+  EXPECT_GE(peaks.highest.value, sampled);
+  EXPECT_LE(peaks.highest.value, sampled + 1e-4);
+  EXPECT_NEAR(peaks.highest.frame, 24, 1e-6);
+}
+
+TEST(MotionBounds, ASpikeBetweenTwoFramesIsFoundWhereASamplerOf24ASecondMissesIt) {
+  // Two keys 1 mm apart in a tight bend of a smooth path.
+  const std::vector<double> keys{0, 0, 400, 0, 400, 1, 0, 2};
+  const double limit = 1000;
+  const auto move = solved<double>({.axis_count = 2, .keys = keys}, {0, 0, 10, 10, 0, 0}, 101);
+  const std::vector<AxisPeaks<double>> peaks = bounds_of(move.track());
+  std::vector<AxisMotion<double>> motion(2);
+  double on_frames = 0;
+  double dense = 0;
+  for (std::int32_t frame = 0; frame < 100; ++frame) {
+    for (int part = 0; part < 20'000; ++part) {
+      move.track().motion({frame, part / 20'000.0}, motion);
+      dense = std::max(dense, std::fabs(motion[0].acceleration));
+      if (part == 0) on_frames = std::max(on_frames, std::fabs(motion[0].acceleration));
+    }
+  }
+  EXPECT_GT(dense, 50 * limit);
+  EXPECT_LT(on_frames, limit) << "who looks at the frames only lets this move pass";
+  expect_bound(peaks[0].acceleration.value, dense);
+}
+
+TEST(MotionBounds, ALineThatTurnsBackInsideASegmentAtASpeedHasNoBound) {
+  const std::vector<double> keys{0, 10, 9, 0};
+  const auto move = solved<double>({.axis_count = 1, .keys = keys}, {10, 10}, 48);
+  const AxisPeaks<double> peaks = bounds_of(move.track())[0];
+  ASSERT_GT(peaks.highest.value, 10);
+  expect_bound(peaks.velocity.value, move.track().arc_length().total() / 2);
+  EXPECT_EQ(peaks.acceleration.value, std::numeric_limits<double>::infinity());
+  EXPECT_EQ(peaks.jerk.value, std::numeric_limits<double>::infinity());
+  EXPECT_NEAR(peaks.acceleration.frame, peaks.highest.frame, 1e-6);
+}
+
+TEST(MotionBounds, ALineThatTurnsBackAtRestIsBounded) {
+  // The same way, and phi is 0 where the line turns.
+  const std::vector<double> keys{0, 10, 0};
+  const auto move = solved<double>({.axis_count = 1, .keys = keys}, {0, 0, 10, 0, 0, 0, 10, 0, 0}, 96);
+  const AxisPeaks<double> peaks = bounds_of(move.track())[0];
+  EXPECT_TRUE(std::isfinite(peaks.acceleration.value));
+  EXPECT_GT(peaks.acceleration.value, 1);
+}
+
+TEST(MotionBounds, ABendOfAMillionthOfAMillimetreIsNotTakenForALine) {
+  const std::vector<double> keys{0, 0, 8, 0, 8, 1e-6, 0, 0};
+  const auto move =
+      solved<double>({.spline = Spline::catmull_rom, .axis_count = 2, .keys = keys}, {10, 10}, 48);
+  EXPECT_GT(bounds_of(move.track())[0].acceleration.value, 1e6);
+}
+
+TEST(MotionBounds, ADwellIsStill) {
+  const std::vector<double> keys{0, 50, 50, 100};
+  const auto move =
+      solved<double>({.axis_count = 1, .keys = keys}, {0, 0, 10, 10, 0, 0, 0, 10, 10, 0, 0}, 240);
+  const AxisPeaks<double> peaks = bounds_of(move.track())[0];
+  EXPECT_TRUE(std::isfinite(peaks.acceleration.value));
+  EXPECT_TRUE(std::isfinite(peaks.jerk.value));
+  EXPECT_GT(peaks.velocity.value, 10);
+}
+
+TEST(MotionBounds, BreaksHaveTheSpeedOfTheirOwnPortion) {
+  const std::vector<double> keys{0, 10, 100};
+  const auto move = solved<double>({.axis_count = 1, .keys = keys}, {10, 10}, 48,
+                                   {{.key = 1, .frame = 24, .breaks = true}});
+  expect_bound(bounds_of(move.track())[0].velocity.value, 90);
+}
+
+TEST(MotionBounds, TimedByFramesAreBoundedToo) {
+  const std::vector<double> keys{0, 30, 90, 90};
+  const std::vector<std::int32_t> key_frames{0, 24, 48, 72};
+  for (const Kinetic kinetic : {Kinetic::linear, Kinetic::smooth}) {
+    const TrackSpec<double> spec{.path = {.axis_count = 1, .keys = keys},
+                                 .frames = 72,
+                                 .fps = {24, 1},
+                                 .key_frames = key_frames,
+                                 .kinetic = kinetic};
+    const SolvedTrack<double> move(spec, Solver::closed_form);
+    const AxisPeaks<double> peaks = bounds_of(move.track())[0];
+    std::vector<AxisMotion<double>> motion(1);
+    AxisMotion<double> dense;
+    for (std::int32_t frame = 0; frame < 72; ++frame) {
+      for (int part = 0; part < 1000; ++part) {
+        move.track().motion({frame, part / 1000.0}, motion);
+        dense.velocity = std::max(dense.velocity, std::fabs(motion[0].velocity));
+        dense.acceleration = std::max(dense.acceleration, std::fabs(motion[0].acceleration));
+        dense.jerk = std::max(dense.jerk, std::fabs(motion[0].jerk));
+      }
+    }
+    expect_bound(peaks.velocity.value, dense.velocity);
+    EXPECT_GE(peaks.acceleration.value, dense.acceleration);
+    EXPECT_LE(peaks.acceleration.value, 1.02 * dense.acceleration + 1e-9);
+    EXPECT_GE(peaks.jerk.value, dense.jerk);
+    EXPECT_LE(peaks.jerk.value, 1.02 * dense.jerk + 1e-9);
+  }
+}
+
+TEST(MotionBounds, SinglePrecisionBoundsTheSameMove) {
+  const std::vector<double> keys{0, 0, 100, 20, 180, -40, 300, 0};
+  const std::vector<float> single_keys(keys.begin(), keys.end());
+  const auto full = solved<double>({.axis_count = 2, .keys = keys}, {0, 0, 10, 10, 4, 10, 0, 0}, 120);
+  const auto single = solved<float>({.axis_count = 2, .keys = single_keys}, {0, 0, 10, 10, 4, 10, 0, 0}, 120);
+  const std::vector<AxisPeaks<double>> expected = bounds_of(full.track());
+  const std::vector<AxisPeaks<float>> peaks = bounds_of(single.track());
+  for (std::size_t d = 0; d < 2; ++d) {
+    EXPECT_NEAR(static_cast<double>(peaks[d].velocity.value) / expected[d].velocity.value, 1, 0.01);
+    EXPECT_NEAR(static_cast<double>(peaks[d].acceleration.value) / expected[d].acceleration.value, 1, 0.02);
+    EXPECT_NEAR(static_cast<double>(peaks[d].jerk.value) / expected[d].jerk.value, 1, 0.05);
+  }
+}
+
+TEST(MotionBounds, TooLittleMemorySaysHowMuchIsNeeded) {
+  const std::vector<double> keys{0, 0, 10, 50};
+  const auto move = solved<double>({.axis_count = 2, .keys = keys}, {10, 10}, 48);
+  std::vector<AxisTurn<double>> turns(1);
+  const std::vector<PeakSlack<double>> slack(2);
+  std::vector<AxisPeaks<double>> peaks(2);
+  const Status refused = bound_motion<double>(move.track(), slack, {turns}, peaks);
+  ASSERT_FALSE(refused.has_value());
+  EXPECT_EQ(refused.error().code, ErrorCode::capacity);
+  EXPECT_EQ(refused.error().needed, 2);
+}
+
+}  // namespace
+}  // namespace inbetween
