@@ -24,7 +24,8 @@ void prove(benchmark::State& state, std::size_t keys, std::size_t axes, std::siz
   const TrackSpec<double> spec{.path = {.axis_count = static_cast<std::int32_t>(axes), .keys = at},
                                .control_values = speed,
                                .frames = frames,
-                               .fps = {24, 1}};
+                               .fps = {24, 1},
+                               .arc_length = {}};
   const SolvedTrack<double> solution(spec, Solver::closed_form);
   std::vector<AxisTurn<double>> turns(axes);
   const std::vector<PeakSlack<double>> slack(axes);

@@ -17,7 +17,8 @@ namespace {
 template <Precise Real>
 SolvedTrack<Real> solved(const PathSpec<Real>& path, const std::vector<Real>& speed, std::int32_t frames,
                          const std::vector<KeyLock>& locks = {}) {
-  TrackSpec<Real> spec{.path = path, .control_values = speed, .frames = frames, .fps = {24, 1}};
+  TrackSpec<Real> spec{
+      .path = path, .control_values = speed, .frames = frames, .fps = {24, 1}, .arc_length = {}};
   spec.locks = locks;
   return SolvedTrack<Real>(spec, Solver::closed_form);
 }
@@ -135,8 +136,10 @@ TEST(MotionBounds, TimedByFramesAreBoundedToo) {
   const std::vector<std::int32_t> key_frames{0, 24, 48, 72};
   for (const Kinetic kinetic : {Kinetic::linear, Kinetic::smooth}) {
     const TrackSpec<double> spec{.path = {.axis_count = 1, .keys = keys},
+                                 .control_values = {},
                                  .frames = 72,
                                  .fps = {24, 1},
+                                 .arc_length = {},
                                  .key_frames = key_frames,
                                  .kinetic = kinetic};
     const SolvedTrack<double> move(spec, Solver::closed_form);
