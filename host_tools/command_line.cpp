@@ -14,11 +14,15 @@
 #include <vector>
 
 #include "host_tools/budget.hpp"
+#include "host_tools/check.hpp"
+#include "host_tools/check_frames.hpp"
+#include "host_tools/check_output.hpp"
 #include "host_tools/output_file.hpp"
 #include "host_tools/plan.hpp"
 #include "host_tools/plan_output.hpp"
 #include "host_tools/plot.hpp"
 #include "host_tools/plot_canvas.hpp"
+#include "host_tools/plot_limits.hpp"
 #include "host_tools/progress_bar.hpp"
 #include "host_tools/run.hpp"
 
@@ -41,12 +45,22 @@ struct PlanArguments {
   std::optional<std::string> rig, csv, json, plot;
 };
 
+struct CheckArguments {
+  std::string move, rig;
+  std::optional<std::string> json, plot;
+};
+
 struct RunArguments {
   std::string move, rig;
   std::optional<std::string> json;
   bool simulated = false;
   bool fast = false;
 };
+
+/// Not fmt::print, which throws where standard error cannot be written either: the status still tells.
+void complain(const std::string& line) {
+  std::fputs((line + '\n').c_str(), stderr);
+}
 
 /// A file that a command reads or writes, with the argument that names it.
 struct NamedFile {
@@ -149,6 +163,15 @@ void print_plan_summary(const Plan& plan, std::FILE* out) {
   }
 }
 
+void refuse_unknown_picture(const std::optional<std::string>& plot) {
+  if (!plot) return;
+  try {
+    static_cast<void>(picture_format(*plot));
+  } catch (const std::runtime_error& error) {
+    throw UsageError(fmt::format("--plot {}", error.what()));
+  }
+}
+
 void check_usage(const PlanArguments& arguments) {
   if (arguments.per == "tick" && !arguments.rig) {
     throw UsageError("--per tick needs --rig RIG, which says how many ticks a second has");
@@ -156,13 +179,7 @@ void check_usage(const PlanArguments& arguments) {
   if (arguments.per == "tick" && arguments.solver == "runge-kutta") {
     throw UsageError("--solver runge-kutta knows frames only; leave out --per tick or the solver");
   }
-  if (arguments.plot) {
-    try {
-      static_cast<void>(picture_format(*arguments.plot));
-    } catch (const std::runtime_error& error) {
-      throw UsageError(fmt::format("--plot {}", error.what()));
-    }
-  }
+  refuse_unknown_picture(arguments.plot);
   refuse_outputs_in_one_place(
       {{"MOVE", arguments.move}, {"--rig", arguments.rig}},
       {{"--csv", arguments.csv}, {"--json", arguments.json}, {"--plot", arguments.plot}});
@@ -181,6 +198,29 @@ void plan_command(const PlanArguments& arguments) {
   }
   if (arguments.plot) draw_plot(plot_of(plan), *arguments.plot);
   print_plan_summary(plan, summary_stream(arguments.csv == "-" || arguments.json == "-"));
+}
+
+int check_command(const CheckArguments& arguments) {
+  refuse_unknown_picture(arguments.plot);
+  refuse_outputs_in_one_place({{"MOVE", arguments.move}, {"--rig", arguments.rig}},
+                              {{"--json", arguments.json}, {"--plot", arguments.plot}});
+  if (arguments.json) check_output(*arguments.json);
+  const Plan plan = make_plan(arguments.move, arguments.rig, Solver::closed_form);
+  const CheckReport report = check(plan);
+  SmallestFrames smallest;
+  {
+    ProgressBar bar;
+    smallest = smallest_frames(plan, report, [&](double share, std::int32_t frames) {
+      bar.show(share, fmt::format("trying {} frames", frames));
+    });
+  }
+  if (arguments.json) {
+    write_output(*arguments.json, [&](std::FILE* file) { write_check_json(report, smallest, file); });
+  }
+  if (arguments.plot) draw_limits_plot(limits_plot_of(plan, report), *arguments.plot);
+  print_check(plan, report, smallest, summary_stream(arguments.json == "-"));
+  for (const Refusal& refusal : report.refusals) complain(LimitError(refusal.place, refusal.message).what());
+  return report.fits() ? 0 : exit_limit;
 }
 
 void print_run_summary(const RunReport& report, const Plan& plan, const RunArguments& arguments,
@@ -261,6 +301,34 @@ void describe_plan(CLI::App& app, PlanArguments& arguments) {
       "  inbetween plan move.toml --rig rig.toml --per tick --csv ticks.csv");
 }
 
+void describe_check(CLI::App& app, CheckArguments& arguments) {
+  app.add_option("MOVE", arguments.move, "the move: a TOML file with keys, a speed curve and a frame count")
+      ->required();
+  app.add_option("--rig", arguments.rig, "the rig: gives the axes their limits")->required();
+  app.add_option("--json", arguments.json, "write everything that was found (- is standard output)");
+  app.add_option("--plot", arguments.plot,
+                 "draw velocity, acceleration and jerk of every axis with its limits (.svg, .png or .pdf)");
+  app.footer(
+      "Every moment from frame 0 to the last is held against the limits, not samples of it: a peak is a "
+      "proven\n"
+      "bound, not below the true one and at most 1 % above it. Jerk is held only where the rig has a "
+      "max_jerk.\n\n"
+      "A step of the velocity (a corner of the path, a move that starts or ends moving) never fits: no "
+      "drive\n"
+      "can follow it. A step of the acceleration breaks a max_jerk unless it is within "
+      "max_acceleration_step;\n"
+      "spline = \"smooth\" has none at its keys, and a speed curve that begins and ends with 0, 0 none at "
+      "its ends.\n\n"
+      "The last line tells in how many frames the move would fit, its locked keys and holds moved in "
+      "proportion.\n"
+      "At one frame less it was tried and does not fit. Where slowing down cures nothing, it says why.\n\n"
+      "Exit status: 0 the move fits; 3 it does not, and every reason is a line of standard error.\n\n"
+      "Examples:\n"
+      "  inbetween check move.toml --rig rig.toml                   a table of peaks, and the verdict\n"
+      "  inbetween check move.toml --rig rig.toml --plot limits.svg where the peaks are\n"
+      "  inbetween check move.toml --rig rig.toml --json -          for other programs");
+}
+
 void describe_run(CLI::App& app, RunArguments& arguments) {
   app.add_option("MOVE", arguments.move, "the move: a TOML file with keys, a speed curve and a frame count")
       ->required();
@@ -270,7 +338,9 @@ void describe_run(CLI::App& app, RunArguments& arguments) {
   app.add_flag("--fast", arguments.fast, "on a virtual clock, as fast as it can be computed");
   app.add_option("--json", arguments.json, "write a report (- is standard output)");
   app.footer(
-      "Every setpoint is held against the rig's position limits before the first one is sent.\n\n"
+      "Before the first setpoint is sent, the move is held against the limits of the rig as inbetween check "
+      "does,\n"
+      "and every setpoint against its positions: a move that does not fit moves nothing (exit status 3).\n\n"
       "Examples:\n"
       "  inbetween run move.toml --rig rig.toml --sim               in real time\n"
       "  inbetween run move.toml --rig rig.toml --sim --fast        for scripts and tests");
@@ -312,11 +382,6 @@ void describe_budget(CLI::App& app, BudgetCapacity& capacity) {
       "  inbetween budget --delta 1e-4                              coarser, in less memory");
 }
 
-/// Not fmt::print, which throws where standard error cannot be written either: the status still tells.
-void complain(const std::string& line) {
-  std::fputs((line + '\n').c_str(), stderr);
-}
-
 }  // namespace
 
 int run_command_line(int argc, const char* const* argv) {
@@ -331,9 +396,13 @@ int run_command_line(int argc, const char* const* argv) {
       "Files: docs/formats.md describes moves and rigs.\n"
       "Exit status: 0 done; 1 bad input; 2 wrong usage; 3 a limit would be exceeded; 4 stopped by a fault.");
   PlanArguments plan_arguments;
+  CheckArguments check_arguments;
   RunArguments run_arguments;
   CLI::App* plan = app.add_subcommand("plan", "Solve a move and show it: summary, CSV, JSON, picture");
   describe_plan(*plan, plan_arguments);
+  CLI::App* check_limits = app.add_subcommand(
+      "check", "Hold a move against the limits of a rig: is it inside them at every moment?");
+  describe_check(*check_limits, check_arguments);
   CLI::App* run = app.add_subcommand("run", "Play a move on a rig, a position of every axis per tick");
   describe_run(*run, run_arguments);
   BudgetCapacity budget_capacity;
@@ -352,6 +421,8 @@ int run_command_line(int argc, const char* const* argv) {
       app.parse(argc, argv);
       if (run->parsed()) {
         status = run_command(run_arguments);
+      } else if (check_limits->parsed()) {
+        status = check_command(check_arguments);
       } else if (budget->parsed()) {
         status = budget_command(budget_capacity);
       } else {

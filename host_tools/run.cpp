@@ -122,6 +122,7 @@ const char* name_of(Ending ending) {
 }  // namespace
 
 RunReport run_simulated(const Plan& plan, const RunOptions& options) {
+  refuse_beyond_limits(check(plan));
   Setpoints setpoints(plan);
   refuse_positions_beyond_limits(plan, setpoints);
   std::vector<SimulatedAxis> axes;

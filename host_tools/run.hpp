@@ -7,17 +7,12 @@
 #include <string>
 #include <vector>
 
+#include "host_tools/check.hpp"
 #include "host_tools/diagnostics.hpp"
 #include "host_tools/plan.hpp"
 #include "host_tools/wake_latency.hpp"
 
 namespace inbetween {
-
-/// A move that would take an axis beyond a limit of the rig: nothing has moved. Exit status 3.
-class LimitError : public InputError {
- public:
-  using InputError::InputError;
-};
 
 struct RunOptions {
   /// On a virtual clock, as fast as it can be computed.
@@ -47,8 +42,8 @@ struct RunReport {
 
 /// Plays the plan on simulated axes at the rig's rate: tick k at k / rate_hz seconds, from 0 to the first
 /// tick at or after the end, and one more in which the axes arrive. Axes in no track stay where they are.
-/// Before the first tick every setpoint of the move is held against the rig's position limits.
-/// Throws LimitError at the place where the move names the axis. The plan has a rig.
+/// Before the first tick the plan is checked (check.hpp), and every setpoint of the move is held against the
+/// rig's position limits. Throws LimitError at the place of what is wrong. The plan has a rig.
 RunReport run_simulated(const Plan& plan, const RunOptions& options);
 
 /// Version 1 of the format that docs/formats.md describes.

@@ -215,12 +215,19 @@ class MotionBounds {
     const Real low = range.low > 0 ? std::sqrt(range.low) : Real(0);
     const Real high = std::sqrt(range.high);
     const Real square = q.value * q.value;
-    return {quotient(centred(axis.first, tau, radius), Real(1), root, low, high),
+    return {direction(d, quotient(centred(axis.first, tau, radius), Real(1), root, low, high)),
             quotient(centred(axis.second, tau, radius), side, square,
                      range.low > 0 ? range.low * range.low : Real(0), range.high * range.high),
             quotient(centred(axis.third, tau, radius), Real(1), square * (q.value * root),
                      low * low * low * (low * low * low) * low,
                      high * high * high * (high * high * high) * high)};
+  }
+  /// An axis that counts goes no faster than the path, even where it stands still and turns.
+  [[nodiscard]] Centred<Real> direction(std::size_t d, const Centred<Real>& found) const {
+    const Real weight = track_.path().weights()[d];
+    if (found.spread <= std::numeric_limits<Real>::max() || !(weight > 0)) return found;
+    const Real value = std::isfinite(found.value) ? found.value : Real(0);
+    return {value, std::fabs(value) + 1 / weight};
   }
   /// scale * a / b, with b from `low` to `high` and `value` in the middle.
   static Centred<Real> quotient(const Centred<Real>& a, Real scale, Real value, Real low, Real high) {

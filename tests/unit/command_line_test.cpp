@@ -52,8 +52,8 @@ void expect_help(const std::vector<std::string>& arguments, std::initializer_lis
 
 TEST(CommandLine, ItsHelpNamesEveryCommandAndEveryExitStatus) {
   expect_help({"--help"},
-              {"\n  plan ", "\n  run ", "--version", "--help", "0 done", "1 bad input", "2 wrong usage",
-               "3 a limit would be exceeded", "4 stopped by a fault", "docs/formats.md"});
+              {"\n  plan ", "\n  check ", "\n  run ", "--version", "--help", "0 done", "1 bad input",
+               "2 wrong usage", "3 a limit would be exceeded", "4 stopped by a fault", "docs/formats.md"});
 }
 
 TEST(CommandLine, TheHelpOfPlanNamesEveryOption) {
@@ -195,6 +195,8 @@ TEST(CommandLine, StandardOutputThatIsFullIsStatus1) {
   const std::vector<std::vector<std::string>> commands = {{"plan", move},
                                                           {"plan", move, "--json", "-"},
                                                           {"plan", move, "--csv", "-"},
+                                                          {"check", move, "--rig", rig},
+                                                          {"check", move, "--rig", rig, "--json", "-"},
                                                           {"run", move, "--rig", rig, "--sim", "--fast"},
                                                           {"--help"},
                                                           {"--version"}};

@@ -46,7 +46,7 @@ unit = "deg"
 min = 5
 max = 20
 max_velocity = 100
-max_acceleration = 100
+max_acceleration = 10000
 drive = { type = "pipe", path = "/dev/null", counts_per_unit = 1 }
 [[axis]]
 name = "x"
@@ -54,7 +54,7 @@ unit = "mm"
 min = 2
 max = 14
 max_velocity = 100
-max_acceleration = 100
+max_acceleration = 10000
 drive = { type = "pipe", path = "/dev/null", counts_per_unit = 1 }
 )";
 

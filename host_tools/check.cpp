@@ -1,0 +1,295 @@
+#include "host_tools/check.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string_view>
+#include <utility>
+
+#include "inbetween/motion_steps.hpp"
+
+namespace inbetween {
+namespace {
+
+constexpr std::string_view turn_remedy =
+    "move a key so that the path goes round, or put a key there and rest at it with hold";
+
+/// Nothing is refined that is further from its limit than this share of it.
+constexpr double slack_share = 1e-6;
+
+CheckedAxis axis_at_rest(const RigAxis& axis) {
+  return {.name = axis.name,
+          .unit = std::string(to_string(axis.unit)),
+          .range = std::nullopt,
+          .limit_min = axis.min,
+          .limit_max = axis.max,
+          .velocity = {.limit = axis.max_velocity},
+          .acceleration = {.limit = axis.max_acceleration},
+          .jerk = {.limit = axis.max_jerk}};
+}
+
+/// The axes of one track, as indexes into those of the rig.
+std::vector<std::size_t> axes_of_track(const Plan& plan, std::size_t track) {
+  std::vector<std::size_t> axes(plan.move().tracks[track].axes.size());
+  for (std::size_t a = 0; a < plan.axes().size(); ++a) {
+    if (plan.axes()[a].track == track) axes[plan.axes()[a].track_axis] = a;
+  }
+  return axes;
+}
+
+void take(CheckedPeak& peak, const Peak<double>& found) {
+  peak.value = found.value;
+  peak.frame = found.frame;
+}
+
+void bound_track(const Plan& plan, std::size_t index, CheckReport& report) {
+  const std::vector<std::size_t> axes = axes_of_track(plan, index);
+  std::vector<PeakSlack<double>> slack;
+  for (const std::size_t a : axes) {
+    const RigAxis& axis = plan.rig()->axes[a];
+    slack.push_back({.velocity = slack_share * axis.max_velocity,
+                     .acceleration = slack_share * axis.max_acceleration,
+                     .jerk = slack_share * axis.max_jerk.value_or(0)});
+  }
+  std::vector<AxisTurn<double>> turns(axes.size());
+  std::vector<AxisPeaks<double>> peaks(axes.size());
+  const Status bounded = bound_motion<double>(plan.tracks()[index].track(), slack, {turns}, peaks);
+  if (!bounded) throw SolverError(bounded.error());
+  for (std::size_t d = 0; d < axes.size(); ++d) {
+    CheckedAxis& axis = report.axes[axes[d]];
+    axis.range = CheckedRange{peaks[d].lowest, peaks[d].highest};
+    take(axis.velocity, peaks[d].velocity);
+    take(axis.acceleration, peaks[d].acceleration);
+    take(axis.jerk, peaks[d].jerk);
+  }
+}
+
+/// 0 where it is no more than rounding.
+double without_rounding(double step, const CheckedPeak& peak) {
+  const double largest = std::max(std::isfinite(peak.value) ? peak.value : 0, peak.limit.value_or(0));
+  return step > step_rounding * largest ? step : 0;
+}
+
+void add_steps(const std::vector<std::size_t>& axes, const std::vector<AxisStep<double>>& steps,
+               std::optional<std::int32_t> key, double frame, CheckReport& report) {
+  for (std::size_t d = 0; d < axes.size(); ++d) {
+    const CheckedAxis& axis = report.axes[axes[d]];
+    const CheckedStep step{.key = key,
+                           .frame = frame,
+                           .axis = axes[d],
+                           .velocity = without_rounding(steps[d].velocity, axis.velocity),
+                           .acceleration = without_rounding(steps[d].acceleration, axis.acceleration)};
+    if (step.velocity > 0 || step.acceleration > 0) report.steps.push_back(step);
+  }
+}
+
+void list_steps(const Plan& plan, std::size_t index, CheckReport& report) {
+  const std::vector<std::size_t> axes = axes_of_track(plan, index);
+  const Track<double>& track = plan.tracks()[index].track();
+  const std::int32_t segments = track.path().segment_count();
+  std::vector<AxisStep<double>> steps(axes.size());
+  for (std::int32_t i = 0; i <= segments; ++i) {
+    const double frame = steps_at_key<double>(track, i, steps);
+    add_steps(axes, steps, i % track.path().key_count(), frame, report);
+    if (i == segments) break;
+    const Standstills<double> standstills = standstills_within(track, i);
+    for (std::size_t k = 0; k < standstills.count; ++k) {
+      const double turn = steps_at_standstill<double>(track, {i, standstills.t[k]}, steps);
+      add_steps(axes, steps, std::nullopt, turn, report);
+    }
+  }
+}
+
+/// What is wrong with one axis, in words.
+class AxisRefusals {
+ public:
+  AxisRefusals(const Plan& plan, std::size_t index, CheckReport& report)
+      : move_(plan.move()),
+        track_(plan.move().tracks[*plan.axes()[index].track]),
+        place_(track_.axis_places[plan.axes()[index].track_axis]),
+        rig_(*plan.rig()),
+        limits_(plan.rig()->axes[index]),
+        index_(index),
+        axis_(report.axes[index]),
+        report_(report) {}
+
+  void add_all() {
+    add_position();
+    add_velocity_step();
+    add_acceleration_step();
+    if (add_unbounded()) return;
+    add_peak(axis_.velocity, "max_velocity", "/s");
+    add_peak(axis_.acceleration, "max_acceleration", "/s^2");
+    add_peak(axis_.jerk, "max_jerk", "/s^3");
+  }
+
+ private:
+  void refuse(const Place& place, std::string message, bool slower_helps) {
+    report_.refusals.push_back({place, std::move(message), slower_helps});
+  }
+
+  void add_position() {
+    const Peak<double>& lowest = axis_.range->lowest;
+    const Peak<double>& highest = axis_.range->highest;
+    const double below = limits_.min - lowest.value;
+    const double above = highest.value - limits_.max;
+    if (below <= 0 && above <= 0) return;
+    const Peak<double>& worst = below > above ? lowest : highest;
+    refuse(
+        place_,
+        fmt::format("axis {} would go to {} {} at frame {:.2f}, outside {}..{} of the rig {}; move its keys "
+                    "inward",
+                    in_quotes(axis_.name), worst.value, axis_.unit, worst.frame, limits_.min, limits_.max,
+                    in_quotes(rig_.name)),
+        false);
+  }
+
+  /// Of the steps of this axis the largest, and how many there are beside it.
+  struct LargestStep {
+    const CheckedStep* step = nullptr;
+    std::size_t others = 0;
+
+    void take(const CheckedStep& next, double CheckedStep::*size) {
+      if (step != nullptr) ++others;
+      if (step == nullptr || next.*size > step->*size) step = &next;
+    }
+    [[nodiscard]] std::string where() const {
+      std::string words = fmt::format("frame {:.2f}", step->frame);
+      if (step->key) words = fmt::format("key {}, {}", *step->key, words);
+      if (others > 0) words += fmt::format(", and at {} more place{}", others, others == 1 ? "" : "s");
+      return words;
+    }
+  };
+
+  void add_velocity_step() {
+    LargestStep largest;
+    for (const CheckedStep& step : report_.steps) {
+      if (step.axis == index_ && step.velocity > 0) largest.take(step, &CheckedStep::velocity);
+    }
+    if (largest.step == nullptr) return;
+    refuse(place_of(*largest.step),
+           fmt::format("axis {} would step by {:.6g} {}/s at {}, which no drive can follow; {}",
+                       in_quotes(axis_.name), largest.step->velocity, axis_.unit, largest.where(),
+                       remedy_of(*largest.step)),
+           false);
+  }
+
+  void add_acceleration_step() {
+    LargestStep largest;
+    for (const CheckedStep& step : report_.steps) {
+      // Where the velocity steps, that has been said and cures both.
+      const bool is_refused = step.velocity == 0 && breaks_jerk_limit(step, limits_);
+      if (step.axis == index_ && is_refused) largest.take(step, &CheckedStep::acceleration);
+    }
+    if (largest.step == nullptr) return;
+    const std::string rule = limits_.max_acceleration_step ? fmt::format("max_acceleration_step is {:g}",
+                                                                         *limits_.max_acceleration_step)
+                                                           : std::string("max_jerk allows no step");
+    refuse(
+        place_of(*largest.step),
+        fmt::format("axis {} would step by {:.6g} {}/s^2 at {}, and {}; {}", in_quotes(axis_.name),
+                    largest.step->acceleration, axis_.unit, largest.where(), rule, remedy_of(*largest.step)),
+        limits_.max_acceleration_step.has_value());
+  }
+
+  /// Where something has no bound, whatever is above it has none either: it is said once.
+  bool add_unbounded() {
+    if (!std::isfinite(axis_.velocity.value)) {
+      add_unbounded("a velocity", axis_.velocity, "stands still for the axes that have a weight");
+    } else if (!std::isfinite(axis_.acceleration.value)) {
+      add_unbounded("an acceleration", axis_.acceleration, "turns on the spot");
+    } else if (!std::isfinite(axis_.jerk.value) && axis_.jerk.limit) {
+      add_unbounded("a jerk", axis_.jerk, "turns on the spot");
+    } else {
+      return false;
+    }
+    return true;
+  }
+  void add_unbounded(std::string_view quantity, const CheckedPeak& peak, std::string_view what) {
+    refuse(
+        place_,
+        fmt::format("axis {} would need {} without bound near frame {:.2f}, where the path {} and is passed "
+                    "at a speed; {}",
+                    in_quotes(axis_.name), quantity, peak.frame, what, turn_remedy),
+        false);
+  }
+
+  void add_peak(const CheckedPeak& peak, std::string_view limit, std::string_view per) {
+    if (!peak.is_exceeded()) return;
+    refuse(place_,
+           fmt::format("axis {} would reach {:.6g} {}{} at frame {:.2f}, and {} is {:g}; {}",
+                       in_quotes(axis_.name), peak.value, axis_.unit, per, peak.frame, limit, *peak.limit,
+                       track_.timing == Timing::speed
+                           ? "give the move more frames, or draw a flatter speed curve there"
+                           : "give the move more frames there"),
+           true);
+  }
+
+  [[nodiscard]] static bool is_start(const CheckedStep& step) { return step.frame <= 0; }
+  [[nodiscard]] bool is_end(const CheckedStep& step) const { return step.frame >= move_.frames; }
+  [[nodiscard]] const MoveKey* key_of(const CheckedStep& step) const {
+    return step.key ? &track_.keys[static_cast<std::size_t>(*step.key)] : nullptr;
+  }
+
+  [[nodiscard]] const Place& place_of(const CheckedStep& step) const {
+    if (is_start(step) && !track_.speed_places.empty()) return track_.speed_places.front();
+    if (is_end(step) && !track_.speed_places.empty()) return track_.speed_places.back();
+    return step.key ? key_of(step)->place : place_;
+  }
+  [[nodiscard]] std::string remedy_of(const CheckedStep& step) const {
+    if (track_.timing == Timing::frames) {
+      return "time the track by a speed curve that begins and ends with 0, 0, on spline = \"smooth\" (its "
+             "keys "
+             "may keep their frames)";
+    }
+    if (is_start(step)) return "begin the speed curve with 0, 0, at rest";
+    if (is_end(step)) return "end the speed curve with 0, 0, at rest";
+    if (!step.key) return std::string(turn_remedy);
+    if (key_of(step)->breaks) return "take away the break of the key";
+    if (track_.spline != Spline::smooth) return "use spline = \"smooth\", or rest at the key with hold";
+    return "rest at the key with hold";
+  }
+
+  const MoveFile& move_;
+  const MoveTrack& track_;
+  const Place& place_;
+  const RigFile& rig_;
+  const RigAxis& limits_;
+  std::size_t index_;
+  const CheckedAxis& axis_;
+  CheckReport& report_;
+};
+
+}  // namespace
+
+bool CheckedPeak::is_exceeded() const {
+  return limit && !(value <= *limit);
+}
+
+bool breaks_jerk_limit(const CheckedStep& step, const RigAxis& limits) {
+  return limits.max_jerk && step.acceleration > limits.max_acceleration_step.value_or(0);
+}
+
+CheckReport check(const Plan& plan) {
+  CheckReport report;
+  for (const RigAxis& axis : plan.rig()->axes) report.axes.push_back(axis_at_rest(axis));
+  for (std::size_t t = 0; t < plan.tracks().size(); ++t) {
+    bound_track(plan, t, report);
+    list_steps(plan, t, report);
+    const Track<double>& track = plan.tracks()[t].track();
+    if (track.has_profile()) report.speed_error = std::max(report.speed_error, track.arc_length().delta());
+  }
+  for (std::size_t a = 0; a < report.axes.size(); ++a) {
+    if (report.axes[a].range) AxisRefusals(plan, a, report).add_all();
+  }
+  return report;
+}
+
+void refuse_beyond_limits(const CheckReport& report) {
+  if (report.fits()) return;
+  throw LimitError(report.refusals.front().place, report.refusals.front().message);
+}
+
+}  // namespace inbetween

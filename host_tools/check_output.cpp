@@ -1,0 +1,296 @@
+#include "host_tools/check_output.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "host_tools/json_writer.hpp"
+
+namespace inbetween {
+namespace {
+
+/// Of a table for people; the JSON has all of them.
+constexpr std::size_t most_steps_shown = 20;
+
+struct NamedPeak {
+  const char* name;
+  const char* per;
+  const CheckedPeak& peak;
+};
+
+std::array<NamedPeak, 3> peaks_of(const CheckedAxis& axis) {
+  return {{{"velocity", "/s", axis.velocity},
+           {"acceleration", "/s^2", axis.acceleration},
+           {"jerk", "/s^3", axis.jerk}}};
+}
+
+// --- table
+
+/// The table and how wide its first column is.
+struct Table {
+  std::FILE* out;
+  std::size_t names = 0;
+};
+
+Table table_of(const CheckReport& report, std::FILE* out) {
+  Table table{out, 14};
+  for (const CheckedAxis& axis : report.axes) table.names = std::max(table.names, axis.name.size());
+  return table;
+}
+
+void print_row(const Table& table, std::string_view axis, std::string_view quantity, const std::string& peak,
+               const std::string& frame, const std::string& limit, const std::string& share) {
+  std::string line = fmt::format("  {:<{}}  {:<14}{:>24}{:>12}{:>14}{:>10}", axis, table.names, quantity,
+                                 peak, frame, limit, share);
+  line.erase(line.find_last_not_of(' ') + 1);
+  fmt::print(table.out, "{}\n", line);
+}
+
+void print_range(const CheckedAxis& axis, const Table& table) {
+  if (!axis.range) {
+    print_row(table, axis.name, "in no track: it stays where it is", "", "", "", "");
+    return;
+  }
+  const auto print_end = [&](std::string_view name, std::string_view quantity, const Peak<double>& end,
+                             double limit) {
+    const bool outside = end.value < axis.limit_min || end.value > axis.limit_max;
+    print_row(table, name, quantity, fmt::format("{:.6g} {}", end.value, axis.unit),
+              fmt::format("{:.2f}", end.frame), fmt::format("{:g}", limit), outside ? "outside" : "");
+  };
+  print_end(axis.name, "lowest", axis.range->lowest, axis.limit_min);
+  print_end("", "highest", axis.range->highest, axis.limit_max);
+}
+
+std::string share_of(const CheckedPeak& peak) {
+  if (!peak.limit) return "";
+  if (!std::isfinite(peak.value)) return "exceeded";
+  // Rounded up: what exceeds its limit by little does not read as 100 %.
+  const double percent = 100 * peak.share();
+  return fmt::format("{:.0f} %", peak.is_exceeded() ? std::max(101.0, std::ceil(percent)) : percent);
+}
+
+void print_axis(const CheckedAxis& axis, const Table& table) {
+  print_range(axis, table);
+  if (!axis.range) return;
+  for (const auto& [name, per, peak] : peaks_of(axis)) {
+    const std::string value = std::isfinite(peak.value)
+                                  ? fmt::format("{:.6g} {}{}", peak.value, axis.unit, per)
+                                  : std::string("no bound");
+    print_row(table, "", name, value, fmt::format("{:.2f}", peak.frame),
+              peak.limit ? fmt::format("{:g}", *peak.limit) : "none", share_of(peak));
+  }
+}
+
+void print_steps(const CheckReport& report, const Table& table) {
+  std::FILE* out = table.out;
+  if (report.steps.empty()) {
+    fmt::print(out, "  no step of velocity or acceleration, neither at a key nor at an end\n");
+    return;
+  }
+  fmt::print(out, "  steps:\n");
+  fmt::print(out, "  {:<{}}  {:>6}{:>12}{:>24}{:>24}\n", "axis", table.names, "key", "frame", "velocity",
+             "acceleration");
+  for (std::size_t i = 0; i < std::min(report.steps.size(), most_steps_shown); ++i) {
+    const CheckedStep& step = report.steps[i];
+    const CheckedAxis& axis = report.axes[step.axis];
+    const auto amount = [&](double size, const char* per) {
+      return size > 0 ? fmt::format("{:.6g} {}{}", size, axis.unit, per) : std::string("-");
+    };
+    const std::string key = step.key ? fmt::format("{}", *step.key) : "-";
+    fmt::print(out, "  {:<{}}  {:>6}{:>12.2f}{:>24}{:>24}\n", axis.name, table.names, key, step.frame,
+               amount(step.velocity, "/s"), amount(step.acceleration, "/s^2"));
+  }
+  if (report.steps.size() > most_steps_shown) {
+    fmt::print(out, "  and {} more, which --json lists\n", report.steps.size() - most_steps_shown);
+  }
+}
+
+void print_verdict(const Plan& plan, const CheckReport& report, const SmallestFrames& smallest,
+                   std::FILE* out) {
+  const std::int32_t frames = plan.move().frames;
+  if (report.fits()) {
+    fmt::print(out, "fits in {} frames", frames);
+    if (smallest.frames && *smallest.frames < frames)
+      fmt::print(out, "; {} frames would do", *smallest.frames);
+    fmt::print(out, "\n");
+    return;
+  }
+  fmt::print(out, "does not fit in {} frames; ", frames);
+  if (smallest.frames) {
+    fmt::print(out, "{} frames would do\n", *smallest.frames);
+  } else {
+    fmt::print(out, "no number of frames would do: {}\n", smallest.reason);
+  }
+}
+
+// --- JSON
+
+void write_optional(JsonWriter& json, std::string_view name, const std::optional<double>& number) {
+  json.member(name, number.value_or(std::numeric_limits<double>::infinity()));
+}
+
+void write_axis(JsonWriter& json, const CheckedAxis& axis) {
+  json.line();
+  json.begin_object();
+  json.member("name", axis.name);
+  json.key("position");
+  json.begin_object();
+  write_optional(json, "min", axis.range ? std::optional(axis.range->lowest.value) : std::nullopt);
+  write_optional(json, "max", axis.range ? std::optional(axis.range->highest.value) : std::nullopt);
+  json.member("limit_min", axis.limit_min);
+  json.member("limit_max", axis.limit_max);
+  json.end_object();
+  for (const auto& [name, per, peak] : peaks_of(axis)) {
+    json.line();
+    json.key(name);
+    json.begin_object();
+    json.member("peak", peak.value);
+    json.member("frame", peak.frame);
+    write_optional(json, "limit", peak.limit);
+    json.end_object();
+  }
+  json.end_object();
+}
+
+void write_smallest(JsonWriter& json, const SmallestFrames& smallest) {
+  json.key("smallest_frames");
+  if (smallest.frames) {
+    json.value(*smallest.frames);
+  } else {
+    json.null();
+  }
+  json.key("reason");
+  if (smallest.frames) {
+    json.null();
+  } else {
+    json.value(smallest.reason);
+  }
+}
+
+// --- picture
+
+constexpr std::int32_t even_samples = 6000;
+constexpr std::int32_t samples_near_peak = 64;
+
+/// Evenly over the move, and again within a few of those steps of each peak.
+std::vector<double> sample_frames(double frames, const CheckedAxis& axis) {
+  std::vector<double> at;
+  const double even = frames / even_samples;
+  for (std::int32_t i = 0; i <= even_samples; ++i) at.push_back(i * even);
+  for (const auto& [name, per, peak] : peaks_of(axis)) {
+    for (std::int32_t i = -samples_near_peak; i <= samples_near_peak; ++i) {
+      at.push_back(peak.frame + 2 * even * i / samples_near_peak);
+    }
+  }
+  std::erase_if(at, [&](double frame) { return !(frame >= 0 && frame <= frames); });
+  std::ranges::sort(at);
+  return at;
+}
+
+void add_rows(const Plan& plan, const CheckReport& report, std::size_t index, LimitsPlot& plot) {
+  const CheckedAxis& axis = report.axes[index];
+  const PlanAxis& planned = plan.axes()[index];
+  const Track<double>& track = plan.tracks()[*planned.track].track();
+  std::vector<AxisMotion<double>> motion(static_cast<std::size_t>(track.path().axis_count()));
+  const auto motion_at = [&](double frame) {
+    const auto whole = static_cast<std::int32_t>(frame);
+    track.motion({whole, frame - whole}, motion);
+    const AxisMotion<double>& now = motion[planned.track_axis];
+    return std::array<double, 3>{now.velocity, now.acceleration, now.jerk};
+  };
+  std::array<std::vector<Point>, 3> samples;
+  for (const double frame : sample_frames(plot.frames, axis)) {
+    const std::array<double, 3> values = motion_at(frame);
+    for (std::size_t i = 0; i < values.size(); ++i) samples[i].push_back({frame, values[i]});
+  }
+  const std::array<NamedPeak, 3> peaks = peaks_of(axis);
+  for (std::size_t i = 0; i < peaks.size(); ++i) {
+    const CheckedPeak& peak = peaks[i].peak;
+    if (!peak.limit) continue;
+    std::vector<double> steps;
+    for (const CheckedStep& step : report.steps) {
+      const bool is_refused =
+          i == 0 ? step.velocity > 0 : i == 1 && breaks_jerk_limit(step, plan.rig()->axes[index]);
+      if (step.axis == index && is_refused) steps.push_back(step.frame);
+    }
+    plot.rows.push_back({.axis = axis.name,
+                         .quantity = peaks[i].name,
+                         .unit = axis.unit + peaks[i].per,
+                         .samples = std::move(samples[i]),
+                         .peak = peak.value,
+                         .peak_frame = peak.frame,
+                         .peak_is_below = motion_at(peak.frame)[i] < 0,
+                         .limit = peak.limit,
+                         .steps = std::move(steps),
+                         .exceeded = peak.is_exceeded()});
+  }
+}
+
+}  // namespace
+
+void print_check(const Plan& plan, const CheckReport& report, const SmallestFrames& smallest,
+                 std::FILE* out) {
+  const MoveFile& move = plan.move();
+  fmt::print(out, "{} on {}: {} frames at {} fps, {:.3f} s\n", move.name, plan.rig()->name, move.frames,
+             move.fps.as_written, plan.duration_s());
+  const Table table = table_of(report, out);
+  print_row(table, "axis", "quantity", "peak", "frame", "limit", "share");
+  for (const CheckedAxis& axis : report.axes) print_axis(axis, table);
+  print_steps(report, table);
+  if (report.speed_error > 0) {
+    fmt::print(out, "  the drives follow this motion within {:g} of its speed\n", report.speed_error);
+  }
+  print_verdict(plan, report, smallest, out);
+}
+
+void write_check_json(const CheckReport& report, const SmallestFrames& smallest, std::FILE* file) {
+  JsonWriter json(file);
+  json.begin_object();
+  json.member("format", 1);
+  json.member("fits", report.fits());
+  write_smallest(json, smallest);
+  json.line();
+  json.key("axes");
+  json.begin_array();
+  for (const CheckedAxis& axis : report.axes) write_axis(json, axis);
+  json.end_array();
+  json.line();
+  json.key("steps");
+  json.begin_array();
+  for (const CheckedStep& step : report.steps) {
+    json.line();
+    json.begin_object();
+    json.key("key");
+    if (step.key) {
+      json.value(*step.key);
+    } else {
+      json.null();
+    }
+    json.member("frame", step.frame);
+    json.member("axis", report.axes[step.axis].name);
+    json.member("velocity_step", step.velocity);
+    json.member("acceleration_step", step.acceleration);
+    json.end_object();
+  }
+  json.end_array();
+  json.end_object();
+  json.finish();
+}
+
+LimitsPlot limits_plot_of(const Plan& plan, const CheckReport& report) {
+  LimitsPlot plot{.name = plan.move().name,
+                  .frame_rate = plan.move().fps.as_written,
+                  .frames_per_second = plan.move().fps.rate.frames_per_second(),
+                  .frames = plan.move().frames,
+                  .rows = {}};
+  for (std::size_t a = 0; a < report.axes.size(); ++a) {
+    if (report.axes[a].range) add_rows(plan, report, a, plot);
+  }
+  return plot;
+}
+
+}  // namespace inbetween

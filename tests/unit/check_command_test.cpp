@@ -1,0 +1,242 @@
+// `check` as its users meet it: the table, the verdict, exit statuses, JSON, the picture; and `run`, which
+// refuses what `check` refuses.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "host_tools/check.hpp"
+#include "tests/support/refused_text.hpp"
+#include "tests/support/run_program.hpp"
+#include "tests/support/temporary_file.hpp"
+
+namespace inbetween {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+using testing::ElementsAre;
+using testing::EndsWith;
+using testing::HasSubstr;
+using testing::SizeIs;
+using testing::StartsWith;
+
+const std::string reveal = INBETWEEN_SOURCE_DIR "/examples/reveal.toml";
+const std::string camera_rig = INBETWEEN_SOURCE_DIR "/examples/camera_rig.toml";
+
+/// The example in so many frames.
+std::string reveal_in(int frames) {
+  return with(file_contents(reveal), "frames = 192", "frames = " + std::to_string(frames));
+}
+
+std::string with_corners() {
+  return with(file_contents(reveal), "\"smooth\"", "\"linear\"");
+}
+
+ProgramRun check_file(const std::string& move, const std::vector<std::string>& more = {}) {
+  std::vector<std::string> arguments = {"check", move, "--rig", camera_rig};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return run_program(arguments);
+}
+
+ProgramRun check_text(const std::string& text, const std::vector<std::string>& more = {}) {
+  const TemporaryFile move("move.toml", text);
+  return check_file(move.path().string(), more);
+}
+
+std::vector<std::string> fields(const Json& object) {
+  std::vector<std::string> names;
+  for (const auto& [name, value] : object.items()) names.push_back(name);
+  return names;
+}
+
+TEST(CheckCommand, AMoveThatFitsIsStatus0WithATableAndAVerdict) {
+  const ProgramRun run = check_file(reveal);
+  EXPECT_EQ(run.status, 0);
+  EXPECT_EQ(run.err, "") << "no progress bar in a pipe";
+  EXPECT_THAT(run.out,
+              StartsWith("reveal on slider with pan and tilt head: 192 frames at 24 fps, 8.000 s\n"));
+  for (const char* words :
+       {"slide ", "pan ", "tilt ", "lowest", "highest", "velocity", "acceleration", "jerk", " mm/s^2 ",
+        " deg/s ", " 88 %\n", "the drives follow this motion within 1e-06"}) {
+    EXPECT_THAT(run.out, HasSubstr(words));
+  }
+  EXPECT_THAT(run.out, testing::ContainsRegex("\nfits in 192 frames; [0-9]+ frames would do\n$"));
+}
+
+TEST(CheckCommand, AMoveThatDoesNotFitIsStatus3AndEveryReasonIsALine) {
+  const TemporaryFile move("move.toml", reveal_in(48));
+  const std::string file = move.path().string();
+  const ProgramRun run = check_file(file);
+  EXPECT_EQ(run.status, 3);
+  EXPECT_THAT(run.err, StartsWith(file + ":8:11: error: axis \"slide\" would reach "));
+  EXPECT_THAT(run.err, HasSubstr(" mm/s at frame "));
+  EXPECT_THAT(run.err, HasSubstr(", and max_velocity is 500; give the move more frames"));
+  EXPECT_THAT(run.out, testing::ContainsRegex("\ndoes not fit in 48 frames; [0-9]+ frames would do\n$"));
+}
+
+TEST(CheckCommand, TheNumberOfFramesItNamesFitsAndOneLessDoesNot) {
+  const TemporaryFolder folder;
+  const std::string json = (folder.path() / "a.json").string();
+  EXPECT_EQ(check_text(reveal_in(48), {"--json", json}).status, 3);
+  const int smallest = Json::parse(file_contents(json))["smallest_frames"];
+  EXPECT_EQ(check_text(reveal_in(smallest)).status, 0);
+  EXPECT_EQ(check_text(reveal_in(smallest - 1)).status, 3);
+  EXPECT_THAT(check_text(reveal_in(smallest)).out,
+              EndsWith("\nfits in " + std::to_string(smallest) + " frames\n"));
+}
+
+TEST(CheckCommand, ACornerIsRefusedWithItsRemedyAndNoNumberOfFramesCuresIt) {
+  const ProgramRun run = check_text(with_corners());
+  EXPECT_EQ(run.status, 3);
+  EXPECT_THAT(run.err, HasSubstr("which no drive can follow; use spline = \"smooth\""));
+  EXPECT_THAT(run.out, HasSubstr("  steps:\n"));
+  EXPECT_THAT(
+      run.out,
+      HasSubstr("\ndoes not fit in 192 frames; no number of frames would do: axis \"slide\" would step by "));
+}
+
+TEST(CheckCommand, ItsJsonHasTheFieldsOfItsFormatInTheirOrder) {
+  const ProgramRun run = check_file(reveal, {"--json", "-"});
+  EXPECT_EQ(run.status, 0);
+  EXPECT_THAT(run.err, StartsWith("reveal on slider")) << "the table makes way";
+  const Json json = Json::parse(run.out);
+  EXPECT_THAT(fields(json), ElementsAre("format", "fits", "smallest_frames", "reason", "axes", "steps"));
+  EXPECT_EQ(json["format"], 1);
+  EXPECT_EQ(json["fits"], true);
+  EXPECT_EQ(json["reason"], nullptr);
+  EXPECT_THAT(json["steps"], SizeIs(0));
+  ASSERT_THAT(json["axes"], SizeIs(3));
+  const Json& pan = json["axes"][1];
+  EXPECT_THAT(fields(pan), ElementsAre("name", "position", "velocity", "acceleration", "jerk"));
+  EXPECT_EQ(pan["name"], "pan");
+  EXPECT_THAT(fields(pan["position"]), ElementsAre("min", "max", "limit_min", "limit_max"));
+  EXPECT_EQ(pan["position"]["min"], -62);
+  EXPECT_EQ(pan["position"]["limit_max"], 180);
+  for (const char* quantity : {"velocity", "acceleration", "jerk"}) {
+    EXPECT_THAT(fields(pan[quantity]), ElementsAre("peak", "frame", "limit"));
+    EXPECT_GT(pan[quantity]["peak"], 0);
+  }
+  EXPECT_EQ(pan["jerk"]["limit"], 1800);
+}
+
+TEST(CheckCommand, ItsJsonReadsBackExactly) {
+  const Json json = Json::parse(check_file(reveal, {"--json", "-"}).out);
+  const CheckReport report = check(Plan(read_move_file(reveal), read_rig_file(camera_rig), {}));
+  for (std::size_t a = 0; a < report.axes.size(); ++a) {
+    EXPECT_EQ(json["axes"][a]["velocity"]["peak"], report.axes[a].velocity.value);
+    EXPECT_EQ(json["axes"][a]["jerk"]["frame"], report.axes[a].jerk.frame);
+    EXPECT_EQ(json["axes"][a]["position"]["max"], report.axes[a].range->highest.value);
+  }
+}
+
+TEST(CheckCommand, ItsJsonListsStepsAndSaysWhyThereIsNoNumberOfFrames) {
+  const TemporaryFolder folder;
+  const std::string file = (folder.path() / "a.json").string();
+  EXPECT_EQ(check_text(with_corners(), {"--json", file}).status, 3) << "written all the same";
+  const Json json = Json::parse(file_contents(file));
+  EXPECT_EQ(json["fits"], false);
+  EXPECT_EQ(json["smallest_frames"], nullptr);
+  EXPECT_THAT(json["reason"].get<std::string>(), HasSubstr("which no drive can follow"));
+  ASSERT_THAT(json["steps"], SizeIs(9)) << "three axes at three keys";
+  EXPECT_THAT(fields(json["steps"][0]),
+              ElementsAre("key", "frame", "axis", "velocity_step", "acceleration_step"));
+  EXPECT_EQ(json["steps"][0]["key"], 1);
+  EXPECT_EQ(json["steps"][1]["axis"], "pan");
+}
+
+TEST(CheckCommand, ThePeakOfAMoveWithoutBoundIsNull) {
+  const std::string cusp =
+      with(with(file_contents(reveal), "\"smooth\"", "\"tcb\""), "{ at = [ 860.0, -30.0,   4.0] }",
+           "{ at = [ 860.0, -30.0,   4.0], tension = 1 }");
+  const TemporaryFolder folder;
+  const std::string file = (folder.path() / "a.json").string();
+  const ProgramRun run = check_text(cusp, {"--json", file});
+  EXPECT_EQ(run.status, 3);
+  EXPECT_THAT(run.out, HasSubstr("no bound"));
+  EXPECT_EQ(Json::parse(file_contents(file))["axes"][0]["acceleration"]["peak"], nullptr);
+}
+
+/// Adds the names of all fields at any depth.
+void collect_fields(const Json& json, std::set<std::string>& names) {
+  for (const auto& [name, value] : json.items()) {
+    if (json.is_object()) names.insert(name);
+    if (value.is_structured()) collect_fields(value, names);
+  }
+}
+
+TEST(CheckCommand, EveryFieldOfItsJsonIsDocumented) {
+  const std::string document = file_contents(INBETWEEN_SOURCE_DIR "/docs/formats.md");
+  const std::size_t begin = document.find("### JSON of check");
+  const std::string section = document.substr(begin, document.find("\n### ", begin) - begin);
+  const TemporaryFolder folder;
+  const std::string file = (folder.path() / "a.json").string();
+  check_text(with_corners(), {"--json", file});
+  std::set<std::string> names;
+  collect_fields(Json::parse(file_contents(file)), names);
+  EXPECT_GE(names.size(), 18U);
+  for (const std::string& name : names) {
+    EXPECT_THAT(section, HasSubstr("`" + name + "`"));
+  }
+}
+
+TEST(CheckCommand, DrawsPicturesOfMovesThatFitAndOfMovesThatDoNot) {
+  const TemporaryFolder folder;
+  for (const char* name : {"a.svg", "a.png", "a.pdf"}) {
+    const std::string file = (folder.path() / name).string();
+    EXPECT_EQ(check_file(reveal, {"--plot", file}).status, 0);
+    EXPECT_GT(fs::file_size(file), 1000U) << name;
+    fs::remove(file);
+    EXPECT_EQ(check_text(with_corners(), {"--plot", file}).status, 3);
+    EXPECT_GT(fs::file_size(file), 1000U) << name;
+  }
+}
+
+TEST(CheckCommand, ItsHelpNamesEveryOptionAndSaysWhatItProves) {
+  const ProgramRun run = run_program({"check", "--help"});
+  EXPECT_EQ(run.status, 0);
+  for (const char* words : {"MOVE", "--rig ", "--json ", "--plot ", "--help", "svg",
+                            "not below the true one and at most 1 % above it", "spline = \"smooth\"",
+                            "Exit status: 0 the move fits; 3 it does not"}) {
+    EXPECT_THAT(run.out, HasSubstr(words));
+  }
+}
+
+TEST(CheckCommand, WrongUsageIsStatus2AndBadInputStatus1) {
+  EXPECT_EQ(run_program({"check", reveal}).status, 2) << "a rig has the limits";
+  EXPECT_EQ(run_program({"check", reveal, "--rig", camera_rig, "--plot", "a.gif"}).status, 2);
+  EXPECT_EQ(run_program({"check", reveal, "--rig", camera_rig, "--json", camera_rig}).status, 2);
+  EXPECT_EQ(run_program({"check", "no.toml", "--rig", camera_rig}).status, 1);
+  EXPECT_EQ(run_program({"check", reveal, "--rig", camera_rig, "--json", "/dev/full"}).status, 1);
+}
+
+TEST(CheckCommand, ShowsItsProgressOnATerminal) {
+  const ProgramRun run = run_program({"check", reveal, "--rig", camera_rig},
+                                     {.out_path = {}, .err_path = {}, .err_on_terminal = true});
+  EXPECT_EQ(run.status, 0);
+  EXPECT_THAT(run.err, testing::ContainsRegex("trying [0-9]+ frames"));
+  EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << "the line is ended once";
+}
+
+TEST(CheckCommand, RunRefusesWhatCheckRefusesAndMovesNothing) {
+  const TemporaryFolder folder;
+  const std::string json = (folder.path() / "report.json").string();
+  for (const std::string& text : {reveal_in(48), with_corners()}) {
+    const TemporaryFile move("move.toml", text);
+    const std::string file = move.path().string();
+    const ProgramRun run = run_program({"run", file, "--rig", camera_rig, "--sim", "--fast", "--json", json});
+    EXPECT_EQ(run.status, 3);
+    EXPECT_EQ(run.out, "");
+    const std::string first_reason = check_file(file).err;
+    EXPECT_EQ(run.err, first_reason.substr(0, first_reason.find('\n') + 1));
+    EXPECT_TRUE(fs::is_empty(folder.path())) << "no report of what did not move";
+  }
+}
+
+}  // namespace
+}  // namespace inbetween
