@@ -215,19 +215,12 @@ class MotionBounds {
     const Real low = range.low > 0 ? std::sqrt(range.low) : Real(0);
     const Real high = std::sqrt(range.high);
     const Real square = q.value * q.value;
-    return {direction(d, quotient(centred(axis.first, tau, radius), Real(1), root, low, high)),
+    return {quotient(centred(axis.first, tau, radius), Real(1), root, low, high),
             quotient(centred(axis.second, tau, radius), side, square,
                      range.low > 0 ? range.low * range.low : Real(0), range.high * range.high),
             quotient(centred(axis.third, tau, radius), Real(1), square * (q.value * root),
                      low * low * low * (low * low * low) * low,
                      high * high * high * (high * high * high) * high)};
-  }
-  /// An axis that counts goes no faster than the path, even where it stands still and turns.
-  [[nodiscard]] Centred<Real> direction(std::size_t d, const Centred<Real>& found) const {
-    const Real weight = track_.path().weights()[d];
-    if (found.spread <= std::numeric_limits<Real>::max() || !(weight > 0)) return found;
-    const Real value = std::isfinite(found.value) ? found.value : Real(0);
-    return {value, std::fabs(value) + 1 / weight};
   }
   /// scale * a / b, with b from `low` to `high` and `value` in the middle.
   static Centred<Real> quotient(const Centred<Real>& a, Real scale, Real value, Real low, Real high) {
@@ -336,7 +329,7 @@ class MotionBounds {
       const Factor<Real> t = path_factor(d, q, tau, tau_radius);
       const Triple<Real> here = product_at(middle(t), middle(w));
       raise(d, scaled_up(here), stretch.time.frame(x));
-      const Triple<Real> bounds = scaled_up(bounds_of(t, w, here, seconds));
+      const Triple<Real> bounds = scaled_up(bounds_of(t, steepest(d), w, here, seconds));
       if (is_last || is_close(d, bounds) ||
           (box.halvings >= halvings_before_rounding && is_rounding(d, bounds, stretch.time, x, tau))) {
         accept(d, bounds, stretch.time.frame(x));
@@ -358,15 +351,23 @@ class MotionBounds {
     return std::min(sigma > 0 ? distance / sigma : path.interval.extent, std::sqrt(distance));
   }
 
-  static Triple<Real> bounds_of(const Factor<Real>& t, const Factor<Real>& w, const Triple<Real>& here,
-                                Real seconds) {
+  /// |dP/dL| of an axis that counts is no more than this, even where the path stands still and turns.
+  [[nodiscard]] Real steepest(std::size_t d) const {
+    const Real weight = track_.path().weights()[d];
+    return track_.has_profile() && weight > 0 ? 1 / weight : std::numeric_limits<Real>::infinity();
+  }
+
+  static Triple<Real> bounds_of(const Factor<Real>& t, Real steepest, const Factor<Real>& w,
+                                const Triple<Real>& here, Real seconds) {
     Interval<Real> speed = w.part[0].range();
     if (speed.low == 0 && speed.high == 0) return {};  // a rest, wherever it is
     speed.low = std::max(speed.low, Real(0));
     const Interval<Real> square{speed.low * speed.low, speed.high * speed.high};
     const Interval<Real> cube{square.low * speed.low, square.high * speed.high};
     const Interval<Real> change = w.part[1].range();
-    const Interval<Real> first = t.part[0].range();
+    Interval<Real> first = t.part[0].range();
+    if (!(first.low >= -steepest)) first.low = -steepest;
+    if (!(first.high <= steepest)) first.high = steepest;
     const Interval<Real> second = t.part[1].range();
     Triple<Real> bound;
     bound[2] = or_infinity(
@@ -400,7 +401,7 @@ class MotionBounds {
     const Centred<Real> q = centred(prepared_.interval.speed_squared.q, tau, Real(0));
     const Factor<Real> t = path_factor(d, q, tau, 0);
     const Factor<Real> w = time_factor(time, x, 0);
-    const Triple<Real> floor = scaled_up(bounds_of(t, w, product_at(middle(t), middle(w)), 0));
+    const Triple<Real> floor = scaled_up(bounds_of(t, steepest(d), w, product_at(middle(t), middle(w)), 0));
     for (std::size_t i = 0; i < quantities; ++i) {
       if (!(bounds[i] <= allowed(d, i)) && !(bounds[i] <= 2 * floor[i] && floor[i] > allowed(d, i)))
         return false;
