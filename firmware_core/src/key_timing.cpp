@@ -261,22 +261,58 @@ void refine(std::span<Real> values, std::int32_t f) {
   }
 }
 
-/// The frame on which the drawn curve, played in the frames that are no holds, arrives at a key.
+/// When the drawn curve arrives at a key, as a share of the time that it moves.
 template <Precise Real>
-std::int32_t arrival(const KeyTimingSpec<Real>& spec, std::int32_t key, std::int32_t moving_frames) {
+Real arrival(const KeyTimingSpec<Real>& spec, std::int32_t key) {
   const auto f = static_cast<std::int32_t>(spec.control_values.size()) - 1;
+  const auto spans = static_cast<Real>(f);
   const Real length = spec.key_distances.back();
   const Real share = length > 0 ? spec.key_distances[static_cast<std::size_t>(key)] / length
                                 : static_cast<Real>(key) / static_cast<Real>(spec.key_distances.size());
-  const Real target = share * IntegralRow<Real>(0, static_cast<Real>(f), f).integral(spec.control_values);
-  std::int32_t low = 0;
-  std::int32_t high = moving_frames;
-  while (high - low > 1) {
-    const std::int32_t middle = (low + high) / 2;
-    const Real a = static_cast<Real>(middle) * static_cast<Real>(f) / static_cast<Real>(moving_frames);
-    (IntegralRow<Real>(0, a, f).integral(spec.control_values) < target ? low : high) = middle;
+  if (share <= 0) return 0;
+  const Real target = share * IntegralRow<Real>(0, spans, f).integral(spec.control_values);
+  Real low = 0;
+  Real high = 1;
+  for (int i = 0; i < std::numeric_limits<Real>::digits; ++i) {
+    const Real middle = (low + high) / 2;
+    (IntegralRow<Real>(0, middle * spans, f).integral(spec.control_values) < target ? low : high) = middle;
   }
-  return share <= 0 ? 0 : high;
+  return high;
+}
+
+/// The frame of the hold at `index`, which has none: where the drawn curve arrives, played between the locks
+/// with frames on either side in the frames that are no holds.
+template <Precise Real>
+std::int32_t arrival_frame(const KeyTimingSpec<Real>& spec, std::size_t index) {
+  const std::span<const KeyLock> locks = spec.locks;
+  std::int32_t begin_frame = 0;
+  Real begin_share = 0;
+  std::int32_t held_before = 0;
+  for (std::size_t i = 0; i < index; ++i) {
+    held_before += locks[i].hold;
+    if (locks[i].frame < 0) continue;
+    begin_frame = locks[i].frame + locks[i].hold;
+    begin_share = arrival(spec, locks[i].key);
+    held_before = 0;
+  }
+  std::int32_t moving = spec.frames - begin_frame - held_before;
+  Real end_share = 1;
+  for (std::size_t i = index; i < locks.size(); ++i) {
+    if (locks[i].frame >= 0) {
+      moving -= spec.frames - locks[i].frame;
+      end_share = arrival(spec, locks[i].key);
+      break;
+    }
+    moving -= locks[i].hold;
+  }
+  const Real share = arrival(spec, locks[index].key) - begin_share;
+  const Real frames = share > 0 && end_share > begin_share
+                          ? share / (end_share - begin_share) * static_cast<Real>(moving)
+                          : Real(0);
+  // The first frame at or behind it; a frame met but for rounding is that frame.
+  const Real rounding = 64 * std::numeric_limits<Real>::epsilon() * static_cast<Real>(spec.frames);
+  const auto whole = static_cast<std::int32_t>(frames);
+  return begin_frame + held_before + (frames > static_cast<Real>(whole) + rounding ? whole + 1 : whole);
 }
 
 /// Every wish with its frame, between the two ends of the move. Returns how many.
@@ -293,13 +329,14 @@ Result<std::size_t> complete_locks(const KeyTimingSpec<Real>& spec, std::span<Ke
   }
   std::size_t count = 0;
   out[count++] = {.key = 0, .frame = 0};
-  std::int32_t held = 0;
-  for (KeyLock lock : spec.locks) {
-    if (lock.key < 0 || lock.key > last_key) {
-      return wish_error("there is no such key", "count the keys from 0", lock);
+  for (const KeyLock& wish : spec.locks) {
+    if (wish.key < 0 || wish.key > last_key) {
+      return wish_error("there is no such key", "count the keys from 0", wish);
     }
-    if (lock.frame < 0) lock.frame = arrival(spec, lock.key, spec.frames - holds) + held;
-    held += lock.hold;
+  }
+  for (std::size_t i = 0; i < spec.locks.size(); ++i) {
+    KeyLock lock = spec.locks[i];
+    if (lock.frame < 0) lock.frame = arrival_frame(spec, i);
     const std::int32_t end = lock.frame + lock.hold;
     if (end > spec.frames) {
       return wish_error("this key would be left after the last frame",
