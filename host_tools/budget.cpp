@@ -81,17 +81,17 @@ constexpr std::array<std::string_view, budget_object_count> object_names{
     "count track",
     "Runge-Kutta solver, more"};
 
-constexpr std::array<FunctionBudget, 27> stack{{
+constexpr std::array<FunctionBudget, 35> stack{{
     {"Path::make", {608, 576}, {736, 576}},
     {"Path::position", {32, 32}, {128, 32}},
     {"Path::parametric_speed", {256, 256}, {256, 224}},
-    {"ArcLength::make", {3360, 2240}, {3680, 2240}},
+    {"ArcLength::make", {3360, 2208}, {3680, 2208}},
     {"ArcLength::locate", {96, 64}, {256, 96}},
     {"ArcLength::distance", {288, 224}, {352, 224}},
     {"SpeedProfile::make", {160, 128}, {320, 128}},
     {"SpeedProfile::value", {32, 32}, {160, 32}},
     {"SpeedProfile::integral", {32, 32}, {192, 32}},
-    {"adjust_to_locks", {1120, 832}, {1824, 832}},
+    {"adjust_to_locks", {1024, 800}, {1632, 800}},
     {"Track::make", {608, 512}, {672, 512}},
     {"Track::make_with_breaks", {992, 800}, {1088, 800}},
     {"Track::make_with_key_frames", {576, 544}, {672, 544}},
@@ -109,6 +109,14 @@ constexpr std::array<FunctionBudget, 27> stack{{
     {"count_sizes", {224, 224}, {224, 224}},
     {"CountTrack::make", {1312, 1120}, {1504, 1344}},
     {"CountTrack::counts", {64, 32}, {224, 32}},
+    {"bound_motion", {7520, 4704}, {9216, 4672}},
+    {"steps_at_key", {1024, 704}, {1472, 704}},
+    {"standstills_within", {1088, 640}, {1248, 640}},
+    {"steps_at_standstill", {960, 672}, {1408, 640}},
+    {"AxisLimits::make", {512, 224}, {512, 224}},
+    {"RollAxis::make", {352, 288}, {352, 288}},
+    {"RollAxis::peaks", {64, 32}, {256, 32}},
+    {"roll_frames", {960, 736}, {992, 736}},
 }};
 
 // In the first line stands what is asked for: 140 in double on a Cortex-M7, 130 in single precision on a
@@ -119,7 +127,7 @@ constexpr std::array<FunctionBudget, 7> instructions{{
     {"Track::positions", {240, 260}, {5700, 270}},
     {"Track::motion", {1200, 1200}, {37'000, 1200}},
     {"frame_time_of_tick", {74, 74}, {820, 74}},
-    {"solve", {350'000, 280'000}, {12'000'000, 280'000}},
+    {"solve", {350'000, 280'000}, {12'000'000, 290'000}},
     {"CountTrack::make", {270'000, 310'000}, {7'100'000, 7'300'000}},
 }};
 
