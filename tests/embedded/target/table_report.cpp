@@ -7,6 +7,7 @@
 #include "inbetween/frame_table.hpp"
 #include "inbetween/hash.hpp"
 #include "inbetween/key_timing.hpp"
+#include "inbetween/motion_bounds.hpp"
 #include "inbetween/ode_frame_table.hpp"
 #include "inbetween/track.hpp"
 #include "tests/embedded/target/console.hpp"
@@ -79,6 +80,26 @@ void hash_ticks(const Track<Real>& track, const Move& move) {
   print_hash("motion", motion_hash.value());
 }
 
+/// What is proven of the move's peaks.
+template <Precise Real>
+void hash_bounds(const Track<Real>& track, const Move& move) {
+  std::array<AxisTurn<Real>, most_axes> turns;
+  const std::array<PeakSlack<Real>, most_axes> slack{};
+  std::array<AxisPeaks<Real>, most_axes> peaks;
+  if (const Status bounded = bound_motion<Real>(track, slack, {turns}, peaks); !bounded) {
+    fail(name_of<Real>, move, bounded.error());
+    return;
+  }
+  Fnv1a hash;
+  for (const AxisPeaks<Real>& axis : std::span(peaks).first(static_cast<std::size_t>(move.axis_count))) {
+    for (const Peak<Real>& peak : {axis.lowest, axis.highest, axis.velocity, axis.acceleration, axis.jerk}) {
+      hash.add(peak.value);
+      hash.add(peak.frame);
+    }
+  }
+  print_hash("bounds", hash.value());
+}
+
 template <Precise Real>
 void hash_counts(const Track<double>& track, const Move& move) {
   static CountTrackStorage<Real, most_axes, most_values, 560> storage;
@@ -127,6 +148,7 @@ void report(const Move& move) {
   print(move.name);
   print_hash("table", hash_of(table->points()));
   hash_ticks(*track, move);
+  hash_bounds(*track, move);
   print("\n");
   if constexpr (std::same_as<Real, double>) {
     hash_counts<float>(*track, move);
