@@ -204,8 +204,18 @@ void read_limits(const TomlTable& table, RigAxis& axis) {
   };
   axis.max_jerk = limit("max_jerk");
   axis.max_acceleration_step = limit("max_acceleration_step");
-  axis.stop_acceleration = limit("stop_acceleration");
-  axis.stop_jerk = limit("stop_jerk");
+  // A stop begins in the midst of the motion: what the motion may do, the stop must be able to do.
+  const auto stop_limit = [&](std::string_view field, std::string_view motion_field,
+                              const std::optional<double>& motion) {
+    const auto value = limit(field);
+    if (value && motion && *value < *motion) {
+      table.optional(field)->refuse(fmt::format("is {}, below {} = {}; write {} or more, or leave it out",
+                                                *value, motion_field, *motion, *motion));
+    }
+    return value;
+  };
+  axis.stop_acceleration = stop_limit("stop_acceleration", "max_acceleration", axis.max_acceleration);
+  axis.stop_jerk = stop_limit("stop_jerk", "max_jerk", axis.max_jerk);
 }
 
 RigAxis read_axis(const TomlValue& value, const RigContext& rig) {

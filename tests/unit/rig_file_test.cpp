@@ -368,6 +368,16 @@ TEST(RigFile, LimitsAreAboveZero) {
   expect_mixed_change_refused("stop_jerk = 6", "stop_jerk = @0", {"stop_jerk is 0"});
 }
 
+TEST(RigFile, AStopMayDoWhatTheMotionMay) {
+  expect_mixed_change_refused("stop_acceleration = 5", "stop_acceleration = @1.5",
+                              {"stop_acceleration is 1.5, below max_acceleration = 2; write 2 or more"});
+  expect_mixed_change_refused("stop_jerk = 6", "stop_jerk = @2.5", {"stop_jerk is 2.5, below max_jerk = 3"});
+  EXPECT_EQ(parse_rig(with(mixed, "stop_acceleration = 5", "stop_acceleration = 2"), "rig.toml")
+                .axes[0]
+                .stop_acceleration,
+            2);
+}
+
 TEST(RigFile, NotANumberInfinityAndHugeNumbersAreRefused) {
   expect_change_refused("1500.0", "@inf", {"max is inf; write a number from -1e+100 to 1e+100"});
   expect_change_refused("min = 0.0", "min = @nan", {"min is nan"});
