@@ -146,7 +146,7 @@ TEST(MotionBounds, BreaksHaveTheSpeedOfTheirOwnPortion) {
 
 TEST(MotionBounds, TimedByFramesAreBoundedToo) {
   const std::vector<double> keys{0, 30, 90, 90};
-  const std::vector<std::int32_t> key_frames{0, 24, 48, 72};
+  const std::vector<std::int32_t> key_frames{0, 12, 48, 72};
   for (const Kinetic kinetic : {Kinetic::linear, Kinetic::smooth}) {
     const TrackSpec<double> spec{.path = {.axis_count = 1, .keys = keys},
                                  .control_values = {},
