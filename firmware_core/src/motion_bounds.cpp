@@ -61,7 +61,6 @@ class MotionBounds {
   void run() {
     for (std::size_t d = 0; d < axes_; ++d) bound_position(d);
     walk_.run([this](const Stretch<Real>& stretch) { sample(stretch); });
-    prepared_ = {.segment = -1, .index = -1, .exponent = 0, .interval = {}};
     walk_.run([this](const Stretch<Real>& stretch) { prove(stretch); });
     for (std::size_t d = 0; d < axes_; ++d) {
       const auto peaks = peaks_of(out_[d]);

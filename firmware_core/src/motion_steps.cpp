@@ -13,13 +13,6 @@ namespace {
 template <Precise Real>
 inline constexpr Real lock_share = std::numeric_limits<Real>::digits > 30 ? Real(2e-12) : Real(2e-5);
 
-/// A place on the speed curve: a = span + t.
-template <Precise Real>
-struct CurvePlace {
-  std::int32_t span = 0;
-  Real t = 0;
-};
-
 /// Speed and acceleration along the path.
 template <Precise Real>
 struct Pace {
@@ -37,20 +30,6 @@ struct Side {
 };
 
 template <Precise Real>
-CurvePlace<Real> place_of(const Track<Real>& track, const FrameTime<Real>& time) {
-  const std::int32_t f = track.profile().span_count();
-  const std::int32_t scaled = time.frame * f;
-  CurvePlace<Real> place{scaled / track.frames(),
-                         (static_cast<Real>(scaled % track.frames()) + time.fraction * static_cast<Real>(f)) /
-                             static_cast<Real>(track.frames())};
-  while (place.t >= 1 && place.span < f) {
-    place.t -= 1;
-    ++place.span;
-  }
-  return place.span < f ? place : CurvePlace<Real>{f - 1, 1};
-}
-
-template <Precise Real>
 Real frame_of(const Track<Real>& track, const CurvePlace<Real>& place) {
   return (static_cast<Real>(place.span) + place.t) * static_cast<Real>(track.frames()) /
          static_cast<Real>(track.profile().span_count());
@@ -59,9 +38,7 @@ Real frame_of(const Track<Real>& track, const CurvePlace<Real>& place) {
 template <Precise Real>
 Pace<Real> pace_at(const Track<Real>& track, const CurvePlace<Real>& place, Real constant) {
   const SpeedSpan<Real>& span = track.profile().span(place.span);
-  const FrameRate fps = track.frame_rate();
-  const Real rate = static_cast<Real>(track.profile().span_count()) * static_cast<Real>(fps.numerator) /
-                    (static_cast<Real>(track.frames()) * static_cast<Real>(fps.denominator));
+  const Real rate = track.curve_rate();
   return {constant * rate * span.value(place.t), constant * rate * rate * span.derivative(place.t)};
 }
 
@@ -93,8 +70,8 @@ FrameTime<Real> first_time(const Track<Real>& track, const TwoSum<Real>& target,
 template <Precise Real>
 CurvePlace<Real> place_of_distance(const Track<Real>& track, const TwoSum<Real>& target) {
   const Real margin = lock_share<Real> * track.arc_length().total();
-  const CurvePlace<Real> first = place_of(track, first_time(track, target, -margin));
-  const CurvePlace<Real> last = place_of(track, first_time(track, target, margin));
+  const CurvePlace<Real> first = track.place(first_time(track, target, -margin));
+  const CurvePlace<Real> last = track.place(first_time(track, target, margin));
   if (first.span == last.span) return {first.span, first.t + (last.t - first.t) / 2};
   CurvePlace<Real> slowest{last.span, 0};
   for (std::int32_t span = last.span - 1; span > first.span; --span) {
@@ -183,16 +160,12 @@ template <Precise Real>
 void add_interval(const Track<Real>& track, std::int32_t segment, Real t, Real sign,
                   std::span<AxisStep<Real>> out) {
   const KeyInterval<Real>& interval = track.key_intervals()[static_cast<std::size_t>(segment)];
-  const FrameRate fps = track.frame_rate();
-  const Real rate = static_cast<Real>(fps.numerator) /
-                    (static_cast<Real>(fps.denominator) * static_cast<Real>(interval.frames));
-  const Real first = rate * (interval.c1 + t * (2 * interval.c2 + t * (3 * interval.c3)));
-  const Real second = rate * rate * (2 * interval.c2 + 6 * t * interval.c3);
+  const ParameterRates<Real> rates = interval.rates(t, track.frame_rate());
   const std::span<const Cubic<Real>> cubics = track.path().segment(segment);
   for (std::size_t d = 0; d < out.size(); ++d) {
     const Real slope = cubics[d].derivative(t);
-    out[d].velocity += sign * (slope * first);
-    out[d].acceleration += sign * (cubics[d].second(t) * first * first + slope * second);
+    out[d].velocity += sign * (slope * rates.first);
+    out[d].acceleration += sign * (cubics[d].second(t) * rates.first * rates.first + slope * rates.second);
   }
 }
 
@@ -222,7 +195,7 @@ MetPlace<Real> find_distance(const Track<Real>& track, const TwoSum<Real>& targe
   for (std::size_t i = 1; i < portions.size(); ++i) {
     const FrameTime<Real> begin{portions[i].begin_frame, 0};
     if (std::fabs(track.distance(begin).minus(target)) <= margin) {
-      return {place_of(track, begin), portions[i - 1].constant, portions[i].constant};
+      return {track.place(begin), portions[i - 1].constant, portions[i].constant};
     }
   }
   const CurvePlace<Real> place = place_of_distance(track, target);

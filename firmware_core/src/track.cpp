@@ -197,11 +197,9 @@ AlongPath<Real> Track<Real>::unbounded_along(const FrameTime<Real>& time) const 
           speed.second * s.first * s.first * s.first + 3 * speed.first * s.first * s.second + sigma * s.third;
     }
   } else {
-    const CurvePlace where = place(time);
+    const CurvePlace<Real> where = place(time);
     const SpeedSpan<Real>& span = profile_.span(where.span);
-    // da/dt: control values a second
-    const Real rate = static_cast<Real>(profile_.span_count()) * static_cast<Real>(fps_.numerator) /
-                      (static_cast<Real>(frames_) * static_cast<Real>(fps_.denominator));
+    const Real rate = curve_rate();
     const Real scale = (portions_.empty() ? constant_ : portion_at(time.frame).constant) * rate;
     result.speed = scale * span.value(where.t);
     result.acceleration = scale * rate * span.derivative(where.t);

@@ -139,7 +139,7 @@ Result<Track<Real>> Track<Real>::make_with_breaks(const Path<Real>& path, const 
     }
     TwoSum<Real> integral = profile.integral_before(profile.span_count());
     if (!last) {
-      const CurvePlace where = track.place({end.frame, 0});
+      const CurvePlace<Real> where = track.place({end.frame, 0});
       integral = profile.integral_before(where.span);
       integral.add(profile.span(where.span).integral(where.t));
     }
@@ -233,7 +233,7 @@ std::size_t Track<Real>::interval_at(std::int32_t frame) const {
 template <Precise Real>
 TwoSum<Real> Track<Real>::special_distance(const FrameTime<Real>& time) const {
   if (!has_profile()) return arc_length_.distance(path_, key_frame_point(time));
-  const CurvePlace where = place(time);
+  const CurvePlace<Real> where = place(time);
   const Portion<Real>& portion = portion_at(time.frame);
   const TwoSum<Real>& integral = profile_.integral_before(where.span);
   const TwoSum<Real> spans = two_product(portion.constant, integral.high);
@@ -267,9 +267,7 @@ ParameterRates<Real> Track<Real>::key_frame_rates(const FrameTime<Real>& time) c
       key_intervals_[at_end ? key_intervals_.size() - 1 : interval_at(time.frame)];
   const auto frames = static_cast<Real>(interval.frames);
   const Real u = (static_cast<Real>(time.frame - interval.begin_frame) + time.fraction) / frames;
-  const Real rate = static_cast<Real>(fps_.numerator) / (static_cast<Real>(fps_.denominator) * frames);
-  return {rate * (interval.c1 + u * (2 * interval.c2 + u * (3 * interval.c3))),
-          rate * rate * (2 * interval.c2 + 6 * u * interval.c3), rate * rate * rate * (6 * interval.c3)};
+  return interval.rates(u, fps_);
 }
 
 // The class is instantiated in track.cpp; these members are defined here.

@@ -79,6 +79,21 @@ struct KeyInterval {
   std::int32_t begin_frame = 0;
   std::int32_t frames = 1;
   Real c1 = 1, c2 = 0, c3 = 0;
+
+  /// Derivatives of t in time, at u.
+  [[nodiscard]] ParameterRates<Real> rates(Real u, FrameRate fps) const {
+    const Real rate =
+        static_cast<Real>(fps.numerator) / (static_cast<Real>(fps.denominator) * static_cast<Real>(frames));
+    return {rate * (c1 + u * (2 * c2 + u * (3 * c3))), rate * rate * (2 * c2 + 6 * u * c3),
+            rate * rate * rate * (6 * c3)};
+  }
+};
+
+/// A place on the speed curve: a = span + t.
+template <Precise Real>
+struct CurvePlace {
+  std::int32_t span = 0;
+  Real t = 0;
 };
 
 /// The memory of a track, owned by the caller. Only what the way of timing needs may be empty otherwise.
@@ -133,6 +148,28 @@ class Track {
   /// K = L / Phi(f); 0 for a path without length. With breaks each portion has its own instead.
   [[nodiscard]] Real constant() const { return constant_; }
 
+  /// Where a time is on the drawn curve, a = (frame + fraction) f / N, with an exact integer phase: the
+  /// digits of t do not wear off. Domain: 0 <= time <= N.
+  [[nodiscard]] CurvePlace<Real> place(const FrameTime<Real>& time) const {
+    const std::int32_t f = profile_.span_count();
+    const std::int32_t scaled = time.frame * f;
+    CurvePlace<Real> result{scaled / frames_,
+                            (static_cast<Real>(scaled % frames_) + time.fraction * static_cast<Real>(f)) /
+                                static_cast<Real>(frames_)};
+    if (result.t >= 1) {  // f > N: a fraction of a frame may pass over spans
+      const auto whole = static_cast<std::int32_t>(result.t);
+      result.span += whole;
+      result.t -= static_cast<Real>(whole);
+    }
+    if (result.span >= f) result = {f - 1, 1};
+    return result;
+  }
+  /// da/dt: spans of the drawn curve a second.
+  [[nodiscard]] Real curve_rate() const {
+    return static_cast<Real>(profile_.span_count()) * static_cast<Real>(fps_.numerator) /
+           (static_cast<Real>(frames_) * static_cast<Real>(fps_.denominator));
+  }
+
   /// The distance travelled since frame 0 as drawn. O(1). Domain: 0 <= time <= N.
   [[nodiscard]] TwoSum<Real> distance(const FrameTime<Real>& time) const {
     if (is_plain_) [[likely]]
@@ -176,27 +213,7 @@ class Track {
         std::int32_t frames, FrameRate fps)
       : path_(path), arc_length_(arc_length), profile_(profile), frames_(frames), fps_(fps) {}
 
-  /// A place on the speed curve: a = span + t.
-  struct CurvePlace {
-    std::int32_t span = 0;
-    Real t = 0;
-  };
-  /// a = (frame + fraction) f / N with an exact integer phase: the digits of t do not wear off.
-  [[nodiscard]] CurvePlace place(const FrameTime<Real>& time) const {
-    const std::int32_t f = profile_.span_count();
-    const std::int32_t scaled = time.frame * f;
-    CurvePlace result{scaled / frames_,
-                      (static_cast<Real>(scaled % frames_) + time.fraction * static_cast<Real>(f)) /
-                          static_cast<Real>(frames_)};
-    if (result.t >= 1) {  // f > N: a fraction of a frame may pass over spans
-      const auto whole = static_cast<std::int32_t>(result.t);
-      result.span += whole;
-      result.t -= static_cast<Real>(whole);
-    }
-    if (result.span >= f) result = {f - 1, 1};
-    return result;
-  }
-  [[nodiscard]] TwoSum<Real> distance_at(const CurvePlace& place) const {
+  [[nodiscard]] TwoSum<Real> distance_at(const CurvePlace<Real>& place) const {
     TwoSum<Real> sum = span_distances_[static_cast<std::size_t>(place.span)];
     sum.add(constant_ * profile_.span(place.span).integral(place.t));
     return sum;
