@@ -91,7 +91,8 @@ TEST(RungeKuttaProperty, IsAsGoodAsItSaysOrRefuses) {
     RC_ASSERT(provenance.integrations >= 4);
     RC_ASSERT(provenance.integrations <= 100);
   });
-  EXPECT_GT(solved_moves, cases_to_run(many_moves) / 10)
+  if (!counts_mean_something()) return;
+  EXPECT_GT(solved_moves, many_moves / 10)
       << "a solver that refuses most moves is not tested here";
 }
 
@@ -152,8 +153,9 @@ TEST(RungeKuttaProperty, MoreStepsAFrameShrinkTheErrorOnTheWhole) {
     ++compared;
     if (after <= before / 3 || after <= 1e-6) ++better;
   });
+  if (!counts_mean_something()) return;
   // Not on every move: a step across a key, where |P'| jumps, may happen to fall well with a coarse step.
-  EXPECT_GT(compared, cases_to_run(many_moves) / 40);
+  EXPECT_GT(compared, many_moves / 40);
   EXPECT_GT(2 * better, compared);
 }
 

@@ -360,8 +360,9 @@ TYPED_TEST(RollPropertyIn, NoSmallerNumberOfFramesFits) {
   });
   std::cout << found << " found, " << after_a_gap << " of them beyond lengths that fit no more, " << refused
             << " refused\n";
-  EXPECT_GT(found, cases_to_run(1000) / 10);
-  EXPECT_GT(refused, cases_to_run(1000) / 10);
+  if (!counts_mean_something()) return;
+  EXPECT_GT(found, 100);
+  EXPECT_GT(refused, 100);
 }
 
 }  // namespace

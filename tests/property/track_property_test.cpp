@@ -127,7 +127,8 @@ TEST(TrackProperty, EveryDerivativeBetweenFramesIsTheOracles) {
       }
     }
   });
-  EXPECT_GT(compared, cases_to_run(many_moves)) << "too few times have derivatives to compare with";
+  if (!counts_mean_something()) return;
+  EXPECT_GT(compared, many_moves) << "too few times have derivatives to compare with";
   EXPECT_GT(tight, compared / 2) << "most comparisons are too lenient to mean anything";
 }
 

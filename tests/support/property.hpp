@@ -23,6 +23,12 @@ constexpr int cases_to_run(int cases) {
   return sanitized ? (cases + 9) / 10 : cases;
 }
 
+/// Whether a test may also count in how many of its cases something happened. Not in the tenth that a
+/// sanitizer runs nor in a replay: among so few, chance alone decides.
+inline bool counts_mean_something() {
+  return !sanitized && std::getenv("RC_PARAMS") == nullptr;
+}
+
 /// Runs a RapidCheck property on `cases` random inputs, a tenth of them under a sanitizer, and prints the
 /// seed, pass or fail; RC_PARAMS in the environment ("seed=... max_success=...") replays a run. A
 /// counterexample fails the test.
