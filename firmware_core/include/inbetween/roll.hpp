@@ -48,6 +48,9 @@ struct RollSpan {
 template <Precise Real>
 class RollAxis {
  public:
+  /// An axis that rests at 0: room for one that is made later.
+  RollAxis() = default;
+
   /// `joint` is what Track::motion says of frame 0 or N, one-sided; its jerk is not used.
   /// Errors: not_finite; out_of_range (frames, fps, or numbers whose bounds are beyond the range of Real).
   /// O(1).
@@ -95,8 +98,8 @@ class RollAxis {
 
   RollSpan span_;
   AxisMotion<Real> joint_;
-  Real signed_seconds_;  ///< h
-  Real bend_;            ///< b
+  Real signed_seconds_ = 1;  ///< h
+  Real bend_ = 0;            ///< b
 };
 
 enum class RollQuantity : std::uint8_t { position, velocity, acceleration, jerk };
