@@ -39,9 +39,20 @@ std::vector<std::size_t> axes_of_track(const Plan& plan, std::size_t track) {
   return axes;
 }
 
-void take(CheckedPeak& peak, const Peak<double>& found) {
+/// The larger of two peaks; where they are equal, the first.
+void raise(CheckedPeak& peak, const Peak<double>& found) {
+  if (!(found.value > peak.value)) return;
   peak.value = found.value;
   peak.frame = found.frame;
+}
+
+void raise(CheckedAxis& axis, const AxisPeaks<double>& peaks) {
+  if (!axis.range) axis.range = CheckedRange{peaks.lowest, peaks.highest};
+  if (peaks.lowest.value < axis.range->lowest.value) axis.range->lowest = peaks.lowest;
+  if (peaks.highest.value > axis.range->highest.value) axis.range->highest = peaks.highest;
+  raise(axis.velocity, peaks.velocity);
+  raise(axis.acceleration, peaks.acceleration);
+  raise(axis.jerk, peaks.jerk);
 }
 
 void bound_track(const Plan& plan, std::size_t index, CheckReport& report) {
@@ -57,12 +68,13 @@ void bound_track(const Plan& plan, std::size_t index, CheckReport& report) {
   std::vector<AxisPeaks<double>> peaks(axes.size());
   const Status bounded = bound_motion<double>(plan.tracks()[index].track(), slack, {turns}, peaks);
   if (!bounded) throw SolverError(bounded.error());
-  for (std::size_t d = 0; d < axes.size(); ++d) {
-    CheckedAxis& axis = report.axes[axes[d]];
-    axis.range = CheckedRange{peaks[d].lowest, peaks[d].highest};
-    take(axis.velocity, peaks[d].velocity);
-    take(axis.acceleration, peaks[d].acceleration);
-    take(axis.jerk, peaks[d].jerk);
+  for (std::size_t d = 0; d < axes.size(); ++d) raise(report.axes[axes[d]], peaks[d]);
+}
+
+void bound_rolls(const Plan& plan, CheckReport& report) {
+  const MoveRolls<double>& rolls = plan.played().rolls();
+  for (const std::span<const RollAxis<double>> roll : {rolls.before, rolls.after}) {
+    for (std::size_t d = 0; d < roll.size(); ++d) raise(report.axes[plan.axis_of(d)], roll[d].peaks());
   }
 }
 
@@ -85,6 +97,12 @@ void add_steps(const std::vector<std::size_t>& axes, const std::vector<AxisStep<
   }
 }
 
+/// At the ends a move that is moving meets its roll, or is refused because there is none.
+bool is_joined_by_roll(const Track<double>& track, std::int32_t key) {
+  return (key == 0 && is_moving(track, RollEnd::before)) ||
+         (key == track.path().segment_count() && is_moving(track, RollEnd::after));
+}
+
 void list_steps(const Plan& plan, std::size_t index, CheckReport& report) {
   const std::vector<std::size_t> axes = axes_of_track(plan, index);
   const Track<double>& track = plan.tracks()[index].track();
@@ -92,7 +110,7 @@ void list_steps(const Plan& plan, std::size_t index, CheckReport& report) {
   std::vector<AxisStep<double>> steps(axes.size());
   for (std::int32_t i = 0; i <= segments; ++i) {
     const double frame = steps_at_key<double>(track, i, steps);
-    add_steps(axes, steps, i % track.path().key_count(), frame, report);
+    if (!is_joined_by_roll(track, i)) add_steps(axes, steps, i % track.path().key_count(), frame, report);
     if (i == segments) break;
     const Standstills<double> standstills = standstills_within(track, i);
     for (std::size_t k = 0; k < standstills.count; ++k) {
@@ -262,6 +280,67 @@ class AxisRefusals {
   CheckReport& report_;
 };
 
+std::string_view name_of(RollEnd end) {
+  return end == RollEnd::before ? "pre-roll" : "post-roll";
+}
+
+/// How far beyond its limit, in words: "would go to -3 mm at frame -12.00, outside 0..1500".
+std::string breach_in_words(const RollBreach<double>& breach, const RigAxis& axis) {
+  const std::string_view unit = to_string(axis.unit);
+  const auto beyond = [&](std::string_view per, std::string_view limit) {
+    return fmt::format("would reach {:.6g} {}{} at frame {:.2f}, and {} is {:g}", breach.value, unit, per,
+                       breach.frame, limit, breach.limit);
+  };
+  switch (breach.quantity) {
+    case RollQuantity::velocity:
+      return beyond("/s", "max_velocity");
+    case RollQuantity::acceleration:
+      return beyond("/s^2", "max_acceleration");
+    case RollQuantity::jerk:
+      return beyond("/s^3", "max_jerk");
+    case RollQuantity::position:
+      break;
+  }
+  return fmt::format("would go to {:.6g} {} at frame {:.2f}, outside {:g}..{:g}", breach.value, unit,
+                     breach.frame, axis.min, axis.max);
+}
+
+/// An axis that starts on its limit and moves away from it has no room, however slow it is.
+bool has_room(const Plan& plan, const RollObstacle& obstacle) {
+  const RollBreach<double>& breach = obstacle.breach;
+  if (breach.quantity != RollQuantity::position) return true;
+  std::vector<AxisMotion<double>> joints(plan.played().axis_count());
+  static_cast<void>(joints_of(plan.played().tracks(), obstacle.end, std::span(joints)));
+  const double position = joints[static_cast<std::size_t>(breach.axis)].position;
+  const AxisLimits<double>& limits = plan.limits()[static_cast<std::size_t>(breach.axis)];
+  const double room = breach.value > breach.limit ? limits.max() - position : position - limits.min();
+  return room > step_rounding * (limits.max() - limits.min());
+}
+
+void refuse_roll(const Plan& plan, const RollObstacle& obstacle, CheckReport& report) {
+  const RollBreach<double>& breach = obstacle.breach;
+  const std::size_t index = plan.axis_of(static_cast<std::size_t>(breach.axis));
+  const PlanAxis& planned = plan.axes()[index];
+  const RigAxis& axis = plan.rig()->axes[index];
+  const MoveTrack& track = plan.move().tracks[*planned.track];
+  const bool starts = obstacle.end == RollEnd::before;
+  // The move breaks the limit itself, which has been said.
+  if (breach.at_joint && !report.refusals.empty()) return;
+  const bool room = has_room(plan, obstacle);
+  const std::string remedy =
+      track.timing == Timing::speed
+          ? fmt::format("{} the speed curve with 0, 0, at rest{}", starts ? "begin" : "end",
+                        room ? ", or give the move more frames" : ", or move the key inward")
+          : std::string(room ? "give the move more frames" : "move the key inward");
+  report.refusals.push_back({track.speed_places.empty() ? track.axis_places[planned.track_axis]
+                             : starts                   ? track.speed_places.front()
+                                                        : track.speed_places.back(),
+                             fmt::format("the move {} moving, and on a {} of {} frames axis {} {}; {}",
+                                         starts ? "starts" : "ends", name_of(obstacle.end), breach.frames,
+                                         in_quotes(axis.name), breach_in_words(breach, axis), remedy),
+                             room});
+}
+
 }  // namespace
 
 bool CheckedPeak::is_exceeded() const {
@@ -281,9 +360,11 @@ CheckReport check(const Plan& plan) {
     const Track<double>& track = plan.tracks()[t].track();
     if (track.has_profile()) report.speed_error = std::max(report.speed_error, track.arc_length().delta());
   }
+  bound_rolls(plan, report);
   for (std::size_t a = 0; a < report.axes.size(); ++a) {
     if (report.axes[a].range) AxisRefusals(plan, a, report).add_all();
   }
+  for (const RollObstacle& obstacle : plan.roll_obstacles()) refuse_roll(plan, obstacle, report);
   return report;
 }
 

@@ -45,7 +45,8 @@ struct CheckedAxis {
   CheckedPeak velocity, acceleration, jerk;
 };
 
-/// Where the velocity or the acceleration of an axis jumps. At frames 0 and N, against the rest outside.
+/// Where the velocity or the acceleration of an axis jumps. At frames 0 and N, against the rest outside; a
+/// move that is moving there meets its roll and does not step.
 struct CheckedStep {
   std::optional<std::int32_t> key;  ///< nothing between keys, where the path turns on the spot
   double frame = 0;
@@ -77,8 +78,9 @@ inline constexpr double step_rounding = 1e-9;
 /// max_acceleration_step.
 bool breaks_jerk_limit(const CheckedStep& step, const RigAxis& limits);
 
-/// The plan has a rig. Bounds are looser than 1 % by at most 1e-6 of a limit. It speaks of the motion as
-/// asked; the loop's fitted inverse of arc length is within `speed_error` of it.
+/// The plan has a rig. Peaks are those of the move with its rolls. Where a roll is needed and none keeps the
+/// limits, the move is refused. Bounds are looser than 1 % by at most 1e-6 of a limit. It speaks of the
+/// motion as asked; the loop's fitted inverse of arc length is within `speed_error` of it.
 ///
 /// A step of the velocity does not fit in any case. A step of the acceleration does not fit where the axis
 /// has a max_jerk, unless it is within max_acceleration_step.

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "host_tools/json_writer.hpp"
+#include "host_tools/plan_output.hpp"
 
 namespace inbetween {
 namespace {
@@ -176,17 +177,19 @@ void write_smallest(JsonWriter& json, const SmallestFrames& smallest) {
 constexpr std::int32_t even_samples = 6000;
 constexpr std::int32_t samples_near_peak = 64;
 
-/// Evenly over the move, and again within a few of those steps of each peak.
-std::vector<double> sample_frames(double frames, const CheckedAxis& axis) {
+/// Evenly over the move with its rolls, and again within a few of those steps of each peak.
+std::vector<double> sample_frames(const LimitsPlot& plot, const CheckedAxis& axis) {
   std::vector<double> at;
-  const double even = frames / even_samples;
-  for (std::int32_t i = 0; i <= even_samples; ++i) at.push_back(i * even);
+  const double first = plot.first_frame;
+  const double last = plot.last_frame;
+  const double even = (last - first) / even_samples;
+  for (std::int32_t i = 0; i <= even_samples; ++i) at.push_back(first + i * even);
   for (const auto& [name, per, peak] : peaks_of(axis)) {
     for (std::int32_t i = -samples_near_peak; i <= samples_near_peak; ++i) {
       at.push_back(peak.frame + 2 * even * i / samples_near_peak);
     }
   }
-  std::erase_if(at, [&](double frame) { return !(frame >= 0 && frame <= frames); });
+  std::erase_if(at, [&](double frame) { return !(frame >= first && frame <= last); });
   std::ranges::sort(at);
   return at;
 }
@@ -194,16 +197,24 @@ std::vector<double> sample_frames(double frames, const CheckedAxis& axis) {
 void add_rows(const Plan& plan, const CheckReport& report, std::size_t index, LimitsPlot& plot) {
   const CheckedAxis& axis = report.axes[index];
   const PlanAxis& planned = plan.axes()[index];
-  const Track<double>& track = plan.tracks()[*planned.track].track();
-  std::vector<AxisMotion<double>> motion(static_cast<std::size_t>(track.path().axis_count()));
+  std::vector<AxisMotion<double>> motion(plan.played().axis_count());
   const auto motion_at = [&](double frame) {
-    const auto whole = static_cast<std::int32_t>(frame);
-    track.motion({whole, frame - whole}, motion);
-    const AxisMotion<double>& now = motion[planned.track_axis];
+    const auto whole = static_cast<std::int32_t>(std::floor(frame));
+    plan.played().motion({whole, frame - whole}, motion);
+    const AxisMotion<double>& now = motion[planned.move_axis];
     return std::array<double, 3>{now.velocity, now.acceleration, now.jerk};
   };
+  // Where the jerk jumps, as at the joint with a roll, the peak is on one side only.
+  const auto is_below = [&](double frame, std::size_t quantity) {
+    double largest = 0;
+    for (const double side : {frame - 1e-6, frame, frame + 1e-6}) {
+      const double value = motion_at(side)[quantity];
+      if (std::fabs(value) > std::fabs(largest)) largest = value;
+    }
+    return largest < 0;
+  };
   std::array<std::vector<Point>, 3> samples;
-  for (const double frame : sample_frames(plot.frames, axis)) {
+  for (const double frame : sample_frames(plot, axis)) {
     const std::array<double, 3> values = motion_at(frame);
     for (std::size_t i = 0; i < values.size(); ++i) samples[i].push_back({frame, values[i]});
   }
@@ -223,7 +234,7 @@ void add_rows(const Plan& plan, const CheckReport& report, std::size_t index, Li
                          .samples = std::move(samples[i]),
                          .peak = peak.value,
                          .peak_frame = peak.frame,
-                         .peak_is_below = motion_at(peak.frame)[i] < 0,
+                         .peak_is_below = is_below(peak.frame, i),
                          .limit = peak.limit,
                          .steps = std::move(steps),
                          .exceeded = peak.is_exceeded()});
@@ -237,6 +248,7 @@ void print_check(const Plan& plan, const CheckReport& report, const SmallestFram
   const MoveFile& move = plan.move();
   fmt::print(out, "{} on {}: {} frames at {} fps, {:.3f} s\n", move.name, plan.rig()->name, move.frames,
              move.fps.as_written, plan.duration_s());
+  print_rolls(plan, out);
   const Table table = table_of(report, out);
   print_row(table, "axis", "quantity", "peak", "frame", "limit", "share");
   for (const CheckedAxis& axis : report.axes) print_axis(axis, table);
@@ -286,6 +298,8 @@ LimitsPlot limits_plot_of(const Plan& plan, const CheckReport& report) {
                   .frame_rate = plan.move().fps.as_written,
                   .frames_per_second = plan.move().fps.rate.frames_per_second(),
                   .frames = plan.move().frames,
+                  .first_frame = plan.played().first_frame(),
+                  .last_frame = plan.played().last_frame(),
                   .rows = {}};
   for (std::size_t a = 0; a < report.axes.size(); ++a) {
     if (report.axes[a].range) add_rows(plan, report, a, plot);

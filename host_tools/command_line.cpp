@@ -161,6 +161,7 @@ void print_plan_summary(const Plan& plan, std::FILE* out) {
     }
     print_key_timing(solved, out);
   }
+  print_rolls(plan, out);
 }
 
 void refuse_unknown_picture(const std::optional<std::string>& plot) {
@@ -252,14 +253,15 @@ int run_command(const RunArguments& arguments) {
     ProgressBar bar;
     const FrameRate fps = plan.move().fps.rate;
     const std::int32_t rate_hz = plan.rig()->rate_hz;
-    report =
-        run_simulated(plan, {.fast = arguments.fast, .progress = [&](std::int64_t tick, std::int64_t last) {
-                               const std::int32_t frame = std::min(
-                                   frame_time_of_tick<double>(tick, fps, rate_hz).frame, plan.move().frames);
-                               bar.show(static_cast<double>(tick) / static_cast<double>(last),
-                                        fmt::format("frame {}/{}  {:.1f} s", frame, plan.move().frames,
-                                                    static_cast<double>(tick) / rate_hz));
-                             }});
+    report = run_simulated(
+        plan, {.fast = arguments.fast, .progress = [&](std::int64_t tick, std::int64_t last) {
+                 const std::int32_t frame = std::min(
+                     frame_time_of_tick<double>(tick, fps, rate_hz).frame + plan.played().first_frame(),
+                     plan.played().last_frame());
+                 bar.show(static_cast<double>(tick) / static_cast<double>(last),
+                          fmt::format("frame {}/{}  {:.1f} s", frame, plan.played().last_frame(),
+                                      static_cast<double>(tick) / rate_hz));
+               }});
   }
   if (arguments.json) {
     write_output(*arguments.json, [&](std::FILE* file) { write_run_json(report, file); });
@@ -309,13 +311,15 @@ void describe_check(CLI::App& app, CheckArguments& arguments) {
   app.add_option("--plot", arguments.plot,
                  "draw velocity, acceleration and jerk of every axis with its limits (.svg, .png or .pdf)");
   app.footer(
-      "Every moment from frame 0 to the last is held against the limits, not samples of it: a peak is a "
-      "proven\n"
-      "bound, not below the true one and at most 1 % above it. Jerk is held only where the rig has a "
+      "Every moment from the first frame to the last is held against the limits, not samples of it: a peak "
+      "is "
+      "a\n"
+      "proven bound, not below the true one and at most 1 % above it. Jerk is held only where the rig has a\n"
       "max_jerk.\n\n"
-      "A step of the velocity (a corner of the path, a move that starts or ends moving) never fits: no "
-      "drive\n"
-      "can follow it. A step of the acceleration breaks a max_jerk unless it is within "
+      "A move that starts moving gets a pre-roll from rest, on frames below 0, and one that ends moving a\n"
+      "post-roll: the shortest that keep the limits, one number of frames for all axes.\n\n"
+      "A step of the velocity (a corner of the path, a break) never fits: no drive can follow it. A step of "
+      "the acceleration breaks a max_jerk unless it is within "
       "max_acceleration_step;\n"
       "spline = \"smooth\" has none at its keys, and a speed curve that begins and ends with 0, 0 none at "
       "its ends.\n\n"

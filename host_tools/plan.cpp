@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <set>
+#include <stdexcept>
 #include <utility>
 
 namespace inbetween {
@@ -116,10 +117,11 @@ SolvedTrack<double> solve_track(const MoveTrack& track, const MoveFile& move, co
 
 Plan::Plan(MoveFile move, std::optional<RigFile> rig, const PlanOptions& options)
     : move_(std::move(move)), rig_(std::move(rig)) {
-  refuse_too_many_ticks();
   list_axes();
   warn_of_mixed_units();
   solve(options);
+  put_together();
+  refuse_too_many_ticks();
 }
 
 double Plan::duration_s() const {
@@ -129,24 +131,28 @@ double Plan::duration_s() const {
 
 void Plan::refuse_too_many_ticks() const {
   if (!rig_) return;
-  const std::int64_t ticks = last_tick(move_.frames, move_.fps.rate, rig_->rate_hz);
+  const std::int32_t frames = played_->last_frame() - played_->first_frame();
+  const std::int64_t ticks = last_tick(frames, move_.fps.rate, rig_->rate_hz);
   if (ticks <= most_ticks) return;
   throw InputError(move_.frames_place,
                    fmt::format("the move lasts {:.6g} s, {} ticks at the {} Hz of the rig {}, and {} are "
                                "allowed; lower frames or rate_hz",
-                               duration_s(), ticks, rig_->rate_hz, in_quotes(rig_->name), most_ticks));
+                               frames / move_.fps.rate.frames_per_second(), ticks, rig_->rate_hz,
+                               in_quotes(rig_->name), most_ticks));
 }
 
 void Plan::list_axes() {
   if (rig_) {
-    for (const RigAxis& axis : rig_->axes) axes_.push_back({axis.name, axis.unit, std::nullopt, 0});
+    for (const RigAxis& axis : rig_->axes) axes_.push_back({axis.name, axis.unit, std::nullopt, 0, 0});
   }
+  std::size_t next = 0;
   for (std::size_t t = 0; t < move_.tracks.size(); ++t) {
     const MoveTrack& track = move_.tracks[t];
     for (std::size_t d = 0; d < track.axes.size(); ++d) {
       const std::string& name = track.axes[d];
+      const std::size_t move_axis = next++;
       if (!rig_) {
-        axes_.push_back({name, std::nullopt, t, d});
+        axes_.push_back({name, std::nullopt, t, d, move_axis});
         continue;
       }
       const auto found = std::ranges::find(axes_, name, &PlanAxis::name);
@@ -159,6 +165,7 @@ void Plan::list_axes() {
       }
       found->track = t;
       found->track_axis = d;
+      found->move_axis = move_axis;
     }
   }
 }
@@ -195,6 +202,27 @@ std::string Plan::length_unit(std::size_t track) const {
 
 void Plan::solve(const PlanOptions& options) {
   for (const MoveTrack& track : move_.tracks) tracks_.push_back(solve_track(track, move_, options));
+}
+
+void Plan::put_together() {
+  for (const SolvedTrack<double>& solved : tracks_) track_views_.push_back(solved.track());
+  if (rig_) {
+    std::size_t moving = 0;
+    for (const MoveTrack& track : move_.tracks) moving += track.axes.size();
+    for (std::size_t d = 0; d < moving; ++d) limits_.push_back(limits_of(rig_->axes[axis_of(d)]));
+    rolls_ = plan_rolls(track_views_, limits_);
+  }
+  const Result<Move<double>> played =
+      Move<double>::make(track_views_, {.before = rolls_.before, .after = rolls_.after});
+  if (!played) throw SolverError(played.error());
+  played_ = *played;
+}
+
+std::size_t Plan::axis_of(std::size_t move_axis) const {
+  for (std::size_t a = 0; a < axes_.size(); ++a) {
+    if (axes_[a].track && axes_[a].move_axis == move_axis) return a;
+  }
+  throw std::out_of_range("there is no such axis in the move");
 }
 
 }  // namespace inbetween

@@ -9,6 +9,7 @@
 
 #include "host_tools/diagnostics.hpp"
 #include "host_tools/move_file.hpp"
+#include "host_tools/move_rolls.hpp"
 #include "host_tools/rig_file.hpp"
 #include "host_tools/solved_track.hpp"
 
@@ -27,6 +28,7 @@ struct PlanAxis {
   std::optional<AxisUnit> unit;      // known with a rig
   std::optional<std::size_t> track;  // index of its track; absent: in no track, the rig holds it where it is
   std::size_t track_axis = 0;        // its index within the track
+  std::size_t move_axis = 0;         // its index in Plan::played(): through all tracks
 };
 
 /// Movable. With a rig its axes come in the rig's order, otherwise in that of the tracks.
@@ -34,7 +36,7 @@ class Plan {
  public:
   /// Solves every track and checks every frame table (check_invariants). Throws InputError at the place
   /// in the move's file where a track cannot be solved, where an axis is not one of the rig's, or where the
-  /// move has more than most_ticks ticks of the rig.
+  /// move, rolls included, has more than most_ticks ticks of the rig.
   Plan(MoveFile move, std::optional<RigFile> rig, const PlanOptions& options);
 
   [[nodiscard]] const MoveFile& move() const { return move_; }
@@ -42,12 +44,23 @@ class Plan {
   [[nodiscard]] const std::vector<SolvedTrack<double>>& tracks() const { return tracks_; }
   [[nodiscard]] const std::vector<PlanAxis>& axes() const { return axes_; }
   [[nodiscard]] const std::vector<Warning>& warnings() const { return warnings_; }
+  /// The move on its time line, the axes track after track. On a rig it has a pre-roll where it starts moving
+  /// and a post-roll where it ends moving, unless there is an obstacle.
+  [[nodiscard]] const Move<double>& played() const { return *played_; }
+  /// The limits of the axes of played(); empty without a rig.
+  [[nodiscard]] const std::vector<AxisLimits<double>>& limits() const { return limits_; }
+  [[nodiscard]] const std::vector<RollObstacle>& roll_obstacles() const { return rolls_.obstacles; }
+  /// The axis of axes() that is axis `move_axis` of played().
+  [[nodiscard]] std::size_t axis_of(std::size_t move_axis) const;
+
+  /// Without the rolls.
   [[nodiscard]] double duration_s() const;
   /// "mm" where all axes of a track with a weight above 0 share it; "" where they do not or have none.
   [[nodiscard]] std::string length_unit(std::size_t track) const;
 
  private:
   void solve(const PlanOptions& options);
+  void put_together();
   void refuse_too_many_ticks() const;
   void list_axes();
   void warn_of_mixed_units();
@@ -57,6 +70,10 @@ class Plan {
   std::vector<SolvedTrack<double>> tracks_;
   std::vector<PlanAxis> axes_;
   std::vector<Warning> warnings_;
+  std::vector<Track<double>> track_views_;  // of tracks_, one after another
+  std::vector<AxisLimits<double>> limits_;
+  PlannedRolls rolls_;
+  std::optional<Move<double>> played_;
 };
 
 }  // namespace inbetween

@@ -15,20 +15,27 @@
 namespace inbetween {
 namespace {
 
-/// The rows of a plan in time.
+/// The rows of a plan in time, rolls included: frames first_frame()..last_frame(), or ticks from 0.
 class TimeLine {
  public:
   TimeLine(const Plan& plan, PlanRows rows)
       : rows_(rows),
         fps_(plan.move().fps.rate),
         rate_hz_(rows == PlanRows::tick ? plan.rig()->rate_hz : 0),
-        last_(rows == PlanRows::tick ? last_tick(plan.move().frames, fps_, rate_hz_) : plan.move().frames) {}
+        first_frame_(plan.played().first_frame()),
+        last_frame_(plan.played().last_frame()) {}
 
-  [[nodiscard]] std::int64_t last() const { return last_; }
+  [[nodiscard]] std::int64_t first() const { return rows_ == PlanRows::tick ? 0 : first_frame_; }
+  [[nodiscard]] std::int64_t last() const {
+    return rows_ == PlanRows::tick ? last_tick(last_frame_ - first_frame_, fps_, rate_hz_) : last_frame_;
+  }
   [[nodiscard]] FrameTime<double> at(std::int64_t row) const {
     if (rows_ == PlanRows::frame) return {static_cast<std::int32_t>(row), 0};
-    return frame_time_of_tick<double>(row, fps_, rate_hz_);
+    FrameTime<double> time = frame_time_of_tick<double>(row, fps_, rate_hz_);
+    time.frame += first_frame_;
+    return time;
   }
+  /// From the beginning of the move, or of its pre-roll if the rows are ticks.
   [[nodiscard]] double seconds(std::int64_t row) const {
     if (rows_ == PlanRows::tick) return static_cast<double>(row) / rate_hz_;
     return static_cast<double>(row) * fps_.denominator / fps_.numerator;
@@ -38,7 +45,8 @@ class TimeLine {
   PlanRows rows_;
   FrameRate fps_;
   std::int32_t rate_hz_;
-  std::int64_t last_;
+  std::int32_t first_frame_;
+  std::int32_t last_frame_;
 };
 
 /// One axis of a track on the rows of a plan. On a frame it is where the frame table has it, whichever solver
@@ -50,27 +58,42 @@ class AxisColumn {
         rows_(rows),
         solved_(plan.tracks()[*axis.track]),
         axis_(axis.track_axis),
-        motion_(plan.move().tracks[*axis.track].axes.size()) {}
+        motion_(plan.move().tracks[*axis.track].axes.size()) {
+    const MoveRolls<double>& rolls = plan.played().rolls();
+    if (!rolls.before.empty()) before_ = &rolls.before[axis.move_axis];
+    if (!rolls.after.empty()) after_ = &rolls.after[axis.move_axis];
+  }
 
-  [[nodiscard]] std::int64_t last() const { return line_.last(); }
+  [[nodiscard]] const TimeLine& line() const { return line_; }
   [[nodiscard]] double position(std::int64_t row) const {
-    const PathPoint<double> point = rows_ == PlanRows::frame
-                                        ? solved_.table().point(static_cast<std::int32_t>(row))
-                                        : solved_.track().locate(line_.at(row));
+    const FrameTime<double> when = line_.at(row);
+    if (const RollAxis<double>* roll = roll_at(when)) return roll->motion(when).position;
+    const PathPoint<double> point =
+        rows_ == PlanRows::frame ? solved_.table().point(when.frame) : solved_.track().locate(when);
     return solved_.track().path().position(point, static_cast<std::int32_t>(axis_));
   }
   /// Velocity and acceleration are those of the drawn speed, analytically.
-  const AxisMotion<double>& motion(std::int64_t row) {
-    solved_.track().motion(line_.at(row), motion_);
+  AxisMotion<double> motion(std::int64_t row) {
+    const FrameTime<double> when = line_.at(row);
+    if (const RollAxis<double>* roll = roll_at(when)) return roll->motion(when);
+    solved_.track().motion(when, motion_);
     return motion_[axis_];
   }
 
  private:
+  [[nodiscard]] const RollAxis<double>* roll_at(const FrameTime<double>& when) const {
+    if (when.frame < 0) return before_;
+    const std::int32_t frames = solved_.track().frames();
+    return when.frame > frames || (when.frame == frames && when.fraction > 0) ? after_ : nullptr;
+  }
+
   TimeLine line_;
   PlanRows rows_;
   const SolvedTrack<double>& solved_;
   std::size_t axis_;
   std::vector<AxisMotion<double>> motion_;
+  const RollAxis<double>* before_ = nullptr;
+  const RollAxis<double>* after_ = nullptr;
 };
 
 /// Of everything that decides the motion: the same for two files that differ in comments or names only.
@@ -189,14 +212,27 @@ void write_track(const MoveTrack& track, const SolvedTrack<double>& solved, Json
   json.end_object();
 }
 
-/// Number by number: a plan per tick may have more rows than memory.
-void write_axis(const PlanAxis& axis, AxisColumn column, JsonWriter& json) {
+/// Rows of a column, both included.
+struct Rows {
+  std::int64_t first = 0;
+  std::int64_t last = 0;
+};
+
+/// Position, velocity and acceleration, number by number: a plan per tick may have more rows than memory.
+void write_motion(AxisColumn& column, const Rows& rows, JsonWriter& json) {
   const auto write_column = [&](const char* name, auto number) {
     json.key(name);
     json.begin_array();
-    for (std::int64_t row = 0; row <= column.last(); ++row) json.value(number(row));
+    for (std::int64_t row = rows.first; row <= rows.last; ++row) json.value(number(row));
     json.end_array();
   };
+  write_column("position", [&](std::int64_t row) { return column.position(row); });
+  write_column("velocity", [&](std::int64_t row) { return column.motion(row).velocity; });
+  write_column("acceleration", [&](std::int64_t row) { return column.motion(row).acceleration; });
+}
+
+void write_axis(const Plan& plan, const PlanAxis& axis, PlanRows rows, JsonWriter& json) {
+  AxisColumn column(plan, axis, rows);
   json.line();
   json.begin_object();
   json.member("name", axis.name);
@@ -206,9 +242,30 @@ void write_axis(const PlanAxis& axis, AxisColumn column, JsonWriter& json) {
   } else {
     json.null();
   }
-  write_column("position", [&](std::int64_t row) { return column.position(row); });
-  write_column("velocity", [&](std::int64_t row) { return column.motion(row).velocity; });
-  write_column("acceleration", [&](std::int64_t row) { return column.motion(row).acceleration; });
+  const bool by_tick = rows == PlanRows::tick;
+  write_motion(column, {0, by_tick ? column.line().last() : plan.move().frames}, json);
+  json.end_object();
+}
+
+/// The frames of a roll, without the one on which it joins the move; null where there is none.
+void write_roll(const Plan& plan, const char* name, const Rows& frames, JsonWriter& json) {
+  json.line();
+  json.key(name);
+  if (frames.first > frames.last) return json.null();
+  json.begin_object();
+  json.member("frames", frames.last - frames.first + 1);
+  json.key("axes");
+  json.begin_array();
+  for (const PlanAxis& axis : plan.axes()) {
+    if (!axis.track) continue;
+    AxisColumn column(plan, axis, PlanRows::frame);
+    json.line();
+    json.begin_object();
+    json.member("name", axis.name);
+    write_motion(column, frames, json);
+    json.end_object();
+  }
+  json.end_array();
   json.end_object();
 }
 
@@ -253,9 +310,11 @@ void write_plan_json(const Plan& plan, PlanRows rows, std::FILE* file) {
   json.key("axes");
   json.begin_array();
   for (const PlanAxis& axis : plan.axes()) {
-    if (axis.track) write_axis(axis, AxisColumn(plan, axis, rows), json);
+    if (axis.track) write_axis(plan, axis, rows, json);
   }
   json.end_array();
+  write_roll(plan, "pre_roll", {plan.played().first_frame(), -1}, json);
+  write_roll(plan, "post_roll", {move.frames + 1, plan.played().last_frame()}, json);
   json.end_object();
   json.finish();
 }
@@ -271,7 +330,7 @@ void write_plan_csv(const Plan& plan, PlanRows rows, std::FILE* file) {
     text += "," + csv_field(unit.empty() ? axis.name : fmt::format("{} ({})", axis.name, unit));
   }
   text += "\n";
-  for (std::int64_t row = 0; row <= line.last(); ++row) {
+  for (std::int64_t row = line.first(); row <= line.last(); ++row) {
     fmt::format_to(std::back_inserter(text), "{},{}", row, line.seconds(row));
     for (const AxisColumn& column : columns) {
       fmt::format_to(std::back_inserter(text), ",{}", column.position(row));
@@ -283,6 +342,45 @@ void write_plan_csv(const Plan& plan, PlanRows rows, std::FILE* file) {
     }
   }
   std::fwrite(text.data(), 1, text.size(), file);
+}
+
+namespace {
+
+std::string resting_places(const Plan& plan, std::span<const RollAxis<double>> roll) {
+  std::string words;
+  for (const PlanAxis& axis : plan.axes()) {
+    if (!axis.track) continue;
+    const double rest = roll[axis.move_axis].rest_position();
+    words += fmt::format("{}{} {:.6g} {}", words.empty() ? "" : ", ", axis.name, rest, unit_of(axis));
+  }
+  return words;
+}
+
+void print_roll(const Plan& plan, RollEnd end, std::FILE* out) {
+  const bool before = end == RollEnd::before;
+  const std::span<const RollAxis<double>> roll =
+      before ? plan.played().rolls().before : plan.played().rolls().after;
+  if (!roll.empty()) {
+    const std::int32_t frames = roll.front().span().frames;
+    fmt::print(out, "  {}: {} frame{}, {} rest at {}\n", before ? "pre-roll" : "post-roll", frames,
+               frames == 1 ? "" : "s", before ? "from" : "to", resting_places(plan, roll));
+    return;
+  }
+  const bool is_needed = std::ranges::any_of(
+      plan.tracks(), [&](const SolvedTrack<double>& solved) { return is_moving(solved.track(), end); });
+  if (!is_needed) return;
+  fmt::print(out, "  {} moving: {}\n", before ? "starts" : "ends",
+             plan.rig()
+                 ? fmt::format("no {} keeps the limits of the rig; inbetween check tells why",
+                               before ? "pre-roll" : "post-roll")
+                 : fmt::format("on a rig, --rig RIG, it gets a {}", before ? "pre-roll" : "post-roll"));
+}
+
+}  // namespace
+
+void print_rolls(const Plan& plan, std::FILE* out) {
+  print_roll(plan, RollEnd::before, out);
+  print_roll(plan, RollEnd::after, out);
 }
 
 namespace {
@@ -370,6 +468,8 @@ PlotMove plot_of(const Plan& plan) {
   plot.frame_rate = plan.move().fps.as_written;
   plot.frames_per_second = plan.move().fps.rate.frames_per_second();
   plot.frames = plan.move().frames;
+  plot.first_frame = plan.played().first_frame();
+  plot.last_frame = plan.played().last_frame();
   std::vector<std::vector<std::size_t>> axes_of_tracks;
   for (const MoveTrack& track : plan.move().tracks) axes_of_tracks.emplace_back(track.axes.size());
   for (std::size_t a = 0; a < plan.axes().size(); ++a) {
@@ -378,8 +478,9 @@ PlotMove plot_of(const Plan& plan) {
     axes_of_tracks[*axis.track][axis.track_axis] = plot.axes.size();
     PlotAxis drawn{.name = axis.name, .unit = unit_of(axis), .positions = {}, .minimum = {}, .maximum = {}};
     const AxisColumn column(plan, axis, PlanRows::frame);
-    for (std::int64_t frame = 0; frame <= column.last(); ++frame)
+    for (std::int64_t frame = column.line().first(); frame <= column.line().last(); ++frame) {
       drawn.positions.push_back(column.position(frame));
+    }
     if (plan.rig()) {
       drawn.minimum = plan.rig()->axes[a].min;
       drawn.maximum = plan.rig()->axes[a].max;

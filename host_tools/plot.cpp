@@ -155,12 +155,14 @@ void require_consistent(const PlotTrack& track, const PlotMove& move) {
 
 void require_consistent(const PlotMove& move) {
   require(move.frames >= 1, "frames must be at least 1");
+  require(move.first_frame <= 0 && move.last_frame >= move.frames,
+          "first_frame and last_frame must enclose the frames 0..N");
   require(std::isfinite(move.frames_per_second) && move.frames_per_second > 0,
           "frames_per_second must be positive");
   require(!move.axes.empty(), "a move needs an axis");
   for (const PlotAxis& axis : move.axes) {
-    require(axis.positions.size() == static_cast<std::size_t>(move.frames) + 1,
-            "positions needs a value for each of the frames 0..N");
+    require(axis.positions.size() == static_cast<std::size_t>(move.last_frame - move.first_frame) + 1,
+            "positions needs a value for each of the frames first_frame..last_frame");
     require_finite(axis.positions, "positions");
     for (const auto& limit : {axis.minimum, axis.maximum}) {
       if (limit) require_finite(std::span(&*limit, 1), "a limit");

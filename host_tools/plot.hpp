@@ -14,7 +14,7 @@ namespace inbetween {
 struct PlotAxis {
   std::string name;
   std::string unit;               // "" when unknown
-  std::vector<double> positions;  // N + 1, axis units
+  std::vector<double> positions;  // on the frames first_frame..last_frame, axis units
   std::optional<double> minimum;  // limits, drawn when given
   std::optional<double> maximum;
 };
@@ -37,6 +37,8 @@ struct PlotMove {
   std::string frame_rate;        // as written: "24" or "24000/1001"
   double frames_per_second = 0;  // > 0
   std::int32_t frames = 0;       // N >= 1
+  std::int32_t first_frame = 0;  // below 0 with a pre-roll
+  std::int32_t last_frame = 0;   // N, or above it with a post-roll
   std::vector<PlotAxis> axes;
   std::vector<PlotTrack> tracks;
 };
@@ -44,8 +46,9 @@ struct PlotMove {
 /// Draws one page, 1400 pixels wide and as tall as the move asks for, and writes it as SVG, PNG or PDF by the
 /// ending of the file's name. Per track: the path with a tick across it at every frame (Bartels and Hardtke
 /// 1989, Figures 4 to 6: crowded ticks are slow, sparse ones fast), the speed curve over its control values,
-/// and the time bar, a stripe per frame as wide as the distance travelled in it; then every axis over time.
-/// Where frames are too many for ticks or stripes to be told apart, the page shows every k-th and says so.
+/// and the time bar, a stripe per frame as wide as the distance travelled in it; then every axis over time,
+/// rolls included. Where frames are too many for ticks or stripes to be told apart, the page shows every k-th
+/// and says so.
 ///
 /// A track of one axis is a ruler; of three or more axes, two planes through its first three. Both axes of a
 /// plane have the same scale when they have the same unit and one is not more than 12 times as long as the

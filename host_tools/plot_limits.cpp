@@ -28,6 +28,10 @@ constexpr double right_room = 190;
 /// A peak further beyond its limit is cut off, so that the limit can still be seen.
 constexpr double most_shown = 3;
 
+Range range_in_frames(const LimitsPlot& plot) {
+  return {static_cast<double>(plot.first_frame), static_cast<double>(plot.last_frame)};
+}
+
 /// What a row shows of its quantity, up and down.
 double shown_magnitude(const LimitsRow& row) {
   if (!row.limit) {
@@ -43,6 +47,8 @@ void require_consistent(const LimitsPlot& plot) {
     if (!condition) throw std::invalid_argument(what);
   };
   require(plot.frames >= 1, "frames must be at least 1");
+  require(plot.first_frame <= 0 && plot.last_frame >= plot.frames,
+          "first_frame and last_frame must enclose the frames 0..N");
   require(std::isfinite(plot.frames_per_second) && plot.frames_per_second > 0,
           "frames_per_second must be positive");
   for (const LimitsRow& row : plot.rows) {
@@ -118,7 +124,8 @@ void draw_row(Canvas& canvas, const Box& area, const LimitsPlot& plot, const Lim
               bool names_axis) {
   const double magnitude = shown_magnitude(row);
   const Scale y(widened({-magnitude, magnitude}, 0.08), area.bottom(), area.y);
-  const Scale x({0, static_cast<double>(plot.frames)}, area.x, area.right());
+  const Scale x(range_in_frames(plot), area.x, area.right());
+  shade_outside(canvas, area, x, {0, static_cast<double>(plot.frames)});
   const TickLabels labels = draw_left_ticks(canvas, area, y);
   draw_limits(canvas, area, y, row);
   canvas.outline(area, {plot_color::frame});
@@ -148,7 +155,7 @@ void draw_row(Canvas& canvas, const Box& area, const LimitsPlot& plot, const Lim
 
 void draw_frames(Canvas& canvas, const Box& rows, const LimitsPlot& plot) {
   const TextStyle style{.size = 11, .color = plot_color::quiet, .align = Align::center};
-  const Scale frame({0, static_cast<double>(plot.frames)}, rows.x, rows.right());
+  const Scale frame(range_in_frames(plot), rows.x, rows.right());
   for (const double tick : round_ticks(frame.range(), ticks_across(rows.width), 1)) {
     canvas.line({frame(tick), rows.y}, {frame(tick), rows.bottom()}, {plot_color::grid});
     canvas.text({frame(tick), rows.bottom() + 16}, fmt::format("{:.0f}", tick), style);
@@ -172,8 +179,10 @@ void draw_limits_plot(const LimitsPlot& plot, const std::filesystem::path& file)
   canvas.text({margin, margin + 42}, summary, quiet);
   Box area{margin + left_room, margin + title_height + above_rows, content_width - left_room - right_room,
            row_height};
+  const bool rolls = plot.first_frame < 0 || plot.last_frame > plot.frames;
+  const std::string remarks = "dashed: limits of the rig; dots: proven peaks; orange: what does not fit";
   draw_heading(canvas, {margin, area.y - 14}, "Limits",
-               "dashed: limits of the rig; dots: proven peaks; orange: what does not fit", content_width);
+               rolls ? remarks + "; grey: pre-roll and post-roll" : remarks, content_width);
   draw_frames(canvas, {area.x, area.y, area.width, height}, plot);
   std::size_t axis = 0;
   for (std::size_t i = 0; i < plot.rows.size(); ++i) {

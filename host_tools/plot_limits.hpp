@@ -17,7 +17,7 @@ struct LimitsRow {
   std::string axis;
   std::string quantity;        // "velocity"
   std::string unit;            // "mm/s"
-  std::vector<Point> samples;  // x: frame, ascending, 0..N; y: value, finite
+  std::vector<Point> samples;  // x: frame, ascending; y: value, finite
   double peak = 0;             // largest magnitude, proven; infinity where there is no bound
   double peak_frame = 0;
   bool peak_is_below = false;   // the peak is that of a negative value
@@ -31,6 +31,8 @@ struct LimitsPlot {
   std::string frame_rate;        // as written
   double frames_per_second = 0;  // > 0
   std::int32_t frames = 0;       // N >= 1
+  std::int32_t first_frame = 0;  // below 0 with a pre-roll
+  std::int32_t last_frame = 0;   // N, or above it with a post-roll
   std::vector<LimitsRow> rows;
 };
 

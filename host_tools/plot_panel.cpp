@@ -83,6 +83,14 @@ TickLabels draw_bottom_ticks(Canvas& canvas, const Box& area, const Scale& x) {
   return labels;
 }
 
+void shade_outside(Canvas& canvas, const Box& area, const Scale& x, const Range& inside) {
+  for (const Range& part : {Range{x.range().low, inside.low}, Range{inside.high, x.range().high}}) {
+    if (part.size() <= 0) continue;
+    canvas.rectangle({x(part.low), area.y, x(part.high) - x(part.low), area.height},
+                     plot_color::grid.faded(0.6));
+  }
+}
+
 double LabelPlacer::cost(const Box& box) const {
   if (!contains(inside_, box)) return std::numeric_limits<double>::infinity();
   for (const Box& other : taken_) {

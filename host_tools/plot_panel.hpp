@@ -42,6 +42,9 @@ TickLabels draw_right_ticks(Canvas& canvas, const Box& area, const Scale& y);
 /// Numbers below `area` and a line up through it at each tick.
 TickLabels draw_bottom_ticks(Canvas& canvas, const Box& area, const Scale& x);
 
+/// A grey ground for what `x` shows outside `inside`: the rolls of a move.
+void shade_outside(Canvas& canvas, const Box& area, const Scale& x, const Range& inside);
+
 /// Places small labels beside points so that they overlap neither each other nor, where it can be helped, the
 /// drawing.
 class LabelPlacer {

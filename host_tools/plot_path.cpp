@@ -38,10 +38,17 @@ struct KeyMark {
   bool end = false;
 };
 
+// On the frames 0..N, without the rolls, which are not on the path.
+std::span<const double> on_the_path(const PlotMove& move, const PlotTrack& track, std::size_t axis) {
+  return std::span(move.axes[track.axes[axis]].positions)
+      .subspan(static_cast<std::size_t>(-move.first_frame), static_cast<std::size_t>(move.frames) + 1);
+}
+
 Range path_range(const PlotMove& move, const PlotTrack& track, std::size_t axis) {
   Range range = range_of(track.path[axis]);
-  for (const auto* values : {&track.keys[axis], &move.axes[track.axes[axis]].positions}) {
-    const Range more = range_of(*values);
+  for (const std::span<const double> values :
+       {std::span<const double>(track.keys[axis]), on_the_path(move, track, axis)}) {
+    const Range more = range_of(values);
     range = {std::min(range.low, more.low), std::max(range.high, more.high)};
   }
   return range;
@@ -123,8 +130,8 @@ std::optional<Point> normal_of(double dx, double dy) {
 std::vector<Segment> plane_ticks(const PlotMove& move, const PlotTrack& track, PlotPlane plane,
                                  const Scales& scales, std::size_t every) {
   constexpr double half = 6;
-  const auto& across = move.axes[track.axes[plane.across]].positions;
-  const auto& up = move.axes[track.axes[plane.up]].positions;
+  const std::span<const double> across = on_the_path(move, track, plane.across);
+  const std::span<const double> up = on_the_path(move, track, plane.up);
   std::vector<Segment> ticks;
   std::optional<Point> normal;
   for (std::size_t j = 0; j < across.size(); j += every) {
@@ -307,10 +314,11 @@ void draw_ruler(Canvas& canvas, const Box& panel, const PlotMove& move, const Pl
   for (const double value : track.path.front()) path.push_back({x(value), y});
   const std::size_t every = tick_every(move, length_of(path));
   std::vector<Segment> ticks;
-  for (std::size_t j = 0; j < axis.positions.size(); j += every) {
+  const std::span<const double> positions = on_the_path(move, track, 0);
+  for (std::size_t j = 0; j < positions.size(); j += every) {
     const double direction = track.tangents.front()[j];
     if (direction == 0) continue;
-    const Point at{x(axis.positions[j]), y};
+    const Point at{x(positions[j]), y};
     ticks.push_back({at, {at.x, direction > 0 ? y - tick_length : y + tick_length}});
   }
   canvas.lines(ticks, tick_stroke);

@@ -140,10 +140,15 @@ Mover mover_of(const PlotMove& move, std::size_t axis) {
   return {};
 }
 
+Range range_in_frames(const PlotMove& move) {
+  return {static_cast<double>(move.first_frame), static_cast<double>(move.last_frame)};
+}
+
 void draw_row(Canvas& canvas, const Box& area, double left, const PlotMove& move, std::size_t index) {
   const PlotAxis& axis = move.axes[index];
   const Scale y(row_range(axis), area.bottom(), area.y);
-  const Scale x({0, static_cast<double>(move.frames)}, area.x, area.right());
+  const Scale x(range_in_frames(move), area.x, area.right());
+  shade_outside(canvas, area, x, {0, static_cast<double>(move.frames)});
   const TickLabels labels = draw_left_ticks(canvas, area, y);
   canvas.outline(area, {plot_color::frame});
   const TextStyle bold{.size = 12, .color = plot_color::ink, .bold = true};
@@ -157,7 +162,9 @@ void draw_row(Canvas& canvas, const Box& area, double left, const PlotMove& move
   draw_limits(canvas, area, axis, y);
   const Mover mover = mover_of(move, index);
   const Color color = mover.track ? track_color(mover.index) : plot_color::quiet;
-  canvas.polyline(series_line(axis.positions, x, y), {color, 2});
+  // The samples of the line count from 0.
+  const Scale sample({0, static_cast<double>(axis.positions.size() - 1)}, area.x, area.right());
+  canvas.polyline(series_line(axis.positions, sample, y), {color, 2});
   if (!mover.track) return;
   const auto& keys = mover.track->keys[mover.axis];
   const double radius = keys.size() > 60 ? 1.8 : 3;
@@ -176,12 +183,14 @@ constexpr double row_gap = 12;
 
 void draw_time_ticks(Canvas& canvas, const Box& rows, const PlotMove& move) {
   const TextStyle style{.size = 11, .color = plot_color::quiet, .align = Align::center};
-  const Scale frame({0, static_cast<double>(move.frames)}, rows.x, rows.right());
+  const Range shown = range_in_frames(move);
+  const Scale frame(shown, rows.x, rows.right());
   for (const double tick : round_ticks(frame.range(), ticks_across(rows.width), 1)) {
     canvas.line({frame(tick), rows.y}, {frame(tick), rows.bottom()}, {plot_color::grid});
     canvas.text({frame(tick), rows.bottom() + 16}, fmt::format("{:.0f}", tick), style);
   }
-  const Scale second({0, move.frames / move.frames_per_second}, rows.x, rows.right());
+  const Scale second({shown.low / move.frames_per_second, shown.high / move.frames_per_second}, rows.x,
+                     rows.right());
   const auto ticks = round_ticks(second.range(), ticks_across(rows.width));
   const TickLabels labels = tick_labels(ticks);
   for (std::size_t i = 0; i < ticks.size(); ++i) {
@@ -223,7 +232,11 @@ double positions_height(const PlotMove& move) {
 void draw_positions(Canvas& canvas, const Box& panel, const PlotMove& move) {
   const double height = row_height(move.axes.size());
   Box area{panel.x + left_room, panel.y + above_rows, panel.width - left_room - right_room, height};
-  draw_heading(canvas, {panel.x, panel.y + 14}, "Axis positions", "dots: keys; dashed: limits", panel.width);
+  const bool rolls = move.first_frame < 0 || move.last_frame > move.frames;
+  draw_heading(
+      canvas, {panel.x, panel.y + 14}, "Axis positions",
+      rolls ? "dots: keys; dashed: limits; grey: pre-roll and post-roll" : "dots: keys; dashed: limits",
+      panel.width);
   draw_time_ticks(canvas, {area.x, area.y, area.width, panel.height - above_rows - below_rows}, move);
   for (std::size_t i = 0; i < move.axes.size(); ++i) {
     draw_row(canvas, area, panel.x, move, i);

@@ -20,31 +20,30 @@ double parked(const RigAxis& axis) {
   return std::clamp(0.0, axis.min, axis.max);
 }
 
-/// The setpoints of a plan, tick by tick, in the order of the rig's axes.
+/// The setpoints of a plan with its rolls, tick by tick, in the order of the rig's axes.
 class Setpoints {
  public:
   explicit Setpoints(const Plan& plan)
       : plan_(plan),
         fps_(plan.move().fps.rate),
         rate_hz_(plan.rig()->rate_hz),
-        last_(last_tick(plan.move().frames, fps_, rate_hz_)) {
-    by_track_.resize(plan.tracks().size());
-    for (std::size_t t = 0; t < by_track_.size(); ++t) by_track_[t].resize(plan.move().tracks[t].axes.size());
+        last_(last_tick(plan.played().last_frame() - plan.played().first_frame(), fps_, rate_hz_)),
+        moving_(plan.played().axis_count()) {
     for (const RigAxis& axis : plan.rig()->axes) positions_.push_back(parked(axis));
   }
 
   [[nodiscard]] std::int64_t last() const { return last_; }
   [[nodiscard]] FrameTime<double> time(std::int64_t tick) const {
-    return frame_time_of_tick<double>(tick, fps_, rate_hz_);
+    FrameTime<double> time = frame_time_of_tick<double>(tick, fps_, rate_hz_);
+    time.frame += plan_.played().first_frame();
+    return time;
   }
   /// Valid until the next call. An axis in no track keeps its parked position.
   const std::vector<double>& at(std::int64_t tick) {
-    const FrameTime<double> when = time(tick);
-    for (std::size_t t = 0; t < by_track_.size(); ++t)
-      plan_.tracks()[t].track().positions(when, by_track_[t]);
+    plan_.played().positions(time(tick), moving_);
     for (std::size_t a = 0; a < positions_.size(); ++a) {
       const PlanAxis& axis = plan_.axes()[a];
-      if (axis.track) positions_[a] = by_track_[*axis.track][axis.track_axis];
+      if (axis.track) positions_[a] = moving_[axis.move_axis];
     }
     return positions_;
   }
@@ -54,7 +53,7 @@ class Setpoints {
   FrameRate fps_;
   std::int32_t rate_hz_;
   std::int64_t last_;
-  std::vector<std::vector<double>> by_track_;
+  std::vector<double> moving_;  ///< track after track
   std::vector<double> positions_;
 };
 

@@ -156,7 +156,7 @@ TEST(Plan, AMoveWithMoreTicksThanAnyRigPlaysIsRefused) {
         Plan(parse_move(text, file), rig_of({{"slide", "mm"}, {"pan", "deg"}, {"focus", "turn"}}), {});
       },
       with(with(two_tracks, "24000/1001", "1/1000000"), "48", "@48"),
-      {"4800000000 ticks", "100 Hz", "lower"});
+      {"5000000000 ticks", "100 Hz", "lower"});
 }
 
 TEST(Plan, NoSpeedOnARealPathNamesTheSpeedCurve) {

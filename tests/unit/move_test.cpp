@@ -1,0 +1,147 @@
+// A move on its time line: tracks side by side between a pre-roll and a post-roll.
+#include "inbetween/move.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <vector>
+
+#include "host_tools/solved_track.hpp"
+
+namespace inbetween {
+namespace {
+
+constexpr FrameRate film{24, 1};
+
+/// A line of one axis from `from` to `to`, or through more keys.
+template <Precise Real>
+SolvedTrack<Real> track_of(const std::vector<Real>& keys, const std::vector<Real>& speed,
+                           std::int32_t frames = 48, FrameRate fps = film) {
+  TrackSpec<Real> spec;
+  spec.path = {.spline = Spline::smooth, .closed = false, .axis_count = 1, .keys = keys};
+  spec.control_values = speed;
+  spec.frames = frames;
+  spec.fps = fps;
+  return SolvedTrack<Real>(spec, Solver::closed_form);
+}
+
+template <Precise Real>
+std::vector<RollAxis<Real>> rolls_of(std::span<const Track<Real>> tracks, RollEnd end, std::int32_t frames,
+                                     std::size_t axes) {
+  std::vector<AxisMotion<Real>> joints(axes);
+  joints_of(tracks, end, std::span(joints));
+  std::vector<RollAxis<Real>> rolls;
+  const std::int32_t joint_frame = end == RollEnd::before ? 0 : tracks.front().frames();
+  for (const AxisMotion<Real>& joint : joints) {
+    rolls.push_back(*RollAxis<Real>::make({end, joint_frame, frames, film}, joint));
+  }
+  return rolls;
+}
+
+template <class Real>
+class MoveIn : public testing::Test {};
+using Precisions = testing::Types<double, float>;
+TYPED_TEST_SUITE(MoveIn, Precisions);
+
+TYPED_TEST(MoveIn, RestsBeforeItsPreRollAndAfterItsPostRollAndIsTheTracksInBetween) {
+  using Real = TypeParam;
+  const auto moving = track_of<Real>({0, 30, 100}, {5, 10, 7});
+  const auto resting = track_of<Real>({-1, 2}, {0, 0, 10, 0, 0});
+  const std::array tracks{moving.track(), resting.track()};
+  const std::span<const Track<Real>> all(tracks);
+  const auto before = rolls_of(all, RollEnd::before, 12, 2);
+  const auto after = rolls_of(all, RollEnd::after, 8, 2);
+  const auto move = Move<Real>::make(all, {before, after});
+  ASSERT_TRUE(move);
+  EXPECT_EQ(move->axis_count(), 2U);
+  EXPECT_EQ(move->frames(), 48);
+  EXPECT_EQ(move->first_frame(), -12);
+  EXPECT_EQ(move->last_frame(), 56);
+
+  std::array<AxisMotion<Real>, 2> at;
+  for (const std::int32_t frame : {-1000, -13, -12, 56, 57, 1000}) {
+    move->motion({frame, 0}, at);
+    EXPECT_EQ(at[0].velocity, 0) << frame;
+    EXPECT_EQ(at[0].acceleration, 0) << frame;
+    EXPECT_EQ(at[0].position, (frame < 0 ? before : after)[0].rest_position()) << frame;
+    EXPECT_EQ(at[1].position, frame < 0 ? -1 : 2) << "an axis at rest stays where it is";
+  }
+  std::array<AxisMotion<Real>, 1> alone;
+  std::array<Real, 2> positions;
+  for (const FrameTime<Real>& time : {FrameTime<Real>{0, 0}, {0, Real(0.25)}, {20, Real(0.5)}, {48, 0}}) {
+    move->motion(time, at);
+    move->positions(time, positions);
+    moving.track().motion(time, alone);
+    EXPECT_EQ(at[0].position, alone[0].position);
+    EXPECT_EQ(at[0].velocity, alone[0].velocity);
+    EXPECT_EQ(positions[0], alone[0].position);
+  }
+  // On either side of a joint nothing but the jerk jumps.
+  for (const std::int32_t joint : {0, 48}) {
+    std::array<AxisMotion<Real>, 2> inside;
+    const Real step = Real(1) / 1024;
+    move->motion(joint == 0 ? FrameTime<Real>{-1, 1 - step} : FrameTime<Real>{48, step}, at);
+    move->motion({joint, 0}, inside);
+    EXPECT_NEAR(at[0].position, inside[0].position, 0.01);
+    EXPECT_NEAR(at[0].velocity, inside[0].velocity, 0.05);
+    EXPECT_NEAR(at[0].acceleration, inside[0].acceleration, 2);
+    EXPECT_GT(std::abs(inside[0].velocity), 10);
+  }
+}
+
+TEST(Move, WithoutRollsHoldsItsEnds) {
+  const auto solved = track_of<double>({0, 100}, {5, 10, 7});
+  const std::array tracks{solved.track()};
+  const auto move = Move<double>::make(std::span<const Track<double>>(tracks), {});
+  ASSERT_TRUE(move);
+  EXPECT_EQ(move->first_frame(), 0);
+  EXPECT_EQ(move->last_frame(), 48);
+  std::array<double, 1> position;
+  move->positions({-1, 0.5}, position);
+  EXPECT_EQ(position[0], 0);
+  move->positions({48, 0.5}, position);
+  EXPECT_EQ(position[0], 100);
+}
+
+TEST(Move, IsMovingWhereTheSpeedIsNotZeroAndNotWhereOnlyTheAccelerationIs) {
+  const auto both = track_of<double>({0, 100}, {5, 10, 7});
+  const auto start = track_of<double>({0, 100}, {5, 10, 0, 0});
+  const auto jerks = track_of<double>({0, 100}, {0, 10, 0});
+  EXPECT_TRUE(is_moving(both.track(), RollEnd::before));
+  EXPECT_TRUE(is_moving(both.track(), RollEnd::after));
+  EXPECT_TRUE(is_moving(start.track(), RollEnd::before));
+  EXPECT_FALSE(is_moving(start.track(), RollEnd::after));
+  EXPECT_FALSE(is_moving(jerks.track(), RollEnd::before));
+  const std::array tracks{jerks.track()};
+  std::vector<AxisMotion<double>> joint(1);
+  EXPECT_FALSE(joints_of(std::span<const Track<double>>(tracks), RollEnd::before, std::span(joint)));
+  EXPECT_EQ(joint[0].acceleration, 0) << "it rests until frame 0";
+}
+
+TEST(Move, RefusesTracksOfDifferentTimesAndRollsThatDoNotJoin) {
+  const auto one = track_of<double>({0, 100}, {5, 10, 7});
+  const auto longer = track_of<double>({0, 100}, {5, 10, 7}, 49);
+  const auto slower = track_of<double>({0, 100}, {5, 10, 7}, 48, {25, 1});
+  const auto code_of = [](const Result<Move<double>>& move) { return move.error().code; };
+  const std::array unequal{one.track(), longer.track()};
+  EXPECT_EQ(code_of(Move<double>::make(unequal, {})), ErrorCode::out_of_range);
+  const std::array rates{one.track(), slower.track()};
+  EXPECT_EQ(code_of(Move<double>::make(rates, {})), ErrorCode::out_of_range);
+  EXPECT_EQ(code_of(Move<double>::make({}, {})), ErrorCode::wrong_count);
+
+  const std::array pair{one.track(), one.track()};
+  const std::span<const Track<double>> tracks(pair);
+  auto before = rolls_of(tracks, RollEnd::before, 12, 2);
+  const auto after = rolls_of(tracks, RollEnd::after, 12, 2);
+  EXPECT_TRUE(Move<double>::make(tracks, {before, after}));
+  EXPECT_EQ(code_of(Move<double>::make(tracks, {std::span(before).first(1), after})), ErrorCode::wrong_count);
+  EXPECT_EQ(code_of(Move<double>::make(tracks, {after, {}})), ErrorCode::out_of_range) << "the wrong end";
+  before[1] = rolls_of(tracks, RollEnd::before, 13, 2)[1];
+  const auto refused = Move<double>::make(tracks, {before, after});
+  EXPECT_EQ(code_of(refused), ErrorCode::out_of_range) << "two numbers of frames";
+  EXPECT_EQ(refused.error().axis, 1);
+}
+
+}  // namespace
+}  // namespace inbetween
