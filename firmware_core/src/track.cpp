@@ -107,6 +107,25 @@ struct Standstill {
   }
 };
 
+/// Where several keys lie in one place the path is still between them: the motion leaves from the last of
+/// them, and at the end of the path it has arrived at the first. Everywhere else the point itself.
+template <Precise Real>
+PathPoint<Real> moving_side(const Path<Real>& path, const PathPoint<Real>& point) {
+  const auto is_still = [&](std::int32_t segment) {
+    const std::span<const Cubic<Real>> cubics = path.segment(segment);
+    return std::ranges::all_of(
+        cubics, [](const Cubic<Real>& cubic) { return cubic.c1 == 0 && cubic.c2 == 0 && cubic.c3 == 0; });
+  };
+  if (!is_still(point.segment)) return point;
+  for (std::int32_t i = point.segment + 1; i < path.segment_count(); ++i) {
+    if (!is_still(i)) return {i, 0};
+  }
+  for (std::int32_t i = point.segment; i-- > 0;) {
+    if (!is_still(i)) return {i, 1};
+  }
+  return point;
+}
+
 template <Precise Real>
 Derivatives write_standstill(const Path<Real>& path, const AlongPath<Real>& along,
                              const Standstill<Real>& standstill, std::span<AxisMotion<Real>> out) {
@@ -226,7 +245,19 @@ Derivatives Track<Real>::motion(const FrameTime<Real>& time, std::span<AxisMotio
     write_motion(path_.segment(point.segment), point.t, s, axes);
     return without_overflow(axes, Derivatives::exact);
   }
-  const AlongPath<Real> where = unbounded_along(time);
+  AlongPath<Real> where = unbounded_along(time);
+  const PathPoint<Real> here = where.point;
+  where.point = moving_side(path_, here);
+  const Derivatives derivatives = write_along(where, axes);
+  for (std::size_t d = 0; d < axes.size(); ++d) {
+    axes[d].position = path_.segment(here.segment)[d].value(here.t);  // to the last bit, from either side
+  }
+  return derivatives;
+}
+
+/// Position and derivatives at a point of a drawn curve.
+template <Precise Real>
+Derivatives Track<Real>::write_along(const AlongPath<Real>& where, std::span<AxisMotion<Real>> axes) const {
   const std::span<const Cubic<Real>> cubics = path_.segment(where.point.segment);
   const std::span<const Real> weights = path_.weights();
   const Real t = where.point.t;

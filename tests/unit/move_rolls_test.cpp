@@ -158,6 +158,14 @@ TEST(Rolls, ALimitThatTheMoveItselfBreaksIsSaidOnce) {
   }
 }
 
+TEST(Rolls, AMoveThatBeginsWithItsFirstKeyTwiceIsBroughtUpAllTheSame) {
+  const Plan plan = plan_of(move_of("5, 10, 5", "[300], [300], [500], [900], [900]"));
+  EXPECT_LT(plan.played().first_frame(), 0);
+  EXPECT_GT(plan.played().last_frame(), 120);
+  EXPECT_GT(motion_at(plan, 0).velocity, 50);
+  EXPECT_TRUE(check(plan).fits());
+}
+
 TEST(Rolls, ASpeedThatRisesFromZeroAtOnceStepsAndHasNoPreRoll) {
   const Plan plan = plan_of(move_of("0, 10, 0, 0"));
   EXPECT_EQ(plan.played().first_frame(), 0);

@@ -391,5 +391,22 @@ TEST(Track, AllItsMemoryMayStandInOneObject) {
   }
 }
 
+TEST(Track, KeysInOnePlaceAtTheEndsAreLeftAndReachedAtTheDrawnSpeed) {
+  TrackSpec<double> spec;
+  const std::vector<double> keys{10, 10, 10, 40, 70, 70};
+  const std::vector<double> speed{5};
+  spec.path = {.spline = Spline::smooth, .axis_count = 1, .keys = keys};
+  spec.control_values = speed;
+  spec.frames = 24;
+  spec.fps = {24, 1};
+  const SolvedTrack<double> solved(spec, Solver::closed_form);
+  std::vector<AxisMotion<double>> motion(1);
+  for (const std::int32_t frame : {0, 24}) {
+    EXPECT_EQ(solved.track().motion({frame, 0}, motion), Derivatives::exact);
+    EXPECT_NEAR(motion[0].velocity, 60, 1e-9) << "frame " << frame;
+    EXPECT_EQ(motion[0].position, frame == 0 ? 10 : 70);
+  }
+}
+
 }  // namespace
 }  // namespace inbetween

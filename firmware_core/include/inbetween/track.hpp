@@ -204,8 +204,8 @@ class Track {
   [[nodiscard]] AlongPath<Real> along(const FrameTime<Real>& time) const;
 
   /// Position, velocity, acceleration and jerk of every axis, analytically at (segment, t), not from
-  /// the fitted inverse. On a key: the derivatives with which the motion leaves it; at the end of the
-  /// path, those with which it arrives. O(axes), no allocation.
+  /// the fitted inverse. On a key: the derivatives with which the motion leaves it, of keys in one place the
+  /// last; at the end of the path, those with which it arrives. O(axes), no allocation.
   Derivatives motion(const FrameTime<Real>& time, std::span<AxisMotion<Real>> out) const;
 
  private:
@@ -220,6 +220,7 @@ class Track {
   }
   /// along() with infinities where it is beyond the range of Real.
   [[nodiscard]] AlongPath<Real> unbounded_along(const FrameTime<Real>& time) const;
+  Derivatives write_along(const AlongPath<Real>& where, std::span<AxisMotion<Real>> axes) const;
   [[nodiscard]] TwoSum<Real> special_distance(const FrameTime<Real>& time) const;
   [[nodiscard]] PathPoint<Real> special_locate(const FrameTime<Real>& time) const;
   [[nodiscard]] PathPoint<Real> key_frame_point(const FrameTime<Real>& time) const;

@@ -1,0 +1,278 @@
+// A speed curve that is changed as little as can be until the move keeps the limits of its rig.
+#include "host_tools/speed_fit.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "host_tools/speed_rewrite.hpp"
+#include "tests/support/refused_text.hpp"
+
+namespace inbetween {
+namespace {
+
+using testing::AllOf;
+using testing::Each;
+using testing::ElementsAreArray;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::SizeIs;
+
+struct Limits {
+  double velocity = 150;
+  double acceleration = 400;
+  std::string more = "";
+};
+
+/// Two axes that are limited alike.
+std::string rig_with(const Limits& limits) {
+  std::string rig = "name = \"table\"\nrate_hz = 100\n";
+  for (const char* name : {"x", "y"}) {
+    rig += fmt::format(
+        "[[axis]]\nname = \"{}\"\nunit = \"mm\"\nmin = -100\nmax = 200\nmax_velocity = {}\nmax_acceleration "
+        "= {}\n{}\n"
+        "drive = {{ type = \"pipe\", path = \"/dev/null\", counts_per_unit = 1 }}\n",
+        name, limits.velocity, limits.acceleration, limits.more);
+  }
+  return rig;
+}
+
+const std::string bends =
+    "keys = [ { at = [10, 0] }, { at = [60, 40] }, { at = [110, -20] }, { at = [160, 10] } ]\n";
+const std::string peaked = "speed = [0, 0, 6, 16, 6, 6, 0, 0]\n";
+
+std::string move_of(const std::string& track, int frames = 96) {
+  return fmt::format("name = \"m\"\nfps = 24\nframes = {}\n[[track]]\naxes = [\"x\", \"y\"]\n{}", frames,
+                     track);
+}
+
+Plan plan_of(const std::string& move, const Limits& limits) {
+  return {parse_move(move, "move.toml"), parse_rig(rig_with(limits), "rig.toml"), {}};
+}
+
+SpeedFit fit_of(const Plan& plan, FitStart start = FitStart::drawn) {
+  return fit_speed(plan, check(plan), start, {});
+}
+
+/// The file with the new curves in it, read again.
+Plan written(const std::string& move, const SpeedFit& fit, const Limits& limits) {
+  std::string text = move;
+  for (const TrackFit& track : fit.tracks) text = with_speed(text, "move.toml", track.track, track.speed);
+  return plan_of(text, limits);
+}
+
+double area_per_span(const Plan& plan) {
+  const SpeedProfile<double>& profile = plan.tracks()[0].track().profile();
+  return profile.total_integral() / profile.span_count();
+}
+
+TEST(SpeedFit, AMoveThatFitsIsLeftAsItIs) {
+  const SpeedFit fit = fit_of(plan_of(move_of(bends + peaked, 400), {}));
+  EXPECT_TRUE(fit.found);
+  EXPECT_THAT(fit.tracks, IsEmpty());
+  EXPECT_EQ(fit.reason, "");
+  EXPECT_GT(fit.least.frames, 0);
+}
+
+TEST(SpeedFit, APeakIsFlattenedAndTheRestRaisedUntilTheVelocityFits) {
+  const std::string move = move_of(bends + peaked);
+  const Limits limits{.velocity = 110, .acceleration = 4000};
+  const Plan plan = plan_of(move, limits);
+  ASSERT_FALSE(check(plan).fits());
+  const SpeedFit fit = fit_of(plan);
+  ASSERT_TRUE(fit.found) << fit.reason;
+  ASSERT_THAT(fit.tracks, SizeIs(1));
+  const TrackFit& track = fit.tracks[0];
+  EXPECT_EQ(track.refinements, 0);
+  EXPECT_THAT(track.speed, SizeIs(8));
+  const Plan after = written(move, fit, limits);
+  EXPECT_TRUE(check(after).fits());
+  EXPECT_NEAR(area_per_span(after) / area_per_span(plan), 1, 1e-9);
+  EXPECT_GT(check(after).axes[0].velocity.value, 0.994 * 110) << "no flatter than it has to be";
+  EXPECT_LT(track.largest_change, 0) << "where it was too fast";
+  EXPECT_NEAR(track.largest_change_at, 3, 0.3);
+  EXPECT_NEAR(track.largest_change_frame, track.largest_change_at * 96 / 7, 1e-9);
+  EXPECT_LT(track.change, std::abs(track.largest_change));
+  EXPECT_NEAR(track.change_share, track.change / area_per_span(plan), 1e-9);
+  for (const std::size_t rest : {0U, 1U, 6U, 7U}) EXPECT_EQ(track.speed[rest], 0);
+}
+
+TEST(SpeedFit, AccelerationAndJerkFitToo) {
+  const std::string move = move_of(bends + peaked);
+  for (const Limits& limits : {Limits{.velocity = 500, .acceleration = 190},
+                               Limits{.velocity = 500, .acceleration = 500, .more = "max_jerk = 1000"}}) {
+    const SpeedFit fit = fit_of(plan_of(move, limits));
+    ASSERT_TRUE(fit.found) << fit.reason;
+    EXPECT_TRUE(check(written(move, fit, limits)).fits());
+  }
+}
+
+TEST(SpeedFit, AStepOfTheAccelerationIsALimitToo) {
+  const std::string move = move_of("spline = \"catmull-rom\"\n" + bends + peaked, 200);
+  Limits limits{
+      .velocity = 500, .acceleration = 500, .more = "max_jerk = 9000\nmax_acceleration_step = 9000"};
+  double largest = 0;
+  for (const CheckedStep& step : check(plan_of(move, limits)).steps)
+    largest = std::max(largest, step.acceleration);
+  limits.more = fmt::format("max_jerk = 9000\nmax_acceleration_step = {}", 0.8 * largest);
+  ASSERT_FALSE(check(plan_of(move, limits)).fits());
+  const SpeedFit fit = fit_of(plan_of(move, limits));
+  ASSERT_TRUE(fit.found) << fit.reason;
+  EXPECT_TRUE(check(written(move, fit, limits)).fits());
+}
+
+TEST(SpeedFit, WhereAFewValuesAreTooStiffTheCurveIsRefined) {
+  const std::string move = move_of(bends + "speed = [0, 0, 10, 0, 0]\n");
+  const Limits limits{.velocity = 150, .acceleration = 300};
+  const Plan plan = plan_of(move, limits);
+  ASSERT_FALSE(check(plan).fits());
+  const SpeedFit fit = fit_of(plan);
+  ASSERT_TRUE(fit.found) << fit.reason;
+  EXPECT_GT(fit.tracks.at(0).refinements, 0) << "one free value can not change at equal Phi(f)";
+  EXPECT_EQ(fit.tracks[0].speed.size(), (std::size_t{4} << fit.tracks[0].refinements) + 1);
+  EXPECT_TRUE(check(written(move, fit, limits)).fits());
+}
+
+const std::string halting = "speed = [0, 0, 6, 16, 6, 6, 6, 6, 0, 0]\n";
+
+TEST(SpeedFit, LockedKeysAndHoldsAreMetAsBefore) {
+  const std::string locked = with(with(bends, "[60, 40] }", "[60, 40], frame = 70 }"), "[110, -20] }",
+                                  "[110, -20], frame = 120, hold = 24 }");
+  const std::string move = move_of(locked + halting, 240);
+  const double peak = check(plan_of(move, {.velocity = 1e4, .acceleration = 1e4})).axes[1].velocity.value;
+  for (const double share : {0.97, 0.9, 0.8}) {
+    const Limits limits{.velocity = share * peak, .acceleration = 400};
+    const Plan plan = plan_of(move, limits);
+    ASSERT_FALSE(check(plan).fits());
+    const SpeedFit fit = fit_of(plan);
+    ASSERT_TRUE(fit.found) << share << ": " << fit.reason;
+    const Plan after = written(move, fit, limits);
+    EXPECT_TRUE(check(after).fits());
+    std::vector<double> at(2);
+    after.tracks()[0].track().positions({70, 0}, at);
+    EXPECT_NEAR(at[0], 60, 1e-6);
+    for (const std::int32_t frame : {120, 130, 144}) {
+      after.tracks()[0].track().positions({frame, 0}, at);
+      EXPECT_NEAR(at[0], 110, 1e-6) << frame;
+    }
+    EXPECT_LT(after.tracks()[0].key_timing()->largest_change, 1e-6) << "reading it again changes nothing";
+    EXPECT_EQ(after.tracks()[0].key_timing()->refinements, 0);
+  }
+}
+
+TEST(SpeedFit, AHoldWithoutAFrameIsRefusedWithTheFrameToWrite) {
+  const std::string held = with(bends, "[110, -20] }", "[110, -20], hold = 24 }");
+  const Plan plan = plan_of(move_of(held + halting, 240), {.velocity = 30});
+  const SpeedFit fit = fit_of(plan);
+  EXPECT_FALSE(fit.found);
+  const std::int32_t frame = plan.tracks()[0].key_timing()->locks[1].frame;
+  EXPECT_THAT(fit.reason, HasSubstr(fmt::format("frame = {}", frame)));
+}
+
+TEST(SpeedFit, WhatSlowingDoesNotCureIsSaid) {
+  const std::string line = "spline = \"linear\"\n" + bends + peaked;
+  EXPECT_THAT(fit_of(plan_of(move_of(line), {})).reason, HasSubstr("which no drive can follow"));
+  const std::string far = with(bends, "[160, 10]", "[260, 10]");
+  const SpeedFit beyond = fit_of(plan_of(move_of(far + peaked), {}));
+  EXPECT_FALSE(beyond.found);
+  EXPECT_THAT(beyond.reason, HasSubstr("move its keys inward"));
+}
+
+TEST(SpeedFit, ATrackTimedByFramesHasNoCurveToChange) {
+  const std::string timed =
+      "timing = \"frames\"\nkeys = [ { at = [10, 0], frame = 0 }, { at = [160, 10], frame = 96 } ]\n";
+  const SpeedFit fit = fit_of(plan_of(move_of(timed), {.velocity = 10}));
+  EXPECT_FALSE(fit.found);
+  EXPECT_THAT(fit.reason, HasSubstr("timing = \"frames\""));
+}
+
+TEST(SpeedFit, FewerFramesThanAnyCurveNeedsAreRefusedAtOnce) {
+  const SpeedFit fit = fit_of(plan_of(move_of(bends + peaked, 24), {}));
+  EXPECT_FALSE(fit.found);
+  EXPECT_THAT(fit.tracks, IsEmpty());
+  EXPECT_GT(fit.least.frames, 24);
+  EXPECT_THAT(fit.reason, HasSubstr(fmt::format("at least {} frames", fit.least.frames)));
+}
+
+TEST(SpeedFit, WhereNoneIsFoundTheNearestTellsWhatIsInTheWay) {
+  const Plan plan = plan_of(move_of(bends + peaked, 72), {.velocity = 150, .acceleration = 182});
+  const SpeedFit fit = fit_of(plan);
+  ASSERT_FALSE(fit.found);
+  ASSERT_LE(fit.least.frames, 72) << "the bound alone does not refuse it";
+  EXPECT_THAT(fit.reason,
+              AllOf(HasSubstr("no speed curve was found"), HasSubstr("and max_acceleration is 182")));
+}
+
+TEST(SpeedFit, OnlyTheTrackThatBreaksALimitChanges) {
+  const std::string two =
+      "name = \"m\"\nfps = 24\nframes = 96\n[[track]]\naxes = [\"x\"]\nkeys = [ { at = [0] }, { at = [90] } "
+      "]\n" +
+      peaked + "[[track]]\naxes = [\"y\"]\nkeys = [ { at = [0] }, { at = [150] } ]\n" + peaked;
+  const Limits limits{.velocity = 80};
+  const SpeedFit fit = fit_of(plan_of(two, limits));
+  ASSERT_TRUE(fit.found) << fit.reason;
+  ASSERT_THAT(fit.tracks, SizeIs(1));
+  EXPECT_EQ(fit.tracks[0].track, 1U);
+  const Plan after = written(two, fit, limits);
+  EXPECT_TRUE(check(after).fits());
+  EXPECT_THAT(after.move().tracks[0].speed, ElementsAreArray({0, 0, 6, 16, 6, 6, 0, 0}));
+}
+
+TEST(SpeedFit, ProgressNeverFallsAndEndsBelowOne) {
+  const Plan plan = plan_of(move_of(bends + peaked), {.velocity = 110});
+  std::vector<double> shares;
+  static_cast<void>(
+      fit_speed(plan, check(plan), FitStart::drawn, [&](double share) { shares.push_back(share); }));
+  EXPECT_FALSE(shares.empty());
+  EXPECT_TRUE(std::ranges::is_sorted(shares));
+  EXPECT_THAT(shares, Each(testing::Lt(1)));
+}
+
+/// Largest over smallest acceleration across the path, v^2 times curvature, where an ellipse is travelled at
+/// full speed.
+double unevenness(const Plan& plan) {
+  const Track<double>& track = plan.tracks()[0].track();
+  double largest = 0;
+  double smallest = 1e300;
+  std::vector<AxisMotion<double>> at(2);
+  for (std::int32_t frame = track.frames() / 4; frame <= track.frames() * 3 / 4; ++frame) {
+    track.motion({frame, 0}, at);
+    const double speed = std::hypot(at[0].velocity, at[1].velocity);
+    const double across =
+        std::abs(at[0].velocity * at[1].acceleration - at[1].velocity * at[0].acceleration) / speed;
+    largest = std::max(largest, across);
+    smallest = std::min(smallest, across);
+  }
+  return largest / smallest;
+}
+
+TEST(SpeedFit, TheCurvatureStartMakesTheAccelerationAcrossAnEllipseEven) {
+  std::string keys = "closed = true\nkeys = [";
+  for (int i = 0; i < 16; ++i) {
+    const double angle = 2 * 3.14159265358979 * i / 16;
+    keys += fmt::format(" {{ at = [{}, {}] }},", 100 + 90 * std::cos(angle), 30 * std::sin(angle));
+  }
+  const std::string move = move_of(keys +
+                                       " ]\nspeed = [0, 0, 10, 10, 10, 10, 10, 10, 10, 10, 10, 10, 10, 10, "
+                                       "10, 10, 10, 10, 10, 10, 10, 10, 10, "
+                                       "0, 0]\n",
+                                   240);
+  const Limits limits{.velocity = 500, .acceleration = 68};
+  const Plan plan = plan_of(move, limits);
+  ASSERT_FALSE(check(plan).fits());
+  const SpeedFit drawn = fit_of(plan);
+  const SpeedFit curved = fit_of(plan, FitStart::curvature);
+  ASSERT_TRUE(drawn.found) << drawn.reason;
+  ASSERT_TRUE(curved.found) << curved.reason;
+  EXPECT_LT(unevenness(written(move, curved, limits)), 0.5 * unevenness(written(move, drawn, limits)));
+  EXPECT_GT(curved.tracks[0].change, drawn.tracks[0].change) << "the price of it";
+}
+
+}  // namespace
+}  // namespace inbetween
