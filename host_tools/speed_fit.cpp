@@ -29,6 +29,8 @@ constexpr std::size_t most_refined_values = 600;
 /// Of one gain to the one before when the control values are doubled, unless the levels show more.
 constexpr double usual_gain_ratio = 0.5;
 constexpr double hopeless_share = 0.2;
+/// Curves of no more values are cheap enough to try all margins.
+constexpr std::size_t most_values_tried_again = 64;
 /// A limit used to this share of what is allowed is one that the curve leans on.
 constexpr double leaning_share = 0.97;
 
@@ -167,7 +169,7 @@ class TrackSearch {
       }
       reached = with.descent.run(reached.values, with.samples, allowances);
     }
-    if (!best.values.empty()) return best.values;
+    if (!best.values.empty()) return nearest_within(best, with);
     if (reached.excess.share < level.excess) {
       level.excess = reached.excess.share;
       level.nearest = reached.values;
@@ -176,6 +178,22 @@ class TrackSearch {
       }
     }
     return std::nullopt;
+  }
+
+  /// The nearest of `best` and of what some fixed margins give: what check() is above the truth is different
+  /// from curve to curve, and may be nothing.
+  [[nodiscard]] std::vector<double> nearest_within(Best best, Tools& with) {
+    if (best.values.size() > most_values_tried_again) return best.values;
+    for (const double margin : {0.005, 0.004, 0.003, 0.002, 0.001, 5e-4, 2e-5}) {
+      std::vector<Allowance> allowances(fitted_.axes().size());
+      for (Allowance& allowance : allowances) allowance.fill(1 / (1 + margin));
+      const Descent reached = with.descent.run(best.values, with.samples, allowances);
+      if (!(reached.change < 0.998 * best.change)) continue;
+      std::string trouble;
+      const std::optional<CheckReport> report = fitted_.judge(reached.values, trouble);
+      if (report && report->fits()) best = {reached.values, reached.change};
+    }
+    return best.values;
   }
 
   /// Allows of every limit what keeps check() below it, as far as `report` and the samples tell, which are of

@@ -42,10 +42,28 @@ void show(const RandomMove& move) {
   RC_LOG() << text.str();
 }
 
+/// Whether all keys lie on one line, so that nothing turns anywhere.
+bool is_on_a_line(const RandomMove& move) {
+  const std::vector<std::vector<long double>>& at = move.keys.at;
+  const auto chord = [&](std::size_t key, std::size_t d) { return at[key][d] - at[0][d]; };
+  for (std::size_t i = 1; i < at.size(); ++i) {
+    for (std::size_t d = 0; d < at[0].size(); ++d) {
+      for (std::size_t e = 0; e < d; ++e) {
+        const long double across = chord(1, d) * chord(i, e);
+        const long double along = chord(1, e) * chord(i, d);
+        if (std::fabs(across - along) > 1e-18L * (std::fabs(across) + std::fabs(along))) return false;
+      }
+    }
+  }
+  return true;
+}
+
 /// true <= bound <= most * true, apart from what is rounding of the quickest axis: on a line the oracle does
-/// not find a curvature of exactly 0.
+/// not find a curvature of exactly 0, and beside a cusp its rounding can be anything. A bound of 0 on a line
+/// is right.
 void expect_tight(const char* what, double bound, const oracle::Extreme& found, long double quickest,
-                  long double most) {
+                  long double most, bool on_a_line) {
+  if (bound == 0 && on_a_line) return;
   RC_LOG() << what << ": bound " << bound << ", found " << static_cast<double>(found.value) << " at frame "
            << static_cast<double>(found.place) << ", of all axes " << static_cast<double>(quickest) << '\n';
   RC_ASSERT(bound >= found.value - (bound == 0 ? 1e-9L : 1e-12L) * quickest);
@@ -89,6 +107,7 @@ TEST(MotionBoundsProperty, NoPeakIsAboveItsBoundAndNoBoundIsOnePercentAboveItsPe
     ++compared;
     if (!resolved) ++unresolved;
     const long double most = resolved ? 1.01L : 1e6L;
+    const bool line = is_on_a_line(move);
     for (std::size_t d = 0; d < peaks.size(); ++d) {
       const oracle::AxisExtremes& axis = extremes.axes[d];
       RC_LOG() << "axis " << d << '\n';
@@ -97,11 +116,11 @@ TEST(MotionBoundsProperty, NoPeakIsAboveItsBoundAndNoBoundIsOnePercentAboveItsPe
       RC_ASSERT(std::fabs(peaks[d].highest.value - axis.highest.value) <= 1e-13L * scale);
       const long double v = axis.velocity.value;
       expect_tight("velocity", peaks[d].velocity.value, axis.velocity,
-                   quickest(&oracle::AxisExtremes::velocity, 1), most);
+                   quickest(&oracle::AxisExtremes::velocity, 1), most, line);
       expect_tight("acceleration", peaks[d].acceleration.value, axis.acceleration,
-                   quickest(&oracle::AxisExtremes::acceleration, rate), most);
+                   quickest(&oracle::AxisExtremes::acceleration, rate), most, line);
       expect_tight("jerk", peaks[d].jerk.value, axis.jerk, quickest(&oracle::AxisExtremes::jerk, rate * rate),
-                   most);
+                   most, line);
       if (v > 0) worst = std::max(worst, peaks[d].velocity.value / v);
     }
   });

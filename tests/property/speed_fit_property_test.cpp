@@ -141,11 +141,19 @@ double area_of(const std::vector<double>& speed) {
 /// The largest share of a limit that a curve uses; below 1 + rounding it keeps them all.
 class Judge {
  public:
-  explicit Judge(const Plan& plan) : plan_(plan) {}
+  /// On the rig of the plan with all limits lowered by a share.
+  Judge(const Plan& plan, double lowered) : move_(plan.move()), rig_(*plan.rig()) {
+    for (RigAxis& axis : rig_.axes) {
+      axis.max_velocity *= 1 - lowered;
+      axis.max_acceleration *= 1 - lowered;
+      if (axis.max_jerk) *axis.max_jerk *= 1 - lowered;
+      if (axis.max_acceleration_step) *axis.max_acceleration_step *= 1 - lowered;
+    }
+  }
   CheckReport report(const std::vector<double>& speed) const {
-    MoveFile move = plan_.move();
+    MoveFile move = move_;
     move.tracks[0].speed = speed;
-    return check(Plan(std::move(move), plan_.rig(), {}));
+    return check(Plan(std::move(move), rig_, {}));
   }
   double share(const std::vector<double>& speed) const {
     const CheckReport checked = report(speed);
@@ -160,7 +168,8 @@ class Judge {
   }
 
  private:
-  const Plan& plan_;
+  MoveFile move_;
+  RigFile rig_;
 };
 
 /// The cubic B-spline with natural ends at a, by its four cubics.
@@ -196,8 +205,8 @@ double distance_of(const std::vector<double>& one, const std::vector<double>& ot
 /// from the best places of the grid downhill. The distance of the nearest that fits, or nothing.
 class NearerCurves {
  public:
-  NearerCurves(const Plan& plan, double radius)
-      : judge_(plan), drawn_(plan.move().tracks[0].speed), radius_(radius), area_(area_of(drawn_)) {
+  NearerCurves(const Plan& plan, double radius, double lowered)
+      : judge_(plan, lowered), drawn_(plan.move().tracks[0].speed), radius_(radius) {
     for (std::size_t i = 2; i + 2 < drawn_.size(); ++i) {
       std::vector<double> unit(drawn_.size(), 0);
       unit[i] = 1;
@@ -265,7 +274,6 @@ class NearerCurves {
   Judge judge_;
   std::vector<double> drawn_;
   double radius_;
-  double area_;
   std::vector<double> weights_;
   std::vector<Seen> seen_;
   std::optional<double> nearest_;
@@ -273,6 +281,7 @@ class NearerCurves {
 
 TEST(SpeedFitProperty, ABruteForceSearchFindsNothingNearerByMoreThanFivePercent) {
   int compared = 0;
+  int luckier = 0;
   check_property(150, [&] {
     const std::array<std::string, 3> kinds = {"smooth", "catmull-rom", "tcb"};
     const std::string& spline = kinds[static_cast<std::size_t>(number(3))];
@@ -293,13 +302,20 @@ TEST(SpeedFitProperty, ABruteForceSearchFindsNothingNearerByMoreThanFivePercent)
       ++compared;
       RC_ASSERT(std::fabs(change / distance_of(fit.tracks[0].speed, plan.move().tracks[0].speed) - 1) < 1e-6);
     }
-    const std::optional<double> nearer = NearerCurves(plan, 0.95 * change).search();
+    // check() may be 0.5 % above the truth, by more on one curve and by less on its neighbour. Where the
+    // limits leave next to no room, a curve on which it happens to be sharp passes further in.
+    const std::optional<double> lucky = NearerCurves(plan, 0.95 * change, 0).search();
+    if (!lucky) return;
+    ++luckier;
+    const std::optional<double> nearer = NearerCurves(plan, 0.95 * change, 0.005).search();
     if (nearer) RC_LOG(fmt::format("changed by {}, and {} would do", change, *nearer));
     RC_ASSERT(!nearer.has_value());
   });
-  std::cout << fmt::format("{} of them with the drawn number of control values\n", compared);
+  std::cout << fmt::format("{} of them with the drawn number of control values, {} beaten by luck\n",
+                           compared, luckier);
   if (counts_mean_something()) {
     EXPECT_GE(compared, 30);
+    EXPECT_LE(luckier, 2);
   }
 }
 

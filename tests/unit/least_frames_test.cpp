@@ -37,6 +37,8 @@ TEST(LeastFrames, AWayAtFullVelocity) {
 
 TEST(LeastFrames, FromRestToRestItTakesTheRampsToo) {
   EXPECT_EQ(least_frames(plan_of(line + rests, 20, 10)).frames, 70) << "5 s and a ramp of 2 s";
+  const std::string shorter = "keys = [ { at = [0, 5] }, { at = [60, 5] } ]\n";
+  EXPECT_EQ(least_frames(plan_of(shorter + rests, 20, 10)).frames, 50) << "3 s and the ramp";
   EXPECT_EQ(least_frames(plan_of(line + rests, 1e6, 16)).frames, 50)
       << "no full velocity: 2 sqrt(100 / 16) s";
   EXPECT_TRUE(least_frames(plan_of(line + rests, 1e6, 16)).by_acceleration);

@@ -31,6 +31,11 @@ struct AxisPeaks {
   Peak<Real> velocity, acceleration, jerk;
 };
 
+/// Velocity, acceleration and jerk of one axis.
+inline constexpr std::size_t motion_quantities = 3;
+template <Precise Real>
+using MotionTriple = std::array<Real, motion_quantities>;
+
 /// How much more than 1 % a bound may be above the truth, in axis units and seconds: a small share of the
 /// limit, so that nothing is refined that is far from it. 0 is allowed.
 template <Precise Real>

@@ -1,0 +1,270 @@
+#include <gtest/gtest.h>
+#include <rapidcheck.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <sstream>
+#include <vector>
+
+#include "inbetween/stop_bounds.hpp"
+#include "tests/support/oracle_stop.hpp"
+#include "tests/support/property.hpp"
+#include "tests/support/random_move.hpp"
+#include "tests/support/solved_move.hpp"
+
+/// Stops from anywhere, in any permitted state, against the limits of every axis by the exact derivatives.
+
+namespace inbetween {
+namespace {
+
+constexpr double fps = 24;
+constexpr int steps_of_a_stop = 1500;
+
+FrameTime<double> frame_time(double u) {
+  const double frame = std::floor(u * fps);
+  return {static_cast<std::int32_t>(frame), std::min(u * fps - frame, 1 - 1e-16)};
+}
+
+oracle::PlayheadRule rule_of(const StopBounds<double>& bounds, bool forward) {
+  const auto at = [&bounds](double u) {
+    const StopBound<double> bound = bounds.at(frame_time(u));
+    return oracle::PlayheadBound{bound.rate_change, bound.rate_jerk, bound.release_jerk};
+  };
+  return {at, bounds.rate(), forward};
+}
+
+int any_int(int from, int below) {
+  return *rc::gen::resize(rc::kNominalSize, rc::gen::inRange(from, below));
+}
+double any_share() {
+  return any_int(0, 1'000'001) * 1e-6;
+}
+
+/// A solved move with the rolls that it needs, of any length.
+struct PlayedMove {
+  TrackInput<double> input;
+  SolvedTrack<double> solution;
+  std::vector<RollAxis<double>> before, after;
+  std::optional<Move<double>> move;
+  std::vector<AxisPeaks<double>> peaks;
+
+  explicit PlayedMove(const RandomMove& random) : input(random), solution(input.spec, Solver::closed_form) {
+    const auto axes = static_cast<std::size_t>(track().path().axis_count());
+    peaks.resize(axes);
+    std::vector<AxisTurn<double>> turns(axes);
+    // Peaks that are known to a thousandth of the speed curve's own scale will do.
+    const double rate = fps * static_cast<double>(input.control_values.size()) / random.frames;
+    const double speed = track().arc_length().total() * rate * 1e-3;
+    const std::vector<PeakSlack<double>> slack(axes, {speed, speed * rate, speed * rate * rate});
+    RC_ASSERT(bound_motion<double>(track(), slack, {turns}, peaks).has_value());
+    if (!roll(RollEnd::before, before) || !roll(RollEnd::after, after)) return;
+    move = *Move<double>::make({&solution.track(), 1}, {before, after});
+  }
+  const Track<double>& track() const { return solution.track(); }
+
+ private:
+  bool roll(RollEnd end, std::vector<RollAxis<double>>& out) {
+    std::vector<AxisMotion<double>> joints(peaks.size());
+    if (!joints_of<double>({&solution.track(), 1}, end, joints)) return true;
+    const RollSpan span{end, end == RollEnd::before ? 0 : track().frames(), any_int(4, 60), {24, 1}};
+    for (std::size_t d = 0; d < peaks.size(); ++d) {
+      const auto axis = RollAxis<double>::make(span, joints[d]);
+      if (!axis) return false;
+      out.push_back(*axis);
+      for (auto quantity :
+           {&AxisPeaks<double>::velocity, &AxisPeaks<double>::acceleration, &AxisPeaks<double>::jerk}) {
+        (peaks[d].*quantity).value = std::max((peaks[d].*quantity).value, (axis->peaks().*quantity).value);
+      }
+    }
+    return true;
+  }
+};
+
+/// Stop limits a little above the peaks, with and without jerk; none where a peak has no bound.
+std::vector<AxisLimits<double>> limits_near(const std::vector<AxisPeaks<double>>& peaks, double rate) {
+  std::vector<AxisLimits<double>> limits;
+  const bool with_jerk = any_int(0, 3) > 0;
+  const auto above = [](double peak) { return peak > 0 ? peak * (1.05 + 0.95 * any_share()) : 1.0; };
+  for (const AxisPeaks<double>& axis : peaks) {
+    AxisLimitsSpec<double> spec{.min = -1e119, .max = 1e119};
+    spec.max_velocity = above(axis.velocity.value);
+    spec.max_acceleration =
+        above(std::max(axis.acceleration.value * rate * rate, 0.1 * axis.velocity.value * rate));
+    spec.stop_acceleration = spec.max_acceleration;
+    if (with_jerk) {
+      spec.max_jerk =
+          above(std::max(axis.jerk.value * rate * rate * rate, 0.1 * spec.max_acceleration * rate));
+      spec.stop_jerk = spec.max_jerk;
+    }
+    const auto made = AxisLimits<double>::make(spec);
+    if (!made) return {};
+    limits.push_back(*made);
+  }
+  return limits;
+}
+
+struct Counts {
+  int moves = 0, refused = 0, unbounded = 0, stops = 0;
+  long steps = 0, not_exact = 0;
+  double nearest_acceleration = 0, nearest_jerk = 0, nearest_seconds = 0, nearest_frames = 0;
+};
+
+/// What the axes do under the playhead, against their limits.
+class AxesUnderPlayhead {
+ public:
+  AxesUnderPlayhead(const Move<double>& move, const std::vector<AxisLimits<double>>& limits, Counts& counts)
+      : move_(move), limits_(limits), counts_(counts), motion_(limits.size()) {}
+
+  void operator()(const oracle::PlayheadStep& step) {
+    RC_ASSERT(std::fabs(step.change) <= step.most_change * (1 + 1e-9));
+    if (!(std::fabs(step.jerk) <= step.most_jerk * (1 + 2e-6))) {
+      RC_LOG() << "jerk " << step.jerk << " above " << step.most_jerk << " at u " << step.u << "\n";
+      RC_FAIL("a jerk above R2");
+    }
+    ++counts_.steps;
+    if (move_.motion(frame_time(step.u), motion_) != Derivatives::exact) {
+      ++counts_.not_exact;
+      return;
+    }
+    const double r = step.rate;
+    for (std::size_t d = 0; d < limits_.size(); ++d) {
+      const AxisMotion<double>& p = motion_[d];
+      const double acceleration = std::fabs(p.acceleration * r * r + p.velocity * step.change);
+      keep(d, "acceleration", acceleration, limits_[d].stop_acceleration(), counts_.nearest_acceleration,
+           step);
+      if (!limits_[d].stop_jerk()) continue;
+      const double jerk =
+          std::fabs(p.jerk * r * r * r + 3 * p.acceleration * r * step.change + p.velocity * step.jerk);
+      keep(d, "jerk", jerk, *limits_[d].stop_jerk(), counts_.nearest_jerk, step);
+    }
+  }
+
+ private:
+  static void keep(std::size_t d, const char* what, double value, double limit, double& nearest,
+                   const oracle::PlayheadStep& step) {
+    nearest = std::max(nearest, value / limit);
+    if (value <= limit * (1 + 3e-6)) return;
+    RC_LOG() << what << " of axis " << d << ": " << value << " above " << limit << " at u " << step.u
+             << ", r " << step.rate << ", a " << step.change << ", j " << step.jerk << "\n";
+    RC_FAIL("a stop limit is broken");
+  }
+
+  const Move<double>& move_;
+  const std::vector<AxisLimits<double>>& limits_;
+  Counts& counts_;
+  std::vector<AxisMotion<double>> motion_;
+};
+
+/// Anywhere, forward or reverse, in any permitted state; often at its border.
+oracle::PlayheadState any_state(const Move<double>& move, const StopBounds<double>& bounds) {
+  oracle::PlayheadState state;
+  state.u = (move.first_frame() + any_share() * (move.last_frame() - move.first_frame())) / fps;
+  state.rate = bounds.rate() * (any_int(0, 3) == 0 ? 1 : any_share());
+  const StopBound<double> bound = bounds.at(frame_time(state.u));
+  const bool braking = any_int(0, 2) == 0;
+  const double room = braking ? state.rate : bounds.rate() - state.rate;
+  const double most = std::min(bound.rate_change, std::sqrt(2 * room * bound.release_jerk)) * (1 - 1e-12);
+  state.change = (braking ? -1 : 1) * most * (any_int(0, 3) == 0 ? any_share() : 1);
+  return state;
+}
+
+void brake_to_rest(oracle::PlayheadState& state, const StopBounds<double>& bounds, bool forward,
+                   AxesUnderPlayhead& axes, Counts& counts) {
+  const StopLength<double> predicted = bounds.stop_from(frame_time(state.u), forward);
+  const oracle::StoppingPlayhead playhead(rule_of(bounds, forward), predicted.seconds / steps_of_a_stop);
+  const double begin = state.u;
+  double seconds = 0;
+  while (state.rate > 0 || state.change > 0) {
+    const double taken = playhead.step(state, false, std::ref(axes));
+    if (taken == 0) {
+      const StopBound<double> bound = bounds.at(frame_time(state.u));
+      RC_LOG() << "no way on at u " << state.u << ", r " << state.rate << ", a " << state.change << "; R1 "
+               << bound.rate_change << ", R2 " << bound.rate_jerk << ", Q " << bound.release_jerk << "\n";
+      RC_FAIL("not viable");
+    }
+    seconds += taken;
+    RC_ASSERT(seconds <= 1.005 * predicted.seconds);
+  }
+  RC_ASSERT(state.rate == 0 && state.change == 0);
+  const double frames = std::fabs(state.u - begin) * fps;
+  RC_ASSERT(frames <= 1.005 * predicted.frames);
+  counts.nearest_seconds = std::max(counts.nearest_seconds, seconds / predicted.seconds);
+  counts.nearest_frames = std::max(counts.nearest_frames, frames / predicted.frames);
+  ++counts.stops;
+}
+
+/// A stop; or a stop that is taken back half-way, once or twice, and then goes through.
+void stop_once(const PlayedMove& played, const std::vector<AxisLimits<double>>& limits,
+               const StopBounds<double>& bounds, Counts& counts) {
+  const bool forward = any_int(0, 2) == 0;
+  const oracle::PlayheadState begin = any_state(*played.move, bounds);
+  const double seconds = bounds.stop_from(frame_time(begin.u), forward).seconds;
+  const oracle::StoppingPlayhead playhead(rule_of(bounds, forward), seconds / steps_of_a_stop);
+  AxesUnderPlayhead axes(*played.move, limits, counts);
+  oracle::PlayheadState state = begin;
+  RC_LOG() << "from u " << state.u << ", r " << state.rate << ", a " << state.change
+           << (forward ? "" : ", reverse") << "\n";
+  for (int turn = any_int(0, 3); turn > 0; --turn) {
+    for (const bool speeding_up : {false, true}) {
+      for (int i = any_int(1, steps_of_a_stop / 2);
+           i > 0 && (state.rate > 0 || state.change > 0 || speeding_up); --i) {
+        if (playhead.step(state, speeding_up, std::ref(axes)) == 0) RC_FAIL("not viable before the stop");
+      }
+    }
+  }
+  brake_to_rest(state, bounds, forward, axes, counts);
+}
+
+TEST(StopBoundsProperty, EveryStopKeepsTheStopLimitsAndEndsWherePredicted) {
+  Counts counts;
+  check_property(1000, [&] {
+    const RandomMove random = *regular_move();
+    std::ostringstream text;
+    showValue(random, text);
+    RC_LOG() << text.str();
+    const PlayedMove played(random);
+    if (!played.move || played.track().arc_length().total() == 0) return;
+    const double rate = any_int(0, 2) == 0 ? 1 : 0.25 + 1.75 * any_share();
+    const std::vector<AxisLimits<double>> limits = limits_near(played.peaks, rate);
+    if (limits.empty()) {
+      ++counts.unbounded;
+      return;
+    }
+    const auto cells = static_cast<std::size_t>(any_int(1, 300));
+    std::vector<StopCell<double>> stop_cells(cells + 1);
+    std::vector<MotionTriple<double>> suprema(cells * limits.size());
+    std::vector<PeakSlack<double>> slack(limits.size());
+    std::vector<AxisTurn<double>> turns(limits.size());
+    std::vector<AxisPeaks<double>> stop_peaks(limits.size());
+    const auto bounds = StopBounds<double>::make({*played.move, limits, rate},
+                                                 {stop_cells, suprema, slack, turns}, stop_peaks);
+    ++counts.moves;
+    if (!bounds) {
+      RC_ASSERT(bounds.error().code == ErrorCode::no_solution);
+      ++counts.refused;
+      return;
+    }
+    for (std::size_t d = 0; d < limits.size(); ++d) {
+      RC_ASSERT(stop_peaks[d].acceleration.value <= limits[d].stop_acceleration() * (1 + 1e-9));
+      if (limits[d].stop_jerk()) RC_ASSERT(stop_peaks[d].jerk.value <= *limits[d].stop_jerk() * (1 + 1e-9));
+    }
+    for (int i = 0; i < 4; ++i) stop_once(played, limits, *bounds, counts);
+  });
+  std::cout << counts.moves << " moves, " << counts.refused << " refused, " << counts.unbounded
+            << " unbounded; " << counts.stops << " stops of " << counts.steps << " steps, "
+            << counts.not_exact << " without derivatives; at most " << counts.nearest_acceleration
+            << " of the acceleration, " << counts.nearest_jerk << " of the jerk, " << counts.nearest_seconds
+            << " of the time, " << counts.nearest_frames << " of the frames\n";
+  if (!counts_mean_something()) return;
+  EXPECT_LE(counts.refused, counts.moves / 10);
+  EXPECT_LE(counts.not_exact, counts.steps / 100);
+  EXPECT_GE(counts.nearest_acceleration, 0.9);
+  EXPECT_GE(counts.nearest_jerk, 0.9);
+  EXPECT_GE(counts.nearest_seconds, 0.5);
+}
+
+}  // namespace
+}  // namespace inbetween

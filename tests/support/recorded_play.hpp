@@ -1,0 +1,48 @@
+// What a playhead does, tick by tick, and whether every axis stays within what a stop may ask of it.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "host_tools/plan.hpp"
+#include "host_tools/planned_stops.hpp"
+#include "inbetween/playhead.hpp"
+
+namespace inbetween {
+
+/// Records the setpoints of a playhead before rounding and differentiates them again: the second difference
+/// over a tick squared is a mean of the acceleration, the third over its cube one of the jerk, so that
+/// neither may be above its limit, whatever happens between ticks.
+class RecordedPlay {
+ public:
+  RecordedPlay(const Plan& plan, const StopBounds<double>& bounds, double tick_s);
+
+  /// Takes the place of the playhead after a tick (or before the first).
+  void take(const Playhead<double>& playhead);
+  /// Forgets the setpoints so far: the next is not compared with them.
+  void restart() { count_ = 0; }
+  /// The first thing that was wrong; "" so far.
+  [[nodiscard]] const std::string& complaint() const { return complaint_; }
+  /// As a share of its stop limit, the largest acceleration and jerk so far.
+  [[nodiscard]] double acceleration_share() const { return acceleration_share_; }
+  [[nodiscard]] double jerk_share() const { return jerk_share_; }
+
+ private:
+  void compare(std::size_t axis, const Playhead<double>& playhead);
+  void complain(const std::string& words, const Playhead<double>& playhead);
+
+  const Plan& plan_;
+  const StopBounds<double>& bounds_;
+  double tick_s_;
+  std::vector<double> sizes_;                     ///< of the positions, for their rounding
+  std::array<std::vector<double>, 4> positions_;  ///< of the last four ticks, newest first
+  int count_ = 0;
+  std::string complaint_;
+  std::string before_;
+  double acceleration_share_ = 0;
+  double jerk_share_ = 0;
+};
+
+}  // namespace inbetween

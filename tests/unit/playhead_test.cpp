@@ -1,0 +1,383 @@
+// Time as an axis: playing, stopping at every tick, frames, loops.
+#include "inbetween/playhead.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "host_tools/check.hpp"
+#include "host_tools/plan.hpp"
+#include "host_tools/planned_stops.hpp"
+#include "tests/support/property.hpp"
+#include "tests/support/recorded_play.hpp"
+#include "tests/support/rig_near.hpp"
+
+namespace inbetween {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr std::int32_t rate_hz = 1000;
+constexpr double tick_s = 1.0 / rate_hz;
+
+/// Ten seconds on a bent path; at rest at both ends unless the speed says otherwise.
+std::string bends(const std::string& speed = "0, 0, 10, 6, 10, 0, 0", const std::string& more = "") {
+  return fmt::format(
+      "name = \"bends\"\nfps = 24\nframes = 240\n[[track]]\naxes = [\"x\", \"y\"]\nkeys = [ {{ at = [0, 0] "
+      "}}, "
+      "{{ at = [60, 40] }}, {{ at = [110, -20] }}, {{ at = [160, 30] }} ]\nspeed = [{}]\n{}",
+      speed, more);
+}
+
+/// A plan on a rig whose limits are 5 % above its peaks, and its stops.
+struct Bench {
+  Plan plan;
+  PlannedStops stops;
+
+  explicit Bench(const std::string& text, double rate = 1, bool limits_jerk = true)
+      : plan(make(text, limits_jerk)), stops(plan, rate) {
+    EXPECT_TRUE(check(plan).fits());
+    EXPECT_TRUE(stops.bounds().has_value());
+  }
+  static Plan make(const std::string& text, bool limits_jerk) {
+    const MoveFile move = parse_move(text, "move.toml");
+    return {move,
+            rig_near(move, {.share = [] { return 1.05; }, .limits_jerk = limits_jerk, .rate_hz = rate_hz}),
+            {}};
+  }
+  [[nodiscard]] Playhead<double> playhead() const { return {plan.played(), *stops.bounds(), rate_hz}; }
+};
+
+double frames_of(const FrameTime<double>& time) {
+  return time.frame + time.fraction;
+}
+
+PlayheadEvent tick_until_rest(Playhead<double>& playhead, RecordedPlay* record = nullptr,
+                              int most = 200'000) {
+  PlayheadEvent last = PlayheadEvent::none;
+  for (int i = 0; i < most && !playhead.is_resting(); ++i) {
+    last = playhead.tick();
+    if (record != nullptr) record->take(playhead);
+  }
+  EXPECT_TRUE(playhead.is_resting());
+  return last;
+}
+
+TEST(Playhead, PlaysAMoveInExactlyItsFrames) {
+  const Bench bench(bends());
+  Playhead<double> playhead = bench.playhead();
+  ASSERT_TRUE(playhead.play(Direction::forward));
+  const std::int64_t last = last_tick(240, {24, 1}, rate_hz);
+  for (std::int64_t tick = 1; tick < last; ++tick) {
+    ASSERT_EQ(playhead.tick(), PlayheadEvent::none) << tick;
+    const FrameTime<double> expected = frame_time_of_tick<double>(tick, {24, 1}, rate_hz);
+    ASSERT_EQ(playhead.time().frame, expected.frame) << tick;
+    ASSERT_EQ(playhead.time().fraction, expected.fraction) << tick;
+  }
+  EXPECT_EQ(playhead.tick(), PlayheadEvent::finished);
+  EXPECT_TRUE(playhead.is_resting());
+  EXPECT_EQ(frames_of(playhead.time()), 240);
+}
+
+TEST(Playhead, PlaysBackTheSameWay) {
+  const Bench bench(bends());
+  Playhead<double> playhead = bench.playhead();
+  ASSERT_TRUE(playhead.place_on(240));
+  ASSERT_TRUE(playhead.play(Direction::backward));
+  for (std::int64_t tick = 1; tick < 10'000; ++tick) {
+    ASSERT_EQ(playhead.tick(), PlayheadEvent::none) << tick;
+    ASSERT_NEAR(frames_of(playhead.time()), 240 - static_cast<double>(tick) * 24 / rate_hz, 1e-12 * 240);
+  }
+  EXPECT_EQ(playhead.tick(), PlayheadEvent::finished);
+  EXPECT_EQ(frames_of(playhead.time()), 0);
+}
+
+/// Stops the playhead where it is and looks at everything until it rests.
+void expect_a_stop_in_time(const Bench& bench, Playhead<double> playhead, RecordedPlay record,
+                           const std::string& where) {
+  const bool forward = playhead.rate() > 0 || (playhead.rate() == 0 && playhead.rate_change() >= 0);
+  const StopLength<double> foretold = bench.stops.bounds()->stop_from(playhead.time(), forward);
+  const double from = frames_of(playhead.time());
+  playhead.stop();
+  int ticks = 0;
+  while (!playhead.is_resting() && ticks < 100'000) {
+    const double before = frames_of(playhead.time());
+    playhead.tick();
+    record.take(playhead);
+    ++ticks;
+    const double gone = frames_of(playhead.time()) - before;
+    ASSERT_TRUE(forward ? gone >= 0 : gone <= 0) << "turned back " << where;
+  }
+  ASSERT_EQ(record.complaint(), "") << where;
+  ASSERT_LE(ticks * tick_s, foretold.seconds + 2 * tick_s) << where;
+  ASSERT_LE(std::fabs(frames_of(playhead.time()) - from), foretold.frames + 2 * 24 * tick_s) << where;
+  ASSERT_EQ(playhead.rate(), 0) << where;
+  const double rest = frames_of(playhead.time());
+  for (int i = 0; i < 10; ++i) ASSERT_EQ(playhead.tick(), PlayheadEvent::none) << where;
+  ASSERT_EQ(frames_of(playhead.time()), rest) << "no motion after a stop, " << where;
+}
+
+/// A stop at every tick of what `begin` starts.
+void expect_stops_everywhere(const Bench& bench, Playhead<double> playhead) {
+  RecordedPlay record(bench.plan, *bench.stops.bounds(), tick_s);
+  constexpr int every = sanitized ? 37 : 1;
+  for (int tick = 0; !playhead.is_resting() && tick < 200'000; ++tick) {
+    if (tick % every == 0) {
+      expect_a_stop_in_time(bench, playhead, record, fmt::format("from tick {}", tick));
+      if (testing::Test::HasFatalFailure()) return;
+    }
+    playhead.tick();
+    record.take(playhead);
+  }
+  EXPECT_EQ(record.complaint(), "");
+}
+
+TEST(Playhead, AStopAtEveryTickStaysInsideTheStopLimits) {
+  const Bench bench(bends());
+  Playhead<double> playhead = bench.playhead();
+  ASSERT_TRUE(playhead.play(Direction::forward));
+  expect_stops_everywhere(bench, playhead);
+}
+
+TEST(Playhead, AStopAtEveryTickBackwardStaysInsideTheStopLimits) {
+  const Bench bench(bends());
+  Playhead<double> playhead = bench.playhead();
+  ASSERT_TRUE(playhead.place_on(240));
+  ASSERT_TRUE(playhead.play(Direction::backward));
+  expect_stops_everywhere(bench, playhead);
+}
+
+TEST(Playhead, AStopAtEveryTickOfTheRollsStaysInsideTheStopLimits) {
+  const Bench bench(bends("6, 10, 6, 10, 4"));
+  ASSERT_LT(bench.plan.played().first_frame(), 0);
+  Playhead<double> playhead = bench.playhead();
+  ASSERT_TRUE(playhead.play(Direction::forward));
+  expect_stops_everywhere(bench, playhead);
+}
+
+TEST(Playhead, AStopAtEveryTickWithoutALimitOfTheJerk) {
+  const Bench bench(bends(), 1, false);
+  Playhead<double> playhead = bench.playhead();
+  ASSERT_TRUE(playhead.play(Direction::forward));
+  expect_stops_everywhere(bench, playhead);
+}
+
+TEST(Playhead, AStopAtEveryTickOfAStepToTheNextFrame) {
+  const Bench bench(bends());
+  Playhead<double> playhead = bench.playhead();
+  ASSERT_TRUE(playhead.place_on(100));
+  ASSERT_TRUE(playhead.step(Direction::forward));
+  expect_stops_everywhere(bench, playhead);
+}
+
+TEST(Playhead, AStopAtEveryTickOfATravelAcrossTheMove) {
+  const Bench bench(bends());
+  Playhead<double> playhead = bench.playhead();
+  ASSERT_TRUE(playhead.place_on(200));
+  ASSERT_TRUE(playhead.go_to(40));
+  expect_stops_everywhere(bench, playhead);
+}
+
+TEST(Playhead, AStopAtEveryTickOfAResumeAndOfASecondStop) {
+  const Bench bench(bends());
+  for (const int pause_at : {1500, 4000, 7000}) {
+    Playhead<double> playhead = bench.playhead();
+    ASSERT_TRUE(playhead.play(Direction::forward));
+    for (int i = 0; i < pause_at; ++i) playhead.tick();
+    playhead.stop();
+    Playhead<double> stopping = playhead;
+    tick_until_rest(playhead);
+    ASSERT_TRUE(playhead.play(Direction::forward));
+    RecordedPlay record(bench.plan, *bench.stops.bounds(), tick_s);
+    for (int tick = 0; tick < 1500; ++tick) {
+      playhead.tick();
+      record.take(playhead);
+      expect_a_stop_in_time(bench, playhead, record,
+                            fmt::format("resuming from {}, tick {}", pause_at, tick));
+      if (HasFatalFailure()) return;
+    }
+    // The stop is broken off and begun again at each of its ticks.
+    for (int tick = 0; !stopping.is_resting(); ++tick) {
+      stopping.tick();
+      Playhead<double> again = stopping;
+      if (again.is_resting()) break;
+      ASSERT_TRUE(again.play(Direction::forward));
+      RecordedPlay other(bench.plan, *bench.stops.bounds(), tick_s);
+      for (int i = 0; i < 120; ++i) {
+        again.tick();
+        other.take(again);
+      }
+      expect_a_stop_in_time(bench, again, other,
+                            fmt::format("a stop again, from {}, tick {}", pause_at, tick));
+      if (HasFatalFailure()) return;
+    }
+  }
+}
+
+TEST(Playhead, APauseAndAResumeEndWhereTheMoveEnds) {
+  const Bench bench(bends());
+  Playhead<double> playhead = bench.playhead();
+  RecordedPlay record(bench.plan, *bench.stops.bounds(), tick_s);
+  ASSERT_TRUE(playhead.play(Direction::forward));
+  for (int i = 0; i < 4321; ++i) {
+    playhead.tick();
+    record.take(playhead);
+  }
+  playhead.stop();
+  EXPECT_EQ(tick_until_rest(playhead, &record), PlayheadEvent::stopped);
+  ASSERT_TRUE(playhead.play(Direction::forward));
+  EXPECT_EQ(tick_until_rest(playhead, &record), PlayheadEvent::finished);
+  EXPECT_EQ(frames_of(playhead.time()), 240);
+  EXPECT_EQ(record.complaint(), "");
+}
+
+TEST(Playhead, GoesToAFrameAndRestsOnItExactly) {
+  const Bench bench(bends());
+  Playhead<double> playhead = bench.playhead();
+  for (const std::int32_t frame : {100, 101, 99, 0, 240, 7}) {
+    RecordedPlay record(bench.plan, *bench.stops.bounds(), tick_s);
+    ASSERT_TRUE(playhead.go_to(frame));
+    EXPECT_EQ(tick_until_rest(playhead, &record), PlayheadEvent::arrived);
+    EXPECT_EQ(playhead.time().frame, frame);
+    EXPECT_EQ(playhead.time().fraction, 0);
+    EXPECT_EQ(record.complaint(), "");
+  }
+  ASSERT_TRUE(playhead.step(Direction::forward));
+  EXPECT_EQ(tick_until_rest(playhead), PlayheadEvent::arrived);
+  EXPECT_EQ(frames_of(playhead.time()), 8);
+  ASSERT_TRUE(playhead.step(Direction::backward));
+  ASSERT_TRUE(playhead.step(Direction::backward)) << "two steps, pressed quickly";
+  EXPECT_EQ(tick_until_rest(playhead), PlayheadEvent::arrived);
+  EXPECT_EQ(frames_of(playhead.time()), 6);
+  EXPECT_FALSE(playhead.go_to(241));
+  EXPECT_FALSE(playhead.go_to(-1));
+}
+
+TEST(Playhead, GoingToAFrameWhilePlayingStopsFirst) {
+  const Bench bench(bends());
+  Playhead<double> playhead = bench.playhead();
+  RecordedPlay record(bench.plan, *bench.stops.bounds(), tick_s);
+  ASSERT_TRUE(playhead.play(Direction::forward));
+  for (int i = 0; i < 4000; ++i) {
+    playhead.tick();
+    record.take(playhead);
+  }
+  EXPECT_FALSE(playhead.step(Direction::forward)) << "there is no next frame while time runs";
+  ASSERT_TRUE(playhead.go_to(10));
+  EXPECT_EQ(tick_until_rest(playhead, &record), PlayheadEvent::arrived);
+  EXPECT_EQ(frames_of(playhead.time()), 10);
+  EXPECT_EQ(record.complaint(), "");
+}
+
+TEST(Playhead, ATurnIsAStopAndAStartTheOtherWay) {
+  const Bench bench(bends());
+  Playhead<double> playhead = bench.playhead();
+  RecordedPlay record(bench.plan, *bench.stops.bounds(), tick_s);
+  ASSERT_TRUE(playhead.play(Direction::forward));
+  for (int i = 0; i < 5000; ++i) {
+    playhead.tick();
+    record.take(playhead);
+  }
+  ASSERT_TRUE(playhead.play(Direction::backward));
+  EXPECT_EQ(tick_until_rest(playhead, &record), PlayheadEvent::finished);
+  EXPECT_EQ(frames_of(playhead.time()), 0);
+  EXPECT_EQ(record.complaint(), "");
+}
+
+TEST(Playhead, ToAndFroItTurnsAtTheEndsWithoutATick) {
+  const Bench bench(bends("6, 10, 6, 10, 4"));
+  Playhead<double> playhead = bench.playhead();
+  RecordedPlay record(bench.plan, *bench.stops.bounds(), tick_s);
+  ASSERT_TRUE(playhead.set_repeat(Repeat::ping_pong));
+  ASSERT_TRUE(playhead.play(Direction::forward));
+  int turns = 0;
+  for (int i = 0; i < 40'000; ++i) {
+    if (playhead.tick() == PlayheadEvent::repeated) ++turns;
+    record.take(playhead);
+  }
+  EXPECT_GE(turns, 3);
+  EXPECT_EQ(record.complaint(), "");
+}
+
+TEST(Playhead, ALoopThatWouldStepIsRefusedWithTheAxis) {
+  const Bench bench(bends());
+  Playhead<double> playhead = bench.playhead();
+  const Status refused = playhead.set_repeat(Repeat::loop);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().axis, 0);
+  EXPECT_THAT(refused.error().what, HasSubstr("would step"));
+  EXPECT_EQ(playhead.repeat(), Repeat::none);
+}
+
+TEST(Playhead, ALoopThatEndsWhereItStartsGoesRound) {
+  const Bench bench(bends("0, 0, 10, 6, 10, 0, 0", "closed = true\n"));
+  Playhead<double> playhead = bench.playhead();
+  RecordedPlay record(bench.plan, *bench.stops.bounds(), tick_s);
+  ASSERT_TRUE(playhead.set_repeat(Repeat::loop));
+  ASSERT_TRUE(playhead.play(Direction::forward));
+  int rounds = 0;
+  for (int i = 0; i < 25'000; ++i) {
+    if (playhead.tick() == PlayheadEvent::repeated) ++rounds;
+    record.take(playhead);
+  }
+  EXPECT_EQ(rounds, 2);
+  EXPECT_EQ(record.complaint(), "");
+}
+
+TEST(Playhead, TheOverrideSlowsWhatRunsAndIsCappedAtTheProvenRate) {
+  const Bench bench(bends());
+  Playhead<double> playhead = bench.playhead();
+  RecordedPlay record(bench.plan, *bench.stops.bounds(), tick_s);
+  EXPECT_FALSE(playhead.set_override(1.01));
+  EXPECT_FALSE(playhead.set_override(0));
+  EXPECT_FALSE(playhead.set_override(std::nan("")));
+  ASSERT_TRUE(playhead.play(Direction::forward));
+  for (const double rate : {0.3, 1.0, 0.05, 0.7, 0.31, 0.3}) {
+    ASSERT_TRUE(playhead.set_override(rate));
+    for (int i = 0; i < 1500; ++i) {
+      playhead.tick();
+      record.take(playhead);
+    }
+    EXPECT_EQ(playhead.rate(), rate);
+    EXPECT_EQ(playhead.rate_change(), 0);
+  }
+  EXPECT_EQ(tick_until_rest(playhead, &record), PlayheadEvent::finished);
+  EXPECT_EQ(record.complaint(), "");
+}
+
+TEST(Playhead, FollowsATargetThatIsMovedAndRestsOnIt) {
+  const Bench bench(bends());
+  Playhead<double> playhead = bench.playhead();
+  RecordedPlay record(bench.plan, *bench.stops.bounds(), tick_s);
+  ASSERT_TRUE(playhead.scrub_to({120, 0.5}));
+  for (int i = 0; i < 20'000 && !playhead.is_resting(); ++i) {
+    if (i == 2000) {
+      ASSERT_TRUE(playhead.scrub_to({20, 0.25}));
+    }
+    if (i == 3000) {
+      ASSERT_TRUE(playhead.scrub_to({90, 0.125}));
+    }
+    playhead.tick();
+    record.take(playhead);
+  }
+  EXPECT_TRUE(playhead.is_resting());
+  EXPECT_EQ(frames_of(playhead.time()), 90.125);
+  EXPECT_EQ(record.complaint(), "");
+  EXPECT_FALSE(playhead.scrub_to({241, 0}));
+}
+
+TEST(Playhead, AtItsEndThereIsNothingMoreToPlay) {
+  const Bench bench(bends());
+  Playhead<double> playhead = bench.playhead();
+  EXPECT_FALSE(playhead.play(Direction::backward));
+  ASSERT_TRUE(playhead.place_on(240));
+  EXPECT_FALSE(playhead.play(Direction::forward));
+  EXPECT_TRUE(playhead.is_resting());
+}
+
+}  // namespace
+}  // namespace inbetween

@@ -1,0 +1,332 @@
+#include "inbetween/stop_bounds.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "host_tools/solved_track.hpp"
+
+/// Stop bounds of moves that are known by hand; random moves and stops are in tests/property.
+
+namespace inbetween {
+namespace {
+
+/// Of the playhead, in seconds.
+constexpr double tick = 0.001;
+
+constexpr std::size_t cells = 128;
+
+template <Precise Real>
+SolvedTrack<Real> solved(const PathSpec<Real>& path, const std::vector<Real>& speed, std::int32_t frames) {
+  return SolvedTrack<Real>(
+      {.path = path, .control_values = speed, .frames = frames, .fps = {24, 1}, .arc_length = {}},
+      Solver::closed_form);
+}
+
+template <Precise Real>
+AxisLimits<Real> stop_limits(Real acceleration, std::optional<Real> jerk = std::nullopt) {
+  AxisLimitsSpec<Real> spec{
+      .min = -10'000, .max = 10'000, .max_velocity = 10'000, .max_acceleration = acceleration};
+  spec.stop_acceleration = acceleration;
+  spec.stop_jerk = jerk;
+  return *AxisLimits<Real>::make(spec);
+}
+
+/// Bounds with the memory that they live in.
+template <Precise Real>
+struct Stops {
+  StopBoundsStorage<Real, cells, 4> storage;
+  std::vector<AxisPeaks<Real>> peaks;
+  Result<StopBounds<Real>> bounds;
+
+  Stops(const Move<Real>& move, const std::vector<AxisLimits<Real>>& limits, Real rate = 1)
+      : peaks(limits.size()),
+        bounds(StopBounds<Real>::make({move, limits, rate, Real(tick)}, storage.memory(), peaks)) {}
+  Stops(const Stops&) = delete;
+  Stops& operator=(const Stops&) = delete;
+};
+
+template <Precise Real>
+Move<Real> move_of(const SolvedTrack<Real>& solution) {
+  return *Move<Real>::make({&solution.track(), 1}, {});
+}
+
+const std::vector<double> line{0, 1000};
+const std::vector<double> bend{0, 0, 300, 50, 400, 400, 900, 500};
+const std::vector<double> calm{0, 0, 10, 10, 10, 0, 0};
+
+TEST(StopBounds, AStraightLineAtConstantSpeedIsStoppedWithAllItsAxisCanBear) {
+  // 100 mm/s; 50 mm/s^2 are 0.5 /s, for a stop of 2 s and, at half the speed on average, one second of the
+  // move.
+  const auto solution = solved<double>({.axis_count = 1, .keys = line}, {10, 10}, 240);
+  const Stops<double> stops(move_of(solution), {stop_limits(50.0)});
+  ASSERT_TRUE(stops.bounds.has_value());
+  EXPECT_NEAR(stops.bounds->rate_change({120, 0}), 0.5, 0.01);
+  EXPECT_LE(stops.bounds->rate_change({120, 0}), 0.5);
+  EXPECT_NEAR(stops.bounds->longest_in_time().length.seconds, 2, 0.05);
+  EXPECT_NEAR(stops.bounds->longest_in_frames().length.frames, 24, 0.6);
+  EXPECT_NEAR(stops.peaks[0].acceleration.value, 50, 1e-3);
+  EXPECT_NEAR(stops.peaks[0].velocity.value, 100, 2);
+}
+
+TEST(StopBounds, AJerkLimitMakesTheQuickestStopOfBothLimits) {
+  // R2 = 1 /s^2: from rate 1 the quickest is 2 s, with a rate change of 1 /s in the middle.
+  const auto solution = solved<double>({.axis_count = 1, .keys = line}, {10, 10}, 240);
+  const Stops<double> gentle(move_of(solution), {stop_limits(1000.0, std::optional(100.0))});
+  ASSERT_TRUE(gentle.bounds.has_value());
+  EXPECT_NEAR(gentle.bounds->rate_jerk({120, 0}), 1, 0.02);
+  EXPECT_NEAR(gentle.bounds->rate_change({120, 0}), 1, 0.02);
+  // R1 = 0.5 /s, R2 = 1 /s^2: 2 s, and half a second each to begin and to end, of which one is the other's
+  // loss.
+  const Stops<double> both(move_of(solution), {stop_limits(50.0, std::optional(100.0))});
+  ASSERT_TRUE(both.bounds.has_value());
+  const StopLength<double> stop = both.bounds->stop_from({120, 0}, true);
+  EXPECT_NEAR(stop.seconds, 0.5 + 2.5, 0.06);
+}
+
+TEST(StopBounds, AHigherRateLeavesLessAndStopsLater) {
+  const auto solution = solved<double>({.axis_count = 2, .keys = bend}, calm, 240);
+  const std::vector<AxisLimits<double>> limits(2, stop_limits(2000.0, std::optional(20'000.0)));
+  const Stops<double> once(move_of(solution), limits, 1);
+  const Stops<double> twice(move_of(solution), limits, 2);
+  ASSERT_TRUE(once.bounds.has_value());
+  ASSERT_TRUE(twice.bounds.has_value());
+  EXPECT_EQ(twice.bounds->rate(), 2);
+  EXPECT_GT(twice.bounds->longest_in_time().length.seconds, once.bounds->longest_in_time().length.seconds);
+  EXPECT_GT(twice.bounds->longest_in_frames().length.frames,
+            2 * once.bounds->longest_in_frames().length.frames);
+}
+
+TEST(StopBounds, AMotionThatTakesAllOfAStopLimitIsRefusedWithItsAxisAndPlace) {
+  const auto solution = solved<double>({.axis_count = 2, .keys = bend}, calm, 240);
+  std::vector<AxisTurn<double>> turns(2);
+  const std::vector<PeakSlack<double>> none(2);
+  std::vector<AxisPeaks<double>> peaks(2);
+  ASSERT_TRUE(bound_motion<double>(solution.track(), none, {turns}, peaks).has_value());
+  const Move<double> move = move_of(solution);
+  for (const bool by_jerk : {false, true}) {
+    const Peak<double> peak = by_jerk ? peaks[1].jerk : peaks[1].acceleration;
+    const AxisLimits<double> tight =
+        by_jerk ? stop_limits(1e5, std::optional(0.99 * peak.value)) : stop_limits(0.99 * peak.value);
+    const std::vector<AxisLimits<double>> limits{stop_limits(1e5), tight};
+    Stops<double> stops(move, limits);
+    ASSERT_FALSE(stops.bounds.has_value());
+    EXPECT_EQ(stops.bounds.error().code, ErrorCode::no_solution);
+    EXPECT_EQ(stops.bounds.error().axis, 1);
+    EXPECT_NEAR(stops.bounds.error().frame, peak.frame, 8);
+    const auto obstacle = *stop_obstacle<double>({move, limits, 1, tick}, stops.storage.memory());
+    ASSERT_TRUE(obstacle.has_value());
+    EXPECT_EQ(obstacle->quantity, by_jerk ? StopQuantity::jerk : StopQuantity::acceleration);
+    EXPECT_EQ(obstacle->axis, 1);
+    EXPECT_NEAR(obstacle->frame, peak.frame, 8);
+    EXPECT_NEAR(obstacle->value, peak.value, 0.04 * peak.value);
+    EXPECT_GE(obstacle->value, obstacle->limit);
+    // A little above the peak there is a slow stop.
+    const double enough = 1.05 * peak.value;
+    const std::vector<AxisLimits<double>> loose{
+        stop_limits(1e5), by_jerk ? stop_limits(1e5, std::optional(enough)) : stop_limits(enough)};
+    EXPECT_TRUE(Stops<double>(move, loose).bounds.has_value());
+    EXPECT_FALSE(stop_obstacle<double>({move, loose, 1, tick}, stops.storage.memory())->has_value());
+  }
+}
+
+TEST(StopBounds, WhereNothingMovesTheyAreTheLargestThereAre) {
+  const std::vector<double> still{5, 5};
+  const auto solution = solved<double>({.axis_count = 1, .keys = still}, {10, 10}, 48);
+  const Stops<double> stops(move_of(solution), {stop_limits(1.0, std::optional(1.0))});
+  ASSERT_TRUE(stops.bounds.has_value());
+  for (const std::int32_t frame : {-10, 0, 20, 48, 500}) {
+    EXPECT_DOUBLE_EQ(stops.bounds->rate_change({frame, 0}), 1 / (16 * tick));
+    EXPECT_DOUBLE_EQ(stops.bounds->rate_jerk({frame, 0}), 1 / (16 * 8 * tick * tick));
+    EXPECT_DOUBLE_EQ(stops.bounds->release_jerk({frame, 0}), 0.99 / (16 * 8 * tick * tick));
+  }
+  EXPECT_EQ(stops.peaks[0].acceleration.value, 0);
+}
+
+TEST(StopBounds, NoStopIsPossibleThroughACuspAtASpeed) {
+  const std::vector<double> keys{0, 10, 9, 0};
+  const auto solution = solved<double>({.axis_count = 1, .keys = keys}, {10, 10}, 48);
+  const Stops<double> stops(move_of(solution), {stop_limits(1e9)});
+  ASSERT_FALSE(stops.bounds.has_value());
+  EXPECT_EQ(stops.bounds.error().code, ErrorCode::no_solution);
+}
+
+TEST(StopBounds, PreRollAndPostRollAreWithinThem) {
+  const auto solution = solved<double>({.axis_count = 1, .keys = line}, {10, 10}, 240);
+  // From 0 to 100 mm/s in 12 frames: 200 mm/s^2 on average, where the line itself has none.
+  std::vector<AxisMotion<double>> joint{{.position = 0, .velocity = 100}};
+  const auto before = *RollAxis<double>::make({RollEnd::before, 0, 12, {24, 1}}, joint[0]);
+  joint[0].position = 1000;
+  const auto after = *RollAxis<double>::make({RollEnd::after, 240, 12, {24, 1}}, joint[0]);
+  const auto move = *Move<double>::make({&solution.track(), 1}, {{&before, 1}, {&after, 1}});
+  const double most = before.peaks().acceleration.value;
+  const Stops<double> refused(move, {stop_limits(0.99 * most)});
+  ASSERT_FALSE(refused.bounds.has_value());
+  EXPECT_EQ(refused.bounds.error().frame, -1) << "there are no negative frames in an error";
+  std::vector<AxisLimits<double>> limits{stop_limits(0.99 * most)};
+  StopBoundsStorage<double, cells, 1> storage;
+  const auto obstacle = *stop_obstacle<double>({move, limits, 1, tick}, storage.memory());
+  ASSERT_TRUE(obstacle.has_value());
+  EXPECT_LT(obstacle->frame, 0);
+  EXPECT_GT(obstacle->frame, -12);
+  const Stops<double> stops(move, {stop_limits(1.5 * most)});
+  ASSERT_TRUE(stops.bounds.has_value());
+  const StopBounds<double>& bounds = *stops.bounds;
+  EXPECT_LT(bounds.rate_change({-6, 0}), 0.9 * bounds.rate_change({120, 0}));
+  EXPECT_LT(bounds.rate_change({246, 0}), 0.9 * bounds.rate_change({120, 0}));
+  EXPECT_NEAR(bounds.rate_change({120, 0}), 1.5 * most / 100, 0.02 * 1.5 * most / 100);
+}
+
+TEST(StopBounds, TheReverseOfAMoveHasTheSameBoundsFromTheOtherEnd) {
+  std::vector<double> turned;
+  for (std::size_t i = bend.size(); i > 0; i -= 2) turned.insert(turned.end(), {bend[i - 2], bend[i - 1]});
+  const std::vector<double> slow_start{0, 0, 4, 10, 10, 0, 0};
+  const std::vector<double> slow_end{0, 0, 10, 10, 4, 0, 0};
+  const auto there = solved<double>({.axis_count = 2, .keys = bend}, slow_start, 240);
+  const auto back = solved<double>({.axis_count = 2, .keys = turned}, slow_end, 240);
+  const std::vector<AxisLimits<double>> limits(2, stop_limits(3000.0, std::optional(30'000.0)));
+  const Stops<double> forward(move_of(there), limits);
+  const Stops<double> reverse(move_of(back), limits);
+  ASSERT_TRUE(forward.bounds.has_value());
+  ASSERT_TRUE(reverse.bounds.has_value());
+  for (std::int32_t frame = 0; frame <= 240; frame += 12) {
+    const StopBound<double> a = forward.bounds->at({frame, 0});
+    const StopBound<double> b = reverse.bounds->at({240 - frame, 0});
+    EXPECT_NEAR(a.rate_change, b.rate_change, 0.02 * a.rate_change) << frame;
+    EXPECT_NEAR(a.release_jerk, b.release_jerk, 0.04 * a.release_jerk) << frame;
+  }
+  const LongestStop<double>& a = forward.bounds->longest_in_time();
+  const LongestStop<double>& b = reverse.bounds->longest_in_time();
+  EXPECT_NEAR(a.length.seconds, b.length.seconds, 0.03 * a.length.seconds);
+}
+
+TEST(StopBounds, FloatIsNearDouble) {
+  const auto wide = solved<double>({.axis_count = 2, .keys = bend}, calm, 240);
+  const std::vector<float> keys(bend.begin(), bend.end());
+  const auto narrow = solved<float>({.axis_count = 2, .keys = keys}, {0, 0, 10, 10, 10, 0, 0}, 240);
+  const Stops<double> in_double(move_of(wide), {2, stop_limits(3000.0, std::optional(30'000.0))});
+  const Stops<float> in_float(move_of(narrow), {2, stop_limits(3000.F, std::optional(30'000.F))});
+  ASSERT_TRUE(in_double.bounds.has_value());
+  ASSERT_TRUE(in_float.bounds.has_value());
+  for (std::int32_t frame = -1; frame <= 241; ++frame) {
+    const StopBound<double> a = in_double.bounds->at({frame, 0.5});
+    const StopBound<float> b = in_float.bounds->at({frame, 0.5F});
+    EXPECT_NEAR(b.rate_change, a.rate_change, 0.02 * a.rate_change) << frame;
+    EXPECT_NEAR(b.release_jerk, a.release_jerk, 0.03 * a.release_jerk) << frame;
+  }
+  const double seconds = in_double.bounds->longest_in_time().length.seconds;
+  EXPECT_NEAR(in_float.bounds->longest_in_time().length.seconds, seconds, 0.02 * seconds);
+}
+
+TEST(StopBounds, TheyFallAndRiseNoFasterThanAStopCanFollow) {
+  const auto solution = solved<double>({.axis_count = 2, .keys = bend}, calm, 240);
+  const Stops<double> stops(move_of(solution), {2, stop_limits(800.0, std::optional(6000.0))});
+  ASSERT_TRUE(stops.bounds.has_value());
+  const auto& all = stops.storage.cells;
+  const double seconds = 10.0 / cells;
+  for (std::size_t i = 0; i < cells; ++i) {
+    const double jerk = all[i].rate_jerk;
+    const double most_change = std::max(all[i].rate_change, all[i + 1].rate_change);
+    const double low = std::min(all[i].release_jerk, all[i + 1].release_jerk);
+    const double high = std::max(all[i].release_jerk, all[i + 1].release_jerk);
+    EXPECT_LE(std::fabs(all[i + 1].rate_change - all[i].rate_change) / seconds, jerk * (1 + 1e-12));
+    EXPECT_LE(high, jerk);
+    EXPECT_LE((high - low) / seconds,
+              2 * low * (jerk - high) / std::min(most_change, std::sqrt(2 * jerk)) * (1 + 1e-9) + 1e-12);
+  }
+}
+
+TEST(StopBounds, WhatIsAskedWronglyIsRefused) {
+  const auto solution = solved<double>({.axis_count = 2, .keys = bend}, calm, 240);
+  const Move<double> move = move_of(solution);
+  const std::vector<AxisLimits<double>> limits(2, stop_limits(3000.0));
+  std::vector<StopCell<double>> stop_cells(11);
+  std::vector<MotionTriple<double>> suprema(20);
+  std::vector<PeakSlack<double>> slack(2);
+  std::vector<AxisTurn<double>> turns(2);
+  std::vector<AxisPeaks<double>> peaks(2);
+  const StopBoundsMemory<double> memory{stop_cells, suprema, slack, turns};
+  const auto code = [&](const StopRequest<double>& request, const StopBoundsMemory<double>& its,
+                        std::span<AxisPeaks<double>> out) {
+    const auto made = StopBounds<double>::make(request, its, out);
+    return made ? std::pair(ErrorCode{}, std::int64_t{0}) : std::pair(made.error().code, made.error().needed);
+  };
+  EXPECT_TRUE(StopBounds<double>::make({move, limits, 1, tick}, memory, peaks).has_value());
+  EXPECT_TRUE(StopBounds<double>::make({move, limits, 1, tick}, memory, {}).has_value());
+  const std::span<const AxisLimits<double>> one(limits.data(), 1);
+  EXPECT_EQ(code({move, one, 1, tick}, memory, {}), std::pair(ErrorCode::wrong_count, std::int64_t{2}));
+  EXPECT_EQ(code({move, limits, 1, tick}, memory, std::span(peaks).first(1)),
+            std::pair(ErrorCode::wrong_count, std::int64_t{2}));
+  for (const double rate : {0.0, -1.0, std::nan(""), std::numeric_limits<double>::infinity()}) {
+    EXPECT_EQ(code({move, limits, rate, tick}, memory, peaks).first, ErrorCode::out_of_range);
+  }
+  StopBoundsMemory<double> small = memory;
+  small.cells = small.cells.first(1);
+  EXPECT_EQ(code({move, limits, 1, tick}, small, {}), std::pair(ErrorCode::capacity, std::int64_t{2}));
+  small = memory;
+  small.suprema = small.suprema.first(19);
+  EXPECT_EQ(code({move, limits, 1, tick}, small, {}), std::pair(ErrorCode::capacity, std::int64_t{20}));
+  small = memory;
+  small.turns = small.turns.first(1);
+  EXPECT_EQ(code({move, limits, 1, tick}, small, {}), std::pair(ErrorCode::capacity, std::int64_t{2}));
+}
+
+// --- how fast a move may be played
+
+AxisLimits<double> motion_limits(double velocity, double acceleration, std::optional<double> jerk,
+                                 std::optional<double> step = std::nullopt) {
+  return *AxisLimits<double>::make({.min = -1,
+                                    .max = 1,
+                                    .max_velocity = velocity,
+                                    .max_acceleration = acceleration,
+                                    .max_jerk = jerk,
+                                    .max_acceleration_step = step});
+}
+
+PlayedAxis<double> played(double velocity, double acceleration, double jerk, double step = 0) {
+  PlayedAxis<double> axis;
+  axis.peaks.velocity.value = velocity;
+  axis.peaks.acceleration.value = acceleration;
+  axis.peaks.jerk.value = jerk;
+  axis.acceleration_step = step;
+  return axis;
+}
+
+double highest(const PlayedAxis<double>& axis, const AxisLimits<double>& limits) {
+  return highest_rate<double>({&axis, 1}, {&limits, 1});
+}
+
+TEST(HighestRate, IsTheLeastThatVelocityAccelerationJerkAndStepAllow) {
+  EXPECT_NEAR(highest(played(10, 1, 1), motion_limits(30, 1e6, 1e9)), 3, 1e-12);
+  EXPECT_NEAR(highest(played(1, 10, 1), motion_limits(1e6, 40, 1e9)), 2, 1e-12);
+  EXPECT_NEAR(highest(played(1, 1, 2), motion_limits(1e6, 1e6, 250)), 5, 1e-12);
+  EXPECT_NEAR(highest(played(1, 1, 1, 10), motion_limits(1e6, 1e6, 1e9, 90)), 3, 1e-12);
+  for (double jerk = 1e-30; jerk < 1e30; jerk *= 7.3) {
+    const double rate = highest(played(0, 0, jerk), motion_limits(1, 1, 1));
+    EXPECT_NEAR(rate * rate * rate * jerk, 1, 1e-13);
+    EXPECT_LE(rate * rate * rate * jerk, 1);
+  }
+}
+
+TEST(HighestRate, AStepCountsOnlyBesideAJerkLimit) {
+  EXPECT_EQ(highest(played(1, 1, 1, 10), motion_limits(1, 1e6, 1e9)), 0);
+  EXPECT_NEAR(highest(played(1, 1, 1, 10), motion_limits(2, 1e6, std::nullopt)), 2, 1e-12);
+}
+
+TEST(HighestRate, NothingThatMovesMayBePlayedAsFastAsYouLike) {
+  EXPECT_EQ(highest(played(0, 0, 0), motion_limits(1, 1, 1)), std::numeric_limits<double>::infinity());
+  EXPECT_EQ(highest(played(1, std::numeric_limits<double>::infinity(), 1), motion_limits(1, 1, 1)), 0);
+}
+
+TEST(HighestRate, OfSeveralAxesIsThatOfTheOneNearestItsLimit) {
+  const std::vector<PlayedAxis<double>> axes{played(10, 1, 1), played(10, 1, 1)};
+  const std::vector<AxisLimits<double>> limits{motion_limits(30, 1e6, 1e9), motion_limits(20, 1e6, 1e9)};
+  EXPECT_NEAR(highest_rate<double>(axes, limits), 2, 1e-12);
+}
+
+}  // namespace
+}  // namespace inbetween
