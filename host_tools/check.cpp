@@ -8,6 +8,7 @@
 #include <string_view>
 #include <utility>
 
+#include "host_tools/planned_stops.hpp"
 #include "inbetween/motion_steps.hpp"
 
 namespace inbetween {
@@ -97,10 +98,11 @@ void add_steps(const std::vector<std::size_t>& axes, const std::vector<AxisStep<
   }
 }
 
-/// At the ends a move that is moving meets its roll, or is refused because there is none.
-bool is_joined_by_roll(const Track<double>& track, std::int32_t key) {
-  return (key == 0 && is_moving(track, RollEnd::before)) ||
-         (key == track.path().segment_count() && is_moving(track, RollEnd::after));
+/// At the ends a move that is moving meets its roll, or is refused because there is none. By the frame:
+/// several keys may lie in one place there.
+bool is_joined_by_roll(const Track<double>& track, double frame) {
+  return (frame <= 0 && is_moving(track, RollEnd::before)) ||
+         (frame >= track.frames() && is_moving(track, RollEnd::after));
 }
 
 void list_steps(const Plan& plan, std::size_t index, CheckReport& report) {
@@ -110,7 +112,7 @@ void list_steps(const Plan& plan, std::size_t index, CheckReport& report) {
   std::vector<AxisStep<double>> steps(axes.size());
   for (std::int32_t i = 0; i <= segments; ++i) {
     const double frame = steps_at_key<double>(track, i, steps);
-    if (!is_joined_by_roll(track, i)) add_steps(axes, steps, i % track.path().key_count(), frame, report);
+    if (!is_joined_by_roll(track, frame)) add_steps(axes, steps, i % track.path().key_count(), frame, report);
     if (i == segments) break;
     const Standstills<double> standstills = standstills_within(track, i);
     for (std::size_t k = 0; k < standstills.count; ++k) {
@@ -341,6 +343,68 @@ void refuse_roll(const Plan& plan, const RollObstacle& obstacle, CheckReport& re
                              room});
 }
 
+void refuse_stop(const Plan& plan, const StopObstacle<double>& obstacle, CheckReport& report) {
+  const std::size_t index = plan.axis_of(static_cast<std::size_t>(obstacle.axis));
+  const CheckedAxis& axis = report.axes[index];
+  const bool by_jerk = obstacle.quantity == StopQuantity::jerk;
+  // The motion itself is beyond its limit, which has been said.
+  if (!report.refusals.empty()) return;
+  const PlanAxis& planned = plan.axes()[index];
+  report.refusals.push_back(
+      {plan.move().tracks[*planned.track].axis_places[planned.track_axis],
+       fmt::format("axis {} could not be stopped at frame {:.2f}: the motion alone takes {:.6g} {}{} there, "
+                   "and {} is {:g}; give the move more frames, or raise {}",
+                   in_quotes(axis.name), obstacle.frame, obstacle.value, axis.unit, by_jerk ? "/s^3" : "/s^2",
+                   by_jerk ? "stop_jerk" : "stop_acceleration", obstacle.limit,
+                   by_jerk ? "stop_jerk" : "stop_acceleration"),
+       true});
+}
+
+void prove_stops(const Plan& plan, CheckReport& report) {
+  const PlannedStops planned(plan);
+  if (planned.obstacle()) return refuse_stop(plan, *planned.obstacle(), report);
+  CheckedStops stops{.longest = planned.bounds()->longest_in_time(), .axes = {}};
+  for (const CheckedAxis& axis : report.axes) {
+    stops.axes.push_back({.velocity = axis.velocity, .acceleration = {}, .jerk = {}});
+  }
+  for (std::size_t d = 0; d < planned.peaks().size(); ++d) {
+    const AxisPeaks<double>& peaks = planned.peaks()[d];
+    const AxisLimits<double>& limits = plan.limits()[d];
+    CheckedStopAxis& axis = stops.axes[plan.axis_of(d)];
+    axis.acceleration.limit = limits.stop_acceleration();
+    axis.jerk.limit = limits.stop_jerk();
+    raise(axis.acceleration, peaks.acceleration);
+    raise(axis.jerk, peaks.jerk);
+    // The bounds were made to reach the limit: what is above it is the rounding of this sum.
+    axis.acceleration.value = std::min(axis.acceleration.value, limits.stop_acceleration());
+    if (limits.stop_jerk()) axis.jerk.value = std::min(axis.jerk.value, *limits.stop_jerk());
+  }
+  report.stops = std::move(stops);
+}
+
+void find_highest_rate(const Plan& plan, CheckReport& report) {
+  std::vector<PlayedAxis<double>> played(plan.limits().size());
+  for (std::size_t d = 0; d < played.size(); ++d) {
+    const std::size_t index = plan.axis_of(d);
+    const CheckedAxis& axis = report.axes[index];
+    const auto peak = [](const CheckedPeak& found) { return Peak<double>{found.value, found.frame}; };
+    played[d].peaks = {.lowest = axis.range->lowest,
+                       .highest = axis.range->highest,
+                       .velocity = peak(axis.velocity),
+                       .acceleration = peak(axis.acceleration),
+                       .jerk = peak(axis.jerk)};
+    for (const CheckedStep& step : report.steps) {
+      if (step.axis == index) {
+        played[d].acceleration_step = std::max(played[d].acceleration_step, step.acceleration);
+      }
+    }
+  }
+  report.highest_rate = highest_rate<double>(played, plan.limits());
+  const bool steps =
+      std::ranges::any_of(report.steps, [](const CheckedStep& step) { return step.velocity > 0; });
+  if (steps) report.highest_rate = 0;
+}
+
 }  // namespace
 
 bool CheckedPeak::is_exceeded() const {
@@ -365,6 +429,8 @@ CheckReport check(const Plan& plan) {
     if (report.axes[a].range) AxisRefusals(plan, a, report).add_all();
   }
   for (const RollObstacle& obstacle : plan.roll_obstacles()) refuse_roll(plan, obstacle, report);
+  prove_stops(plan, report);
+  find_highest_rate(plan, report);
   return report;
 }
 

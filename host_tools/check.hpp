@@ -10,6 +10,7 @@
 #include "host_tools/diagnostics.hpp"
 #include "host_tools/plan.hpp"
 #include "inbetween/motion_bounds.hpp"
+#include "inbetween/stop_bounds.hpp"
 
 namespace inbetween {
 
@@ -62,8 +63,23 @@ struct Refusal {
   bool slower_helps = false;
 };
 
+/// What controlled stops ask of an axis of the rig, whenever they begin: against its stop limits.
+struct CheckedStopAxis {
+  CheckedPeak velocity, acceleration, jerk;
+};
+
+/// Controlled stops at the drawn speed, forward and backward (StopBounds).
+struct CheckedStops {
+  LongestStop<double> longest;        ///< in seconds
+  std::vector<CheckedStopAxis> axes;  ///< every axis of the rig
+};
+
 struct CheckReport {
-  std::vector<CheckedAxis> axes;  ///< every axis of the rig, in its order
+  std::vector<CheckedAxis> axes;      ///< every axis of the rig, in its order
+  std::optional<CheckedStops> stops;  ///< nothing where there is a place from which no stop keeps the limits
+  /// How many times faster than drawn every limit of the motion still holds; below 1 where it does not fit, 0
+  /// where no rate does, infinity where nothing moves.
+  double highest_rate = 0;
   std::vector<CheckedStep> steps;
   std::vector<Refusal> refusals;  ///< axis by axis, what slowing does not cure before what it does
   double speed_error = 0;         ///< the loop follows this motion within this share of its speed; 0: exactly
@@ -81,6 +97,9 @@ bool breaks_jerk_limit(const CheckedStep& step, const RigAxis& limits);
 /// The plan has a rig. Peaks are those of the move with its rolls. Where a roll is needed and none keeps the
 /// limits, the move is refused. Bounds are looser than 1 % by at most 1e-6 of a limit. It speaks of the
 /// motion as asked; the loop's fitted inverse of arc length is within `speed_error` of it.
+///
+/// Controlled stops are proven along with it (PlannedStops): a move that could not be stopped everywhere
+/// inside the stop limits is refused.
 ///
 /// A step of the velocity does not fit in any case. A step of the acceleration does not fit where the axis
 /// has a max_jerk, unless it is within max_acceleration_step.

@@ -110,6 +110,26 @@ void print_steps(const CheckReport& report, const Table& table) {
   }
 }
 
+void print_stops(const CheckReport& report, std::FILE* out) {
+  if (!report.stops) return;
+  const LongestStop<double>& longest = report.stops->longest;
+  if (!std::isfinite(report.highest_rate)) return;  // nothing moves
+  double share = 0;
+  for (const CheckedStopAxis& axis : report.stops->axes) {
+    share = std::max({share, axis.acceleration.share(), axis.jerk.share()});
+  }
+  fmt::print(
+      out,
+      "  a controlled stop takes {:.2f} s and {:.1f} frames at most (from frame {:.2f}, {}), and at most "
+      "{:.0f} % of a stop limit\n",
+      longest.length.seconds, longest.length.frames, longest.from_frame,
+      longest.forward ? "forward" : "backward", std::ceil(100 * share));
+  if (report.highest_rate > 0) {
+    fmt::print(out, "  every limit holds up to {:.3g} times the drawn speed\n",
+               std::floor(1000 * report.highest_rate) / 1000);
+  }
+}
+
 void print_verdict(const Plan& plan, const CheckReport& report, const SmallestFrames& smallest,
                    std::FILE* out) {
   const std::int32_t frames = plan.move().frames;
@@ -134,6 +154,16 @@ void write_optional(JsonWriter& json, std::string_view name, const std::optional
   json.member(name, number.value_or(std::numeric_limits<double>::infinity()));
 }
 
+void write_peak(JsonWriter& json, const char* name, const CheckedPeak& peak) {
+  json.line();
+  json.key(name);
+  json.begin_object();
+  json.member("peak", peak.value);
+  json.member("frame", peak.frame);
+  write_optional(json, "limit", peak.limit);
+  json.end_object();
+}
+
 void write_axis(JsonWriter& json, const CheckedAxis& axis) {
   json.line();
   json.begin_object();
@@ -145,15 +175,61 @@ void write_axis(JsonWriter& json, const CheckedAxis& axis) {
   json.member("limit_min", axis.limit_min);
   json.member("limit_max", axis.limit_max);
   json.end_object();
-  for (const auto& [name, per, peak] : peaks_of(axis)) {
+  for (const auto& [name, per, peak] : peaks_of(axis)) write_peak(json, name, peak);
+  json.end_object();
+}
+
+/// Stops stay on the path, so that their positions are those of the motion.
+void write_stops(JsonWriter& json, const CheckReport& report) {
+  json.line();
+  json.key("stop");
+  if (!report.stops) return json.null();
+  const LongestStop<double>& longest = report.stops->longest;
+  json.begin_object();
+  json.member("longest_s", longest.length.seconds);
+  json.member("longest_frames", longest.length.frames);
+  json.member("from_frame", longest.from_frame);
+  json.member("forward", longest.forward);
+  json.key("axes");
+  json.begin_array();
+  for (std::size_t a = 0; a < report.axes.size(); ++a) {
+    CheckedAxis axis = report.axes[a];
+    axis.velocity = report.stops->axes[a].velocity;
+    axis.acceleration = report.stops->axes[a].acceleration;
+    axis.jerk = report.stops->axes[a].jerk;
+    write_axis(json, axis);
+  }
+  json.end_array();
+  json.end_object();
+}
+
+void write_fit(JsonWriter& json, const SpeedFit& fit) {
+  json.line();
+  json.key("fit");
+  json.begin_object();
+  json.member("found", fit.found);
+  json.key("reason");
+  if (fit.found) {
+    json.null();
+  } else {
+    json.value(fit.reason);
+  }
+  json.member("least_frames", fit.least.frames);
+  json.key("tracks");
+  json.begin_array();
+  for (const TrackFit& track : fit.tracks) {
     json.line();
-    json.key(name);
     json.begin_object();
-    json.member("peak", peak.value);
-    json.member("frame", peak.frame);
-    write_optional(json, "limit", peak.limit);
+    json.member("track", static_cast<std::int64_t>(track.track));
+    json.numbers("speed", track.speed);
+    json.member("change", track.change);
+    json.member("change_share", track.change_share);
+    json.member("largest_change", track.largest_change);
+    json.member("alpha", track.largest_change_at);
+    json.member("frame", track.largest_change_frame);
     json.end_object();
   }
+  json.end_array();
   json.end_object();
 }
 
@@ -256,10 +332,12 @@ void print_check(const Plan& plan, const CheckReport& report, const SmallestFram
   if (report.speed_error > 0) {
     fmt::print(out, "  the drives follow this motion within {:g} of its speed\n", report.speed_error);
   }
+  print_stops(report, out);
   print_verdict(plan, report, smallest, out);
 }
 
-void write_check_json(const CheckReport& report, const SmallestFrames& smallest, std::FILE* file) {
+void write_check_json(const CheckReport& report, const SmallestFrames& smallest,
+                      const std::optional<SpeedFit>& fit, std::FILE* file) {
   JsonWriter json(file);
   json.begin_object();
   json.member("format", 1);
@@ -289,8 +367,34 @@ void write_check_json(const CheckReport& report, const SmallestFrames& smallest,
     json.end_object();
   }
   json.end_array();
+  write_stops(json, report);
+  json.line();
+  json.member("highest_rate", report.highest_rate);
+  if (fit) write_fit(json, *fit);
   json.end_object();
   json.finish();
+}
+
+void print_fit(const Plan& plan, const SpeedFit& fit, const std::string& file, std::FILE* out) {
+  if (!fit.found) return;
+  const std::string name = file == "-" ? "the file on standard output" : file;
+  if (fit.tracks.empty()) {
+    fmt::print(out, "nothing to change; {} is the move as it is\n", name);
+    return;
+  }
+  for (const TrackFit& track : fit.tracks) {
+    const std::size_t before = plan.tracks()[track.track].control_values().size();
+    fmt::print(out, "new speed curve of {}: {} control values",
+               comma_separated(plan.move().tracks[track.track].axes), track.speed.size());
+    if (track.refinements > 0) fmt::print(out, " (the {} of before, refined)", before);
+    fmt::print(
+        out,
+        "; changed by {:.3g} on the whole ({:.1f} % of its mean), most by {:+.3g} at a = {:.2f}, frame "
+        "{:.1f}\n",
+        track.change, 100 * track.change_share, track.largest_change, track.largest_change_at,
+        track.largest_change_frame);
+  }
+  fmt::print(out, "with it the move fits in its {} frames: {}\n", plan.move().frames, name);
 }
 
 LimitsPlot limits_plot_of(const Plan& plan, const CheckReport& report) {

@@ -43,7 +43,7 @@ struct SpeedFit {
 /// New speed curves for the tracks that break a limit, the other tracks untouched; N and the path stay. Of
 /// the curves with the same Phi(f), the same Phi at locked keys and breaks and the same rests, one with the
 /// least integral of the squared change of phi over a. Where there is none with as many control values, the
-/// played curve is refined, f -> 2 f, at most 4 times and at most up to max_control_values.
+/// played curve is refined, f -> 2 f, at most 4 times and up to 600 control values.
 ///
 /// The new curve in the file means the new curve in the move: its locked keys are met as they are, so that
 /// reading it again changes it by no more than rounding. That is why next to a hold one more control value on

@@ -106,7 +106,8 @@ TEST(CheckCommand, ItsJsonHasTheFieldsOfItsFormatInTheirOrder) {
   EXPECT_EQ(run.status, 0);
   EXPECT_THAT(run.err, StartsWith("reveal on slider")) << "the table makes way";
   const Json json = Json::parse(run.out);
-  EXPECT_THAT(fields(json), ElementsAre("format", "fits", "smallest_frames", "reason", "axes", "steps"));
+  EXPECT_THAT(fields(json), ElementsAre("format", "fits", "smallest_frames", "reason", "axes", "steps",
+                                        "stop", "highest_rate"));
   EXPECT_EQ(json["format"], 1);
   EXPECT_EQ(json["fits"], true);
   EXPECT_EQ(json["reason"], nullptr);
@@ -202,7 +203,7 @@ TEST(CheckCommand, ItsHelpNamesEveryOptionAndSaysWhatItProves) {
   EXPECT_EQ(run.status, 0);
   for (const char* words : {"MOVE", "--rig ", "--json ", "--plot ", "--help", "svg",
                             "not below the true one and at most 1 % above it", "spline = \"smooth\"",
-                            "Exit status: 0 the move fits; 3 it does not"}) {
+                            "Exit status: 0 the move fits, or --fit found a curve; 3 it does not"}) {
     EXPECT_THAT(run.out, HasSubstr(words));
   }
 }
@@ -236,6 +237,106 @@ TEST(CheckCommand, RunRefusesWhatCheckRefusesAndMovesNothing) {
     EXPECT_EQ(run.err, first_reason.substr(0, first_reason.find('\n') + 1));
     EXPECT_TRUE(fs::is_empty(folder.path())) << "no report of what did not move";
   }
+}
+
+TEST(CheckCommand, TellsHowLongTheLongestStopTakesAndHowFastTheMoveCouldBePlayed) {
+  const ProgramRun run = check_file(reveal, {"--json", "-"});
+  const Json json = Json::parse(run.out);
+  const Json& stop = json["stop"];
+  EXPECT_THAT(fields(stop), ElementsAre("longest_s", "longest_frames", "from_frame", "forward", "axes"));
+  EXPECT_GT(stop["longest_s"], 0.1);
+  EXPECT_LT(stop["longest_s"], 2);
+  EXPECT_LT(stop["longest_frames"].get<double>(), 24 * stop["longest_s"].get<double>());
+  ASSERT_THAT(stop["axes"], SizeIs(3));
+  EXPECT_THAT(fields(stop["axes"][0]), ElementsAre("name", "position", "velocity", "acceleration", "jerk"));
+  EXPECT_EQ(stop["axes"][0]["acceleration"]["limit"], 1.5 * 800);
+  EXPECT_EQ(stop["axes"][0]["jerk"]["limit"], 1.5 * 8000);
+  for (const Json& axis : stop["axes"]) {
+    EXPECT_LE(axis["acceleration"]["peak"], axis["acceleration"]["limit"]);
+    EXPECT_LE(axis["jerk"]["peak"], axis["jerk"]["limit"]);
+  }
+  // At this rate the move would have as many frames as are named.
+  EXPECT_NEAR(192 / json["highest_rate"].get<double>(), json["smallest_frames"].get<double>(), 1.5);
+  EXPECT_THAT(run.err, HasSubstr("a controlled stop takes"));
+  EXPECT_THAT(run.err, HasSubstr("every limit holds up to"));
+}
+
+TEST(CheckCommand, AMoveThatCouldNotBeStoppedInsideItsLimitsIsRefused) {
+  // As much for a stop as for the motion, which takes 88 % of it: enough. Not so in the frames that just fit.
+  std::string rig = file_contents(camera_rig);
+  rig = with(rig, "max_acceleration = 800.0", "max_acceleration = 800.0\nstop_acceleration = 800.0");
+  rig = with(rig, "max_jerk = 8000.0", "max_jerk = 8000.0\nstop_jerk = 8000.0");
+  const TemporaryFile machine("rig.toml", rig);
+  const TemporaryFile move("move.toml", reveal_in(400));
+  const ProgramRun easy = run_program({"check", move.path().string(), "--rig", machine.path().string()});
+  EXPECT_EQ(easy.status, 0) << easy.err;
+  EXPECT_THAT(easy.out, HasSubstr("a controlled stop takes"));
+}
+
+TEST(CheckCommand, FitWritesTheSameFileWithASpeedCurveThatFits) {
+  const TemporaryFolder folder;
+  const std::string fitted = (folder.path() / "fitted.toml").string();
+  const std::string text = reveal_in(150);
+  EXPECT_EQ(check_text(text).status, 3);
+  const ProgramRun run = check_text(text, {"--fit", fitted});
+  EXPECT_EQ(run.status, 0) << run.err;
+  EXPECT_EQ(run.err, "");
+  EXPECT_THAT(run.out, HasSubstr("does not fit in 150 frames"));
+  EXPECT_THAT(run.out, HasSubstr("new speed curve of slide, pan, tilt: 10 control values; changed by"));
+  EXPECT_THAT(run.out, EndsWith("with it the move fits in its 150 frames: " + fitted + "\n"));
+  EXPECT_EQ(check_file(fitted).status, 0);
+  const std::string written = file_contents(fitted);
+  const auto around = [](const std::string& all) {
+    const std::size_t begin = all.find("speed   = [");
+    return all.substr(0, begin) + all.substr(all.find(']', begin));
+  };
+  EXPECT_EQ(around(written), around(text)) << "nothing but the numbers of the curve";
+}
+
+TEST(CheckCommand, FitOfAMoveThatFitsIsACopyOfIt) {
+  const ProgramRun run = check_file(reveal, {"--fit", "-"});
+  EXPECT_EQ(run.status, 0);
+  EXPECT_EQ(run.out, file_contents(reveal));
+  EXPECT_THAT(run.err, HasSubstr("nothing to change"));
+}
+
+TEST(CheckCommand, FitThatFindsNothingSaysWhyAndWritesNothing) {
+  const TemporaryFolder folder;
+  const std::string fitted = (folder.path() / "fitted.toml").string();
+  const ProgramRun run = check_text(reveal_in(48), {"--fit", fitted, "--json", "-"});
+  EXPECT_EQ(run.status, 3);
+  EXPECT_THAT(run.err, HasSubstr("no speed curve was found for 48 frames: the way takes at least"));
+  EXPECT_THAT(run.err, HasSubstr("the curve as it is fits in 170 frames"));
+  EXPECT_TRUE(fs::is_empty(folder.path()));
+  const Json json = Json::parse(run.out);
+  EXPECT_EQ(json["fit"]["found"], false);
+  EXPECT_GT(json["fit"]["least_frames"], 48);
+  EXPECT_THAT(json["fit"]["tracks"], SizeIs(0));
+}
+
+TEST(CheckCommand, FitIsInTheJsonWhereItIsAskedFor) {
+  const TemporaryFolder folder;
+  const std::string report = (folder.path() / "report.json").string();
+  const ProgramRun run = check_text(reveal_in(150), {"--fit", "-", "--start", "curvature", "--json", report});
+  EXPECT_EQ(run.status, 0) << run.err;
+  const Json json = Json::parse(file_contents(report));
+  EXPECT_THAT(fields(json["fit"]), ElementsAre("found", "reason", "least_frames", "tracks"));
+  const Json& track = json["fit"]["tracks"][0];
+  EXPECT_THAT(fields(track),
+              ElementsAre("track", "speed", "change", "change_share", "largest_change", "alpha", "frame"));
+  EXPECT_THAT(run.out, HasSubstr("speed   = [0, 0, "));
+  EXPECT_EQ(check_text(run.out).status, 0);
+  const std::string document = file_contents(INBETWEEN_SOURCE_DIR "/docs/formats.md");
+  const std::string section = document.substr(document.find("In `fit`:"));
+  for (const Json* object : {&json["fit"], &track}) {
+    for (const std::string& name : fields(*object)) EXPECT_THAT(section, HasSubstr("`" + name + "`"));
+  }
+}
+
+TEST(CheckCommand, StartNeedsFit) {
+  const ProgramRun run = check_file(reveal, {"--start", "curvature"});
+  EXPECT_EQ(run.status, 2);
+  EXPECT_THAT(run.err, HasSubstr("--fit"));
 }
 
 }  // namespace
