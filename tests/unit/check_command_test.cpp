@@ -262,15 +262,25 @@ TEST(CheckCommand, TellsHowLongTheLongestStopTakesAndHowFastTheMoveCouldBePlayed
 }
 
 TEST(CheckCommand, AMoveThatCouldNotBeStoppedInsideItsLimitsIsRefused) {
-  // As much for a stop as for the motion, which takes 88 % of it: enough. Not so in the frames that just fit.
-  std::string rig = file_contents(camera_rig);
-  rig = with(rig, "max_acceleration = 800.0", "max_acceleration = 800.0\nstop_acceleration = 800.0");
-  rig = with(rig, "max_jerk = 8000.0", "max_jerk = 8000.0\nstop_jerk = 8000.0");
-  const TemporaryFile machine("rig.toml", rig);
-  const TemporaryFile move("move.toml", reveal_in(400));
-  const ProgramRun easy = run_program({"check", move.path().string(), "--rig", machine.path().string()});
-  EXPECT_EQ(easy.status, 0) << easy.err;
-  EXPECT_THAT(easy.out, HasSubstr("a controlled stop takes"));
+  // The motion takes 792.054 mm/s^2 of what is allowed, and a stop may take no more than the motion.
+  const auto rig_with = [](const std::string& acceleration) {
+    std::string rig = with(file_contents(camera_rig), "max_acceleration = 800.0",
+                           "max_acceleration = " + acceleration + "\nstop_acceleration = " + acceleration);
+    rig = with(with(rig, "max_velocity = 500.0", "max_velocity = 5000.0"), "= 8000.0", "= 80000.0");
+    rig = with(with(rig, "max_velocity = 90.0", "max_velocity = 900.0"), "= 180.0\nmax_jerk = 1800.0",
+               "= 1800.0\nmax_jerk = 18000.0");
+    return rig;
+  };
+  const TemporaryFile move("move.toml", reveal_in(102));
+  const auto check_on = [&](const std::string& acceleration) {
+    const TemporaryFile machine("rig.toml", rig_with(acceleration));
+    return run_program({"check", move.path().string(), "--rig", machine.path().string()});
+  };
+  const ProgramRun refused = check_on("792.06");
+  EXPECT_EQ(refused.status, 3) << refused.out;
+  EXPECT_THAT(refused.err, HasSubstr("axis \"slide\" could not be stopped at frame"));
+  EXPECT_THAT(refused.err, HasSubstr("and stop_acceleration is 792.06; give the move more frames, or raise"));
+  EXPECT_EQ(check_on("900.0").status, 0);
 }
 
 TEST(CheckCommand, FitWritesTheSameFileWithASpeedCurveThatFits) {
