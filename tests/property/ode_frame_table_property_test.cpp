@@ -92,8 +92,7 @@ TEST(RungeKuttaProperty, IsAsGoodAsItSaysOrRefuses) {
     RC_ASSERT(provenance.integrations <= 100);
   });
   if (!counts_mean_something()) return;
-  EXPECT_GT(solved_moves, many_moves / 10)
-      << "a solver that refuses most moves is not tested here";
+  EXPECT_GT(solved_moves, many_moves / 10) << "a solver that refuses most moves is not tested here";
 }
 
 TEST(RungeKuttaProperty, AgreesWithTheClosedFormWithinItsOwnError) {
