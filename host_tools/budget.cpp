@@ -10,6 +10,9 @@
 #include "inbetween/count_track.hpp"
 #include "inbetween/key_timing.hpp"
 #include "inbetween/ode_frame_table.hpp"
+#include "inbetween/playhead.hpp"
+#include "inbetween/roll.hpp"
+#include "inbetween/stop_bounds.hpp"
 #include "inbetween/track.hpp"
 
 namespace inbetween {
@@ -62,6 +65,11 @@ std::array<std::optional<std::int64_t>, budget_object_count> bytes(const BudgetC
       n.rows * size(sizeof(PathPoint<Real>)),
       (n.locks + 2) * size(sizeof(CountPortion<Real>)) + n.count_spans * size(sizeof(CountSpan<Real>)) +
           (n.count_pieces + 1) * (size(sizeof(CountPiece<Real>)) + n.axes * size(sizeof(CountCubic<Real>))),
+      2 * n.axes * size(sizeof(RollAxis<Real>)),
+      (budget_stop_cells + 1) * size(sizeof(StopCell<Real>)),
+      n.axes * (budget_stop_cells * size(sizeof(MotionTriple<Real>)) +
+                size(sizeof(PeakSlack<Real>) + sizeof(AxisTurn<Real>))),
+      size(sizeof(Playhead<Real>)),
       (n.segments + 1) * size(sizeof(OdeSegment<Real>)),
   };
   if (delta_of<Real>(capacity) < static_cast<double>(Precision<Real>::smallest_delta)) result[1] = {};
@@ -79,9 +87,13 @@ constexpr std::array<std::string_view, budget_object_count> object_names{
     "  timed by frames instead, more",
     "frame table",
     "count track",
+    "pre-roll and post-roll",
+    "stop bounds, 256 cells",
+    "  while they are made, more",
+    "playhead",
     "Runge-Kutta solver, more"};
 
-constexpr std::array<FunctionBudget, 35> stack{{
+constexpr std::array<FunctionBudget, 49> stack{{
     {"Path::make", {608, 576}, {736, 576}},
     {"Path::position", {32, 32}, {128, 32}},
     {"Path::parametric_speed", {256, 256}, {256, 224}},
@@ -117,11 +129,25 @@ constexpr std::array<FunctionBudget, 35> stack{{
     {"RollAxis::make", {352, 288}, {352, 288}},
     {"RollAxis::peaks", {64, 32}, {256, 32}},
     {"roll_frames", {960, 736}, {992, 736}},
+    {"joints_of", {832, 576}, {1184, 544}},
+    {"Move::make", {160, 160}, {160, 160}},
+    {"Move::positions", {544, 384}, {864, 384}},
+    {"Move::motion", {864, 576}, {1216, 576}},
+    {"StopBounds::make", {9408, 5664}, {10080, 5632}},
+    {"StopBounds::at", {224, 192}, {256, 192}},
+    {"StopBounds::stop_from", {256, 192}, {384, 192}},
+    {"stop_obstacle", {9216, 5568}, {9824, 5568}},
+    {"highest_rate", {224, 192}, {224, 192}},
+    {"Playhead::play", {96, 96}, {192, 96}},
+    {"Playhead::go_to", {736, 576}, {768, 576}},
+    {"Playhead::set_repeat", {1760, 1024}, {2112, 1024}},
+    {"Playhead::tick", {768, 576}, {832, 576}},
+    {"supervise", {32, 32}, {32, 32}},
 }};
 
 // In the first line stands what is asked for: 140 in double on a Cortex-M7, 130 in single precision on a
 // Cortex-M4F.
-constexpr std::array<FunctionBudget, 7> instructions{{
+constexpr std::array<FunctionBudget, 11> instructions{{
     {"CountTrack::counts", {140, 130}, {3600, 130}},
     {"CountTrack::counts(longest)", {210, 210}, {4000, 210}},
     {"Track::positions", {240, 260}, {5700, 270}},
@@ -129,6 +155,10 @@ constexpr std::array<FunctionBudget, 7> instructions{{
     {"frame_time_of_tick", {74, 74}, {820, 74}},
     {"solve", {350'000, 280'000}, {12'000'000, 290'000}},
     {"CountTrack::make", {270'000, 310'000}, {7'100'000, 7'300'000}},
+    {"Move::positions", {270, 290}, {5700, 300}},
+    {"Playhead::tick", {210, 180}, {1500, 210}},
+    {"Playhead::tick(ramps)", {1150, 1200}, {16'000, 1250}},
+    {"StopBounds::make", {6'100'000, 6'600'000}, {170'000'000, 6'800'000}},
 }};
 
 std::string number(std::int64_t value) {

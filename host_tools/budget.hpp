@@ -37,12 +37,17 @@ struct BudgetObject {
   std::optional<std::int64_t> in_float;
 };
 
-inline constexpr std::size_t budget_object_count = 10;
+inline constexpr std::size_t budget_object_count = 14;
+
+/// Into so many cells the time line is cut where the bounds of stops are told.
+inline constexpr std::int64_t budget_stop_cells = 256;
 
 /// The memory of every object of the core that its caller provides. Elements have the same size on x86-64,
 /// arm64 and Cortex-M (Embedded.CortexM7HasTheBitsOfThisMachine and its neighbours hold it). The number of
 /// pieces of the inverse is usual_pieces_per_segment() a segment. A count track in single precision is one of
-/// a track in double, which is how it is within 0.1 counts.
+/// a track in double, which is how it is within 0.1 counts. Rolls, stop bounds and playhead are those of a
+/// move of one track. The playhead is an object itself and holds two pointers: on a Cortex-M it takes 8 bytes
+/// less.
 std::array<BudgetObject, budget_object_count> budget_objects(const BudgetCapacity& capacity);
 
 /// How many pieces a segment the inverse of arc length takes as a rule, on the average of a path's segments:
@@ -67,7 +72,8 @@ struct FunctionBudget {
 /// Worst stack of every public function in bytes, with all that it calls.
 std::span<const FunctionBudget> stack_limits();
 /// Instructions for three axes: of a tick and of a time from a tick's number; and, once per move of 8 keys
-/// and 7 control values, of solving it (solve: path to track) and of cutting it into counts.
+/// and 7 control values, of solving it (solve: path to track), of cutting it into counts and of bounding its
+/// stops.
 std::span<const FunctionBudget> instruction_limits();
 
 /// The three as tables for people.

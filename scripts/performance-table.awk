@@ -57,4 +57,10 @@ END {
   print "\n| frames looked up one by one over frames in runs | times |\n|---|---:|"
   ratio_row("240 frames", "frames_one_by_one/240", "frames_in_runs/240", "%.1f")
   ratio_row("100 000 frames", "frames_one_by_one/100000", "frames_in_runs/100000", "%.1f")
+  print "\n| a tick between rest and the drawn speed over one at it | times |\n|---|---:|"
+  ratio_row("8 keys, 3 axes", "playhead_ramp/3", "playhead_tick/3", "%.1f")
+  ratio_row("100 keys, 16 axes", "playhead_ramp/16", "playhead_tick/16", "%.1f")
+  print "\n| bounds of every stop over the certificate of the move | times |\n|---|---:|"
+  ratio_row("240 frames, 8 keys, 3 axes", "stop_bounds/example", "certificate/example", "%.1f")
+  ratio_row("2400 frames, 100 keys, 16 axes", "stop_bounds/100x16", "certificate/100x16", "%.1f")
 }

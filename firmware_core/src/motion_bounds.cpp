@@ -209,10 +209,11 @@ class MotionBounds {
     }
     return true;
   }
-  /// Halving does not help any more: at the very point rounding alone takes the bound half as far.
+  /// Halving does not help any more: at the very point rounding alone, that of the place at a time included,
+  /// takes the bound half as far.
   [[nodiscard]] bool is_rounding(std::size_t d, const Triple<Real>& bounds, const TimePiece<Real>& time,
                                  const MotionBox<Real>& box) const {
-    const Triple<Real> floor = enclosure_.range(d, enclosure_.at(time, box.x, box.tau)).bound;
+    const Triple<Real> floor = enclosure_.range(d, enclosure_.around(time, box.middle())).bound;
     for (std::size_t i = 0; i < quantities; ++i) {
       if (!(bounds[i] <= allowed(d, i)) && !(bounds[i] <= 2 * floor[i] && floor[i] > allowed(d, i)))
         return false;

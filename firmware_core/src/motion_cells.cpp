@@ -172,11 +172,12 @@ class TrackCells {
     }
     return true;
   }
-  /// Halving does not help any more: at the very point rounding alone takes the bound half as far.
+  /// Halving does not help any more: at the very point rounding alone, that of the place at a time included,
+  /// takes the bound half as far.
   [[nodiscard]] bool is_rounding(std::size_t d, const MotionTriple<Real>& bound,
                                  const MotionTriple<Real>& proven, const TimePiece<Real>& time,
                                  const MotionBox<Real>& box) const {
-    const MotionTriple<Real> floor = enclosure_.range(d, enclosure_.at(time, box.x, box.tau)).bound;
+    const MotionTriple<Real> floor = enclosure_.range(d, enclosure_.around(time, box.middle())).bound;
     for (std::size_t i = 0; i < motion_quantities; ++i) {
       const Real most = allowed(d, i, proven);
       if (!(bound[i] <= most) && !(bound[i] <= 2 * floor[i] && floor[i] > most)) return false;

@@ -36,6 +36,9 @@ struct MotionBox {
   Real tau_begin = 0, tau_end = 0;
   Real x = 0;
   Real tau = 0;
+
+  /// The box that has nothing but its middle.
+  [[nodiscard]] MotionBox middle() const { return {x, x, tau, tau, x, tau}; }
 };
 
 /// What the axes have in common on a box.

@@ -253,10 +253,12 @@ typename StopBounds<Real>::Place StopBounds<Real>::place(const FrameTime<Real>& 
   if (frame < 0) return {0, 0};
   if (frame >= frames_) return {cell_count() - 1, 1};
   const std::int64_t scaled = frame * count;
-  const Real share = (static_cast<Real>(scaled % frames_) + time.fraction * static_cast<Real>(count)) /
+  // In 32 bits, which a Cortex-M converts without its library.
+  const Real share = (static_cast<Real>(static_cast<std::int32_t>(scaled % frames_)) +
+                      time.fraction * static_cast<Real>(static_cast<std::int32_t>(count))) /
                      static_cast<Real>(frames_);
   // One frame may be several cells.
-  const auto whole = static_cast<std::int64_t>(share);
+  const auto whole = static_cast<std::int32_t>(share);
   const std::int64_t cell = scaled / frames_ + whole;
   if (cell >= count) return {cell_count() - 1, 1};
   return {static_cast<std::size_t>(cell), share - static_cast<Real>(whole)};

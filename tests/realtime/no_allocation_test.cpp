@@ -1,10 +1,14 @@
 // The core takes no memory: neither while a move is made, nor while it is evaluated for hours.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <stdlib.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <memory>
+#include <optional>
+#include <random>
 #include <string>
 #include <type_traits>
 #include <vector>
@@ -12,11 +16,18 @@
 #include "inbetween/frame_table.hpp"
 #include "inbetween/frame_time.hpp"
 #include "inbetween/ode_frame_table.hpp"
+#include "inbetween/playhead.hpp"
+#include "inbetween/roll.hpp"
+#include "inbetween/stop_bounds.hpp"
+#include "inbetween/supervisor.hpp"
 #include "inbetween/track.hpp"
 #include "tests/realtime/armed_allocator.hpp"
 
 namespace inbetween {
 namespace {
+
+using testing::Each;
+using testing::Gt;
 
 constexpr std::int64_t million = 1'000'000;
 constexpr std::int32_t frames = 2400;
@@ -156,6 +167,178 @@ TYPED_TEST(NoAllocationIn, RungeKuttaTakesNoMemoryEither) {
   if (std::is_same_v<Real, double>) {  // 24 000 steps are too many for the digits of float
     EXPECT_TRUE(solved);
   }
+}
+
+/// A move from rest that ends moving, with its post-roll, as it is played and stopped.
+template <Precise Real>
+class PlayInPlace {
+ public:
+  static constexpr std::size_t axes = 3;
+  static constexpr std::int32_t rate_hz = 100;
+
+  Result<Playhead<Real>> make() {
+    storage_.set_tension(0);
+    const auto track = storage_.make();
+    if (!track) return track.error();
+    track_ = *track;
+    for (AxisLimits<Real>& axis : limits_) {
+      const auto limits = AxisLimits<Real>::make(
+          {.min = -1000, .max = 1000, .max_velocity = 1000, .max_acceleration = 1000, .max_jerk = 100'000});
+      if (!limits) return limits.error();
+      axis = *limits;
+    }
+    if (const Status rolled = make_roll(); !rolled) return rolled.error();
+    const auto played = Move<Real>::make({&*track_, 1}, {.after = after_});
+    if (!played) return played.error();
+    move_ = *played;
+    std::array<AxisPeaks<Real>, axes> peaks;
+    const auto bounds = StopBounds<Real>::make(
+        {.move = *move_, .limits = limits_, .tick_seconds = Real{1} / rate_hz}, stops_.memory(), peaks);
+    if (!bounds) return bounds.error();
+    bounds_ = *bounds;
+    return Playhead<Real>(*move_, *bounds_, rate_hz);
+  }
+  [[nodiscard]] const Move<Real>& move() const { return *move_; }
+  [[nodiscard]] const StopBounds<Real>& bounds() const { return *bounds_; }
+
+ private:
+  Status make_roll() {
+    RollSpan span{.end = RollEnd::after, .joint_frame = frames, .fps = fps};
+    std::array<AxisMotion<Real>, axes> joints;
+    joints_of<Real>({&*track_, 1}, span.end, joints);
+    const auto length = roll_frames<Real>({span.end, frames, fps, joints, limits_});
+    if (!length) return length.error();
+    span.frames = *length;
+    for (std::size_t d = 0; d < axes; ++d) {
+      const auto roll = RollAxis<Real>::make(span, joints[d]);
+      if (!roll) return roll.error();
+      after_[d] = *roll;
+    }
+    return Done{};
+  }
+
+  static AxisLimits<Real> any_limits() { return *AxisLimits<Real>::make({0, 1, 1, 1}); }
+
+  MoveInPlace<Real> storage_;
+  std::optional<Track<Real>> track_;
+  std::array<RollAxis<Real>, axes> after_;
+  std::array<AxisLimits<Real>, axes> limits_{any_limits(), any_limits(), any_limits()};
+  std::optional<Move<Real>> move_;
+  StopBoundsStorage<Real, 256, axes> stops_;
+  std::optional<StopBounds<Real>> bounds_;
+};
+
+/// Some command, perhaps one that is refused. Whether it was obeyed.
+template <Precise Real>
+bool command(Playhead<Real>& playhead, const Move<Real>& move, std::mt19937& random) {
+  const auto below = [&random](std::uint32_t end) { return static_cast<std::int32_t>(random() % end); };
+  // On the time line or a little beside it.
+  const std::int32_t frame = move.first_frame() - 100 + below(frames + 300);
+  const Direction direction = below(3) == 0 ? Direction::backward : Direction::forward;
+  constexpr std::array repeats{Repeat::none, Repeat::loop, Repeat::ping_pong};
+  switch (below(9)) {
+    case 0:
+      playhead.stop();
+      return true;
+    case 1:
+      return playhead.go_to(frame).has_value();
+    case 2:
+      return playhead.step(direction).has_value();
+    case 3:
+      return playhead.scrub_to({frame, Real(0.25)}).has_value();
+    case 4:
+      return playhead.set_override(Real(below(12)) / 10).has_value();
+    case 5:
+      return playhead.set_repeat(repeats.at(random() % repeats.size())).has_value();
+    case 6:
+      return playhead.place_on(frame).has_value();
+    default:
+      return playhead.play(direction).has_value();
+  }
+}
+
+TYPED_TEST(NoAllocationIn, AMillionTicksOfPlayingTakeNoMemory) {
+  using Real = TypeParam;
+  const auto play = std::make_unique<PlayInPlace<Real>>();
+  std::array<Real, PlayInPlace<Real>::axes> position{};
+  std::array<std::int64_t, 5> events{};
+  std::array<std::int64_t, 5> states{};
+  std::array<std::int64_t, 2> commands{};
+  std::mt19937 random(1989);
+  Real sum = 0;
+  Real longest_stop_s = 0;
+  std::size_t hits = 0;
+  std::string error;
+  {
+    const ArmedAllocator armed;
+    auto playhead = play->make();
+    std::int64_t next_command = 0;
+    for (std::int64_t tick = 0; playhead && tick < million; ++tick) {
+      if (tick == next_command) {
+        ++commands[command(*playhead, play->move(), random) ? 1 : 0];
+        next_command += 1 + static_cast<std::int64_t>(random() % 2000);
+      }
+      ++events[static_cast<std::size_t>(playhead->tick())];
+      ++states[static_cast<std::size_t>(playhead->state())];
+      play->move().positions(playhead->time(), position);
+      longest_stop_s =
+          std::max(longest_stop_s, play->bounds().stop_from(playhead->time(), tick % 2 == 0).seconds);
+      sum += position[0];
+    }
+    hits = armed.hits();
+    if (!playhead) error = playhead.error().what;
+  }
+  EXPECT_EQ(error, "");
+  EXPECT_EQ(hits, 0U);
+  EXPECT_TRUE(std::isfinite(sum));
+  EXPECT_GT(longest_stop_s, 0);
+  EXPECT_LE(longest_stop_s, play->bounds().longest_in_time().length.seconds);
+  // The session has been everywhere.
+  EXPECT_THAT(events, Each(Gt(0)));
+  EXPECT_THAT(states, Each(Gt(0)));
+  EXPECT_GT(commands[0], 0);
+  EXPECT_GT(commands[1], commands[0]);
+}
+
+TYPED_TEST(NoAllocationIn, WhyAMoveCannotBeStoppedTakesNoMemory) {
+  using Real = TypeParam;
+  const auto move = std::make_unique<MoveInPlace<Real>>();
+  const auto stops = std::make_unique<StopBoundsStorage<Real, 256, 3>>();
+  const AxisLimits<Real> weak = *AxisLimits<Real>::make({-1000, 1000, 1000, Real(0.001)});
+  const std::array limits{weak, weak, weak};
+  std::size_t hits = 0;
+  bool is_told = false;
+  {
+    const ArmedAllocator armed;
+    const auto track = move->make();
+    const auto played = track ? Move<Real>::make({&*track, 1}, {}) : track.error();
+    if (played) {
+      const StopRequest<Real> request{.move = *played, .limits = limits};
+      const auto obstacle = stop_obstacle(request, stops->memory());
+      is_told = !StopBounds<Real>::make(request, stops->memory(), {}) && obstacle && *obstacle;
+    }
+    hits = armed.hits();
+  }
+  EXPECT_EQ(hits, 0U);
+  EXPECT_TRUE(is_told);
+}
+
+TEST(NoAllocation, TheSupervisorTakesNoMemory) {
+  std::size_t hits = 0;
+  int steps = 0;
+  {
+    const ArmedAllocator armed;
+    for (std::size_t state = 0; state < supervisor_states; ++state) {
+      for (std::size_t event = 0; event < supervisor_events; ++event) {
+        const auto from = static_cast<SupervisorState>(state);
+        const SupervisorStep step = supervise(from, static_cast<SupervisorEvent>(event));
+        if (step.state != from || *name_of(step.state) != 0) ++steps;
+      }
+    }
+    hits = armed.hits();
+  }
+  EXPECT_EQ(hits, 0U);
+  EXPECT_EQ(steps, static_cast<int>(supervisor_states * supervisor_events));
 }
 
 /// Hides from the compiler that memory is taken for nothing.

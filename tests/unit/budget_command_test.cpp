@@ -19,6 +19,9 @@
 #include "inbetween/count_track.hpp"
 #include "inbetween/key_timing.hpp"
 #include "inbetween/ode_frame_table.hpp"
+#include "inbetween/playhead.hpp"
+#include "inbetween/roll.hpp"
+#include "inbetween/stop_bounds.hpp"
 #include "inbetween/track.hpp"
 #include "tests/support/run_program.hpp"
 
@@ -170,6 +173,22 @@ TEST(Budget, IsWhatTheStoragesOfTheCoreTake) {
   expect_size(bytes_of(capacity, "count track", false),
               sizeof(CountTrackStorage<float, 3, 10, std::size_t{8} * (40 + 7), 4>) -
                   spare_spans * sizeof(CountSpan<float>));
+}
+
+TEST(Budget, IsWhatPlayingTakes) {
+  constexpr std::size_t cells = 256;
+  EXPECT_EQ(budget_stop_cells, std::int64_t{cells});
+  constexpr BudgetCapacity capacity{.axes = 5};
+  expect_size(bytes_of(capacity, "pre-roll and post-roll"), sizeof(std::array<RollAxis<double>, 10>));
+  expect_size(bytes_of(capacity, "pre-roll and post-roll", false), sizeof(std::array<RollAxis<float>, 10>));
+  expect_size(bytes_of(capacity, "stop bounds, 256 cells"), sizeof(std::array<StopCell<double>, cells + 1>));
+  expect_size(bytes_of(capacity, "stop bounds, 256 cells") + bytes_of(capacity, "while they are made"),
+              sizeof(StopBoundsStorage<double, cells, 5>));
+  expect_size(
+      bytes_of(capacity, "stop bounds, 256 cells", false) + bytes_of(capacity, "while they are made", false),
+      sizeof(StopBoundsStorage<float, cells, 5>));
+  expect_size(bytes_of(capacity, "playhead"), sizeof(Playhead<double>));
+  expect_size(bytes_of(capacity, "playhead", false), sizeof(Playhead<float>));
 }
 
 TEST(Budget, HasRoomForThePiecesOfEveryExample) {

@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "host_tools/solved_track.hpp"
+#include "tests/support/random_move.hpp"
+#include "tests/support/solved_move.hpp"
 
 /// The proven bounds on moves whose peaks are known; random moves are in tests/property.
 
@@ -199,6 +201,32 @@ TEST(MotionBounds, TooLittleMemorySaysHowMuchIsNeeded) {
   ASSERT_FALSE(refused.has_value());
   EXPECT_EQ(refused.error().code, ErrorCode::capacity);
   EXPECT_EQ(refused.error().needed, 2);
+}
+
+TEST(MotionBounds, ASharpTurnIsBoundedSoonWhateverTheLimits) {
+  // Beside the key of tension 0.99999 rounding hides where on the turn the motion is. A search that did not
+  // know when halving is in vain would go on for hours as soon as a slack was given.
+  RandomMove move;
+  move.keys.kind = oracle::Kind::tcb;
+  move.keys.closed = true;
+  move.keys.at = {{-5030, 95, 397997200},  {-6900, 886, 398004830}, {6840, -967, 397996390},
+                  {1140, 530, 397990680},  {8570, -387, 398006110}, {-3970, -78, 398006130},
+                  {3910, -103, 397999520}, {-6250, -460, 398010000}};
+  move.keys.tension_continuity_bias = {{0.99999L, -0.168L, 0.697L}, {-0.017L, -0.62L, -0.237L},
+                                       {0.541L, -0.492L, -0.531L},  {-0.129L, -0.456L, -0.206L},
+                                       {0.059L, -0.285L, 0.652L},   {-0.761L, 0.967L, -0.697L},
+                                       {-0.549L, -0.217L, 0.503L},  {-0.494L, -0.758L, 0.144L}};
+  move.speed = {1.75, 27.25, 71.75, 27.75, 50.5, 98.5, 0, 0};
+  move.frames = 372;
+  const TrackInput<double> input(move);
+  const SolvedTrack<double> solved(input.spec, Solver::closed_form);
+  std::vector<AxisTurn<double>> turns(3);
+  std::vector<AxisPeaks<double>> peaks(3);
+  for (const double slack : {0.0, 1e-6, 1e20, 1e24}) {
+    const std::vector<PeakSlack<double>> slacks(3, {slack, slack, slack});
+    ASSERT_TRUE(bound_motion<double>(solved.track(), slacks, {turns}, peaks));
+    for (const AxisPeaks<double>& axis : peaks) EXPECT_GT(axis.acceleration.value, 1e6);
+  }
 }
 
 }  // namespace

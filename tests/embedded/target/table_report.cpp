@@ -9,26 +9,20 @@
 #include "inbetween/key_timing.hpp"
 #include "inbetween/motion_bounds.hpp"
 #include "inbetween/ode_frame_table.hpp"
+#include "inbetween/playhead.hpp"
 #include "inbetween/track.hpp"
 #include "tests/embedded/target/console.hpp"
 #include "tests/embedded/target/moves.hpp"
+#include "tests/embedded/target/play_report.hpp"
+#include "tests/embedded/target/report_line.hpp"
 #include "tests/embedded/target/solved_move.hpp"
 
 /// Solves the constant moves in both precisions, checks that each table keeps its invariants, and prints a
-/// hash of every table and of what every tick evaluates. The test compares the lines with those of other
-/// targets.
+/// hash of every table and of what every tick evaluates; and plays two of them. The test compares the lines
+/// with those of other targets.
 
 namespace inbetween::embedded {
 namespace {
-
-void print_hash(std::string_view name, std::uint64_t hash) {
-  print(" ");
-  print(name);
-  print(" ");
-  for (int shift = 60; shift >= 0; shift -= 4) {
-    print(std::string_view("0123456789abcdef").substr((hash >> shift) & 0xFU, 1));
-  }
-}
 
 /// On a Cortex-M4 std::fma(double) is a function of the C library, and newlib's rounds twice. There a
 /// CountTrack is one of floats.
@@ -37,26 +31,6 @@ constexpr bool has_fused_double = (__ARM_FP & 0x8) != 0;
 #else
 constexpr bool has_fused_double = true;
 #endif
-
-bool passed = true;
-
-void fail(std::string_view precision, const Move& move, const Error& error) {
-  passed = false;
-  print("FAILED ");
-  print(precision);
-  print(" ");
-  print(move.name);
-  print(": ");
-  print(error.what);
-  print("; ");
-  print(error.remedy);
-  print(", needed ");
-  print(error.needed);
-  print("\n");
-}
-
-template <Precise Real>
-inline constexpr std::string_view name_of = std::same_as<Real, double> ? "double" : "float";
 
 template <Precise Real>
 void hash_ticks(const Track<Real>& track, const Move& move) {
@@ -162,11 +136,27 @@ template <Precise Real>
 void report_sizes() {
   print("sizes ");
   print(name_of<Real>);
-  for (const std::size_t size :
-       {sizeof(Cubic<Real>), sizeof(ArcPiece<Real>), sizeof(TwoSum<Real>), sizeof(SpeedSpan<Real>),
-        sizeof(PathPoint<Real>), sizeof(OdeSegment<Real>), sizeof(CountSpan<Real>), sizeof(CountPiece<Real>),
-        sizeof(CountCubic<Real>), sizeof(CountPortion<Real>), sizeof(Portion<Real>),
-        sizeof(KeyInterval<Real>), sizeof(KeyLock), sizeof(FrameTime<Real>), sizeof(AxisMotion<Real>)}) {
+  for (const std::size_t size : {sizeof(Cubic<Real>),
+                                 sizeof(ArcPiece<Real>),
+                                 sizeof(TwoSum<Real>),
+                                 sizeof(SpeedSpan<Real>),
+                                 sizeof(PathPoint<Real>),
+                                 sizeof(OdeSegment<Real>),
+                                 sizeof(CountSpan<Real>),
+                                 sizeof(CountPiece<Real>),
+                                 sizeof(CountCubic<Real>),
+                                 sizeof(CountPortion<Real>),
+                                 sizeof(Portion<Real>),
+                                 sizeof(KeyInterval<Real>),
+                                 sizeof(KeyLock),
+                                 sizeof(FrameTime<Real>),
+                                 sizeof(AxisMotion<Real>),
+                                 sizeof(RollAxis<Real>),
+                                 sizeof(StopCell<Real>),
+                                 sizeof(MotionTriple<Real>),
+                                 sizeof(PeakSlack<Real>),
+                                 sizeof(AxisTurn<Real>),
+                                 sizeof(Playhead<Real>) - 2 * sizeof(void*)}) {
     print(" ");
     print(static_cast<long long>(size));
   }
@@ -203,6 +193,8 @@ bool run() {
     report<double>(move);
   }
   report_runge_kutta(moves[1]);
+  report_play(moves[0]);
+  report_play(moves[2]);
   return passed;
 }
 

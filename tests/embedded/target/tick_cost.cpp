@@ -6,9 +6,11 @@
 
 #include "examples/firmware/board.hpp"
 #include "inbetween/count_track.hpp"
+#include "inbetween/playhead.hpp"
 #include "inbetween/track.hpp"
 #include "tests/embedded/target/console.hpp"
 #include "tests/embedded/target/moves.hpp"
+#include "tests/embedded/target/played_move.hpp"
 #include "tests/embedded/target/solved_move.hpp"
 
 /// Counts the instructions of a tick. QEMU, started with -icount shift=0, lets a nanosecond pass with every
@@ -18,7 +20,7 @@
 
 using namespace inbetween;
 
-// By name, so that the disassembly can be searched for what they call (no_library_calls.sh).
+// By name, so that the disassembly can be searched for what they call (library_calls.sh).
 extern "C" {
 void tick_positions_float(const Track<float>& track, const FrameTime<float>& time, float* out);
 void tick_positions_double(const Track<double>& track, const FrameTime<double>& time, double* out);
@@ -26,6 +28,10 @@ void tick_counts_float(const CountTrack<float>& track, const FrameTime<float>& t
 void tick_counts_double(const CountTrack<double>& track, const FrameTime<double>& time, std::int32_t* out);
 void tick_motion_float(const Track<float>& track, const FrameTime<float>& time, AxisMotion<float>* out);
 void tick_motion_double(const Track<double>& track, const FrameTime<double>& time, AxisMotion<double>* out);
+void tick_move_float(const Move<float>& move, const FrameTime<float>& time, float* out);
+void tick_move_double(const Move<double>& move, const FrameTime<double>& time, double* out);
+void tick_playhead_float(Playhead<float>& playhead);
+void tick_playhead_double(Playhead<double>& playhead);
 void tick_nothing(const void* track, const void* time, std::int32_t* out);
 void known_loop(std::uint32_t turns);
 }
@@ -49,6 +55,18 @@ TICK tick_motion_float(const Track<float>& track, const FrameTime<float>& time, 
 TICK tick_motion_double(const Track<double>& track, const FrameTime<double>& time, AxisMotion<double>* out) {
   track.motion(time, std::span(out, 3));
 }
+TICK tick_move_float(const Move<float>& move, const FrameTime<float>& time, float* out) {
+  move.positions(time, std::span(out, 3));
+}
+TICK tick_move_double(const Move<double>& move, const FrameTime<double>& time, double* out) {
+  move.positions(time, std::span(out, 3));
+}
+TICK tick_playhead_float(Playhead<float>& playhead) {
+  playhead.tick();
+}
+TICK tick_playhead_double(Playhead<double>& playhead) {
+  playhead.tick();
+}
 TICK tick_nothing(const void*, const void*, std::int32_t*) {
   asm volatile("");
 }
@@ -69,13 +87,13 @@ constexpr std::uint32_t instructions_per_clock = 1'000'000'000 / board::clock_hz
 constexpr std::array keys{41.0, 7.5,  60.0, 84.0, 33.0, 12.0, 15.0, 95.0, 51.0, 66.0, 72.0, 5.0,
                           28.0, 18.0, 88.0, 99.0, 44.0, 37.0, 3.0,  61.0, 79.0, 54.0, 25.0, 91.0};
 constexpr std::array speed{12.0, 4.0, 17.0, 9.0, 1.0, 20.0, 6.0};
-constexpr Move subject{.name = "subject",
-                       .spline = Spline::tcb,
-                       .axis_count = 3,
-                       .keys = keys,
-                       .speed = speed,
-                       .frames = 240,
-                       .rate_hz = 250};
+constexpr embedded::Move subject{.name = "subject",
+                                 .spline = Spline::tcb,
+                                 .axis_count = 3,
+                                 .keys = keys,
+                                 .speed = speed,
+                                 .frames = 240,
+                                 .rate_hz = 250};
 constexpr std::array counts_per_unit{10'000.0, 10'000.0, 10'000.0};
 constexpr std::int32_t tick_count = 2500;
 
@@ -138,6 +156,56 @@ void measure_longest(std::string_view name, TickFunction tick, const Object& obj
   print_line(name, longest);
 }
 
+/// Of so many ticks, all together.
+template <Precise Real, class TickFunction>
+double instructions_of_ticks(TickFunction tick, Playhead<Real>& playhead, int count) {
+  std::array<std::int32_t, 3> nowhere{};
+  const double all = instructions_of([&] {
+    for (int i = 0; i < count; ++i) tick(playhead);
+  });
+  const double overhead = instructions_of([&] {
+    for (int i = 0; i < count; ++i) tick_nothing(&playhead, nullptr, nowhere.data());
+  });
+  return all - overhead;
+}
+
+/// How many ticks a playhead takes to an even rate, or to rest.
+template <Precise Real>
+int ticks_of_ramp(Playhead<Real> playhead) {
+  int ticks = 0;
+  do {
+    playhead.tick();
+    ++ticks;
+  } while (playhead.rate_change() != 0 && ticks < tick_count);
+  return ticks;
+}
+
+/// While time runs evenly; and on the way from rest to the drawn speed, and back to rest.
+template <Precise Real, class TickFunction>
+bool measure_playing(std::string_view even, std::string_view ramps, TickFunction tick,
+                     const PlayedMove<Real>& played) {
+  Playhead<Real> playhead(played.move(), played.bounds(), subject.rate_hz);
+  bool is_well = playhead.play(Direction::forward).has_value();
+  print_line(even, instructions_of_ticks(tick, playhead, tick_count) / tick_count);
+  playhead.stop();
+  for (int i = ticks_of_ramp(playhead); i > 0; --i) playhead.tick();
+  double instructions = 0;
+  int ticks = 0;
+  for (std::int32_t frame = 10; frame < subject.frames; frame += 20) {
+    is_well = is_well && playhead.place_on(frame);
+    is_well = is_well && playhead.play(2 * frame < subject.frames ? Direction::forward : Direction::backward);
+    for (int turn = 0; turn < 2; ++turn) {
+      const int count = ticks_of_ramp(playhead);
+      instructions += instructions_of_ticks(tick, playhead, count);
+      ticks += count;
+      is_well = is_well && playhead.rate_change() == 0 && playhead.is_resting() == (turn == 1);
+      playhead.stop();
+    }
+  }
+  print_line(ramps, instructions / ticks);
+  return is_well;
+}
+
 template <Precise Real>
 void measure_frame_time(std::string_view name) {
   Real sum = 0;
@@ -153,10 +221,32 @@ void measure_frame_time(std::string_view name) {
   print_line(name, all / tick_count);
 }
 
+struct PlayNames {
+  std::string_view bounds, even, ramps, positions;
+};
+/// Playing the subject. False where it does not go as it should.
+template <Precise Real, class PlayheadTick, class MoveTick>
+bool measure_play(const PlayNames& names, const Track<Real>& track, PlayedMove<Real>& played,
+                  PlayheadTick playhead_tick, MoveTick move_tick) {
+  Status made = played.make(track, subject.rate_hz);
+  print_line(names.bounds,
+             instructions_of([&] { made = made ? played.make_bounds(subject.rate_hz) : made; }));
+  bool is_well = made.has_value();
+  if (is_well) {
+    is_well = measure_playing<Real>(names.even, names.ramps, playhead_tick, played);
+    std::array<Real, 3> out{};
+    measure<Real>(names.positions, move_tick, played.move(), out.data());
+  }
+  if (!is_well) print("FAILED: the subject is not played as it should be\n");
+  return is_well;
+}
+
 SolvedMove<float> single_move;
 SolvedMove<double> double_move;
 CountTrackStorage<float, 3, speed.size(), 500> single_counts;
 CountTrackStorage<double, 3, speed.size(), 500> double_counts;
+PlayedMove<float> single_play;
+PlayedMove<double> double_play;
 
 }  // namespace
 
@@ -200,7 +290,12 @@ bool run() {
   measure<double>("Track::positions/double", tick_positions_double, *track, double_out.data());
   measure<double>("Track::motion/double", tick_motion_double, *track, double_motion.data());
   measure_frame_time<double>("frame_time_of_tick/double");
-  return true;
+  return measure_play<float>({"StopBounds::make/float", "Playhead::tick/float", "Playhead::tick(ramps)/float",
+                              "Move::positions/float"},
+                             *single, single_play, tick_playhead_float, tick_move_float) &&
+         measure_play<double>({"StopBounds::make/double", "Playhead::tick/double",
+                               "Playhead::tick(ramps)/double", "Move::positions/double"},
+                              *track, double_play, tick_playhead_double, tick_move_double);
 }
 
 }  // namespace inbetween::embedded

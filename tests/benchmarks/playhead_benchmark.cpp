@@ -1,0 +1,132 @@
+#include <benchmark/benchmark.h>
+
+#include <optional>
+#include <random>
+#include <stdexcept>
+#include <vector>
+
+#include "host_tools/solved_track.hpp"
+#include "inbetween/limits.hpp"
+#include "inbetween/motion_bounds.hpp"
+#include "inbetween/playhead.hpp"
+
+/// A tick of a move that is played: where the playhead is, and the positions of all axes there.
+
+namespace inbetween {
+namespace {
+
+constexpr std::int32_t rate_hz = 1000;
+
+/// A move of a second and a key for every 24 frames, from rest to rest, on a rig whose limits are a quarter
+/// above its peaks.
+class Subject {
+ public:
+  Subject(std::size_t keys, std::size_t axes)
+      : axes_(axes),
+        solution_(solved(keys, axes)),
+        move_(Move<double>::make({&solution_.track(), 1}, {}).value()) {
+    std::vector<AxisTurn<double>> turns(axes);
+    std::vector<PeakSlack<double>> slack(axes);
+    std::vector<AxisPeaks<double>> peaks(axes);
+    if (!bound_motion<double>(solution_.track(), slack, {turns}, peaks)) {
+      throw std::runtime_error("not bounded");
+    }
+    for (const AxisPeaks<double>& axis : peaks) {
+      limits_.push_back(AxisLimits<double>::make({.min = -1e4,
+                                                  .max = 1e4,
+                                                  .max_velocity = 1.25 * axis.velocity.value,
+                                                  .max_acceleration = 1.25 * axis.acceleration.value,
+                                                  .max_jerk = 1.25 * axis.jerk.value})
+                            .value());
+    }
+    const auto cells = static_cast<std::size_t>(move_.frames());
+    cells_.resize(cells + 1);
+    std::vector<MotionTriple<double>> suprema(cells * axes);
+    const auto bounds =
+        StopBounds<double>::make({.move = move_, .limits = limits_, .tick_seconds = 1.0 / rate_hz},
+                                 {cells_, suprema, slack, turns}, {});
+    if (!bounds) throw std::runtime_error(bounds.error().what);
+    bounds_ = *bounds;
+  }
+  Subject(const Subject&) = delete;
+  Subject& operator=(const Subject&) = delete;
+
+  [[nodiscard]] const Move<double>& move() const { return move_; }
+  [[nodiscard]] std::size_t axes() const { return axes_; }
+  [[nodiscard]] const StopBounds<double>& bounds() const { return *bounds_; }
+
+ private:
+  static SolvedTrack<double> solved(std::size_t keys, std::size_t axes) {
+    std::mt19937 random(1989);
+    std::uniform_real_distribution<double> coordinate(0.0, 100.0);
+    std::uniform_real_distribution<double> height(1.0, 20.0);
+    std::vector<double> at(keys * axes);
+    for (double& value : at) value = coordinate(random);
+    std::vector<double> speed(keys);
+    for (double& value : speed) value = height(random);
+    speed[0] = speed[1] = speed[keys - 2] = speed[keys - 1] = 0;
+    const TrackSpec<double> spec{.path = {.axis_count = static_cast<std::int32_t>(axes), .keys = at},
+                                 .control_values = speed,
+                                 .frames = static_cast<std::int32_t>(24 * keys),
+                                 .fps = {24, 1},
+                                 .arc_length = {}};
+    return {spec, Solver::closed_form};
+  }
+
+  std::size_t axes_;
+  SolvedTrack<double> solution_;
+  Move<double> move_;
+  std::vector<AxisLimits<double>> limits_;
+  std::vector<StopCell<double>> cells_;
+  std::optional<StopBounds<double>> bounds_;
+};
+
+Subject subject_of(benchmark::State& state) {
+  const auto axes = static_cast<std::size_t>(state.range(0));
+  return {axes == 3 ? std::size_t{8} : std::size_t{100}, axes};
+}
+
+/// Time runs evenly, to and fro.
+void playhead_tick(benchmark::State& state) {
+  const Subject subject = subject_of(state);
+  Playhead<double> playhead(subject.move(), subject.bounds(), rate_hz);
+  if (!playhead.set_repeat(Repeat::ping_pong) || !playhead.play(Direction::forward)) {
+    throw std::runtime_error("not played");
+  }
+  std::vector<double> positions(subject.axes());
+  for (auto _ : state) {
+    playhead.tick();
+    subject.move().positions(playhead.time(), positions);
+    benchmark::DoNotOptimize(positions.data());
+    benchmark::ClobberMemory();
+  }
+}
+BENCHMARK(playhead_tick)->Arg(3)->Arg(16);
+
+/// Between rest and the drawn speed, again and again, from one end to the other and back.
+void playhead_ramp(benchmark::State& state) {
+  const Subject subject = subject_of(state);
+  Playhead<double> playhead(subject.move(), subject.bounds(), rate_hz);
+  std::vector<double> positions(subject.axes());
+  Direction direction = Direction::forward;
+  for (auto _ : state) {
+    if (playhead.is_resting()) {
+      if (!playhead.play(direction)) {
+        direction = direction == Direction::forward ? Direction::backward : Direction::forward;
+        if (!playhead.play(direction)) throw std::runtime_error("not played");
+      }
+    } else if (playhead.rate_change() == 0) {
+      playhead.stop();
+    }
+    playhead.tick();
+    subject.move().positions(playhead.time(), positions);
+    benchmark::DoNotOptimize(positions.data());
+    benchmark::ClobberMemory();
+  }
+}
+BENCHMARK(playhead_ramp)->Arg(3)->Arg(16);
+
+}  // namespace
+}  // namespace inbetween
+
+BENCHMARK_MAIN();

@@ -1,0 +1,140 @@
+#include "tests/embedded/target/play_report.hpp"
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "inbetween/hash.hpp"
+#include "inbetween/playhead.hpp"
+#include "tests/embedded/target/played_move.hpp"
+#include "tests/embedded/target/report_line.hpp"
+#include "tests/embedded/target/solved_move.hpp"
+
+namespace inbetween::embedded {
+namespace {
+
+template <Precise Real>
+void print_bounds(const PlayedMove<Real>& played) {
+  Fnv1a cells;
+  for (const StopCell<Real>& cell : played.cells()) {
+    for (const Real bound : {cell.rate_change, cell.rate_jerk, cell.release_jerk}) cells.add(bound);
+  }
+  print_hash("cells", cells.value());
+  Fnv1a most;
+  for (const LongestStop<Real>& stop :
+       {played.bounds().longest_in_time(), played.bounds().longest_in_frames()}) {
+    for (const Real number : {stop.length.seconds, stop.length.frames, stop.from_frame}) most.add(number);
+    most.add(static_cast<std::int32_t>(stop.forward));
+  }
+  for (const AxisPeaks<Real>& axis : played.stop_peaks()) {
+    for (const Peak<Real>& peak : {axis.velocity, axis.acceleration, axis.jerk}) {
+      most.add(peak.value);
+      most.add(peak.frame);
+    }
+  }
+  most.add(highest_rate<Real>(played.played(), played.limits()));
+  print_hash("longest", most.value());
+}
+
+/// What somebody does with a move, and where that brings it on every tick.
+template <Precise Real>
+class PlaySession {
+ public:
+  PlaySession(const PlayedMove<Real>& played, const Move& move)
+      : played_(played), move_(move), playhead_(played.move(), played.bounds(), move.rate_hz) {}
+
+  /// False where a command is refused, or something does not come to rest.
+  bool play() {
+    const std::int32_t middle = move_.frames / 2;
+    bool is_well = playhead_.play(Direction::forward).has_value();
+    ticks(move_.rate_hz / 2);
+    playhead_.stop();
+    is_well = is_well && ticks_until_rest() && playhead_.play(Direction::forward);
+    ticks(move_.rate_hz / 3);
+    is_well = is_well && playhead_.set_override(Real(0.4));
+    ticks(move_.rate_hz / 2);
+    is_well = is_well && playhead_.set_override(1) && playhead_.play(Direction::backward);
+    ticks(move_.rate_hz / 4);
+    is_well = is_well && playhead_.go_to(middle) && ticks_until_rest() && is_on(middle);
+    is_well = is_well && playhead_.step(Direction::backward) && ticks_until_rest() && is_on(middle - 1);
+    is_well = is_well && playhead_.scrub_to({middle + middle / 2, Real(0.375)});
+    ticks(move_.rate_hz);
+    playhead_.stop();
+    is_well = is_well && ticks_until_rest() && playhead_.set_repeat(Repeat::ping_pong) &&
+              playhead_.play(Direction::backward);
+    // There and back, once and a little more.
+    const std::int32_t line = played_.move().last_frame() - played_.move().first_frame();
+    const std::int64_t turns = repeats_;
+    ticks(static_cast<int>(last_tick(5 * line / 2, move_.fps, move_.rate_hz)));
+    playhead_.stop();
+    return is_well && ticks_until_rest() && repeats_ - turns >= 2;
+  }
+  [[nodiscard]] std::uint64_t places() const { return places_.value(); }
+  [[nodiscard]] std::uint64_t positions() const { return positions_.value(); }
+
+ private:
+  void ticks(int count) {
+    for (int i = 0; i < count; ++i) tick();
+  }
+  bool ticks_until_rest() {
+    constexpr int patience = 10'000;
+    for (int i = 0; i < patience && !playhead_.is_resting(); ++i) tick();
+    return playhead_.is_resting();
+  }
+  void tick() {
+    const PlayheadEvent event = playhead_.tick();
+    if (event == PlayheadEvent::repeated) ++repeats_;
+    places_.add(static_cast<std::int32_t>(event));
+    places_.add(playhead_.time().frame);
+    places_.add(playhead_.time().fraction);
+    places_.add(playhead_.rate());
+    places_.add(playhead_.rate_change());
+    std::array<Real, most_axes> at{};
+    played_.move().positions(playhead_.time(), std::span(at).first(played_.move().axis_count()));
+    for (const Real position : at) positions_.add(position);
+  }
+  [[nodiscard]] bool is_on(std::int32_t frame) const {
+    return playhead_.time().frame == frame && playhead_.time().fraction == 0;
+  }
+
+  const PlayedMove<Real>& played_;
+  const Move& move_;
+  Playhead<Real> playhead_;
+  std::int64_t repeats_ = 0;
+  Fnv1a places_, positions_;
+};
+
+template <Precise Real>
+void report(const Move& move) {
+  static SolvedMove<Real> solved;
+  static PlayedMove<Real> played;
+  const Result<Track<Real>> track = solved.solve(move);
+  if (!track) return fail(name_of<Real>, move, track.error());
+  if (const Status made = played.make(*track, move.rate_hz); !made) {
+    return fail(name_of<Real>, move, made.error());
+  }
+  print(name_of<Real>);
+  print("_stops ");
+  print(move.name);
+  print_bounds(played);
+  PlaySession<Real> session(played, move);
+  const bool is_well = session.play();
+  print_hash("places", session.places());
+  print_hash("positions", session.positions());
+  print("\n");
+  if (!is_well) {
+    fail(name_of<Real>, move,
+         {.code = ErrorCode::no_solution,
+          .what = "a command was refused, or there was no rest",
+          .remedy = "see PlaySession::play"});
+  }
+}
+
+}  // namespace
+
+void report_play(const Move& move) {
+  report<float>(move);
+  report<double>(move);
+}
+
+}  // namespace inbetween::embedded
