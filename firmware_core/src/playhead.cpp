@@ -98,6 +98,12 @@ void Playhead<Real>::stop() {
 }
 
 template <Precise Real>
+void Playhead<Real>::halt() {
+  has_next_frame_ = false;
+  rest();
+}
+
+template <Precise Real>
 Status Playhead<Real>::go_to(std::int32_t frame) {
   if (!is_on_time_line({frame, 0})) return not_on_time_line();
   if (is_resting()) {

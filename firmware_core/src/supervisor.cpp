@@ -63,15 +63,18 @@ constexpr std::array<Row, supervisor_states> make_table() {
   on(latched, acknowledge, enabling, Action::enable);
   on(latched, drive_fault, faulted, Action::cease_setpoints);
 
-  on(faulted, cleared, latched, Action::none);
+  on(faulted, cleared, cut_off, Action::none);
   on(faulted, power_lost, faulted, Action::none);
+
+  on(cut_off, acknowledge, enabling, Action::enable);
+  on(cut_off, drive_fault, faulted, Action::none);
   return table;
 }
 
 constexpr std::array<Row, supervisor_states> table = make_table();
 
-constexpr std::array<const char*, supervisor_states> state_names{"disarmed", "enabling", "ready",  "running",
-                                                                 "stopping", "latched",  "faulted"};
+constexpr std::array<const char*, supervisor_states> state_names{
+    "disarmed", "enabling", "ready", "running", "stopping", "latched", "faulted", "cut off"};
 constexpr std::array<const char*, supervisor_events> event_names{
     "arm",         "enabled",    "start",   "finished",    "stop",  "rested",
     "drive fault", "power lost", "cleared", "acknowledge", "disarm"};

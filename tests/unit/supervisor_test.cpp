@@ -117,8 +117,20 @@ const std::map<State, std::vector<Cell>> expected{
       {State::faulted, Action::none},
       {State::faulted, Action::none},
       {State::faulted, Action::none},
-      {State::latched, Action::none},
+      {State::cut_off, Action::none},
       {State::faulted, Action::refuse},
+      {State::disarmed, Action::disable}}},
+    {State::cut_off,
+     {{State::cut_off, Action::refuse},
+      {State::cut_off, Action::none},
+      {State::cut_off, Action::refuse},
+      {State::cut_off, Action::none},
+      {State::cut_off, Action::none},
+      {State::cut_off, Action::none},
+      {State::faulted, Action::none},
+      {State::faulted, Action::cease_setpoints},
+      {State::cut_off, Action::none},
+      {State::enabling, Action::enable},
       {State::disarmed, Action::disable}}},
 };
 
@@ -147,7 +159,7 @@ TEST(Supervisor, NothingRunsButByAnExplicitStartFromReady) {
 }
 
 TEST(Supervisor, FromAStopToRunningTheWayIsAcknowledgeEnabledStart) {
-  for (const State from : {State::stopping, State::latched, State::faulted}) {
+  for (const State from : {State::stopping, State::latched, State::faulted, State::cut_off}) {
     // Every sequence of events that never contains acknowledge or disarm, then arm: by reachability.
     std::set<State> reached{from};
     for (std::size_t i = 0; i < supervisor_states; ++i) {

@@ -61,6 +61,9 @@ class Playhead {
   Status play(Direction direction);
   /// The controlled stop: rest as soon as the bounds allow. Always possible; while resting nothing changes.
   void stop();
+  /// Time stands still at once, where it is. Only for a rig that is not sent its positions any more: it does
+  /// not follow, and has to be where the playhead is before it goes on.
+  void halt();
   /// To a frame, and to rest there; where time runs it is stopped first.
   /// Errors: out_of_range (not on the time line).
   Status go_to(std::int32_t frame);

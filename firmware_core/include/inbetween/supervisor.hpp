@@ -13,10 +13,13 @@ enum class SupervisorState : std::uint8_t {
   ready,     ///< the drives hold the position that they had; nothing has been commanded
   running,   ///< setpoints come from the playhead; a pause is running at rate 0
   stopping,  ///< a controlled stop: all axes slow down together on the path
-  latched,   ///< after a stop that was not the end of the move: waits for somebody to acknowledge it
-  faulted,   ///< setpoints have ceased, and what caused it is still there
+  latched,  ///< after a controlled stop that was not the end of the move: holds its last setpoint on the path
+            ///< and waits for somebody to acknowledge it
+  faulted,  ///< setpoints have ceased, and what caused it is still there
+  cut_off,  ///< the cause is gone, and somebody has to acknowledge it: nothing is sent, because the last
+            ///< setpoints are not where the rig is any more
 };
-inline constexpr std::size_t supervisor_states = 7;
+inline constexpr std::size_t supervisor_states = 8;
 
 enum class SupervisorEvent : std::uint8_t {
   arm,       ///< the operator wants to use the rig
@@ -51,7 +54,7 @@ struct SupervisorStep {
 };
 
 /// The whole table: what follows from a state and an event. No other state is kept anywhere. Nothing leads
-/// from latched or faulted to running but acknowledge, enabled and start, in this order. O(1).
+/// from latched, faulted or cut_off to running but acknowledge, enabled and start, in this order. O(1).
 SupervisorStep supervise(SupervisorState state, SupervisorEvent event);
 
 /// In words, for people: "latched".

@@ -1,0 +1,211 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "inbetween/limits.hpp"
+#include "inbetween/move.hpp"
+#include "inbetween/playhead.hpp"
+#include "inbetween/ports.hpp"
+#include "inbetween/result.hpp"
+#include "inbetween/supervisor.hpp"
+
+/// The loop that moves a rig, on hardware and in simulation: read, update, write, once a tick.
+
+namespace inbetween {
+
+/// The axes of a rig and the move that it is to make. Refers to the caller's memory.
+template <Precise Real>
+struct LoopSpec {
+  const Move<Real>* move = nullptr;
+  Playhead<Real>* playhead = nullptr;
+  std::span<const std::size_t> drive_of;     ///< for every axis of the move
+  std::span<const AxisLimits<Real>> limits;  ///< for every axis of the move
+  Real tick_seconds = Real(1) / 250;
+};
+
+/// The memory of a motion loop, owned by the caller.
+template <Precise Real>
+struct LoopMemory {
+  std::span<DriveState<Real>> states;  ///< drives
+  std::span<Real> setpoints;           ///< drives
+  std::span<Real> positions;           ///< axes of the move
+};
+
+/// What a tick brought about.
+struct LoopTick {
+  SupervisorState state = SupervisorState::disarmed;
+  PlayheadEvent event = PlayheadEvent::none;
+  bool lost_time = false;  ///< it came too late to be made up for: the rig slows down
+};
+
+/// Axes in no move keep the setpoint that they had when the drives were switched on: their actual position.
+///
+/// Late ticks: the playhead goes on by as many ticks as have passed if that takes no axis further than
+/// max_velocity allows within one tick. Otherwise the lost time stays lost and the rig slows down on the path
+/// (never a burst; faults.md 36).
+template <Precise Real, DrivePort<Real> Drives, LinePort Lines>
+class MotionLoop {
+ public:
+  /// `memory` has room for the drives and for the axes of every move that will be loaded.
+  MotionLoop(Drives& drives, Lines& lines, const LoopMemory<Real>& memory)
+      : drives_(&drives), lines_(&lines), memory_(memory) {}
+
+  /// The move that `start` will begin. Errors: out_of_range (a move is running), wrong_count (drive_of,
+  /// limits or memory are not as many as the axes).
+  Status load(const LoopSpec<Real>& spec) {
+    if (state_ == SupervisorState::running || state_ == SupervisorState::stopping) {
+      return Error{.code = ErrorCode::out_of_range, .what = "a move is running", .remedy = "stop it first"};
+    }
+    const std::size_t axes = spec.move->axis_count();
+    if (spec.drive_of.size() != axes || spec.limits.size() != axes || memory_.positions.size() < axes) {
+      return Error{.code = ErrorCode::wrong_count,
+                   .what = "the loop has not a drive, limits and memory for every axis of the move",
+                   .remedy = "give as many as the move has axes",
+                   .needed = static_cast<std::int64_t>(axes)};
+    }
+    spec_ = spec;
+    return Done{};
+  }
+
+  /// What the operator wants, or something outside the drives tells. False: refused in this state.
+  bool post(SupervisorEvent event) {
+    if (event == SupervisorEvent::start) return static_cast<bool>(start(Direction::forward));
+    return apply(event);
+  }
+
+  /// Begins the move from the frame on which the playhead rests. Errors: out_of_range (nothing loaded, not
+  /// ready, nothing more to play), no_solution with axis (the axis is not where the move starts: within what
+  /// max_acceleration covers in a tick).
+  Status start(Direction direction) {
+    if (spec_.move == nullptr || state_ != SupervisorState::ready) {
+      return Error{.code = ErrorCode::out_of_range,
+                   .what = "the rig is not ready for a move",
+                   .remedy = "load one, arm the rig and wait until its drives are on"};
+    }
+    move_positions(*spec_.playhead);
+    for (std::size_t d = 0; d < spec_.move->axis_count(); ++d) {
+      const Real off = std::fabs(memory_.positions[d] - setpoint(d));
+      if (off <= spec_.limits[d].max_acceleration() * spec_.tick_seconds * spec_.tick_seconds) continue;
+      return Error{.code = ErrorCode::no_solution,
+                   .what = "the axis is not where the move starts",
+                   .remedy = "go to the start slowly first",
+                   .axis = static_cast<std::int32_t>(d)};
+    }
+    if (const Status can_play = spec_.playhead->play(direction); !can_play) return can_play;
+    apply(SupervisorEvent::start);
+    return Done{};
+  }
+
+  /// `ticks` have passed since the last call, usually 1. O(axes), no allocation.
+  LoopTick tick(std::int32_t ticks) {
+    LoopTick result;
+    read();
+    if (is_moving()) advance(ticks, result);
+    if (sends_setpoints()) drives_->write(memory_.setpoints);
+    result.state = state_;
+    return result;
+  }
+
+  [[nodiscard]] SupervisorState state() const { return state_; }
+  /// The setpoints of the last tick, a drive each.
+  [[nodiscard]] std::span<const Real> setpoints() const { return memory_.setpoints; }
+  [[nodiscard]] std::span<const DriveState<Real>> drive_states() const { return memory_.states; }
+
+ private:
+  [[nodiscard]] bool is_moving() const {
+    return state_ == SupervisorState::running || state_ == SupervisorState::stopping;
+  }
+  /// Nothing is sent before the drives are on, nor after power was lost.
+  [[nodiscard]] bool sends_setpoints() const {
+    return is_moving() || state_ == SupervisorState::ready || state_ == SupervisorState::latched;
+  }
+  [[nodiscard]] Real& setpoint(std::size_t axis) { return memory_.setpoints[spec_.drive_of[axis]]; }
+
+  void read() {
+    if (!drives_->is_connected() || lines_->emergency_stop()) {
+      apply(SupervisorEvent::power_lost);
+      return;
+    }
+    drives_->read(memory_.states);
+    if (std::ranges::any_of(memory_.states, &DriveState<Real>::has_fault)) {
+      apply(SupervisorEvent::drive_fault);
+    } else if (state_ == SupervisorState::faulted) {
+      apply(SupervisorEvent::cleared);
+    } else if (state_ == SupervisorState::enabling &&
+               std::ranges::all_of(memory_.states, &DriveState<Real>::is_on)) {
+      apply(SupervisorEvent::enabled);
+    }
+  }
+
+  void advance(std::int32_t ticks, LoopTick& result) {
+    Playhead<Real> ahead = *spec_.playhead;
+    for (std::int32_t i = 0; i < ticks && result.event == PlayheadEvent::none; ++i)
+      result.event = ahead.tick();
+    move_positions(ahead);
+    if (ticks > 1 && jumps()) {
+      result.lost_time = true;
+      apply(SupervisorEvent::stop);
+      result.event = spec_.playhead->tick();
+      move_positions(*spec_.playhead);
+    } else {
+      *spec_.playhead = ahead;
+    }
+    for (std::size_t d = 0; d < spec_.move->axis_count(); ++d) setpoint(d) = memory_.positions[d];
+    if (result.event == PlayheadEvent::finished) apply(SupervisorEvent::finished);
+    if (state_ == SupervisorState::stopping && spec_.playhead->is_resting()) apply(SupervisorEvent::rested);
+  }
+  void move_positions(const Playhead<Real>& playhead) {
+    spec_.move->positions(playhead.time(), memory_.positions);
+  }
+  /// Whether an axis would go further in this tick than its max_velocity allows.
+  [[nodiscard]] bool jumps() {
+    for (std::size_t d = 0; d < spec_.move->axis_count(); ++d) {
+      const Real way = std::fabs(memory_.positions[d] - setpoint(d));
+      if (way > spec_.limits[d].max_velocity() * spec_.tick_seconds) return true;
+    }
+    return false;
+  }
+
+  bool apply(SupervisorEvent event) {
+    const SupervisorStep step = supervise(state_, event);
+    state_ = step.state;
+    switch (step.action) {
+      case SupervisorAction::refuse:
+        return false;
+      case SupervisorAction::enable:
+        drives_->enable();
+        break;
+      case SupervisorAction::disable:
+        if (spec_.playhead != nullptr) spec_.playhead->halt();
+        drives_->disable();
+        break;
+      case SupervisorAction::hold_actual:
+        for (std::size_t i = 0; i < memory_.states.size(); ++i) {
+          memory_.setpoints[i] = memory_.states[i].actual;
+        }
+        break;
+      case SupervisorAction::slow_down:
+        spec_.playhead->stop();
+        break;
+      case SupervisorAction::cease_setpoints:
+        if (spec_.playhead != nullptr) spec_.playhead->halt();
+        break;
+      case SupervisorAction::play:
+      case SupervisorAction::none:
+        break;
+    }
+    return true;
+  }
+
+  Drives* drives_;
+  Lines* lines_;
+  LoopMemory<Real> memory_;
+  LoopSpec<Real> spec_;
+  SupervisorState state_ = SupervisorState::disarmed;
+};
+
+}  // namespace inbetween

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "inbetween/ports.hpp"
+#include "sim/simulated_axis.hpp"
+
+namespace inbetween {
+
+/// The drives of a rig without hardware: each arrives at a setpoint one tick after it was written. Switched
+/// on by the tick after `enable`. What goes wrong on a rig can be made to go wrong here.
+class SimulatedRig {
+ public:
+  /// At rest at `positions`, switched off.
+  explicit SimulatedRig(std::span<const double> positions);
+
+  [[nodiscard]] bool is_connected() const { return connected_; }
+  void read(std::span<DriveState<double>> states);
+  void write(std::span<const double> setpoints);
+  void enable() { is_switched_on_ = true; }
+  void disable();
+
+  [[nodiscard]] const std::vector<SimulatedAxis>& axes() const { return axes_; }
+  /// How often setpoints have been written.
+  [[nodiscard]] std::size_t writes() const { return writes_; }
+
+  /// Setpoints do not arrive any more, and drives stay where they are.
+  void disconnect() { connected_ = false; }
+  void reconnect() { connected_ = true; }
+  void set_fault(std::size_t axis, bool has_fault) { faults_[axis] = has_fault; }
+  /// Somebody moves an axis while it is off.
+  void move_by_hand(std::size_t axis, double position) { axes_[axis] = SimulatedAxis(position); }
+
+ private:
+  std::vector<SimulatedAxis> axes_;
+  std::vector<bool> faults_;
+  bool connected_ = true;
+  bool is_switched_on_ = false;
+  std::size_t writes_ = 0;
+};
+
+/// Lines that are released.
+struct SimulatedLines {
+  bool is_pressed = false;
+  [[nodiscard]] bool emergency_stop() const { return is_pressed; }
+};
+
+}  // namespace inbetween

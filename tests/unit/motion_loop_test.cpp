@@ -1,0 +1,308 @@
+// The loop that moves a rig, on a simulated one: who may move when, and what happens when something fails.
+#include "inbetween/motion_loop.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+#include "host_tools/plan.hpp"
+#include "host_tools/planned_stops.hpp"
+#include "sim/simulated_rig.hpp"
+
+namespace inbetween {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+const std::string glide = R"(name = "glide"
+fps = 24
+frames = 48
+[[track]]
+axes = ["pan", "track"]
+keys = [ { at = [10, 100] }, { at = [20, 180] }, { at = [-5, 260] } ]
+speed = [0, 0, 10, 0, 0]
+)";
+
+const std::string crane_rig = R"(name = "crane"
+rate_hz = 250
+[[axis]]
+name = "track"
+unit = "mm"
+min = 0
+max = 500
+max_velocity = 250
+max_acceleration = 1000
+max_jerk = 20000
+drive = { type = "pipe", path = "/dev/null", counts_per_unit = 1 }
+[[axis]]
+name = "lamp"
+unit = "unit"
+min = 0
+max = 1
+max_velocity = 1
+max_acceleration = 1
+drive = { type = "pipe", path = "/dev/null", counts_per_unit = 1 }
+[[axis]]
+name = "pan"
+unit = "deg"
+min = -90
+max = 90
+max_velocity = 120
+max_acceleration = 700
+max_jerk = 12000
+drive = { type = "pipe", path = "/dev/null", counts_per_unit = 1 }
+)";
+
+constexpr double tick_s = 1.0 / 250;
+
+/// A rig whose axes stand at the start of the move, the lamp at 0.25.
+struct Crane {
+  Plan plan{parse_move(glide, "move.toml"), parse_rig(crane_rig, "rig.toml"), {}};
+  PlannedStops stops{plan};
+  Playhead<double> playhead{plan.played(), *stops.bounds(), 250};
+  std::vector<std::size_t> drive_of{2, 0};
+  SimulatedRig rig;
+  SimulatedLines lines;
+  std::vector<DriveState<double>> states{3};
+  std::vector<double> setpoints = std::vector<double>(3);
+  std::vector<double> positions = std::vector<double>(2);
+  MotionLoop<double, SimulatedRig, SimulatedLines> loop{rig, lines, {states, setpoints, positions}};
+
+  explicit Crane(const std::vector<double>& at = {100, 0.25, 10}) : rig(at) {
+    EXPECT_TRUE(loop.load({&plan.played(), &playhead, drive_of, plan.limits(), tick_s}));
+  }
+  void tick(int count, std::int32_t ticks = 1) {
+    for (int i = 0; i < count; ++i) loop.tick(ticks);
+  }
+  void arm() {
+    EXPECT_TRUE(loop.post(SupervisorEvent::arm));
+    tick(2);
+    EXPECT_EQ(loop.state(), SupervisorState::ready);
+  }
+  void run_until_rest() {
+    for (int i = 0;
+         i < 5000 && (loop.state() == SupervisorState::running || loop.state() == SupervisorState::stopping);
+         ++i) {
+      loop.tick(1);
+    }
+  }
+  [[nodiscard]] std::vector<double> at() const { return {setpoints.begin(), setpoints.end()}; }
+};
+
+TEST(MotionLoop, RunsAMoveFromArmingToItsLastFrame) {
+  Crane crane;
+  crane.tick(3);
+  EXPECT_EQ(crane.rig.writes(), 0U) << "nothing is sent before somebody arms the rig";
+  crane.arm();
+  EXPECT_THAT(crane.at(), ElementsAre(100, 0.25, 10));
+  ASSERT_TRUE(crane.loop.post(SupervisorEvent::start));
+  std::vector<double> expected(2);
+  const std::int64_t last = last_tick(48, {24, 1}, 250);
+  for (std::int64_t tick = 1; tick <= last; ++tick) {
+    EXPECT_EQ(crane.loop.state(), SupervisorState::running);
+    crane.loop.tick(1);
+    crane.plan.played().positions(frame_time_of_tick<double>(tick, {24, 1}, 250), expected);
+    ASSERT_THAT(crane.at(), ElementsAre(expected[1], 0.25, expected[0])) << tick;
+  }
+  EXPECT_EQ(crane.loop.state(), SupervisorState::ready);
+  EXPECT_THAT(crane.at(), ElementsAre(260, 0.25, -5));
+}
+
+TEST(MotionLoop, NothingStartsThatIsNotReady) {
+  Crane crane;
+  EXPECT_FALSE(crane.loop.post(SupervisorEvent::start));
+  EXPECT_EQ(crane.loop.state(), SupervisorState::disarmed);
+  crane.arm();
+  ASSERT_TRUE(crane.loop.post(SupervisorEvent::start));
+  EXPECT_FALSE(crane.loop.post(SupervisorEvent::start)) << "it runs already";
+  EXPECT_FALSE(crane.loop.post(SupervisorEvent::acknowledge));
+  EXPECT_FALSE(
+      crane.loop.load({&crane.plan.played(), &crane.playhead, crane.drive_of, crane.plan.limits(), tick_s}));
+}
+
+// faults.md 27
+TEST(MotionLoop, AnAxisThatIsNotWhereTheMoveStartsIsNamedAndNothingMoves) {
+  Crane crane({100, 0.25, 11});
+  crane.arm();
+  const Status refused = crane.loop.start(Direction::forward);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().axis, 0);
+  EXPECT_THAT(refused.error().remedy, HasSubstr("go to the start slowly"));
+  EXPECT_EQ(crane.loop.state(), SupervisorState::ready);
+  crane.tick(10);
+  EXPECT_THAT(crane.at(), ElementsAre(100, 0.25, 11)) << "the first setpoint is the actual position";
+}
+
+TEST(MotionLoop, AStopLatchesAndGoesOnOnlyWhenAcknowledgedAndStarted) {
+  Crane crane;
+  crane.arm();
+  ASSERT_TRUE(crane.loop.post(SupervisorEvent::start));
+  crane.tick(200);
+  ASSERT_TRUE(crane.loop.post(SupervisorEvent::stop));
+  EXPECT_EQ(crane.loop.state(), SupervisorState::stopping);
+  crane.run_until_rest();
+  EXPECT_EQ(crane.loop.state(), SupervisorState::latched);
+  const std::vector<double> rest = crane.at();
+  EXPECT_FALSE(crane.loop.post(SupervisorEvent::start));
+  crane.tick(100);
+  EXPECT_EQ(crane.at(), rest) << "no motion after a stop";
+  ASSERT_TRUE(crane.loop.post(SupervisorEvent::acknowledge));
+  crane.tick(3);
+  EXPECT_EQ(crane.loop.state(), SupervisorState::ready);
+  EXPECT_EQ(crane.at(), rest);
+  ASSERT_TRUE(crane.loop.post(SupervisorEvent::start));
+  crane.run_until_rest();
+  EXPECT_EQ(crane.loop.state(), SupervisorState::ready);
+  EXPECT_THAT(crane.at(), ElementsAre(260, 0.25, -5));
+}
+
+TEST(MotionLoop, APauseIsNoStop) {
+  Crane crane;
+  crane.arm();
+  ASSERT_TRUE(crane.loop.post(SupervisorEvent::start));
+  crane.tick(200);
+  crane.playhead.stop();
+  crane.tick(500);
+  EXPECT_EQ(crane.loop.state(), SupervisorState::running);
+  EXPECT_TRUE(crane.playhead.is_resting());
+  ASSERT_TRUE(crane.playhead.play(Direction::forward));
+  crane.run_until_rest();
+  EXPECT_THAT(crane.at(), ElementsAre(260, 0.25, -5));
+}
+
+TEST(MotionLoop, AStopWhilePausedIsAtRestAtOnce) {
+  Crane crane;
+  crane.arm();
+  ASSERT_TRUE(crane.loop.post(SupervisorEvent::start));
+  crane.tick(200);
+  crane.playhead.stop();
+  crane.tick(500);
+  ASSERT_TRUE(crane.loop.post(SupervisorEvent::stop));
+  crane.tick(1);
+  EXPECT_EQ(crane.loop.state(), SupervisorState::latched);
+}
+
+TEST(MotionLoop, WithoutPowerNothingIsSentAndNothingResumesByItself) {
+  Crane crane;
+  crane.arm();
+  ASSERT_TRUE(crane.loop.post(SupervisorEvent::start));
+  crane.tick(200);
+  crane.lines.is_pressed = true;
+  crane.tick(1);
+  EXPECT_EQ(crane.loop.state(), SupervisorState::faulted);
+  const std::size_t writes = crane.rig.writes();
+  crane.tick(50);
+  EXPECT_EQ(crane.rig.writes(), writes);
+  EXPECT_FALSE(crane.loop.post(SupervisorEvent::acknowledge)) << "it is still pressed";
+  crane.rig.move_by_hand(2, 33);
+  crane.lines.is_pressed = false;
+  crane.tick(50);
+  EXPECT_EQ(crane.loop.state(), SupervisorState::cut_off);
+  EXPECT_EQ(crane.rig.writes(), writes) << "old targets would snap the arm back";
+  ASSERT_TRUE(crane.loop.post(SupervisorEvent::acknowledge));
+  crane.tick(3);
+  EXPECT_EQ(crane.loop.state(), SupervisorState::ready);
+  EXPECT_EQ(crane.at()[2], 33) << "positions were read again";
+  EXPECT_FALSE(crane.loop.post(SupervisorEvent::start)) << "it has been moved";
+  crane.tick(50);
+  EXPECT_EQ(crane.at()[2], 33);
+}
+
+TEST(MotionLoop, AfterLostPowerNoSpeedIsLeftOver) {
+  Crane crane;
+  crane.arm();
+  ASSERT_TRUE(crane.loop.post(SupervisorEvent::start));
+  crane.tick(200);
+  crane.rig.disconnect();
+  crane.tick(1);
+  EXPECT_TRUE(crane.playhead.is_resting()) << "no speed is left over";
+  crane.rig.reconnect();
+  crane.tick(1);
+  EXPECT_EQ(crane.loop.state(), SupervisorState::cut_off);
+  ASSERT_TRUE(crane.loop.post(SupervisorEvent::acknowledge));
+  crane.tick(3);
+  // The drives have come to rest a tick behind the last setpoint: somebody has to take them there slowly.
+  EXPECT_FALSE(crane.loop.post(SupervisorEvent::start));
+  crane.playhead = Playhead<double>(crane.plan.played(), *crane.stops.bounds(), 250);
+  crane.rig.move_by_hand(0, 100);
+  crane.rig.move_by_hand(2, 10);
+  ASSERT_TRUE(crane.loop.post(SupervisorEvent::disarm));
+  crane.arm();
+  ASSERT_TRUE(crane.loop.post(SupervisorEvent::start));
+  crane.run_until_rest();
+  EXPECT_THAT(crane.at(), ElementsAre(260, 0.25, -5));
+}
+
+TEST(MotionLoop, AFaultOfOneDriveSlowsAllDownOnThePath) {
+  Crane crane;
+  crane.arm();
+  ASSERT_TRUE(crane.loop.post(SupervisorEvent::start));
+  crane.tick(200);
+  crane.rig.set_fault(0, true);
+  crane.tick(1);
+  EXPECT_EQ(crane.loop.state(), SupervisorState::stopping);
+  std::vector<double> expected(2);
+  for (int i = 0; i < 2000 && crane.loop.state() == SupervisorState::stopping; ++i) {
+    crane.loop.tick(1);
+    crane.plan.played().positions(crane.playhead.time(), expected);
+    ASSERT_THAT(crane.at(), ElementsAre(expected[1], 0.25, expected[0]));
+  }
+  crane.tick(1);
+  EXPECT_EQ(crane.loop.state(), SupervisorState::faulted) << "the drive is still faulty";
+  EXPECT_FALSE(crane.loop.post(SupervisorEvent::acknowledge));
+  crane.rig.set_fault(0, false);
+  crane.tick(1);
+  EXPECT_EQ(crane.loop.state(), SupervisorState::cut_off);
+}
+
+// faults.md 36
+TEST(MotionLoop, ALateTickIsMadeUpForWhereNoAxisGoesBeyondItsVelocity) {
+  Crane crane;
+  crane.arm();
+  ASSERT_TRUE(crane.loop.post(SupervisorEvent::start));
+  crane.tick(30);
+  EXPECT_FALSE(crane.loop.tick(3).lost_time) << "it is slow here";
+  EXPECT_EQ(crane.loop.state(), SupervisorState::running);
+  std::vector<double> expected(2);
+  crane.plan.played().positions(frame_time_of_tick<double>(33, {24, 1}, 250), expected);
+  EXPECT_EQ(crane.at()[0], expected[1]);
+}
+
+// faults.md 36
+TEST(MotionLoop, ALongStallIsAControlledStopAndNeverABurst) {
+  Crane crane;
+  crane.arm();
+  ASSERT_TRUE(crane.loop.post(SupervisorEvent::start));
+  crane.tick(230);
+  std::vector<double> before = crane.at();
+  EXPECT_TRUE(crane.loop.tick(100).lost_time);
+  EXPECT_EQ(crane.loop.state(), SupervisorState::stopping);
+  while (crane.loop.state() == SupervisorState::stopping) {
+    EXPECT_LE(std::abs(crane.at()[0] - before[0]), 250 * tick_s);
+    EXPECT_LE(std::abs(crane.at()[2] - before[2]), 120 * tick_s);
+    before = crane.at();
+    crane.loop.tick(1);
+  }
+  EXPECT_EQ(crane.loop.state(), SupervisorState::latched);
+}
+
+TEST(MotionLoop, DisarmingStopsFirst) {
+  Crane crane;
+  crane.arm();
+  ASSERT_TRUE(crane.loop.post(SupervisorEvent::start));
+  crane.tick(200);
+  EXPECT_TRUE(crane.loop.post(SupervisorEvent::disarm));
+  EXPECT_EQ(crane.loop.state(), SupervisorState::stopping);
+  crane.run_until_rest();
+  EXPECT_EQ(crane.loop.state(), SupervisorState::latched);
+  EXPECT_TRUE(crane.loop.post(SupervisorEvent::disarm));
+  EXPECT_EQ(crane.loop.state(), SupervisorState::disarmed);
+}
+
+}  // namespace
+}  // namespace inbetween
