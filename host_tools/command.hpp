@@ -1,6 +1,7 @@
 // What the commands of `inbetween` share. Each has a file of its own, command_NAME.cpp.
 #pragma once
 
+#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <functional>
 #include <optional>
@@ -9,10 +10,6 @@
 #include <vector>
 
 #include "host_tools/plan.hpp"
-
-namespace CLI {
-class App;
-}
 
 namespace inbetween {
 

@@ -6,8 +6,10 @@
 
 #include "drivers/linux/monotonic_clock.hpp"
 #include "host_tools/json_writer.hpp"
+#include "host_tools/planned_stops.hpp"
 #include "inbetween/frame_time.hpp"
-#include "sim/simulated_axis.hpp"
+#include "inbetween/motion_loop.hpp"
+#include "sim/simulated_rig.hpp"
 #include "sim/virtual_clock.hpp"
 
 namespace inbetween {
@@ -20,72 +22,97 @@ double parked(const RigAxis& axis) {
   return std::clamp(0.0, axis.min, axis.max);
 }
 
-/// The setpoints of a plan with its rolls, tick by tick, in the order of the rig's axes.
-class Setpoints {
- public:
-  explicit Setpoints(const Plan& plan)
-      : plan_(plan),
-        fps_(plan.move().fps.rate),
-        rate_hz_(plan.rig()->rate_hz),
-        last_(last_tick(plan.played().last_frame() - plan.played().first_frame(), fps_, rate_hz_)),
-        moving_(plan.played().axis_count()) {
-    for (const RigAxis& axis : plan.rig()->axes) positions_.push_back(parked(axis));
-  }
-
-  [[nodiscard]] std::int64_t last() const { return last_; }
-  [[nodiscard]] FrameTime<double> time(std::int64_t tick) const {
-    FrameTime<double> time = frame_time_of_tick<double>(tick, fps_, rate_hz_);
-    time.frame += plan_.played().first_frame();
-    return time;
-  }
-  /// Valid until the next call. An axis in no track keeps its parked position.
-  const std::vector<double>& at(std::int64_t tick) {
-    plan_.played().positions(time(tick), moving_);
-    for (std::size_t a = 0; a < positions_.size(); ++a) {
-      const PlanAxis& axis = plan_.axes()[a];
-      if (axis.track) positions_[a] = moving_[axis.move_axis];
-    }
-    return positions_;
-  }
-
- private:
-  const Plan& plan_;
-  FrameRate fps_;
-  std::int32_t rate_hz_;
-  std::int64_t last_;
-  std::vector<double> moving_;  ///< track after track
-  std::vector<double> positions_;
-};
-
 const Place& place_of(const PlanAxis& axis, const MoveFile& move) {
   return move.tracks[*axis.track].axis_places[axis.track_axis];
 }
 
-void refuse_positions_beyond_limits(const Plan& plan, Setpoints& setpoints) {
-  for (std::int64_t tick = 0; tick <= setpoints.last(); ++tick) {
-    const std::vector<double>& positions = setpoints.at(tick);
-    for (std::size_t a = 0; a < positions.size(); ++a) {
+/// Where the axes of the rig stand at a time of the move; those in no track where they are parked.
+std::vector<double> positions_at(const Plan& plan, const FrameTime<double>& time) {
+  std::vector<double> moving(plan.played().axis_count());
+  plan.played().positions(time, moving);
+  std::vector<double> positions;
+  for (std::size_t a = 0; a < plan.axes().size(); ++a) {
+    const PlanAxis& axis = plan.axes()[a];
+    positions.push_back(axis.track ? moving[axis.move_axis] : parked(plan.rig()->axes[a]));
+  }
+  return positions;
+}
+
+void refuse_positions_beyond_limits(const Plan& plan, std::int64_t last) {
+  std::vector<double> positions(plan.played().axis_count());
+  for (std::int64_t tick = 0; tick <= last; ++tick) {
+    FrameTime<double> when = frame_time_of_tick<double>(tick, plan.move().fps.rate, plan.rig()->rate_hz);
+    when.frame += plan.played().first_frame();
+    plan.played().positions(when, positions);
+    for (std::size_t d = 0; d < positions.size(); ++d) {
+      const std::size_t a = plan.axis_of(d);
       const RigAxis& axis = plan.rig()->axes[a];
-      if (positions[a] >= axis.min && positions[a] <= axis.max) continue;
-      const FrameTime<double> when = setpoints.time(tick);
+      if (positions[d] >= axis.min && positions[d] <= axis.max) continue;
       throw LimitError(
           place_of(plan.axes()[a], plan.move()),
           fmt::format("axis {} would go to {} {} at frame {:.2f}, outside {}..{} of the rig {}; "
                       "move its keys inward",
-                      in_quotes(axis.name), positions[a], to_string(axis.unit), when.frame + when.fraction,
+                      in_quotes(axis.name), positions[d], to_string(axis.unit), when.frame + when.fraction,
                       axis.min, axis.max, in_quotes(plan.rig()->name)));
     }
   }
 }
 
-/// The loop: wait, compute, send.
+/// A plan on a simulated rig that stands at its beginning.
+class SimulatedRun {
+ public:
+  explicit SimulatedRun(const Plan& plan)
+      : stops_(plan),
+        playhead_(plan.played(), *stops_.bounds(), plan.rig()->rate_hz),
+        rig_(positions_at(plan, {plan.played().first_frame(), 0})),
+        states_(plan.axes().size()),
+        setpoints_(plan.axes().size()),
+        positions_(plan.played().axis_count()),
+        loop_(rig_, lines_, {states_, setpoints_, positions_}) {
+    for (std::size_t d = 0; d < positions_.size(); ++d) drive_of_.push_back(plan.axis_of(d));
+    require(loop_.load({.move = &plan.played(),
+                        .playhead = &playhead_,
+                        .drive_of = drive_of_,
+                        .limits = plan.limits(),
+                        .tick_seconds = 1.0 / plan.rig()->rate_hz}));
+  }
+  SimulatedRun(const SimulatedRun&) = delete;
+  SimulatedRun& operator=(const SimulatedRun&) = delete;
+
+  /// Switches the drives on, without waiting, and starts the move.
+  void start() {
+    loop_.post(SupervisorEvent::arm);
+    while (loop_.state() != SupervisorState::ready) loop_.tick(1);
+    require(loop_.start(Direction::forward));
+  }
+  void tick() { loop_.tick(1); }
+  [[nodiscard]] const std::vector<SimulatedAxis>& axes() const { return rig_.axes(); }
+
+ private:
+  static void require(const Status& status) {
+    if (!status) throw SolverError(status.error());
+  }
+
+  PlannedStops stops_;
+  Playhead<double> playhead_;
+  SimulatedRig rig_;
+  SimulatedLines lines_;
+  std::vector<std::size_t> drive_of_;
+  std::vector<DriveState<double>> states_;
+  std::vector<double> setpoints_;
+  std::vector<double> positions_;
+  MotionLoop<double, SimulatedRig, SimulatedLines> loop_;
+};
+
+/// Waits for every tick. One that comes a whole period late or more delays those after it: time stands still
+/// for the rig meanwhile, and there is no burst.
 template <class Clock>
-void play(Setpoints& setpoints, const RunOptions& options, Clock& clock, std::vector<SimulatedAxis>& axes,
+void play(SimulatedRun& run, const RunOptions& options, Clock& clock, std::int64_t last_tick,
           std::int32_t rate_hz, RunReport& report) {
   const MonotonicClock wall;
-  const std::int64_t last = setpoints.last() + 1;  // in one more tick the drives arrive
+  const std::int64_t last = last_tick + 1;  // in one more tick the drives arrive
   WakeLatencyCounter latencies;
-  const std::int64_t start_ns = clock.now_ns();
+  std::int64_t start_ns = clock.now_ns();
   std::int64_t next_progress_ns = 0;
   for (std::int64_t tick = 0; tick <= last; ++tick) {
     const std::int64_t deadline_ns =
@@ -93,16 +120,18 @@ void play(Setpoints& setpoints, const RunOptions& options, Clock& clock, std::ve
     clock.sleep_until_ns(deadline_ns);
     const std::int64_t latency_ns = clock.now_ns() - deadline_ns;
     latencies.add(latency_ns);
-    if (latency_ns >= ns_per_s / rate_hz) ++report.late_ticks;
-    const std::vector<double>& positions = setpoints.at(std::min(tick, setpoints.last()));
-    for (std::size_t a = 0; a < axes.size(); ++a) axes[a].tick(positions[a]);
+    if (latency_ns >= ns_per_s / rate_hz) {
+      ++report.late_ticks;
+      start_ns += latency_ns;
+    }
+    if (tick > 0) run.tick();
     if (options.progress && (tick % 64 == 0 || !options.fast) && wall.now_ns() >= next_progress_ns) {
       options.progress(tick, last);
       next_progress_ns = wall.now_ns() + ns_per_s / 10;
     }
   }
   if (options.progress) options.progress(last, last);
-  report.ticks = setpoints.last() + 1;
+  report.ticks = last_tick + 1;
   report.wake_latency = latencies.summary();
 }
 
@@ -122,19 +151,21 @@ const char* name_of(Ending ending) {
 
 RunReport run_simulated(const Plan& plan, const RunOptions& options) {
   refuse_beyond_limits(check(plan));
-  Setpoints setpoints(plan);
-  refuse_positions_beyond_limits(plan, setpoints);
-  std::vector<SimulatedAxis> axes;
-  for (const double position : setpoints.at(0)) axes.emplace_back(position);
+  const std::int64_t last = last_tick(plan.played().last_frame() - plan.played().first_frame(),
+                                      plan.move().fps.rate, plan.rig()->rate_hz);
+  refuse_positions_beyond_limits(plan, last);
+  SimulatedRun run(plan);
+  run.start();
   RunReport report;
   report.reason = "the move was played to its last frame";
   if (options.fast) {
     VirtualClock clock;
-    play(setpoints, options, clock, axes, plan.rig()->rate_hz, report);
+    play(run, options, clock, last, plan.rig()->rate_hz, report);
   } else {
     MonotonicClock clock;
-    play(setpoints, options, clock, axes, plan.rig()->rate_hz, report);
+    play(run, options, clock, last, plan.rig()->rate_hz, report);
   }
+  const std::vector<SimulatedAxis>& axes = run.axes();
   for (std::size_t a = 0; a < axes.size(); ++a) {
     const RigAxis& axis = plan.rig()->axes[a];
     report.axes.push_back({axis.name, std::string(to_string(axis.unit)), axes[a].commanded(),

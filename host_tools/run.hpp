@@ -42,9 +42,10 @@ struct RunReport {
 
 /// Plays the plan on simulated axes at the rig's rate: tick k at k / rate_hz seconds from the beginning
 /// of the move, or of its pre-roll, to the first tick at or after the end, and one more in which the axes
-/// arrive. Axes in no track stay where they are. Before the first tick the plan is checked (check.hpp), and
-/// every setpoint of the move is held against the rig's position limits. Throws LimitError at the place of
-/// what is wrong. The plan has a rig.
+/// arrive. Axes in no track stay where they are. It is the motion loop of the core that drives hardware as
+/// well. A tick that comes a period late or more delays those after it: there is no burst. Before the first
+/// tick the plan is checked (check.hpp), and every setpoint of the move is held against the rig's position
+/// limits. Throws LimitError at the place of what is wrong. The plan has a rig.
 RunReport run_simulated(const Plan& plan, const RunOptions& options);
 
 /// Version 1 of the format that docs/formats.md describes.
