@@ -106,7 +106,7 @@ class TrackCells {
       const Real border = (first_frame_ + static_cast<Real>(cell + 1) * cell_frames_ - time.first_frame);
       part.end = cell == last ? stretch.end : std::clamp(border / time.frames, part.begin, stretch.end);
       part.tau_end = cell == last ? stretch.tau_end : walk_.tau_at(time, stretch.path, part.end);
-      if (part.end > part.begin) visit(part, cell);
+      if (part.end > part.begin || stretch.begin == stretch.end) visit(part, cell);
       part.begin = part.end;
       part.tau_begin = part.tau_end;
     }

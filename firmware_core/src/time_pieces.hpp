@@ -82,6 +82,7 @@ class StretchWalk {
     next_segment();
     if (track_.has_profile()) {
       for (std::int32_t i = 0; i < track_.profile().span_count(); ++i) walk_span(i, visit);
+      finish(visit);
       return;
     }
     for (const KeyInterval<Real>& interval : track_.key_intervals()) {
@@ -131,7 +132,20 @@ class StretchWalk {
       if (!(piece.begin < piece.end)) continue;
       for (std::size_t k = 0; k < phi.size(); ++k) piece.speed[k] = constant / piece.seconds * phi[k];
       piece.differentiate();
+      last_time_ = piece;
       walk_piece(piece, visit);
+    }
+  }
+
+  /// The motion ends at the end of the path, exactly; the distance of the last frame may be a rounding short
+  /// of it. What is left of the path is passed in no time.
+  template <class Visit>
+  void finish(const Visit& visit) {
+    const Real x = last_time_.end;
+    while (segment_ < track_.path().segment_count()) {
+      const Real tau = is_entered_ ? path_.tau_entry() : tau_at(last_time_, path_, x);
+      visit(Stretch<Real>{last_time_, path_, x, x, tau, path_.tau_exit()});
+      next_path_piece();
     }
   }
 
@@ -231,6 +245,7 @@ class StretchWalk {
   PathPiece<Real> path_;
   AnchoredIntervals<Real> split_;
   TwoSum<Real> end_distance_;
+  TimePiece<Real> last_time_;
   bool is_entered_ = true;  ///< nothing of the piece has been visited
 };
 

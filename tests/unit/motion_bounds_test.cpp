@@ -203,6 +203,24 @@ TEST(MotionBounds, TooLittleMemorySaysHowMuchIsNeeded) {
   EXPECT_EQ(refused.error().needed, 2);
 }
 
+TEST(MotionBounds, TheEndOfThePathIsBoundedThoughTheLastFrameIsARoundingShortOfIt) {
+  // Towards the key of tension 0.99999 the acceleration grows by a hundredth in the last 1e-10 mm.
+  RandomMove move;
+  move.keys.kind = oracle::Kind::tcb;
+  move.keys.at = {{183, 0, 0}, {21, 0, -3}, {0, -1, 1}, {0, -1, -7}, {0, 46, 0}};
+  move.keys.tension_continuity_bias = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {0.99999, 0, 0}};
+  move.speed = {0.25, 0.25, 0.25, 0.5, 0.5, 3.5, 0, 0, 3, 0.25};
+  move.frames = 1;
+  const TrackInput<double> input(move);
+  const SolvedTrack<double> solved(input.spec, Solver::closed_form);
+  std::vector<AxisTurn<double>> turns(3);
+  std::vector<AxisPeaks<double>> peaks(3);
+  const std::vector<PeakSlack<double>> slacks(3);
+  ASSERT_TRUE(bound_motion<double>(solved.track(), slacks, {turns}, peaks));
+  EXPECT_GE(peaks[1].acceleration.value, 1.411898e13) << "the oracle's";
+  EXPECT_GE(peaks[2].acceleration.value, 9.47988926e13);
+}
+
 TEST(MotionBounds, ASharpTurnIsBoundedSoonWhateverTheLimits) {
   // Beside the key of tension 0.99999 rounding hides where on the turn the motion is. A search that did not
   // know when halving is in vain would go on for hours as soon as a slack was given.
