@@ -6,6 +6,8 @@
 #include <optional>
 #include <string>
 
+#include "drivers/linux/interrupt_watch.hpp"
+#include "drivers/linux/key_terminal.hpp"
 #include "host_tools/command.hpp"
 #include "host_tools/output_file.hpp"
 #include "host_tools/progress_bar.hpp"
@@ -19,6 +21,8 @@ struct RunArguments {
   std::optional<std::string> json;
   bool simulated = false;
   bool fast = false;
+  bool loop = false;
+  bool ping_pong = false;
 };
 
 void print_run_summary(const RunReport& report, const Plan& plan, const RunArguments& arguments,
@@ -37,34 +41,48 @@ void print_run_summary(const RunReport& report, const Plan& plan, const RunArgum
   }
 }
 
+/// On a terminal with the keys of a tape recorder, elsewhere with nothing but a progress bar.
+RunReport run(const Plan& plan, const RunArguments& arguments) {
+  const InterruptWatch interrupts;
+  RunOptions options{.fast = arguments.fast, .interrupted = &InterruptWatch::asked, .progress = {}};
+  if (arguments.loop) options.repeat = Repeat::loop;
+  if (arguments.ping_pong) options.repeat = Repeat::ping_pong;
+  ProgressBar bar;
+  const FrameRate fps = plan.move().fps.rate;
+  const std::int32_t rate_hz = plan.rig()->rate_hz;
+  options.progress = [&](std::int64_t tick, std::int64_t last) {
+    const std::int32_t frame =
+        std::min(frame_time_of_tick<double>(tick, fps, rate_hz).frame + plan.played().first_frame(),
+                 plan.played().last_frame());
+    bar.show(static_cast<double>(tick) / static_cast<double>(last),
+             fmt::format("frame {}/{}  {:.1f} s", frame, plan.played().last_frame(),
+                         static_cast<double>(tick) / rate_hz));
+  };
+  if (arguments.fast || !KeyTerminal::is_there()) return run_simulated(plan, options);
+  KeyTerminal terminal;
+  options.progress = {};
+  options.keys = [&] { return terminal.read(); };
+  options.status = [&](double share, const std::string& line) { bar.show(share, line); };
+  return run_simulated(plan, options);
+}
+
 int run_command(const RunArguments& arguments) {
   if (!arguments.simulated) {
     throw UsageError("this version moves a simulated rig only; add --sim");
+  }
+  if (arguments.fast && (arguments.loop || arguments.ping_pong)) {
+    throw UsageError("--loop and --ping-pong go on until somebody stops them; leave out --fast");
   }
   refuse_outputs_in_one_place({{"MOVE", arguments.move}, {"--rig", arguments.rig}},
                               {{"--json", arguments.json}});
   if (arguments.json) check_output(*arguments.json);
   const Plan plan = make_plan(arguments.move, arguments.rig, Solver::closed_form);
-  RunReport report;
-  {
-    ProgressBar bar;
-    const FrameRate fps = plan.move().fps.rate;
-    const std::int32_t rate_hz = plan.rig()->rate_hz;
-    report = run_simulated(
-        plan, {.fast = arguments.fast, .progress = [&](std::int64_t tick, std::int64_t last) {
-                 const std::int32_t frame = std::min(
-                     frame_time_of_tick<double>(tick, fps, rate_hz).frame + plan.played().first_frame(),
-                     plan.played().last_frame());
-                 bar.show(static_cast<double>(tick) / static_cast<double>(last),
-                          fmt::format("frame {}/{}  {:.1f} s", frame, plan.played().last_frame(),
-                                      static_cast<double>(tick) / rate_hz));
-               }});
-  }
+  const RunReport report = run(plan, arguments);
   if (arguments.json) {
     write_output(*arguments.json, [&](std::FILE* file) { write_run_json(report, file); });
   }
   print_run_summary(report, plan, arguments, summary_stream(arguments.json == "-"));
-  return report.ending == Ending::fault ? exit_fault : 0;
+  return report.ending == Ending::finished ? 0 : exit_fault;
 }
 
 void describe(CLI::App& app, RunArguments& arguments) {
@@ -74,11 +92,20 @@ void describe(CLI::App& app, RunArguments& arguments) {
       ->required();
   app.add_flag("--sim", arguments.simulated, "simulate every axis of the rig; no hardware is touched");
   app.add_flag("--fast", arguments.fast, "on a virtual clock, as fast as it can be computed");
+  CLI::Option* loop = app.add_flag("--loop", arguments.loop, "begin again at the end, until stopped");
+  app.add_flag("--ping-pong", arguments.ping_pong, "play to and fro, until stopped")->excludes(loop);
   app.add_option("--json", arguments.json, "write a report (- is standard output)");
   app.footer(
       "Before the first setpoint is sent, the move is held against the limits of the rig as inbetween check "
       "does,\n"
       "and every setpoint against its positions: a move that does not fit moves nothing (exit status 3).\n\n"
+      "On a terminal it is a tape recorder: space pauses and plays, r turns, left and right go to the next "
+      "frame,\n"
+      "+ and - change the rate, Esc stops. After a stop, a acknowledges it and Enter starts again; q stops "
+      "and\n"
+      "leaves, as Ctrl-C does. Whatever changes, the axes stay on the path and inside their stop limits.\n\n"
+      "--loop is refused for a move that does not end where it starts.\n\n"
+      "Exit status: 0 played to its end; 3 refused; 4 stopped before its end.\n\n"
       "Examples:\n"
       "  inbetween run move.toml --rig rig.toml --sim               in real time\n"
       "  inbetween run move.toml --rig rig.toml --sim --fast        for scripts and tests");

@@ -15,7 +15,7 @@ class ProgressBar {
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
 
-  /// `share` of the work, 0..1, drawn as a bar, with a few words behind it.
+  /// `share` of the work, 0..1, drawn as a bar, with a few words behind it, as far as the line has room.
   void show(double share, const std::string& words);
 
  private:

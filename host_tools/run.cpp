@@ -7,6 +7,7 @@
 #include "drivers/linux/monotonic_clock.hpp"
 #include "host_tools/json_writer.hpp"
 #include "host_tools/planned_stops.hpp"
+#include "host_tools/transport.hpp"
 #include "inbetween/frame_time.hpp"
 #include "inbetween/motion_loop.hpp"
 #include "sim/simulated_rig.hpp"
@@ -86,6 +87,17 @@ class SimulatedRun {
     require(loop_.start(Direction::forward));
   }
   void tick() { loop_.tick(1); }
+  [[nodiscard]] SupervisorState state() const { return loop_.state(); }
+  [[nodiscard]] Transport& transport() { return transport_; }
+  /// Throws LimitError where a loop would step.
+  void set_repeat(const Plan& plan, Repeat repeat) {
+    const Status status = playhead_.set_repeat(repeat);
+    if (status) return;
+    const std::size_t axis = plan.axis_of(static_cast<std::size_t>(std::max(status.error().axis, 0)));
+    throw LimitError(place_of(plan.axes()[axis], plan.move()),
+                     fmt::format("axis {}: {}; {}", in_quotes(plan.axes()[axis].name), status.error().what,
+                                 status.error().remedy));
+  }
   [[nodiscard]] const std::vector<SimulatedAxis>& axes() const { return rig_.axes(); }
 
  private:
@@ -101,20 +113,40 @@ class SimulatedRun {
   std::vector<DriveState<double>> states_;
   std::vector<double> setpoints_;
   std::vector<double> positions_;
-  MotionLoop<double, SimulatedRig, SimulatedLines> loop_;
+  SimulatedLoop loop_;
+  Transport transport_{loop_, playhead_};
 };
+
+std::int64_t last_tick_of(const Plan& plan) {
+  return last_tick(plan.played().last_frame() - plan.played().first_frame(), plan.move().fps.rate,
+                   plan.rig()->rate_hz);
+}
+
+/// The move has ended, or was stopped and somebody leaves. Says which.
+bool is_at_its_end(SimulatedRun& run, RunReport& report) {
+  const SupervisorState state = run.state();
+  const bool rests = state != SupervisorState::running && state != SupervisorState::stopping;
+  if (run.transport().wants_to_leave() && rests) {
+    report.ending = Ending::stopped;
+    report.reason = "the move was stopped before its end";
+    return true;
+  }
+  return state == SupervisorState::ready && !run.transport().was_stopped();
+}
 
 /// Waits for every tick. One that comes a whole period late or more delays those after it: time stands still
 /// for the rig meanwhile, and there is no burst.
 template <class Clock>
-void play(SimulatedRun& run, const RunOptions& options, Clock& clock, std::int64_t last_tick,
-          std::int32_t rate_hz, RunReport& report) {
+void play(const Plan& plan, SimulatedRun& run, const RunOptions& options, Clock& clock, RunReport& report) {
   const MonotonicClock wall;
-  const std::int64_t last = last_tick + 1;  // in one more tick the drives arrive
+  const std::int32_t rate_hz = plan.rig()->rate_hz;
+  const std::int64_t last = last_tick_of(plan);
   WakeLatencyCounter latencies;
+  TransportKeys keys;
   std::int64_t start_ns = clock.now_ns();
   std::int64_t next_progress_ns = 0;
-  for (std::int64_t tick = 0; tick <= last; ++tick) {
+  // In one more tick than it takes to rest the drives arrive.
+  for (std::int64_t tick = 0, ticks_at_rest = 0; ticks_at_rest < 2; ++tick) {
     const std::int64_t deadline_ns =
         start_ns + tick / rate_hz * ns_per_s + tick % rate_hz * ns_per_s / rate_hz;
     clock.sleep_until_ns(deadline_ns);
@@ -124,14 +156,19 @@ void play(SimulatedRun& run, const RunOptions& options, Clock& clock, std::int64
       ++report.late_ticks;
       start_ns += latency_ns;
     }
+    if (options.keys) keys.feed(options.keys());
+    while (const std::optional<TransportKey> key = keys.next()) run.transport().press(*key);
+    if (options.interrupted && options.interrupted()) run.transport().press(TransportKey::quit);
     if (tick > 0) run.tick();
-    if (options.progress && (tick % 64 == 0 || !options.fast) && wall.now_ns() >= next_progress_ns) {
-      options.progress(tick, last);
-      next_progress_ns = wall.now_ns() + ns_per_s / 10;
-    }
+    if (!is_at_its_end(run, report)) report.ticks = tick + 2;
+    if (is_at_its_end(run, report)) ++ticks_at_rest;
+    const bool shows = tick % 64 == 0 || !options.fast;
+    if (!shows || wall.now_ns() < next_progress_ns) continue;
+    if (options.progress) options.progress(std::min(tick, last), last);
+    if (options.status) options.status(run.transport().share(plan.played()), run.transport().status());
+    next_progress_ns = wall.now_ns() + ns_per_s / 10;
   }
   if (options.progress) options.progress(last, last);
-  report.ticks = last_tick + 1;
   report.wake_latency = latencies.summary();
 }
 
@@ -151,19 +188,18 @@ const char* name_of(Ending ending) {
 
 RunReport run_simulated(const Plan& plan, const RunOptions& options) {
   refuse_beyond_limits(check(plan));
-  const std::int64_t last = last_tick(plan.played().last_frame() - plan.played().first_frame(),
-                                      plan.move().fps.rate, plan.rig()->rate_hz);
-  refuse_positions_beyond_limits(plan, last);
+  refuse_positions_beyond_limits(plan, last_tick_of(plan));
   SimulatedRun run(plan);
+  run.set_repeat(plan, options.repeat);
   run.start();
   RunReport report;
   report.reason = "the move was played to its last frame";
   if (options.fast) {
     VirtualClock clock;
-    play(run, options, clock, last, plan.rig()->rate_hz, report);
+    play(plan, run, options, clock, report);
   } else {
     MonotonicClock clock;
-    play(run, options, clock, last, plan.rig()->rate_hz, report);
+    play(plan, run, options, clock, report);
   }
   const std::vector<SimulatedAxis>& axes = run.axes();
   for (std::size_t a = 0; a < axes.size(); ++a) {

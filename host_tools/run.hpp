@@ -11,12 +11,20 @@
 #include "host_tools/diagnostics.hpp"
 #include "host_tools/plan.hpp"
 #include "host_tools/wake_latency.hpp"
+#include "inbetween/playhead.hpp"
 
 namespace inbetween {
 
 struct RunOptions {
   /// On a virtual clock, as fast as it can be computed.
   bool fast = false;
+  Repeat repeat = Repeat::none;
+  /// What has been typed since the last call (TransportKeys); without it nothing can be typed.
+  std::function<std::string()> keys = {};
+  /// Whether somebody wants the run to end: it is stopped on the path.
+  std::function<bool()> interrupted = {};
+  /// Called about ten times a second of real time: where on the time line, 0..1, and a line for people.
+  std::function<void(double share, const std::string& line)> status = {};
   /// Called before the first tick and then about ten times a second of real time, and at the end.
   std::function<void(std::int64_t tick, std::int64_t last)> progress;
 };

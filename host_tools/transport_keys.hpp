@@ -1,0 +1,35 @@
+// The keys of a tape recorder on a terminal.
+#pragma once
+
+#include <deque>
+#include <optional>
+#include <string_view>
+
+namespace inbetween {
+
+enum class TransportKey {
+  pause,          ///< space: rest on the path, or go on
+  step_forward,   ///< right arrow: to the next frame
+  step_backward,  ///< left arrow
+  reverse,        ///< r: the other way
+  faster,         ///< +: the override rate up
+  slower,         ///< -
+  stop,           ///< Esc: the controlled stop, which has to be acknowledged
+  acknowledge,    ///< a
+  start,          ///< Enter: after an acknowledged stop
+  quit,           ///< q: stop, and leave
+};
+
+/// From the bytes that a terminal sends. Other keys are ignored. An Esc that begins no arrow key is a stop:
+/// what follows it in the same read decides (a terminal sends an arrow key in one piece).
+class TransportKeys {
+ public:
+  /// What one read gave.
+  void feed(std::string_view bytes);
+  [[nodiscard]] std::optional<TransportKey> next();
+
+ private:
+  std::deque<TransportKey> keys_;
+};
+
+}  // namespace inbetween

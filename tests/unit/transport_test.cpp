@@ -1,0 +1,124 @@
+// The tape recorder: keys as a terminal sends them, and what they do to a running move.
+#include "host_tools/transport.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "host_tools/run.hpp"
+#include "tests/support/run_program.hpp"
+
+namespace inbetween {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+const std::string reveal = INBETWEEN_SOURCE_DIR "/examples/reveal.toml";
+const std::string camera_rig = INBETWEEN_SOURCE_DIR "/examples/camera_rig.toml";
+
+std::vector<TransportKey> keys_of(std::string_view bytes) {
+  TransportKeys keys;
+  keys.feed(bytes);
+  std::vector<TransportKey> all;
+  while (const auto key = keys.next()) all.push_back(*key);
+  return all;
+}
+
+TEST(TransportKeys, ReadWhatATerminalSends) {
+  EXPECT_THAT(
+      keys_of(" r+-aq\r\n"),
+      ElementsAre(TransportKey::pause, TransportKey::reverse, TransportKey::faster, TransportKey::slower,
+                  TransportKey::acknowledge, TransportKey::quit, TransportKey::start, TransportKey::start));
+  EXPECT_THAT(
+      keys_of("\x1b[C\x1b[D\x1bOC"),
+      ElementsAre(TransportKey::step_forward, TransportKey::step_backward, TransportKey::step_forward));
+  EXPECT_THAT(keys_of("\x1b"), ElementsAre(TransportKey::stop));
+  EXPECT_THAT(keys_of("\x1b\x1b"), ElementsAre(TransportKey::stop, TransportKey::stop));
+  EXPECT_THAT(keys_of("xyz\x1b[A\x1b[H\xff"), IsEmpty()) << "other keys do nothing";
+}
+
+/// Plays the example on a virtual clock, typing `typed[i].second` before tick `typed[i].first`.
+struct Session {
+  std::vector<std::string> lines;
+  RunReport report;
+
+  explicit Session(const std::vector<std::pair<int, std::string>>& typed, Repeat repeat = Repeat::none) {
+    const Plan plan(read_move_file(reveal), read_rig_file(camera_rig), {});
+    int tick = 0;
+    std::size_t next = 0;
+    report = run_simulated(plan, {.fast = true,
+                                  .repeat = repeat,
+                                  .keys =
+                                      [&] {
+                                        const bool now = next < typed.size() && typed[next].first == tick;
+                                        ++tick;
+                                        return now ? typed[next++].second : std::string();
+                                      },
+                                  .progress = {}});
+  }
+};
+
+TEST(Transport, WithoutAKeyTheMoveIsPlayedToItsEnd) {
+  const Session session({});
+  EXPECT_EQ(session.report.ending, Ending::finished);
+  EXPECT_EQ(session.report.ticks, 2001);
+  EXPECT_EQ(session.report.axes[0].last_actual, 1640);
+}
+
+TEST(Transport, APauseAndStepsAndATurnStillEndWhereTheMoveEnds) {
+  const Session session(
+      {{500, " "}, {1000, "\x1b[C"}, {1400, "\x1b[D\x1b[D"}, {2000, " "}, {2300, "r"}, {2600, "r"}});
+  EXPECT_EQ(session.report.ending, Ending::finished);
+  EXPECT_GT(session.report.ticks, 3500);
+  EXPECT_EQ(session.report.axes[0].last_actual, 1640);
+}
+
+TEST(Transport, BackwardItEndsWhereItBegan) {
+  const Session session({{800, "r"}});
+  EXPECT_EQ(session.report.ending, Ending::finished);
+  EXPECT_EQ(session.report.axes[0].last_actual, 60);
+}
+
+TEST(Transport, ASlowerRateTakesLonger) {
+  const Session session({{0, "-----"}});
+  EXPECT_EQ(session.report.ending, Ending::finished);
+  EXPECT_NEAR(static_cast<double>(session.report.ticks), 4000, 60);
+}
+
+TEST(Transport, AStopHasToBeAcknowledgedAndStarted) {
+  const Session session({{500, "\x1b"}, {1000, " "}, {1100, "\r"}, {1200, "a"}, {1300, "\r"}});
+  EXPECT_EQ(session.report.ending, Ending::finished);
+  EXPECT_GT(session.report.ticks, 2700);
+  EXPECT_EQ(session.report.axes[0].last_actual, 1640);
+}
+
+TEST(Transport, LeavingStopsOnThePathFirst) {
+  const Session session({{700, "q"}});
+  EXPECT_EQ(session.report.ending, Ending::stopped);
+  EXPECT_GT(session.report.ticks, 720);
+  EXPECT_LT(session.report.ticks, 1000);
+  EXPECT_EQ(session.report.axes[0].last_actual, session.report.axes[0].last_commanded);
+}
+
+TEST(Transport, ToAndFroGoesOnUntilSomebodyLeaves) {
+  const Session session({{9000, "q"}}, Repeat::ping_pong);
+  EXPECT_EQ(session.report.ending, Ending::stopped);
+  EXPECT_GT(session.report.ticks, 9000);
+}
+
+TEST(Transport, ALoopThatWouldStepIsRefusedWithItsAxis) {
+  const ProgramRun run = run_program({"run", reveal, "--rig", camera_rig, "--sim", "--loop"});
+  EXPECT_EQ(run.status, 3);
+  EXPECT_THAT(run.err, HasSubstr("axis \"slide\": a loop would step"));
+  const ProgramRun usage =
+      run_program({"run", reveal, "--rig", camera_rig, "--sim", "--fast", "--ping-pong"});
+  EXPECT_EQ(usage.status, 2);
+  EXPECT_THAT(usage.err, HasSubstr("leave out --fast"));
+}
+
+}  // namespace
+}  // namespace inbetween
