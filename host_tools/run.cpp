@@ -46,9 +46,9 @@ void refuse_positions_beyond_limits(const Plan& plan, std::int64_t last) {
     when.frame += plan.played().first_frame();
     plan.played().positions(when, positions);
     for (std::size_t d = 0; d < positions.size(); ++d) {
+      if (positions[d] >= plan.limits()[d].min() && positions[d] <= plan.limits()[d].max()) continue;
       const std::size_t a = plan.axis_of(d);
       const RigAxis& axis = plan.rig()->axes[a];
-      if (positions[d] >= axis.min && positions[d] <= axis.max) continue;
       throw LimitError(
           place_of(plan.axes()[a], plan.move()),
           fmt::format("axis {} would go to {} {} at frame {:.2f}, outside {}..{} of the rig {}; "
