@@ -5,10 +5,6 @@
 namespace inbetween {
 namespace {
 
-bool is_same(FrameRate a, FrameRate b) {
-  return a.numerator == b.numerator && a.denominator == b.denominator;
-}
-
 template <Precise Real>
 Status check_rolls(std::span<const RollAxis<Real>> rolls, RollEnd end, const Track<Real>& track,
                    std::size_t axes) {
@@ -23,7 +19,7 @@ Status check_rolls(std::span<const RollAxis<Real>> rolls, RollEnd end, const Tra
   for (std::size_t d = 0; d < rolls.size(); ++d) {
     const RollSpan& span = rolls[d].span();
     if (span.end == end && span.joint_frame == joint_frame && span.frames == rolls.front().span().frames &&
-        is_same(span.fps, track.frame_rate())) {
+        span.fps == track.frame_rate()) {
       continue;
     }
     return Error{.code = ErrorCode::out_of_range,
@@ -73,7 +69,7 @@ Result<Move<Real>> Move<Real>::make(std::span<const Track<Real>> tracks, const M
   }
   Move move(tracks, rolls);
   for (const Track<Real>& track : tracks) {
-    if (track.frames() != move.frames() || !is_same(track.frame_rate(), move.frame_rate())) {
+    if (track.frames() != move.frames() || track.frame_rate() != move.frame_rate()) {
       return Error{.code = ErrorCode::out_of_range,
                    .what = "the tracks of a move differ in frames or frame rate",
                    .remedy = "solve all of them in the same"};

@@ -5,8 +5,6 @@
 #include <cmath>
 #include <limits>
 
-#include "cube_root.hpp"
-
 namespace inbetween {
 namespace {
 
@@ -16,6 +14,12 @@ inline constexpr Real bend_rounding = std::numeric_limits<Real>::digits > 30 ? R
 /// The ends of a loop are in one place where they are within this share of the position.
 template <Precise Real>
 inline constexpr Real loop_rounding = std::numeric_limits<Real>::digits > 30 ? Real(1e-12) : Real(1e-6);
+/// The seconds of an exposure are a whole number of ticks within this share of a tick.
+template <Precise Real>
+inline constexpr Real tick_rounding = std::numeric_limits<Real>::digits > 30 ? Real(1e-9) : Real(1e-4);
+/// How often the bounds of an exposure may turn out lower because its run-up reaches further. Two or three
+/// are usual: each time it reaches further by less.
+inline constexpr int most_narrowings = 64;
 /// So near its target scrubbing comes to rest, and travels the rest of the way.
 inline constexpr double scrub_rest_frames = 0.05;
 
@@ -25,28 +29,6 @@ constexpr Direction opposite(Direction direction) {
 template <Precise Real>
 constexpr Real sign_of(Direction direction) {
   return static_cast<Real>(static_cast<int>(direction));
-}
-
-/// `time` moved by frames, of which the fraction is brought back to [0, 1).
-template <Precise Real>
-FrameTime<Real> moved(const FrameTime<Real>& time, Real frames) {
-  const Real sum = time.fraction + frames;
-  Real whole = std::floor(sum);
-  Real fraction = sum - whole;
-  if (fraction >= 1) {  // a tiny negative number is rounded up
-    fraction = 0;
-    whole += 1;
-  }
-  return {time.frame + static_cast<std::int32_t>(whole), fraction};
-}
-
-template <Precise Real>
-constexpr bool is_before(const FrameTime<Real>& a, const FrameTime<Real>& b) {
-  return a.frame < b.frame || (a.frame == b.frame && a.fraction < b.fraction);
-}
-template <Precise Real>
-constexpr bool is_same(const FrameTime<Real>& a, const FrameTime<Real>& b) {
-  return a.frame == b.frame && a.fraction == b.fraction;
 }
 
 Error not_on_time_line() {
@@ -71,7 +53,7 @@ Playhead<Real>::Playhead(const Move<Real>& move, const StopBounds<Real>& bounds,
 
 template <Precise Real>
 Status Playhead<Real>::play(Direction direction) {
-  if (is_resting() && is_same(time_, end_towards(direction))) {
+  if (is_resting() && time_ == end_towards(direction)) {
     if (repeat_ == Repeat::none) {
       return Error{.code = ErrorCode::out_of_range,
                    .what = "the move is at that end already",
@@ -81,7 +63,7 @@ Status Playhead<Real>::play(Direction direction) {
     if (repeat_ == Repeat::ping_pong) direction = opposite(direction);
   }
   // At its own end nothing moves.
-  if (is_resting() && is_same(time_, end_towards(opposite(direction)))) {
+  if (is_resting() && time_ == end_towards(opposite(direction))) {
     rate_ = sign_of<Real>(direction) * override_;
     anchor_here();
   }
@@ -224,7 +206,7 @@ PlayheadEvent Playhead<Real>::tick_ramp(Real target) {
   for (const Direction direction : {Direction::forward, Direction::backward}) {
     if (!(rate_ * sign_of<Real>(direction) > 0)) continue;
     const FrameTime<Real> end = end_towards(direction);
-    const bool is_inside = direction == Direction::forward ? is_before(time_, end) : is_before(end, time_);
+    const bool is_inside = direction == Direction::forward ? time_ < end : end < time_;
     if (!is_inside) return pass_end(direction);
   }
   if (state_ == PlayheadState::slowing && rate_ == 0 && change_ == 0) return settle();
@@ -246,8 +228,8 @@ PlayheadEvent Playhead<Real>::pass_end(Direction direction) {
   const FrameTime<Real> end = end_towards(direction);
   if (state_ == PlayheadState::playing && repeat_ != Repeat::none) {
     const Real beyond = static_cast<Real>(time_.frame - end.frame) + time_.fraction;
-    time_ = moved(repeat_ == Repeat::loop ? end_towards(opposite(direction)) : end,
-                  repeat_ == Repeat::loop ? beyond : -beyond);
+    time_ = moved_by(repeat_ == Repeat::loop ? end_towards(opposite(direction)) : end,
+                     repeat_ == Repeat::loop ? beyond : -beyond);
     if (repeat_ == Repeat::ping_pong) {
       rate_ = -rate_;
       change_ = -change_;
@@ -283,7 +265,7 @@ void Playhead<Real>::cruise() {
   }
   const Real fraction = static_cast<Real>(cruise_phase_) / static_cast<Real>(unit_);
   const std::int32_t frames = rate_ > 0 ? cruise_frames_ : -cruise_frames_;
-  time_ = moved({anchor_.frame + frames, anchor_.fraction}, rate_ > 0 ? fraction : -fraction);
+  time_ = moved_by({anchor_.frame + frames, anchor_.fraction}, rate_ > 0 ? fraction : -fraction);
 }
 
 template <Precise Real>
@@ -301,13 +283,14 @@ void Playhead<Real>::follow_to(Real target) {
   // As far as the tick may reach at most.
   const Real bend_rate = bounds_->rate_jerk(time_) * tick_s_ * tick_s_ / 6;
   const Real reach = std::fabs(rate_) + std::fabs(change_) * tick_s_ / 2 + bend_rate;
-  const FrameTime<Real> ahead = moved(time_, std::copysign(reach * tick_s_ * fps_, rate_));
-  const bool is_forward = is_before(time_, ahead);
+  const Real gap = target - rate_;
+  const FrameTime<Real> ahead =
+      moved_by(time_, std::copysign(reach * tick_s_ * fps_, rate_ != 0 ? rate_ : gap));
+  const bool is_forward = time_ < ahead;
   const StopBound<Real> bound = bounds_->least(is_forward ? time_ : ahead, is_forward ? ahead : time_);
   // Either holds within a cell of its place, so on both sides of a border that this tick may cross.
   const Real jerk = std::max(bounds_->rate_jerk(time_), bounds_->rate_jerk(ahead));
   if (lands_within_tick(target, jerk)) return land(target);
-  const Real gap = target - rate_;
   const Real side = gap != 0 ? std::copysign(Real{1}, gap) : std::copysign(Real{1}, -change_);
   const Real change = side * change_;
   const Real bend = bound.release_jerk * tick_s_ / 2;
@@ -346,95 +329,108 @@ void Playhead<Real>::move_on(Real jerk, Real seconds) {
 
 template <Precise Real>
 void Playhead<Real>::advance_by(Real seconds_of_time_line) {
-  time_ = moved(time_, seconds_of_time_line * fps_);
+  time_ = moved_by(time_, seconds_of_time_line * fps_);
 }
 
 // --- from rest to rest
 
 template <Precise Real>
 Real Playhead<Real>::seconds_between(const FrameTime<Real>& from, const FrameTime<Real>& to) const {
-  return (static_cast<Real>(to.frame - from.frame) + (to.fraction - from.fraction)) / fps_;
+  return frames_between(from, to) / fps_;
 }
 
-/// With bends of t seconds and a straight stretch the rate rises to `top` in top / change + change / jerk
-/// seconds, or, if it is reached before the bend ends, in 2 sqrt(top / jerk); on the way top / 2 times as
-/// many seconds of the time line pass.
 template <Precise Real>
 void Playhead<Real>::begin_travel(const FrameTime<Real>& to) {
-  Travel travel{.from = time_, .to = to};
-  const Real way = seconds_between(time_, to);
-  travel.sign = way < 0 ? Real{-1} : Real{1};
-  travel.way_s = std::fabs(way);
-  const StopBound<Real> bounds = bounds_->least(way < 0 ? to : time_, way < 0 ? time_ : to);
-  const Real change = bounds.rate_change;
-  const Real jerk = bounds.release_jerk;
-  travel.jerk = jerk;
-  const Real bend_s = change / jerk;
-  const Real bend_rate = change * bend_s;
-  const auto rise = [&](Real top) {
-    return top <= bend_rate ? 2 * std::sqrt(top / jerk) : top / change + bend_s;
-  };
-  travel.top_rate = override_;
-  if (travel.top_rate * rise(travel.top_rate) > travel.way_s) {
-    const Real t = cube_root(travel.way_s / (2 * jerk));
-    travel.top_rate = jerk * t * t;
-    if (travel.top_rate > bend_rate) {
-      const Real root = std::sqrt(bend_s * bend_s + 4 * travel.way_s / change);
-      travel.top_rate = change / 2 * (root - bend_s);
-    }
-  }
-  travel.rise_s = rise(travel.top_rate);
-  travel.bend_s = std::min(bend_s, travel.rise_s / 2);
-  travel.cruise_s =
-      travel.top_rate > 0 ? std::max(travel.way_s / travel.top_rate - travel.rise_s, Real{0}) : Real{0};
-  travel_ = travel;
+  const bool backward = to < time_;
+  const StopBound<Real> bounds = bounds_->least(backward ? to : time_, backward ? time_ : to);
+  const Real way_s = std::fabs(seconds_between(time_, to));
+  travel_ = {.from = time_,
+             .to = to,
+             .sign = backward ? Real{-1} : Real{1},
+             .course = Travel<Real>::shortest(way_s, override_, bounds)};
   state_ = PlayheadState::travelling;
-}
-
-/// So long after rest, while the rate rises.
-template <Precise Real>
-typename Playhead<Real>::Rise Playhead<Real>::rise_at(Real t) const {
-  const Travel& travel = travel_;
-  const Real j = travel.jerk;
-  const Real b = travel.bend_s;
-  if (t <= b) return {j * t * t * t / 6, j * t * t / 2, j * t};
-  const Real left = travel.rise_s - t;
-  if (left <= b) {
-    return {travel.top_rate * (travel.rise_s / 2 - left) + j * left * left * left / 6,
-            travel.top_rate - j * left * left / 2, j * left};
-  }
-  const Real y = t - b;
-  return {b * b * b * j / 6 + y * (j * b * b / 2 + y * j * b / 2), j * b * (b / 2 + y), j * b};
 }
 
 template <Precise Real>
 PlayheadEvent Playhead<Real>::tick_travel() {
-  Travel& travel = travel_;
-  const Real t = static_cast<Real>(++travel.ticks) * tick_s_;
-  const Real left = 2 * travel.rise_s + travel.cruise_s - t;
-  if (!(left > 0)) {
-    time_ = travel.to;
+  const std::int64_t ticks = ++travel_.ticks;
+  const Real t = static_cast<Real>(ticks) * tick_s_;
+  if (!(t < travel_.course.seconds())) {
+    time_ = travel_.to;
     rest();
     return PlayheadEvent::arrived;
   }
-  if (t < travel.rise_s) {
-    const Rise rise = rise_at(t);
-    set_travelled(travel.from, travel.sign * rise.way_s, rise.rate, rise.change);
-  } else if (left > travel.rise_s) {
-    set_travelled(travel.from, travel.sign * travel.top_rate * (t - travel.rise_s / 2), travel.top_rate, 0);
-  } else {
-    const Rise rise = rise_at(left);
-    set_travelled(travel.to, -travel.sign * rise.way_s, rise.rate, -rise.change);
+  const TravelState<Real> now = travel_.course.at(t);
+  const Real frames = travel_.sign * now.way_s * fps_;
+  time_ = now.to_end ? moved_by(travel_.to, -frames) : moved_by(travel_.from, frames);
+  rate_ = travel_.sign * now.rate;
+  change_ = travel_.sign * now.rate_change;
+  anchor_here();  // somebody may play on at this rate
+  if (ticks == travel_.opening_tick) return PlayheadEvent::opened;
+  return ticks == travel_.closing_tick ? PlayheadEvent::closed : PlayheadEvent::none;
+}
+
+// --- exposures in motion
+
+/// The rise takes no whole number of ticks, but the even stretch begins early enough for a tick to open on,
+/// and lasts until a tick. The wider the course, the lower its bounds may be, and the wider it has to be.
+template <Precise Real>
+Result<typename Playhead<Real>::Journey> Playhead<Real>::journey_of(const Exposure<Real>& exposure) const {
+  const Real way_s = seconds_between(exposure.open, exposure.close);
+  if (!(way_s > 0 && exposure.seconds > 0)) {
+    return Error{.code = ErrorCode::out_of_range,
+                 .what = "an exposure in motion covers no time",
+                 .remedy = "let it close after it opens, and last longer than 0 s"};
   }
-  return PlayheadEvent::none;
+  const Real rate = way_s / exposure.seconds;
+  if (rate > bounds_->rate()) {
+    return Error{.code = ErrorCode::out_of_range,
+                 .what = "an exposure is so short that the rig would go faster than drawn",
+                 .remedy = "expose longer, or open the shutter for a smaller share of the frame"};
+  }
+  const Real open_ticks = std::ceil(exposure.seconds / tick_s_ - tick_rounding<Real>);
+  StopBound<Real> bounds = bounds_->least(exposure.open, exposure.close);
+  for (int narrower = 0; narrower < most_narrowings; ++narrower) {
+    const Real rise_s = Travel<Real>::rise_to(rate, bounds);
+    const Real rise_ticks = std::ceil(rise_s / tick_s_);
+    const Real run_up_s = rate * (rise_ticks * tick_s_ - rise_s / 2);
+    Journey journey{.from = moved_by(exposure.open, -run_up_s * fps_),
+                    .to = moved_by(exposure.open, rate * (open_ticks * tick_s_ + rise_s / 2) * fps_),
+                    .course = Travel<Real>::even(rate, (rise_ticks + open_ticks) * tick_s_ - rise_s, bounds),
+                    .opening_tick = static_cast<std::int64_t>(rise_ticks),
+                    .closing_tick = static_cast<std::int64_t>(rise_ticks + open_ticks)};
+    const StopBound<Real> least = bounds_->least(journey.from, journey.to);
+    if (least.rate_change >= bounds.rate_change && least.release_jerk >= bounds.release_jerk) return journey;
+    bounds = least;
+  }
+  return Error{.code = ErrorCode::not_converged,
+               .what = "no run-up to an exposure was found",
+               .remedy = "expose longer"};
 }
 
 template <Precise Real>
-void Playhead<Real>::set_travelled(const FrameTime<Real>& from, Real way_s, Real rate, Real change) {
-  time_ = moved(from, way_s * fps_);
-  rate_ = travel_.sign * rate;
-  change_ = travel_.sign * change;
-  anchor_here();  // somebody may play on at this rate
+Status Playhead<Real>::go_to_run_up(const Exposure<Real>& exposure) {
+  if (!is_resting()) {
+    return Error{.code = ErrorCode::out_of_range, .what = "the move is running", .remedy = "stop it first"};
+  }
+  const Result<Journey> journey = journey_of(exposure);
+  if (!journey) return journey.error();
+  begin_travel(journey->from);
+  return Done{};
+}
+
+template <Precise Real>
+Status Playhead<Real>::expose(const Exposure<Real>& exposure) {
+  const Result<Journey> journey = journey_of(exposure);
+  if (!journey) return journey.error();
+  if (!is_resting() || time_ != journey->from) {
+    return Error{.code = ErrorCode::out_of_range,
+                 .what = "the run-up to an exposure starts elsewhere",
+                 .remedy = "go to the start of its run-up first"};
+  }
+  travel_ = *journey;
+  state_ = PlayheadState::travelling;
+  return Done{};
 }
 
 // --- after a target
@@ -452,7 +448,7 @@ Real Playhead<Real>::scrub_rate() const {
 template <Precise Real>
 bool Playhead<Real>::is_on_time_line(const FrameTime<Real>& time) const {
   return time.fraction >= 0 && time.fraction < 1 && time.frame >= move_->first_frame() &&
-         !is_before(FrameTime<Real>{move_->last_frame(), 0}, time);
+         time <= FrameTime<Real>{move_->last_frame(), 0};
 }
 
 template <Precise Real>

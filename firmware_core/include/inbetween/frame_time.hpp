@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cmath>
+#include <compare>
 #include <cstdint>
 
 #include "inbetween/precision.hpp"
@@ -14,6 +16,7 @@ struct FrameRate {
   [[nodiscard]] constexpr double frames_per_second() const {
     return static_cast<double>(numerator) / static_cast<double>(denominator);
   }
+  friend constexpr bool operator==(const FrameRate&, const FrameRate&) = default;
 };
 
 /// A place on the time line of a move: whole frames and a part of a frame in [0, 1). Two numbers,
@@ -22,7 +25,28 @@ template <Precise Real>
 struct FrameTime {
   std::int32_t frame = 0;
   Real fraction = 0;
+
+  friend constexpr auto operator<=>(const FrameTime&, const FrameTime&) = default;
 };
+
+/// `time` moved by so many frames, forward or backward.
+template <Precise Real>
+FrameTime<Real> moved_by(const FrameTime<Real>& time, Real frames) {
+  const Real sum = time.fraction + frames;
+  Real whole = std::floor(sum);
+  Real fraction = sum - whole;
+  if (fraction >= 1) {  // a tiny negative number is rounded up
+    fraction = 0;
+    whole += 1;
+  }
+  return {time.frame + static_cast<std::int32_t>(whole), fraction};
+}
+
+/// In frames, negative if `to` is before `from`.
+template <Precise Real>
+constexpr Real frames_between(const FrameTime<Real>& from, const FrameTime<Real>& to) {
+  return static_cast<Real>(to.frame - from.frame) + (to.fraction - from.fraction);
+}
 
 /// The last tick of a move of `frames` frames at `rate_hz` ticks a second: the first tick at or after
 /// the end. Exact.

@@ -55,6 +55,17 @@ class Move {
   /// N, or N plus the frames of the post-roll.
   [[nodiscard]] std::int32_t last_frame() const { return last_frame_; }
 
+  /// Where tick k stands, counted from first_frame(), at `rate_hz` ticks a second. Exact (frame_time_of_tick).
+  [[nodiscard]] FrameTime<Real> time_of_tick(std::int64_t tick, std::int32_t rate_hz) const {
+    FrameTime<Real> time = frame_time_of_tick<Real>(tick, frame_rate(), rate_hz);
+    time.frame += first_frame_;
+    return time;
+  }
+  /// The first tick at or after last_frame().
+  [[nodiscard]] std::int64_t last_tick_at(std::int32_t rate_hz) const {
+    return last_tick(last_frame_ - first_frame_, frame_rate(), rate_hz);
+  }
+
   /// The position of every axis. Before first_frame() and after last_frame() the axes rest where they are on
   /// it; at frames 0 and N the track decides, to the last bit. `out` has axis_count() entries. O(axes).
   void positions(const FrameTime<Real>& time, std::span<Real> out) const;

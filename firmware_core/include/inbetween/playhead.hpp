@@ -7,6 +7,7 @@
 #include "inbetween/precision.hpp"
 #include "inbetween/result.hpp"
 #include "inbetween/stop_bounds.hpp"
+#include "inbetween/travel.hpp"
 
 /// Time as an axis: where on the time line the move is, and how fast time runs there.
 
@@ -34,9 +35,20 @@ enum class PlayheadEvent : std::uint8_t {
   stopped,   ///< rests where it was told to slow down
   arrived,   ///< rests exactly on the frame that it travelled to
   repeated,  ///< passed an end and goes on
+  opened,    ///< is where an exposure in motion begins, at its even rate
+  closed,    ///< the exposure is over, and the rate falls
 };
 
 enum class Direction : std::int8_t { backward = -1, forward = 1 };
+
+/// A frame that is exposed while the rig moves (go-motion): the shutter is open from one place of the time
+/// line to another, which takes `seconds`. Both may lie beyond the ends of the time line, where nothing
+/// moves.
+template <Precise Real>
+struct Exposure {
+  FrameTime<Real> open, close;
+  Real seconds = 0;
+};
 
 /// A place on the time line and the rate at which time runs, forward or backward. Nothing but the rate is
 /// ever changed, so that the rig never leaves the path; and the rate changes within the bounds of
@@ -70,6 +82,16 @@ class Playhead {
   /// To the next whole frame in a direction, counted from the frame that it is travelling to.
   /// Errors: out_of_range (beyond the end).
   Status step(Direction direction);
+  /// Travels to where the run-up to an exposure starts, and to rest there (`arrived`).
+  /// Errors: out_of_range (not resting; the exposure covers no time, or needs a rate above
+  /// StopBounds::rate()), not_converged (no run-up within the bounds was found).
+  /// O(cells of the stop bounds that it passes).
+  Status go_to_run_up(const Exposure<Real>& exposure);
+  /// From there: a run-up, then from open to close at the even rate (close - open) / seconds, then a run-out
+  /// to rest behind it (`arrived`). Opens on a tick (`opened`), and keeps the rate until the first tick at or
+  /// after the end of the exposure (`closed`). Errors: those of go_to_run_up; out_of_range (not at its
+  /// start).
+  Status expose(const Exposure<Real>& exposure);
   /// Follows a target, which may be moved at any time, as fast as the override rate allows; rests there.
   /// Errors: out_of_range (not on the time line).
   Status scrub_to(const FrameTime<Real>& target);
@@ -97,28 +119,21 @@ class Playhead {
   [[nodiscard]] bool is_resting() const { return state_ == PlayheadState::resting; }
 
  private:
-  /// From rest to rest: seven stretches of constant r'', symmetrical.
-  struct Travel {
+  /// From rest to rest.
+  struct Journey {
     FrameTime<Real> from, to;
-    Real sign = 1;      ///< of the rate
-    Real way_s = 0;     ///< seconds of the time line
-    Real jerk = 0;      ///< of the bends
-    Real top_rate = 0;  ///< reached in rise_s seconds, held for cruise_s
-    Real rise_s = 0;
-    Real bend_s = 0;  ///< of each bend
-    Real cruise_s = 0;
+    Real sign = 1;  ///< of the rate
+    Travel<Real> course;
+    std::int64_t opening_tick = -1;  ///< counted from the start; -1: no shutter opens
+    std::int64_t closing_tick = -1;
     std::int64_t ticks = 0;  ///< since the start
-  };
-  /// While the rate rises from rest: magnitudes.
-  struct Rise {
-    Real way_s = 0, rate = 0, change = 0;
   };
 
   [[nodiscard]] Real seconds_between(const FrameTime<Real>& from, const FrameTime<Real>& to) const;
   [[nodiscard]] bool is_on_time_line(const FrameTime<Real>& time) const;
   [[nodiscard]] FrameTime<Real> end_towards(Direction direction) const;
   void begin_travel(const FrameTime<Real>& to);
-  [[nodiscard]] Rise rise_at(Real t) const;
+  [[nodiscard]] Result<Journey> journey_of(const Exposure<Real>& exposure) const;
   PlayheadEvent tick_travel();
   void set_travelled(const FrameTime<Real>& from, Real way_s, Real rate, Real change);
   [[nodiscard]] Real scrub_rate() const;
@@ -151,7 +166,7 @@ class Playhead {
   FrameTime<Real> anchor_;       ///< where the rate became even ...
   std::int32_t cruise_frames_ = 0;
   std::int64_t cruise_phase_ = 0;  ///< ... and how far it has come since, in unit_ths of a frame
-  Travel travel_;
+  Journey travel_;
   FrameTime<Real> scrub_target_;
 };
 
