@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "inbetween/limits.hpp"
@@ -25,14 +26,19 @@ struct LoopSpec {
   std::span<const std::size_t> drive_of;     ///< for every axis of the move
   std::span<const AxisLimits<Real>> limits;  ///< for every axis of the move
   Real tick_seconds = Real(1) / 250;
+  /// A playhead of its own for some of the axes, on the same move and stop bounds, and which of all they are;
+  /// without it `is_still` is empty. The loop plays and stops both.
+  Playhead<Real>* still = nullptr;
+  std::span<const bool> is_still = {};
 };
 
 /// The memory of a motion loop, owned by the caller.
 template <Precise Real>
 struct LoopMemory {
-  std::span<DriveState<Real>> states;  ///< drives
-  std::span<Real> setpoints;           ///< drives
-  std::span<Real> positions;           ///< axes of the move
+  std::span<DriveState<Real>> states;    ///< drives
+  std::span<Real> setpoints;             ///< drives
+  std::span<Real> positions;             ///< axes of the move
+  std::span<Real> still_positions = {};  ///< axes of the move, where some have a playhead of their own
 };
 
 /// What a tick brought about.
@@ -46,7 +52,8 @@ struct LoopTick {
 ///
 /// Late ticks: the playhead goes on by as many ticks as have passed if that takes no axis further than
 /// max_velocity allows within one tick. Otherwise the lost time stays lost and the rig slows down on the path
-/// (never a burst; faults.md 36).
+/// (never a burst; faults.md 36). Where a late tick brings about something (the move ends, a shutter opens) the
+/// rig is where that happened, and goes on from there.
 template <Precise Real, DrivePort<Real> Drives, LinePort Lines>
 class MotionLoop {
  public:
@@ -61,7 +68,9 @@ class MotionLoop {
       return Error{.code = ErrorCode::out_of_range, .what = "a move is running", .remedy = "stop it first"};
     }
     const std::size_t axes = spec.move->axis_count();
-    if (spec.drive_of.size() != axes || spec.limits.size() != axes || memory_.positions.size() < axes) {
+    if (spec.drive_of.size() != axes || spec.limits.size() != axes || memory_.positions.size() < axes ||
+        (spec.still != nullptr && memory_.still_positions.size() < axes) ||
+        spec.is_still.size() != (spec.still != nullptr ? axes : 0)) {
       return Error{.code = ErrorCode::wrong_count,
                    .what = "the loop has not a drive, limits and memory for every axis of the move",
                    .remedy = "give as many as the move has axes",
@@ -77,26 +86,36 @@ class MotionLoop {
     return apply(event);
   }
 
-  /// Begins the move from the frame on which the playhead rests. Errors: out_of_range (nothing loaded, not
-  /// ready, nothing more to play), no_solution with axis (the axis is not where the move starts: within what
-  /// max_acceleration covers in a tick).
+  /// Begins the move from the frame on which the playhead rests. Errors: those of `begin`; out_of_range
+  /// (nothing more to play).
   Status start(Direction direction) {
-    if (spec_.move == nullptr || state_ != SupervisorState::ready) {
-      return Error{.code = ErrorCode::out_of_range,
-                   .what = "the rig is not ready for a move",
-                   .remedy = "load one, arm the rig and wait until its drives are on"};
-    }
-    move_positions(*spec_.playhead);
-    for (std::size_t d = 0; d < spec_.move->axis_count(); ++d) {
-      const Real off = std::fabs(memory_.positions[d] - setpoint(d));
-      if (off <= spec_.limits[d].max_acceleration() * spec_.tick_seconds * spec_.tick_seconds) continue;
-      return Error{.code = ErrorCode::no_solution,
-                   .what = "the axis is not where the move starts",
-                   .remedy = "go to the start slowly first",
-                   .axis = static_cast<std::int32_t>(d)};
-    }
+    if (const Status possible = can_begin(); !possible) return possible;
     if (const Status can_play = spec_.playhead->play(direction); !can_play) return can_play;
+    if (spec_.still != nullptr) {
+      if (const Status can_play = spec_.still->play(direction); !can_play) return can_play;
+    }
     apply(SupervisorEvent::start);
+    return Done{};
+  }
+
+  /// From now on the rig follows the playhead, which rests and is told by others what to do. Errors:
+  /// out_of_range (nothing loaded, not ready), no_solution with axis (the axis is not where the playhead is:
+  /// within what max_acceleration covers in a tick).
+  Status begin() {
+    if (const Status possible = can_begin(); !possible) return possible;
+    apply(SupervisorEvent::start);
+    return Done{};
+  }
+
+  /// What was begun is done, though the playhead is not at the end of the time line: ready again. Errors:
+  /// out_of_range (it does not run, or moves).
+  Status finish() {
+    if (state_ != SupervisorState::running || !is_resting()) {
+      return Error{.code = ErrorCode::out_of_range,
+                   .what = "the rig does not rest on the path",
+                   .remedy = "wait until it does"};
+    }
+    apply(SupervisorEvent::finished);
     return Done{};
   }
 
@@ -123,6 +142,9 @@ class MotionLoop {
   [[nodiscard]] bool sends_setpoints() const {
     return is_moving() || state_ == SupervisorState::ready || state_ == SupervisorState::latched;
   }
+  [[nodiscard]] bool is_resting() const {
+    return spec_.playhead->is_resting() && (spec_.still == nullptr || spec_.still->is_resting());
+  }
   [[nodiscard]] Real& setpoint(std::size_t axis) { return memory_.setpoints[spec_.drive_of[axis]]; }
 
   void read() {
@@ -141,25 +163,55 @@ class MotionLoop {
     }
   }
 
+  [[nodiscard]] Status can_begin() {
+    if (spec_.move == nullptr || state_ != SupervisorState::ready) {
+      return Error{.code = ErrorCode::out_of_range,
+                   .what = "the rig is not ready for a move",
+                   .remedy = "load one, arm the rig and wait until its drives are on"};
+    }
+    move_positions(*spec_.playhead, spec_.still);
+    for (std::size_t d = 0; d < spec_.move->axis_count(); ++d) {
+      const Real off = std::fabs(memory_.positions[d] - setpoint(d));
+      if (off <= spec_.limits[d].max_acceleration() * spec_.tick_seconds * spec_.tick_seconds) continue;
+      return Error{.code = ErrorCode::no_solution,
+                   .what = "the axis is not where the move starts",
+                   .remedy = "go to the start slowly first",
+                   .axis = static_cast<std::int32_t>(d)};
+    }
+    return Done{};
+  }
+
   void advance(std::int32_t ticks, LoopTick& result) {
     Playhead<Real> ahead = *spec_.playhead;
-    for (std::int32_t i = 0; i < ticks && result.event == PlayheadEvent::none; ++i)
+    std::optional<Playhead<Real>> still_ahead;
+    if (spec_.still != nullptr) still_ahead = *spec_.still;
+    for (std::int32_t i = 0; i < ticks && result.event == PlayheadEvent::none; ++i) {
       result.event = ahead.tick();
-    move_positions(ahead);
+      if (still_ahead) still_ahead->tick();
+    }
+    move_positions(ahead, still_ahead ? &*still_ahead : nullptr);
     if (ticks > 1 && jumps()) {
       result.lost_time = true;
       apply(SupervisorEvent::stop);
       result.event = spec_.playhead->tick();
-      move_positions(*spec_.playhead);
+      if (spec_.still != nullptr) spec_.still->tick();
+      move_positions(*spec_.playhead, spec_.still);
     } else {
       *spec_.playhead = ahead;
+      if (still_ahead) *spec_.still = *still_ahead;
     }
     for (std::size_t d = 0; d < spec_.move->axis_count(); ++d) setpoint(d) = memory_.positions[d];
     if (result.event == PlayheadEvent::finished) apply(SupervisorEvent::finished);
-    if (state_ == SupervisorState::stopping && spec_.playhead->is_resting()) apply(SupervisorEvent::rested);
+    if (state_ == SupervisorState::stopping && is_resting()) apply(SupervisorEvent::rested);
   }
-  void move_positions(const Playhead<Real>& playhead) {
+  /// The axes that stand still are where they have a time of their own.
+  void move_positions(const Playhead<Real>& playhead, const Playhead<Real>* still) {
     spec_.move->positions(playhead.time(), memory_.positions);
+    if (still == nullptr) return;
+    spec_.move->positions(still->time(), memory_.still_positions);
+    for (std::size_t d = 0; d < spec_.is_still.size(); ++d) {
+      if (spec_.is_still[d]) memory_.positions[d] = memory_.still_positions[d];
+    }
   }
   /// Whether an axis would go further in this tick than its max_velocity allows.
   [[nodiscard]] bool jumps() {
@@ -168,6 +220,11 @@ class MotionLoop {
       if (way > spec_.limits[d].max_velocity() * spec_.tick_seconds) return true;
     }
     return false;
+  }
+
+  void halt() {
+    if (spec_.playhead != nullptr) spec_.playhead->halt();
+    if (spec_.still != nullptr) spec_.still->halt();
   }
 
   bool apply(SupervisorEvent event) {
@@ -180,7 +237,7 @@ class MotionLoop {
         drives_->enable();
         break;
       case SupervisorAction::disable:
-        if (spec_.playhead != nullptr) spec_.playhead->halt();
+        halt();
         drives_->disable();
         break;
       case SupervisorAction::hold_actual:
@@ -190,9 +247,10 @@ class MotionLoop {
         break;
       case SupervisorAction::slow_down:
         spec_.playhead->stop();
+        if (spec_.still != nullptr) spec_.still->stop();
         break;
       case SupervisorAction::cease_setpoints:
-        if (spec_.playhead != nullptr) spec_.playhead->halt();
+        halt();
         break;
       case SupervisorAction::play:
       case SupervisorAction::none:
