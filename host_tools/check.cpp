@@ -128,7 +128,7 @@ class AxisRefusals {
   AxisRefusals(const Plan& plan, std::size_t index, CheckReport& report)
       : move_(plan.move()),
         track_(plan.move().tracks[*plan.axes()[index].track]),
-        place_(track_.axis_places[plan.axes()[index].track_axis]),
+        place_(plan.place_of(index)),
         rig_(*plan.rig()),
         limits_(plan.rig()->axes[index]),
         index_(index),
@@ -322,9 +322,8 @@ bool has_room(const Plan& plan, const RollObstacle& obstacle) {
 void refuse_roll(const Plan& plan, const RollObstacle& obstacle, CheckReport& report) {
   const RollBreach<double>& breach = obstacle.breach;
   const std::size_t index = plan.axis_of(static_cast<std::size_t>(breach.axis));
-  const PlanAxis& planned = plan.axes()[index];
   const RigAxis& axis = plan.rig()->axes[index];
-  const MoveTrack& track = plan.move().tracks[*planned.track];
+  const MoveTrack& track = plan.move().tracks[*plan.axes()[index].track];
   const bool starts = obstacle.end == RollEnd::before;
   // The move breaks the limit itself, which has been said.
   if (breach.at_joint && !report.refusals.empty()) return;
@@ -334,7 +333,7 @@ void refuse_roll(const Plan& plan, const RollObstacle& obstacle, CheckReport& re
           ? fmt::format("{} the speed curve with 0, 0, at rest{}", starts ? "begin" : "end",
                         room ? ", or give the move more frames" : ", or move the key inward")
           : std::string(room ? "give the move more frames" : "move the key inward");
-  report.refusals.push_back({track.speed_places.empty() ? track.axis_places[planned.track_axis]
+  report.refusals.push_back({track.speed_places.empty() ? plan.place_of(index)
                              : starts                   ? track.speed_places.front()
                                                         : track.speed_places.back(),
                              fmt::format("the move {} moving, and on a {} of {} frames axis {} {}; {}",
@@ -349,9 +348,8 @@ void refuse_stop(const Plan& plan, const StopObstacle<double>& obstacle, CheckRe
   const bool by_jerk = obstacle.quantity == StopQuantity::jerk;
   // The motion itself is beyond its limit, which has been said.
   if (!report.refusals.empty()) return;
-  const PlanAxis& planned = plan.axes()[index];
   report.refusals.push_back(
-      {plan.move().tracks[*planned.track].axis_places[planned.track_axis],
+      {plan.place_of(index),
        fmt::format("axis {} could not be stopped at frame {:.2f}: the motion alone takes {:.6g} {}{} there, "
                    "and {} is {:g}; give the move more frames, or raise {}",
                    in_quotes(axis.name), obstacle.frame, obstacle.value, axis.unit, by_jerk ? "/s^3" : "/s^2",

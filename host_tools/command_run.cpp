@@ -2,12 +2,18 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "drivers/linux/interrupt_watch.hpp"
 #include "drivers/linux/key_terminal.hpp"
+#include "drivers/linux/monotonic_clock.hpp"
 #include "host_tools/command.hpp"
 #include "host_tools/output_file.hpp"
 #include "host_tools/progress_bar.hpp"
@@ -16,6 +22,9 @@
 namespace inbetween {
 namespace {
 
+/// While somebody thinks about a question.
+constexpr std::int64_t ns_between_looks = 20'000'000;
+
 struct RunArguments {
   std::string move, rig;
   std::optional<std::string> json;
@@ -23,12 +32,85 @@ struct RunArguments {
   bool fast = false;
   bool loop = false;
   bool ping_pong = false;
+  bool yes = false;
+  double top_rate = 1;
+  std::vector<std::string> from;
+  bool step = false;
+  std::optional<double> settle;
+  std::optional<double> exposure;
+  std::optional<std::string> shutter;
+  std::vector<std::string> still;
 };
+
+/// The whole of `text` as a finite number.
+std::optional<double> number_of(std::string_view text) {
+  double number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(number)) return std::nullopt;
+  return number;
+}
+
+/// "0..180", in degrees of a frame.
+Shutter<double> shutter_of(const std::string& text) {
+  const std::size_t dots = text.find("..");
+  const auto open = number_of(std::string_view(text).substr(0, dots));
+  const auto close =
+      dots == std::string::npos ? std::nullopt : number_of(std::string_view(text).substr(dots + 2));
+  if (!open || !close || !(*open >= -360 && *open < *close && *close <= 360 && *close - *open <= 360)) {
+    throw UsageError(
+        fmt::format("--shutter {}: not two angles; write OPEN..CLOSE in degrees of a frame, for "
+                    "example 0..180, within -360..360 and at most 360 apart",
+                    in_quotes(text)));
+  }
+  return {*open / 360, *close / 360};
+}
+
+/// "pan=-20".
+std::map<std::string, double> positions_of(const std::vector<std::string>& texts) {
+  std::map<std::string, double> positions;
+  for (const std::string& text : texts) {
+    const std::size_t sign = text.rfind('=');
+    const auto position =
+        sign == std::string::npos ? std::nullopt : number_of(std::string_view(text).substr(sign + 1));
+    if (!position) {
+      throw UsageError(fmt::format("--from {}: not a position; write AXIS=POSITION, for example pan=-20",
+                                   in_quotes(text)));
+    }
+    if (!positions.emplace(text.substr(0, sign), *position).second) {
+      throw UsageError(fmt::format("--from {}: the axis has a position already", in_quotes(text)));
+    }
+  }
+  return positions;
+}
+
+std::optional<ShootOptions> shoot_options(const RunArguments& arguments) {
+  if (!arguments.step && !arguments.shutter) {
+    if (arguments.settle || arguments.exposure || !arguments.still.empty()) {
+      throw UsageError("--settle, --exposure and --still belong to --step or --shutter");
+    }
+    return std::nullopt;
+  }
+  ShootOptions options;
+  if (arguments.loop || arguments.ping_pong) {
+    throw UsageError("a move that is shot frame by frame is not repeated; leave out --loop and --ping-pong");
+  }
+  if (arguments.settle) options.settle_s = *arguments.settle;
+  if (arguments.exposure) options.exposure_s = *arguments.exposure;
+  if (!arguments.shutter) {
+    if (arguments.still.empty()) return options;
+    throw UsageError("without --shutter every axis stands still; leave out --still");
+  }
+  if (!arguments.exposure) throw UsageError("--shutter needs --exposure SECONDS: how long it is open");
+  options.shutter = shutter_of(*arguments.shutter);
+  options.still = arguments.still;
+  return options;
+}
 
 void print_run_summary(const RunReport& report, const Plan& plan, const RunArguments& arguments,
                        std::FILE* out) {
   fmt::print(out, "{}: {}; {} ticks at {} Hz{}\n", plan.move().name, report.reason, report.ticks,
              plan.rig()->rate_hz, arguments.fast ? " on a virtual clock" : "");
+  if (report.exposures) fmt::print(out, "  {} frames exposed\n", *report.exposures);
   if (!arguments.fast) {
     fmt::print(out, "  late ticks {}; woken after {:.0f} us (median), {:.0f} us (99 %), {:.0f} us (worst)\n",
                report.late_ticks, report.wake_latency.p50_us, report.wake_latency.p99_us,
@@ -41,25 +123,53 @@ void print_run_summary(const RunReport& report, const Plan& plan, const RunArgum
   }
 }
 
+/// Puts the question, and waits for Enter or for anything that means no.
+bool agrees(KeyTerminal& terminal, const std::string& question) {
+  fmt::print(stderr, "{}\nEnter goes there, q leaves\n", question);
+  const MonotonicClock clock;
+  TransportKeys keys;
+  for (;;) {
+    keys.feed(terminal.read());
+    while (const std::optional<TransportKey> key = keys.next()) {
+      if (*key == TransportKey::start) return true;
+      if (*key == TransportKey::quit || *key == TransportKey::stop) return false;
+    }
+    if (InterruptWatch::asked()) return false;
+    clock.sleep_until_ns(clock.now_ns() + ns_between_looks);
+  }
+}
+
 /// On a terminal with the keys of a tape recorder, elsewhere with nothing but a progress bar.
 RunReport run(const Plan& plan, const RunArguments& arguments) {
   const InterruptWatch interrupts;
-  RunOptions options{.fast = arguments.fast, .interrupted = &InterruptWatch::asked, .progress = {}};
+  RunOptions options{.fast = arguments.fast,
+                     .top_rate = arguments.top_rate,
+                     .shoot = shoot_options(arguments),
+                     .standing = positions_of(arguments.from),
+                     .interrupted = &InterruptWatch::asked,
+                     .progress = {}};
   if (arguments.loop) options.repeat = Repeat::loop;
   if (arguments.ping_pong) options.repeat = Repeat::ping_pong;
+  if (arguments.yes) {
+    options.confirm = [](const std::string& question) {
+      fmt::print(stderr, "{}\n", question);
+      return true;
+    };
+  }
   ProgressBar bar;
-  const FrameRate fps = plan.move().fps.rate;
   const std::int32_t rate_hz = plan.rig()->rate_hz;
   options.progress = [&](std::int64_t tick, std::int64_t last) {
     const std::int32_t frame =
-        std::min(frame_time_of_tick<double>(tick, fps, rate_hz).frame + plan.played().first_frame(),
-                 plan.played().last_frame());
+        std::min(plan.played().time_of_tick(tick, rate_hz).frame, plan.played().last_frame());
     bar.show(static_cast<double>(tick) / static_cast<double>(last),
              fmt::format("frame {}/{}  {:.1f} s", frame, plan.played().last_frame(),
                          static_cast<double>(tick) / rate_hz));
   };
   if (arguments.fast || !KeyTerminal::is_there()) return run_simulated(plan, options);
   KeyTerminal terminal;
+  if (!options.confirm) {
+    options.confirm = [&](const std::string& question) { return agrees(terminal, question); };
+  }
   options.progress = {};
   options.keys = [&] { return terminal.read(); };
   options.status = [&](double share, const std::string& line) { bar.show(share, line); };
@@ -67,6 +177,8 @@ RunReport run(const Plan& plan, const RunArguments& arguments) {
 }
 
 int run_command(const RunArguments& arguments) {
+  shoot_options(arguments);  // what is wrong with them is said before any file is read
+  positions_of(arguments.from);
   if (!arguments.simulated) {
     throw UsageError("this version moves a simulated rig only; add --sim");
   }
@@ -94,21 +206,56 @@ void describe(CLI::App& app, RunArguments& arguments) {
   app.add_flag("--fast", arguments.fast, "on a virtual clock, as fast as it can be computed");
   CLI::Option* loop = app.add_flag("--loop", arguments.loop, "begin again at the end, until stopped");
   app.add_flag("--ping-pong", arguments.ping_pong, "play to and fro, until stopped")->excludes(loop);
+  app.add_option("--top-rate", arguments.top_rate, "let + go up to so many times the drawn speed (1 to 10)")
+      ->check(CLI::Range(1.0, 10.0))
+      ->capture_default_str();
+  app.add_flag("--yes", arguments.yes, "agree that the rig goes slowly to the start of the move");
+  app.add_option("--from", arguments.from,
+                 "AXIS=POSITION, where a simulated axis stands before (the start of the move)")
+      ->expected(1)
+      ->take_all();
+  app.add_flag("--step", arguments.step,
+               "stop motion: on every frame go there, settle, signal the camera and wait");
+  app.add_option("--shutter", arguments.shutter,
+                 "go-motion: OPEN..CLOSE in degrees of a frame; the rig moves while the shutter is open");
+  app.add_option("--exposure", arguments.exposure, "seconds of the camera's signal (0.1 with --step)")
+      ->check(CLI::Range(0.001, 3600.0));
+  app.add_option("--settle", arguments.settle, "seconds at rest before the camera's signal (0.5)")
+      ->check(CLI::Range(0.0, 600.0));
+  app.add_option("--still", arguments.still, "an axis that stands still while the shutter is open")
+      ->expected(1)
+      ->take_all();
   app.add_option("--json", arguments.json, "write a report (- is standard output)");
   app.footer(
       "Before the first setpoint is sent, the move is held against the limits of the rig as inbetween check "
       "does,\n"
-      "and every setpoint against its positions: a move that does not fit moves nothing (exit status 3).\n\n"
+      "and every setpoint against its positions: a move that does not fit moves nothing (exit status 3). A "
+      "rig that\n"
+      "does not stand where the move starts goes there first, at a tenth of its limits and only after "
+      "somebody agreed:\n"
+      "with Enter on a terminal, with --yes in a script.\n\n"
       "On a terminal it is a tape recorder: space pauses and plays, r turns, left and right go to the next "
       "frame,\n"
       "+ and - change the rate, Esc stops. After a stop, a acknowledges it and Enter starts again; q stops "
       "and\n"
       "leaves, as Ctrl-C does. Whatever changes, the axes stay on the path and inside their stop limits.\n\n"
       "--loop is refused for a move that does not end where it starts.\n\n"
+      "--step rests on each of the frames 0 to N until space (or Enter, or without a terminal the camera) "
+      "asks "
+      "for the\n"
+      "next; left and right look at other frames. With --shutter the rig runs up to each exposure, passes "
+      "the "
+      "share of\n"
+      "the frame between the angles at a constant rate in --exposure seconds, and runs out, inside its "
+      "limits.\n\n"
       "Exit status: 0 played to its end; 3 refused; 4 stopped before its end.\n\n"
       "Examples:\n"
       "  inbetween run move.toml --rig rig.toml --sim               in real time\n"
-      "  inbetween run move.toml --rig rig.toml --sim --fast        for scripts and tests");
+      "  inbetween run move.toml --rig rig.toml --sim --fast        for scripts and tests\n"
+      "  inbetween run move.toml --rig rig.toml --sim --from pan=10 from elsewhere, slowly to its start "
+      "first\n"
+      "  inbetween run move.toml --rig rig.toml --sim --step        stop motion\n"
+      "  inbetween run move.toml --rig rig.toml --sim --shutter 0..180 --exposure 0.5");
 }
 
 }  // namespace

@@ -218,6 +218,11 @@ void Plan::put_together() {
   played_ = *played;
 }
 
+const Place& Plan::place_of(std::size_t axis) const {
+  const PlanAxis& planned = axes_[axis];
+  return move_.tracks[planned.track.value()].axis_places[planned.track_axis];
+}
+
 std::size_t Plan::axis_of(std::size_t move_axis) const {
   for (std::size_t a = 0; a < axes_.size(); ++a) {
     if (axes_[a].track && axes_[a].move_axis == move_axis) return a;

@@ -52,6 +52,8 @@ class Plan {
   [[nodiscard]] const std::vector<RollObstacle>& roll_obstacles() const { return rolls_.obstacles; }
   /// The axis of axes() that is axis `move_axis` of played().
   [[nodiscard]] std::size_t axis_of(std::size_t move_axis) const;
+  /// Where the move names axis `axis` of axes(), which is in a track.
+  [[nodiscard]] const Place& place_of(std::size_t axis) const;
 
   /// Without the rolls.
   [[nodiscard]] double duration_s() const;

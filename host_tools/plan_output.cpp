@@ -19,34 +19,26 @@ namespace {
 class TimeLine {
  public:
   TimeLine(const Plan& plan, PlanRows rows)
-      : rows_(rows),
-        fps_(plan.move().fps.rate),
-        rate_hz_(rows == PlanRows::tick ? plan.rig()->rate_hz : 0),
-        first_frame_(plan.played().first_frame()),
-        last_frame_(plan.played().last_frame()) {}
+      : move_(plan.played()), rows_(rows), rate_hz_(rows == PlanRows::tick ? plan.rig()->rate_hz : 0) {}
 
-  [[nodiscard]] std::int64_t first() const { return rows_ == PlanRows::tick ? 0 : first_frame_; }
+  [[nodiscard]] std::int64_t first() const { return rows_ == PlanRows::tick ? 0 : move_.first_frame(); }
   [[nodiscard]] std::int64_t last() const {
-    return rows_ == PlanRows::tick ? last_tick(last_frame_ - first_frame_, fps_, rate_hz_) : last_frame_;
+    return rows_ == PlanRows::tick ? move_.last_tick_at(rate_hz_) : move_.last_frame();
   }
   [[nodiscard]] FrameTime<double> at(std::int64_t row) const {
     if (rows_ == PlanRows::frame) return {static_cast<std::int32_t>(row), 0};
-    FrameTime<double> time = frame_time_of_tick<double>(row, fps_, rate_hz_);
-    time.frame += first_frame_;
-    return time;
+    return move_.time_of_tick(row, rate_hz_);
   }
   /// From the beginning of the move, or of its pre-roll if the rows are ticks.
   [[nodiscard]] double seconds(std::int64_t row) const {
     if (rows_ == PlanRows::tick) return static_cast<double>(row) / rate_hz_;
-    return static_cast<double>(row) * fps_.denominator / fps_.numerator;
+    return static_cast<double>(row) * move_.frame_rate().denominator / move_.frame_rate().numerator;
   }
 
  private:
+  const Move<double>& move_;
   PlanRows rows_;
-  FrameRate fps_;
   std::int32_t rate_hz_;
-  std::int32_t first_frame_;
-  std::int32_t last_frame_;
 };
 
 /// One axis of a track on the rows of a plan. On a frame it is where the frame table has it, whichever solver

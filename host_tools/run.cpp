@@ -3,54 +3,69 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
-#include "drivers/linux/monotonic_clock.hpp"
+#include "host_tools/approach.hpp"
 #include "host_tools/json_writer.hpp"
-#include "host_tools/planned_stops.hpp"
+#include "host_tools/player.hpp"
+#include "host_tools/staged_move.hpp"
 #include "host_tools/transport.hpp"
-#include "inbetween/frame_time.hpp"
-#include "inbetween/motion_loop.hpp"
 #include "sim/simulated_rig.hpp"
 #include "sim/virtual_clock.hpp"
 
 namespace inbetween {
 namespace {
 
-constexpr std::int64_t ns_per_s = 1'000'000'000;
-
 /// Where a simulated axis stands before anything moves it: as near to 0 as its limits allow.
 double parked(const RigAxis& axis) {
   return std::clamp(0.0, axis.min, axis.max);
 }
 
-const Place& place_of(const PlanAxis& axis, const MoveFile& move) {
-  return move.tracks[*axis.track].axis_places[axis.track_axis];
+void refuse_unknown_axis(const Plan& plan, const std::string& name) {
+  for (const RigAxis& axis : plan.rig()->axes) {
+    if (axis.name == name) return;
+  }
+  throw InputError({plan.rig()->path, 0, 0}, fmt::format("the rig {} has no axis {}; name one of its axes",
+                                                         in_quotes(plan.rig()->name), in_quotes(name)));
 }
 
-/// Where the axes of the rig stand at a time of the move; those in no track where they are parked.
-std::vector<double> positions_at(const Plan& plan, const FrameTime<double>& time) {
+void refuse_beyond_highest_rate(const Plan& plan, const CheckReport& report, double top_rate) {
+  if (top_rate <= std::max(report.highest_rate, 1.0)) return;
+  throw LimitError(
+      plan.move().frames_place,
+      fmt::format("at {:g} times the drawn speed the move leaves the limits of the rig; up to {:.3f} "
+                  "times it does not",
+                  top_rate, std::floor(report.highest_rate * 1000) / 1000));
+}
+
+/// Where the axes of the rig stand: at the start of the move, those in no track where they are parked, unless
+/// somebody says otherwise. Throws InputError for a name that is no axis.
+std::vector<double> standing_positions(const Plan& plan, std::map<std::string, double> said) {
   std::vector<double> moving(plan.played().axis_count());
-  plan.played().positions(time, moving);
+  plan.played().positions({plan.played().first_frame(), 0}, moving);
   std::vector<double> positions;
   for (std::size_t a = 0; a < plan.axes().size(); ++a) {
     const PlanAxis& axis = plan.axes()[a];
     positions.push_back(axis.track ? moving[axis.move_axis] : parked(plan.rig()->axes[a]));
+    if (const auto found = said.extract(axis.name)) positions.back() = found.mapped();
   }
+  if (!said.empty()) refuse_unknown_axis(plan, said.begin()->first);
   return positions;
 }
 
-void refuse_positions_beyond_limits(const Plan& plan, std::int64_t last) {
-  std::vector<double> positions(plan.played().axis_count());
+void refuse_positions_beyond_limits(const Plan& plan) {
+  const Move<double>& move = plan.played();
+  const std::int64_t last = move.last_tick_at(plan.rig()->rate_hz);
+  std::vector<double> positions(move.axis_count());
   for (std::int64_t tick = 0; tick <= last; ++tick) {
-    FrameTime<double> when = frame_time_of_tick<double>(tick, plan.move().fps.rate, plan.rig()->rate_hz);
-    when.frame += plan.played().first_frame();
-    plan.played().positions(when, positions);
+    const FrameTime<double> when = move.time_of_tick(tick, plan.rig()->rate_hz);
+    move.positions(when, positions);
     for (std::size_t d = 0; d < positions.size(); ++d) {
       if (positions[d] >= plan.limits()[d].min() && positions[d] <= plan.limits()[d].max()) continue;
       const std::size_t a = plan.axis_of(d);
       const RigAxis& axis = plan.rig()->axes[a];
       throw LimitError(
-          place_of(plan.axes()[a], plan.move()),
+          plan.place_of(a),
           fmt::format("axis {} would go to {} {} at frame {:.2f}, outside {}..{} of the rig {}; "
                       "move its keys inward",
                       in_quotes(axis.name), positions[d], to_string(axis.unit), when.frame + when.fraction,
@@ -59,117 +74,95 @@ void refuse_positions_beyond_limits(const Plan& plan, std::int64_t last) {
   }
 }
 
-/// A plan on a simulated rig that stands at its beginning.
-class SimulatedRun {
+/// A simulated rig under the motion loop.
+class RigOnLoop {
  public:
-  explicit SimulatedRun(const Plan& plan)
-      : stops_(plan),
-        playhead_(plan.played(), *stops_.bounds(), plan.rig()->rate_hz),
-        rig_(positions_at(plan, {plan.played().first_frame(), 0})),
-        states_(plan.axes().size()),
-        setpoints_(plan.axes().size()),
-        positions_(plan.played().axis_count()),
-        loop_(rig_, lines_, {states_, setpoints_, positions_}) {
-    for (std::size_t d = 0; d < positions_.size(); ++d) drive_of_.push_back(plan.axis_of(d));
-    require(loop_.load({.move = &plan.played(),
-                        .playhead = &playhead_,
-                        .drive_of = drive_of_,
-                        .limits = plan.limits(),
-                        .tick_seconds = 1.0 / plan.rig()->rate_hz}));
-  }
-  SimulatedRun(const SimulatedRun&) = delete;
-  SimulatedRun& operator=(const SimulatedRun&) = delete;
+  explicit RigOnLoop(const std::vector<double>& positions)
+      : rig_(positions),
+        states_(positions.size()),
+        setpoints_(positions.size()),
+        positions_(positions.size()),
+        still_positions_(positions.size()),
+        loop_(rig_, lines_, {states_, setpoints_, positions_, still_positions_}) {}
+  RigOnLoop(const RigOnLoop&) = delete;
+  RigOnLoop& operator=(const RigOnLoop&) = delete;
 
-  /// Switches the drives on, without waiting, and starts the move.
-  void start() {
+  /// Switches the drives on.
+  void arm() {
     loop_.post(SupervisorEvent::arm);
     while (loop_.state() != SupervisorState::ready) loop_.tick(1);
-    require(loop_.start(Direction::forward));
   }
-  void tick() { loop_.tick(1); }
-  [[nodiscard]] SupervisorState state() const { return loop_.state(); }
-  [[nodiscard]] Transport& transport() { return transport_; }
-  /// Throws LimitError where a loop would step.
-  void set_repeat(const Plan& plan, Repeat repeat) {
-    const Status status = playhead_.set_repeat(repeat);
-    if (status) return;
-    const std::size_t axis = plan.axis_of(static_cast<std::size_t>(std::max(status.error().axis, 0)));
-    throw LimitError(place_of(plan.axes()[axis], plan.move()),
-                     fmt::format("axis {}: {}; {}", in_quotes(plan.axes()[axis].name), status.error().what,
-                                 status.error().remedy));
-  }
+  [[nodiscard]] SimulatedLoop& loop() { return loop_; }
   [[nodiscard]] const std::vector<SimulatedAxis>& axes() const { return rig_.axes(); }
 
  private:
-  static void require(const Status& status) {
-    if (!status) throw SolverError(status.error());
-  }
-
-  PlannedStops stops_;
-  Playhead<double> playhead_;
   SimulatedRig rig_;
   SimulatedLines lines_;
-  std::vector<std::size_t> drive_of_;
   std::vector<DriveState<double>> states_;
   std::vector<double> setpoints_;
   std::vector<double> positions_;
+  std::vector<double> still_positions_;
   SimulatedLoop loop_;
-  Transport transport_{loop_, playhead_};
 };
 
-std::int64_t last_tick_of(const Plan& plan) {
-  return last_tick(plan.played().last_frame() - plan.played().first_frame(), plan.move().fps.rate,
-                   plan.rig()->rate_hz);
+void require(const Status& status) {
+  if (!status) throw SolverError(status.error());
 }
 
-/// The move has ended, or was stopped and somebody leaves. Says which.
-bool is_at_its_end(SimulatedRun& run, RunReport& report) {
-  const SupervisorState state = run.state();
-  const bool rests = state != SupervisorState::running && state != SupervisorState::stopping;
-  if (run.transport().wants_to_leave() && rests) {
-    report.ending = Ending::stopped;
-    report.reason = "the move was stopped before its end";
-    return true;
-  }
-  return state == SupervisorState::ready && !run.transport().was_stopped();
+/// The slow way to the start; nothing where the rig stands there. Throws InputError where nobody can agree.
+std::optional<Plan> allowed_approach(const Plan& plan, const std::vector<double>& actual,
+                                     const RunOptions& options) {
+  std::optional<Plan> approach = plan_approach(plan, actual);
+  if (!approach) return approach;
+  refuse_positions_beyond_limits(*approach);
+  if (options.confirm) return approach;
+  throw InputError(
+      {plan.move().path, 0, 0},
+      fmt::format("axis {} of the rig is not where the move starts; bring it there, or agree to let "
+                  "it go there slowly (--yes)",
+                  in_quotes(approach->move().tracks.front().axes.front())));
 }
 
-/// Waits for every tick. One that comes a whole period late or more delays those after it: time stands still
-/// for the rig meanwhile, and there is no burst.
+/// Plays one performance; whether it came to its end.
+template <class Clock, class Performance>
+bool perform(Player<Clock>& player, Performance& performance, std::optional<std::int64_t> last,
+             RunReport& report) {
+  report.ticks = player.play(performance, last);
+  if (performance.is_done()) return true;
+  report.ending = Ending::stopped;
+  report.reason = "the move was stopped before its end";
+  return false;
+}
+
 template <class Clock>
-void play(const Plan& plan, SimulatedRun& run, const RunOptions& options, Clock& clock, RunReport& report) {
-  const MonotonicClock wall;
-  const std::int32_t rate_hz = plan.rig()->rate_hz;
-  const std::int64_t last = last_tick_of(plan);
-  WakeLatencyCounter latencies;
-  TransportKeys keys;
-  std::int64_t start_ns = clock.now_ns();
-  std::int64_t next_progress_ns = 0;
-  // In one more tick than it takes to rest the drives arrive.
-  for (std::int64_t tick = 0, ticks_at_rest = 0; ticks_at_rest < 2; ++tick) {
-    const std::int64_t deadline_ns =
-        start_ns + tick / rate_hz * ns_per_s + tick % rate_hz * ns_per_s / rate_hz;
-    clock.sleep_until_ns(deadline_ns);
-    const std::int64_t latency_ns = clock.now_ns() - deadline_ns;
-    latencies.add(latency_ns);
-    if (latency_ns >= ns_per_s / rate_hz) {
-      ++report.late_ticks;
-      start_ns += latency_ns;
-    }
-    if (options.keys) keys.feed(options.keys());
-    while (const std::optional<TransportKey> key = keys.next()) run.transport().press(*key);
-    if (options.interrupted && options.interrupted()) run.transport().press(TransportKey::quit);
-    if (tick > 0) run.tick();
-    if (!is_at_its_end(run, report)) report.ticks = tick + 2;
-    if (is_at_its_end(run, report)) ++ticks_at_rest;
-    const bool shows = tick % 64 == 0 || !options.fast;
-    if (!shows || wall.now_ns() < next_progress_ns) continue;
-    if (options.progress) options.progress(std::min(tick, last), last);
-    if (options.status) options.status(run.transport().share(plan.played()), run.transport().status());
-    next_progress_ns = wall.now_ns() + ns_per_s / 10;
+void run_on(RigOnLoop& rig, StagedMove& staged, const std::optional<Plan>& approach,
+            const RunOptions& options, RunReport& report) {
+  const std::int32_t rate_hz = staged.plan().rig()->rate_hz;
+  const std::int64_t last = staged.plan().played().last_tick_at(rate_hz);
+  Player<Clock> player(options, rate_hz, report);
+  SimulatedLoop& loop = rig.loop();
+  rig.arm();
+  if (approach) {
+    StagedMove way(*approach);
+    require(loop.load(way.loop_spec()));
+    Transport transport(loop, way);
+    require(transport.begin());
+    if (!perform(player, transport, std::nullopt, report)) return;
+  }
+  require(loop.load(staged.loop_spec()));
+  if (options.shoot) {
+    SimulatedCamera camera(!options.keys);
+    Shooting shooting(loop, staged, camera, shoot_spec(*options.shoot, rate_hz));
+    require(shooting.begin());
+    perform(player, shooting, std::nullopt, report);
+    report.exposures = shooting.exposures();
+  } else {
+    Transport transport(loop, staged);
+    require(transport.begin());
+    perform(player, transport, last, report);
   }
   if (options.progress) options.progress(last, last);
-  report.wake_latency = latencies.summary();
+  report.wake_latency = player.latencies();
 }
 
 const char* name_of(Ending ending) {
@@ -187,21 +180,30 @@ const char* name_of(Ending ending) {
 }  // namespace
 
 RunReport run_simulated(const Plan& plan, const RunOptions& options) {
-  refuse_beyond_limits(check(plan));
-  refuse_positions_beyond_limits(plan, last_tick_of(plan));
-  SimulatedRun run(plan);
-  run.set_repeat(plan, options.repeat);
-  run.start();
+  const CheckReport checked = check(plan);
+  refuse_beyond_limits(checked);
+  refuse_positions_beyond_limits(plan);
+  refuse_beyond_highest_rate(plan, checked, options.top_rate);
+  std::vector<std::string> still;
+  if (options.shoot) still = options.shoot->still;
+  for (const std::string& axis : still) refuse_unknown_axis(plan, axis);
+  StagedMove staged(plan, options.top_rate, still);
+  staged.set_repeat(options.repeat);
+  if (options.shoot) refuse_exposures(staged, shoot_spec(*options.shoot, plan.rig()->rate_hz));
+  const std::vector<double> standing = standing_positions(plan, options.standing);
+  const std::optional<Plan> approach = allowed_approach(plan, standing, options);
   RunReport report;
-  report.reason = "the move was played to its last frame";
-  if (options.fast) {
-    VirtualClock clock;
-    play(plan, run, options, clock, report);
+  report.reason = options.shoot ? "every frame was shot" : "the move was played to its last frame";
+  RigOnLoop rig(standing);
+  if (approach && !options.confirm(describe_approach(*approach))) {
+    report.ending = Ending::stopped;
+    report.reason = "nobody agreed that the rig goes to the start of the move";
+  } else if (options.fast) {
+    run_on<VirtualClock>(rig, staged, approach, options, report);
   } else {
-    MonotonicClock clock;
-    play(plan, run, options, clock, report);
+    run_on<MonotonicClock>(rig, staged, approach, options, report);
   }
-  const std::vector<SimulatedAxis>& axes = run.axes();
+  const std::vector<SimulatedAxis>& axes = rig.axes();
   for (std::size_t a = 0; a < axes.size(); ++a) {
     const RigAxis& axis = plan.rig()->axes[a];
     report.axes.push_back({axis.name, std::string(to_string(axis.unit)), axes[a].commanded(),
@@ -218,6 +220,7 @@ void write_run_json(const RunReport& report, std::FILE* file) {
   json.member("reason", report.reason);
   json.member("ticks", report.ticks);
   json.member("late_ticks", report.late_ticks);
+  if (report.exposures) json.member("exposures", *report.exposures);
   json.line();
   json.key("axes");
   json.begin_array();

@@ -4,12 +4,15 @@
 #include <cstdint>
 #include <cstdio>
 #include <functional>
+#include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "host_tools/check.hpp"
 #include "host_tools/diagnostics.hpp"
 #include "host_tools/plan.hpp"
+#include "host_tools/shooting.hpp"
 #include "host_tools/wake_latency.hpp"
 #include "inbetween/playhead.hpp"
 
@@ -19,6 +22,14 @@ struct RunOptions {
   /// On a virtual clock, as fast as it can be computed.
   bool fast = false;
   Repeat repeat = Repeat::none;
+  /// Up to how many times the drawn speed the override goes.
+  double top_rate = 1;
+  /// The move is shot frame by frame instead of played.
+  std::optional<ShootOptions> shoot = {};
+  /// Where axes stand before anything moves, by name; the others stand where the move starts.
+  std::map<std::string, double> standing = {};
+  /// Asked before the rig goes slowly from where it stands to where the move starts. Without it, it does not.
+  std::function<bool(const std::string& question)> confirm = {};
   /// What has been typed since the last call (TransportKeys); without it nothing can be typed.
   std::function<std::string()> keys = {};
   /// Whether somebody wants the run to end: it is stopped on the path.
@@ -43,17 +54,24 @@ struct RunReport {
   Ending ending = Ending::finished;
   std::string reason;
   std::int64_t ticks = 0;
-  std::int64_t late_ticks = 0;  ///< woken a whole period or more after their deadline
-  std::vector<RunAxis> axes;    ///< every axis of the rig
-  WakeLatency wake_latency;     ///< all 0 on a virtual clock
+  std::int64_t late_ticks = 0;                 ///< woken a whole period or more after their deadline
+  std::optional<std::int64_t> exposures = {};  ///< of a move that is shot frame by frame
+  std::vector<RunAxis> axes;                   ///< every axis of the rig
+  WakeLatency wake_latency;                    ///< all 0 on a virtual clock
 };
 
 /// Plays the plan on simulated axes at the rig's rate: tick k at k / rate_hz seconds from the beginning
 /// of the move, or of its pre-roll, to the first tick at or after the end, and one more in which the axes
 /// arrive. Axes in no track stay where they are. It is the motion loop of the core that drives hardware as
-/// well. A tick that comes a period late or more delays those after it: there is no burst. Before the first
-/// tick the plan is checked (check.hpp), and every setpoint of the move is held against the rig's position
-/// limits. Throws LimitError at the place of what is wrong. The plan has a rig.
+/// well. A tick that comes a period late or more delays those after it: there is no burst.
+///
+/// Before the first tick the plan is checked (check.hpp), and every setpoint of the move is held against the
+/// rig's position limits. Where the rig does not stand at the start of the move it goes there first
+/// (approach.hpp), if `confirm` agrees. With `shoot` the move is shot frame by frame; on a keyboard (`keys`)
+/// somebody asks for each frame, without one the camera does.
+///
+/// Throws LimitError at the place of what is wrong, InputError where the rig stands elsewhere and nobody can
+/// confirm. The plan has a rig.
 RunReport run_simulated(const Plan& plan, const RunOptions& options);
 
 /// Version 1 of the format that docs/formats.md describes.

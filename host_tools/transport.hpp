@@ -1,45 +1,45 @@
-// What the keys of a tape recorder do to a running move.
+// The keys of a tape recorder, and what they do to a running move.
 #pragma once
 
 #include <string>
 
-#include "host_tools/transport_keys.hpp"
-#include "inbetween/motion_loop.hpp"
-#include "sim/simulated_rig.hpp"
+#include "host_tools/operator_keys.hpp"
+#include "host_tools/staged_move.hpp"
 
 namespace inbetween {
 
-using SimulatedLoop = MotionLoop<double, SimulatedRig, SimulatedLines>;
-
-/// Refers to the loop and its playhead.
+/// Plays a move that is loaded into a loop. Refers to both.
 class Transport {
  public:
-  Transport(SimulatedLoop& loop, Playhead<double>& playhead) : loop_(loop), playhead_(playhead) {}
+  Transport(SimulatedLoop& loop, StagedMove& staged)
+      : loop_(loop), playhead_(staged.playhead()), move_(staged.plan().played()), keys_(loop) {}
 
+  /// Errors: those of MotionLoop::start.
+  Status begin() { return loop_.start(direction_); }
   void press(TransportKey key);
-  /// Somebody wants to leave: the rig is stopped, and left when it rests.
-  [[nodiscard]] bool wants_to_leave() const { return wants_to_leave_; }
-  /// The move was stopped on its way and has not been started again: being ready is not being finished.
-  [[nodiscard]] bool was_stopped() const { return was_stopped_; }
+  void tick() { loop_.tick(1); }
+  [[nodiscard]] const OperatorKeys& keys() const { return keys_; }
+  /// It was played to one of its ends.
+  [[nodiscard]] bool is_done() const {
+    return loop_.state() == SupervisorState::ready && !keys_.was_stopped();
+  }
   /// One line: state, frame, rate, and what to press next or why the last key did nothing.
   [[nodiscard]] std::string status() const;
   /// Where on the time line, 0..1.
-  [[nodiscard]] double share(const Move<double>& move) const;
+  [[nodiscard]] double share() const;
 
  private:
   void pause_or_play();
   void turn();
   void step(Direction direction);
   void change_override(double by);
-  void say(const Status& status);
-  [[nodiscard]] bool is_running() const { return loop_.state() == SupervisorState::running; }
+  [[nodiscard]] bool is_paused() const { return keys_.is_running() && playhead_.is_resting(); }
 
   SimulatedLoop& loop_;
   Playhead<double>& playhead_;
+  const Move<double>& move_;
+  OperatorKeys keys_;
   Direction direction_ = Direction::forward;
-  bool wants_to_leave_ = false;
-  bool was_stopped_ = false;
-  std::string words_;
 };
 
 }  // namespace inbetween

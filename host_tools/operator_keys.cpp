@@ -1,0 +1,43 @@
+#include "host_tools/operator_keys.hpp"
+
+namespace inbetween {
+
+bool OperatorKeys::press(TransportKey key) {
+  words_.clear();
+  switch (key) {
+    case TransportKey::stop:
+      was_stopped_ = was_stopped_ || is_running();
+      loop_.post(SupervisorEvent::stop);
+      return true;
+    case TransportKey::acknowledge:
+      if (!loop_.post(SupervisorEvent::acknowledge)) words_ = "there is nothing to acknowledge";
+      return true;
+    case TransportKey::quit:
+      if (!wants_to_leave_) loop_.post(SupervisorEvent::stop);
+      wants_to_leave_ = true;
+      return true;
+    default:
+      return false;
+  }
+}
+
+bool OperatorKeys::has_left() const {
+  const SupervisorState state = loop_.state();
+  return wants_to_leave_ && state != SupervisorState::running && state != SupervisorState::stopping;
+}
+
+std::string_view OperatorKeys::hint() const {
+  switch (loop_.state()) {
+    case SupervisorState::stopping:
+      return "slowing down on the path";
+    case SupervisorState::latched:
+    case SupervisorState::cut_off:
+      return "stopped; a acknowledges, q leaves";
+    case SupervisorState::ready:
+      return "Enter starts from here, q leaves";
+    default:
+      return "";
+  }
+}
+
+}  // namespace inbetween

@@ -1,0 +1,46 @@
+// What an operator can do to any running move: stop it, acknowledge, leave.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "host_tools/transport_keys.hpp"
+#include "inbetween/motion_loop.hpp"
+#include "sim/simulated_rig.hpp"
+
+namespace inbetween {
+
+using SimulatedLoop = MotionLoop<double, SimulatedRig, SimulatedLines>;
+
+/// Refers to the loop.
+class OperatorKeys {
+ public:
+  explicit OperatorKeys(SimulatedLoop& loop) : loop_(loop) {}
+
+  /// Whether it was one of stop, acknowledge and quit, which mean the same everywhere.
+  bool press(TransportKey key);
+  /// After a stop the move was begun again.
+  void begun() { was_stopped_ = false; }
+  /// Somebody wants to leave: the rig is stopped, and left when it rests.
+  [[nodiscard]] bool wants_to_leave() const { return wants_to_leave_; }
+  /// The move was stopped on its way and has not been begun again: being ready is not being finished.
+  [[nodiscard]] bool was_stopped() const { return was_stopped_; }
+  [[nodiscard]] bool is_running() const { return loop_.state() == SupervisorState::running; }
+  /// Nothing moves, and nothing will.
+  [[nodiscard]] bool has_left() const;
+
+  /// What to tell about the last key; "" for nothing.
+  void say(std::string words) { words_ = std::move(words); }
+  void say(const Status& status) { words_ = status ? "" : status.error().what; }
+  [[nodiscard]] const std::string& words() const { return words_; }
+  /// What can be pressed in a state that is not `running`.
+  [[nodiscard]] std::string_view hint() const;
+
+ private:
+  SimulatedLoop& loop_;
+  bool wants_to_leave_ = false;
+  bool was_stopped_ = false;
+  std::string words_;
+};
+
+}  // namespace inbetween

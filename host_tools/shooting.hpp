@@ -1,0 +1,65 @@
+// A move shot frame by frame, and the keys for it.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host_tools/operator_keys.hpp"
+#include "host_tools/staged_move.hpp"
+#include "inbetween/frame_shoot.hpp"
+#include "sim/simulated_camera.hpp"
+
+namespace inbetween {
+
+/// As somebody asks for it.
+struct ShootOptions {
+  double settle_s = 0.5;
+  double exposure_s = 0.1;                      ///< of the camera's signal; with a shutter, of the exposure
+  std::optional<Shutter<double>> shutter = {};  ///< the rig moves while it is open
+  std::vector<std::string> still = {};          ///< axes that stand still meanwhile
+};
+
+/// In ticks of a rig, rounded up.
+ShootSpec<double> shoot_spec(const ShootOptions& options, std::int32_t rate_hz);
+
+/// Throws LimitError, at the place of the number of frames, where a frame cannot be exposed as wanted.
+void refuse_exposures(StagedMove& staged, const ShootSpec<double>& spec);
+
+/// Shoots a move that is loaded into a loop. Refers to all of them.
+class Shooting {
+ public:
+  Shooting(SimulatedLoop& loop, StagedMove& staged, SimulatedCamera& camera, const ShootSpec<double>& spec)
+      : loop_(loop),
+        camera_(camera),
+        frames_(staged.plan().move().frames),
+        shoot_(spec, frames_, staged.playhead(), staged.still()),
+        keys_(loop) {}
+
+  /// Goes to the frame that it was at and shoots it. Errors: those of MotionLoop::begin and
+  /// FrameShoot::shoot.
+  Status begin();
+  void press(TransportKey key);
+  void tick();
+  [[nodiscard]] const OperatorKeys& keys() const { return keys_; }
+  /// Every frame is shot, and the last was acknowledged.
+  [[nodiscard]] bool is_done() const { return shoot_.phase() == ShootPhase::done; }
+  [[nodiscard]] std::int64_t exposures() const { return shoot_.exposures(); }
+  /// One line: what it does, the frame, and what to press next or why the last key did nothing.
+  [[nodiscard]] std::string status() const;
+  /// Of the frames, 0..1.
+  [[nodiscard]] double share() const { return static_cast<double>(shoot_.frame()) / frames_; }
+
+ private:
+  void look(int by);
+  [[nodiscard]] std::string_view hint() const;
+
+  SimulatedLoop& loop_;
+  SimulatedCamera& camera_;
+  std::int32_t frames_;
+  FrameShoot<double> shoot_;
+  OperatorKeys keys_;
+};
+
+}  // namespace inbetween
