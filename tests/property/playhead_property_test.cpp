@@ -19,15 +19,24 @@
 namespace inbetween {
 namespace {
 
-constexpr int many_sequences = 400;
+constexpr int many_sequences = 1500;
 constexpr int ticks = 1000;
 
-void command(Playhead<double>& playhead, const Move<double>& move) {
+/// `wanted` is an exposure that is made as soon as the playhead rests and has gone to its run-up.
+void command(Playhead<double>& playhead, const Move<double>& move, std::optional<Exposure<double>>& wanted) {
   const auto frame = [&] { return *rc::gen::inRange(move.first_frame(), move.last_frame() + 1); };
   const auto direction = [] {
     return *rc::gen::arbitrary<bool>() ? Direction::forward : Direction::backward;
   };
-  switch (*rc::gen::inRange(0, 8)) {
+  const auto exposure = [&] {
+    const FrameTime<double> at{frame(), 0};
+    const double open = *rc::gen::inRange(-10, 10) / 20.0;
+    const double share = *rc::gen::inRange(1, 20) / 20.0;
+    const double slower = *rc::gen::inRange(10, 400) / 10.0;
+    return Exposure<double>{moved_by(at, open), moved_by(at, open + share),
+                            slower * share / move.frame_rate().frames_per_second()};
+  };
+  switch (*rc::gen::inRange(0, 10)) {
     case 0:
     case 1:
       static_cast<void>(playhead.play(direction()));
@@ -42,10 +51,15 @@ void command(Playhead<double>& playhead, const Move<double>& move) {
       static_cast<void>(playhead.step(direction()));
       break;
     case 5:
-      static_cast<void>(playhead.set_override(*rc::gen::inRange(1, 101) / 100.0));
+      static_cast<void>(playhead.set_override(*rc::gen::inRange(1, 131) / 100.0));
       break;
     case 6:
       static_cast<void>(playhead.scrub_to({frame(), 0}));
+      break;
+    case 7:
+    case 8:
+      wanted = exposure();
+      playhead.stop();
       break;
     default:
       static_cast<void>(
@@ -53,10 +67,53 @@ void command(Playhead<double>& playhead, const Move<double>& move) {
   }
 }
 
-TEST(PlayheadProperty, AnyCommandsAtAnyTimeKeepTheStopLimits) {
+struct Tried {
   int played = 0;
   int with_rolls = 0;
   int refused = 0;
+  int exposures = 0;
+  int faster = 0;
+  int excused = 0;  ///< ticks across a step of the acceleration that the certificate lists
+};
+
+/// Commands at random for so many ticks; then a stop, which takes no longer than foretold.
+void play_at_random(const Plan& plan, const PlannedStops& stops, const CheckReport& report, Tried& tried) {
+  const std::int32_t rate_hz = plan.rig()->rate_hz;
+  const double tick_s = 1.0 / rate_hz;
+  Playhead<double> playhead(plan.played(), *stops.bounds(), rate_hz);
+  RecordedPlay record(plan, *stops.bounds(), tick_s);
+  std::vector<double> steps;
+  for (const CheckedStep& step : report.steps) steps.push_back(step.frame);
+  record.allow_steps_at(steps);
+  std::optional<Exposure<double>> wanted;
+  RC_ASSERT(playhead.play(Direction::forward).has_value());
+  for (int tick = 0; tick < ticks; ++tick) {
+    if (*rc::gen::inRange(0, 40) == 0) command(playhead, plan.played(), wanted);
+    if (wanted && playhead.is_resting()) {
+      if (playhead.expose(*wanted)) {
+        ++tried.exposures;
+        wanted.reset();
+      } else if (!playhead.go_to_run_up(*wanted)) {
+        wanted.reset();
+      }
+    }
+    static_cast<void>(playhead.tick());
+    record.take(playhead);
+    if (!record.complaint().empty()) RC_FAIL("tick " + std::to_string(tick) + ": " + record.complaint());
+  }
+  const bool forward = playhead.rate() >= 0;
+  const StopLength<double> foretold = stops.bounds()->stop_from(playhead.time(), forward);
+  playhead.stop();
+  int needed = 0;
+  for (; !playhead.is_resting() && needed < 10'000'000; ++needed) static_cast<void>(playhead.tick());
+  RC_ASSERT(playhead.is_resting());
+  RC_ASSERT(needed * tick_s <= foretold.seconds + 3 * tick_s);
+  tried.excused += record.excused();
+}
+
+/// On a path whose acceleration steps at its keys, a rig that allows the steps sees them and nothing else.
+TEST(PlayheadProperty, AnyCommandsAtAnyTimeKeepTheStopLimits) {
+  Tried tried;
   check_property(many_sequences, [&] {
     const RandomMove random = *regular_move();
     const std::optional<MoveFile> move = for_a_rig(random);
@@ -64,42 +121,32 @@ TEST(PlayheadProperty, AnyCommandsAtAnyTimeKeepTheStopLimits) {
     const std::optional<RigFile> rig =
         rig_near(*move, {.share = [] { return *rc::gen::inRange(102, 160) / 100.0; },
                          .limits_jerk = *rc::gen::arbitrary<bool>(),
+                         .allows_steps = *rc::gen::arbitrary<bool>(),
                          .rate_hz = *rc::gen::element(100, 250, 1000)});
     if (!rig) return;
     const Plan plan(*move, rig, {});
-    if (!check(plan).fits()) return;
-    const PlannedStops stops(plan);
+    const CheckReport report = check(plan);
+    if (!report.fits()) return;
+    const double rate = *rc::gen::arbitrary<bool>() ? std::clamp(report.highest_rate, 1.0, 1.3) : 1.0;
+    const PlannedStops stops(plan, rate);
     if (stops.obstacle()) {
       // Beside a cusp, where a peak lasts shorter than time is known, its bound may be far above it.
       RC_ASSERT(stops.obstacle()->value > stops.obstacle()->limit);
-      ++refused;
+      ++tried.refused;
       return;
     }
-    ++played;
-    if (plan.played().first_frame() < 0) ++with_rolls;
-    Playhead<double> playhead(plan.played(), *stops.bounds(), rig->rate_hz);
-    const double tick_s = 1.0 / rig->rate_hz;
-    RecordedPlay record(plan, *stops.bounds(), tick_s);
-    RC_ASSERT(playhead.play(Direction::forward).has_value());
-    for (int tick = 0; tick < ticks; ++tick) {
-      if (*rc::gen::inRange(0, 40) == 0) command(playhead, plan.played());
-      static_cast<void>(playhead.tick());
-      record.take(playhead);
-      if (!record.complaint().empty()) RC_FAIL("tick " + std::to_string(tick) + ": " + record.complaint());
-    }
-    const bool forward = playhead.rate() >= 0;
-    const StopLength<double> foretold = stops.bounds()->stop_from(playhead.time(), forward);
-    playhead.stop();
-    int needed = 0;
-    for (; !playhead.is_resting() && needed < 10'000'000; ++needed) static_cast<void>(playhead.tick());
-    RC_ASSERT(playhead.is_resting());
-    RC_ASSERT(needed * tick_s <= foretold.seconds + 3 * tick_s);
+    ++tried.played;
+    if (plan.played().first_frame() < 0) ++tried.with_rolls;
+    if (rate > 1) ++tried.faster;
+    play_at_random(plan, stops, report, tried);
   });
-  std::cout << played << " moves played, " << with_rolls << " of them from a pre-roll, " << refused
-            << " refused\n";
+  std::cout << tried.played << " moves played, " << tried.with_rolls << " of them from a pre-roll, "
+            << tried.faster << " faster than drawn; " << tried.refused << " refused; " << tried.exposures
+            << " exposures in motion; " << tried.excused << " ticks across a step that was listed\n";
   if (!counts_mean_something()) return;
-  EXPECT_GT(played, many_sequences / 10);
-  EXPECT_LE(refused, played / 5);
+  EXPECT_GT(tried.played, many_sequences / 10);
+  EXPECT_GT(tried.exposures, 0);
+  EXPECT_LE(tried.refused, tried.played / 5);
 }
 
 }  // namespace

@@ -26,6 +26,8 @@ void RecordedPlay::complain(const std::string& words, const Playhead<double>& pl
 
 void RecordedPlay::take(const Playhead<double>& playhead) {
   std::rotate(positions_.begin(), positions_.end() - 1, positions_.end());
+  std::rotate(frames_.begin(), frames_.end() - 1, frames_.end());
+  frames_.front() = playhead.time().frame + playhead.time().fraction;
   std::vector<double>& now = positions_.front();
   now.resize(sizes_.size());
   plan_.played().positions(playhead.time(), now);
@@ -38,6 +40,14 @@ void RecordedPlay::take(const Playhead<double>& playhead) {
   for (std::size_t d = 0; d < now.size(); ++d) compare(d, playhead);
   before_ = fmt::format("frame {} + {}, rate {}, state {}", playhead.time().frame, playhead.time().fraction,
                         playhead.rate(), static_cast<int>(playhead.state()));
+}
+
+bool RecordedPlay::is_across_step() const {
+  const auto [first, last] = std::minmax_element(frames_.begin(), frames_.end());
+  return std::any_of(steps_.begin(), steps_.end(), [&](double step) {
+    const double rounding = 1e-9 * (1 + std::fabs(step));
+    return *first - rounding <= step && step <= *last + rounding;
+  });
 }
 
 void RecordedPlay::compare(std::size_t axis, const Playhead<double>& playhead) {
@@ -59,6 +69,10 @@ void RecordedPlay::compare(std::size_t axis, const Playhead<double>& playhead) {
     const double cube = tick_s_ * tick_s_ * tick_s_;
     const double jerk = std::fabs(at(0) - 3 * at(1) + 3 * at(2) - at(3)) / cube;
     const double noise = rounding / cube + 4e-6 * limits.max_velocity() / (tick_s_ * tick_s_);
+    if (is_across_step()) {
+      if (jerk > *limits.stop_jerk() + noise) ++excused_;
+      return;
+    }
     jerk_share_ = std::max(jerk_share_, (jerk - noise) / *limits.stop_jerk());
     if (jerk > *limits.stop_jerk() * (1 + 1e-6) + noise) {
       complain(fmt::format("jerk of axis {} is {}, {} is allowed", axis, jerk, *limits.stop_jerk()),

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "host_tools/plan.hpp"
@@ -19,10 +20,14 @@ class RecordedPlay {
  public:
   RecordedPlay(const Plan& plan, const StopBounds<double>& bounds, double tick_s);
 
+  /// At these frames the acceleration may step: no jerk is compared across them.
+  void allow_steps_at(std::vector<double> frames) { steps_ = std::move(frames); }
   /// Takes the place of the playhead after a tick (or before the first).
   void take(const Playhead<double>& playhead);
   /// Forgets the setpoints so far: the next is not compared with them.
   void restart() { count_ = 0; }
+  /// Across a step that was allowed, how often the jerk was above its limit.
+  [[nodiscard]] int excused() const { return excused_; }
   /// The first thing that was wrong; "" so far.
   [[nodiscard]] const std::string& complaint() const { return complaint_; }
   /// As a share of its stop limit, the largest acceleration and jerk so far.
@@ -30,6 +35,7 @@ class RecordedPlay {
   [[nodiscard]] double jerk_share() const { return jerk_share_; }
 
  private:
+  [[nodiscard]] bool is_across_step() const;
   void compare(std::size_t axis, const Playhead<double>& playhead);
   void complain(const std::string& words, const Playhead<double>& playhead);
 
@@ -38,6 +44,9 @@ class RecordedPlay {
   double tick_s_;
   std::vector<double> sizes_;                     ///< of the positions, for their rounding
   std::array<std::vector<double>, 4> positions_;  ///< of the last four ticks, newest first
+  std::array<double, 4> frames_{};                ///< and where the playhead was
+  std::vector<double> steps_;
+  int excused_ = 0;
   int count_ = 0;
   std::string complaint_;
   std::string before_;

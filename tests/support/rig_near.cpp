@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <vector>
 
 #include "host_tools/check.hpp"
 
@@ -21,7 +22,8 @@ std::optional<MoveFile> for_a_rig(const RandomMove& random) {
 
 std::optional<RigFile> rig_near(const MoveFile& move, const RigNear& wish) {
   RigFile rig{.path = "rig.toml", .name = "rig", .rate_hz = wish.rate_hz, .buses = {}, .axes = {}};
-  const std::vector<std::string>& names = move.tracks.front().axes;
+  std::vector<std::string> names;
+  for (const MoveTrack& track : move.tracks) names.insert(names.end(), track.axes.begin(), track.axes.end());
   for (const std::string& name : names) {
     RigAxis axis;
     axis.name = name;
@@ -47,6 +49,13 @@ std::optional<RigFile> rig_near(const MoveFile& move, const RigNear& wish) {
     axis.max_acceleration = wish.share() * std::max(found.acceleration.value, 1e-3 * axis.max_velocity);
     if (!wish.limits_jerk) continue;
     axis.max_jerk = wish.share() * std::max(found.jerk.value, 1e-3 * axis.max_acceleration);
+  }
+  if (!wish.allows_steps) return rig;
+  // What is a step and what is rounding depends on the limits.
+  for (const CheckedStep& step : check(Plan(move, rig, {})).steps) {
+    if (!(step.acceleration > 0 && std::isfinite(step.acceleration))) continue;
+    std::optional<double>& most = rig.axes[step.axis].max_acceleration_step;
+    most = std::max(most.value_or(0), 1.001 * step.acceleration);
   }
   return rig;
 }

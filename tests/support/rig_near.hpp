@@ -17,10 +17,11 @@ std::optional<MoveFile> for_a_rig(const RandomMove& random);
 struct RigNear {
   std::function<double()> share;  ///< of a limit, as a multiple of the peak of the move; called for each
   bool limits_jerk = false;
+  bool allows_steps = false;  ///< of the acceleration, where the path has them
   std::int32_t rate_hz = 100;
 };
 
-/// The axes of the first track, with room of the size of the move on either side. Nothing where an axis
+/// The axes of all tracks, with room of the size of the move on either side. Nothing where an axis
 /// stands still, hardly moves for its digits, or has a peak without bound.
 std::optional<RigFile> rig_near(const MoveFile& move, const RigNear& wish);
 

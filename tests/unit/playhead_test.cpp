@@ -166,6 +166,61 @@ TEST(Playhead, AStopAtEveryTickWithoutALimitOfTheJerk) {
   expect_stops_everywhere(bench, playhead);
 }
 
+TEST(Playhead, AStopAtEveryTickOfSeveralTracksTimedInTheirOwnWays) {
+  const Bench bench(bends() + R"([[track]]
+axes = ["focus"]
+keys = [ { at = [3], frame = 0 }, { at = [9], frame = 90 }, { at = [4], frame = 170 }, { at = [5], frame = 240 } ]
+spline = "catmull-rom"
+timing = "frames"
+kinetic = "smooth"
+[[track]]
+axes = ["zoom", "iris"]
+keys = [ { at = [0, 1] }, { at = [20, 2], frame = 100, hold = 12 }, { at = [30, 4] } ]
+speed = [0, 0, 8, 8, 8, 8, 8, 8, 0, 0]
+)",
+                    1, false);
+  ASSERT_EQ(bench.plan.played().axis_count(), 5U);
+  Playhead<double> playhead = bench.playhead();
+  ASSERT_TRUE(playhead.play(Direction::forward));
+  expect_stops_everywhere(bench, playhead);
+}
+
+/// The acceleration of a catmull-rom path steps at its keys, and the rig allows these steps.
+TEST(Playhead, WhereTheAccelerationStepsOnlyTheListedStepsExceedTheJerk) {
+  const MoveFile move = parse_move(bends("0, 0, 10, 6, 10, 0, 0", "spline = \"catmull-rom\"\n"), "move.toml");
+  const Plan plan(
+      move,
+      rig_near(move,
+               {.share = [] { return 1.05; }, .limits_jerk = true, .allows_steps = true, .rate_hz = rate_hz}),
+      {});
+  const CheckReport report = check(plan);
+  ASSERT_TRUE(report.fits());
+  std::vector<double> steps;
+  for (const CheckedStep& step : report.steps) steps.push_back(step.frame);
+  ASSERT_EQ(steps.size(), 4U) << "two keys, two axes";
+  const PlannedStops stops(plan);
+  Playhead<double> playhead(plan.played(), *stops.bounds(), rate_hz);
+  RecordedPlay record(plan, *stops.bounds(), tick_s);
+  record.allow_steps_at(steps);
+  ASSERT_TRUE(playhead.play(Direction::forward));
+  int ticks = 0;
+  for (; !playhead.is_resting(); ++ticks) {
+    playhead.tick();
+    record.take(playhead);
+    Playhead<double> stopped = playhead;
+    RecordedPlay stop = record;
+    stopped.stop();
+    while (!stopped.is_resting()) {
+      stopped.tick();
+      stop.take(stopped);
+    }
+    ASSERT_EQ(stop.complaint(), "") << ticks;
+  }
+  EXPECT_EQ(record.complaint(), "");
+  EXPECT_GT(record.excused(), 0) << "they do step";
+  EXPECT_LE(record.excused(), 2 * 2 * 3) << "at two keys, two axes, in three differences each";
+}
+
 TEST(Playhead, AStopAtEveryTickOfAStepToTheNextFrame) {
   const Bench bench(bends());
   Playhead<double> playhead = bench.playhead();
