@@ -11,12 +11,12 @@ void note(int) {
 
 }  // namespace
 
-InterruptWatch::InterruptWatch()
-    : interrupt_before_(std::signal(SIGINT, note)), terminate_before_(std::signal(SIGTERM, note)) {}
+InterruptWatch::InterruptWatch() {
+  for (std::size_t i = 0; i < signals.size(); ++i) before_[i] = std::signal(signals[i], note);
+}
 
 InterruptWatch::~InterruptWatch() {
-  std::signal(SIGINT, interrupt_before_);
-  std::signal(SIGTERM, terminate_before_);
+  for (std::size_t i = 0; i < signals.size(); ++i) std::signal(signals[i], before_[i]);
   has_come = 0;
 }
 

@@ -1,10 +1,12 @@
 #pragma once
 
+#include <array>
 #include <csignal>
+#include <cstddef>
 
 namespace inbetween {
 
-/// Ctrl-C and a polite kill become a wish, for as long as this lives. One at a time.
+/// Ctrl-C, a polite kill and a lost terminal become a wish, for as long as this lives. One at a time.
 class InterruptWatch {
  public:
   InterruptWatch();
@@ -12,13 +14,13 @@ class InterruptWatch {
   InterruptWatch(const InterruptWatch&) = delete;
   InterruptWatch& operator=(const InterruptWatch&) = delete;
 
-  /// Whether SIGINT or SIGTERM has come since.
+  /// Whether SIGINT, SIGTERM or SIGHUP has come since.
   [[nodiscard]] static bool asked();
 
  private:
   using Handler = void (*)(int);
-  Handler interrupt_before_;
-  Handler terminate_before_;
+  static constexpr std::array signals{SIGINT, SIGTERM, SIGHUP};
+  std::array<Handler, signals.size()> before_{};
 };
 
 }  // namespace inbetween

@@ -13,6 +13,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "inbetween/frame_shoot.hpp"
 #include "inbetween/frame_table.hpp"
 #include "inbetween/frame_time.hpp"
 #include "inbetween/ode_frame_table.hpp"
@@ -298,6 +299,47 @@ TYPED_TEST(NoAllocationIn, AMillionTicksOfPlayingTakeNoMemory) {
   EXPECT_THAT(states, Each(Gt(0)));
   EXPECT_GT(commands[0], 0);
   EXPECT_GT(commands[1], commands[0]);
+}
+
+TYPED_TEST(NoAllocationIn, ShootingFramesInMotionTakesNoMemory) {
+  using Real = TypeParam;
+  const auto play = std::make_unique<PlayInPlace<Real>>();
+  constexpr std::int64_t few_frames = 50;
+  const ShootSpec<Real> spec{.settle_ticks = 3,
+                             .exposure_ticks = 1,
+                             .shutter = Shutter<Real>{Real(-0.25), Real(0.25)},
+                             .exposure_s = Real(0.25)};
+  std::array<std::int64_t, shoot_phases> phases{};
+  std::int64_t exposures = 0;
+  std::size_t hits = 0;
+  std::string error;
+  {
+    const ArmedAllocator armed;
+    auto playhead = play->make();
+    if (playhead) {
+      Playhead<Real> still = *playhead;
+      FrameShoot<Real> shoot(spec, frames, *playhead, &still);
+      Status status = shoot.check();
+      if (status) status = shoot.shoot(0);
+      for (std::int64_t tick = 0; status && tick < million && shoot.exposures() < few_frames; ++tick) {
+        const PlayheadEvent event = playhead->tick();
+        still.tick();
+        shoot.tick(event);
+        ++phases[static_cast<std::size_t>(shoot.phase())];
+        if (shoot.phase() == ShootPhase::waiting) status = shoot.trigger();
+      }
+      exposures = shoot.exposures();
+      if (!status) error = status.error().what;
+    } else {
+      error = playhead.error().what;
+    }
+    hits = armed.hits();
+  }
+  EXPECT_EQ(error, "");
+  EXPECT_EQ(hits, 0U);
+  EXPECT_EQ(exposures, few_frames);
+  EXPECT_GT(phases[static_cast<std::size_t>(ShootPhase::settling)], 0);
+  EXPECT_GT(phases[static_cast<std::size_t>(ShootPhase::exposing)], 0);
 }
 
 TYPED_TEST(NoAllocationIn, WhyAMoveCannotBeStoppedTakesNoMemory) {

@@ -138,6 +138,7 @@ TEST(MotionLoop, AnAxisThatIsNotWhereTheMoveStartsIsNamedAndNothingMoves) {
   EXPECT_THAT(crane.at(), ElementsAre(100, 0.25, 11)) << "the first setpoint is the actual position";
 }
 
+// faults.md 40
 TEST(MotionLoop, AStopLatchesAndGoesOnOnlyWhenAcknowledgedAndStarted) {
   Crane crane;
   crane.arm();
@@ -187,6 +188,7 @@ TEST(MotionLoop, AStopWhilePausedIsAtRestAtOnce) {
   EXPECT_EQ(crane.loop.state(), SupervisorState::latched);
 }
 
+// faults.md 28
 TEST(MotionLoop, WithoutPowerNothingIsSentAndNothingResumesByItself) {
   Crane crane;
   crane.arm();
@@ -238,6 +240,7 @@ TEST(MotionLoop, AfterLostPowerNoSpeedIsLeftOver) {
   EXPECT_THAT(crane.at(), ElementsAre(260, 0.25, -5));
 }
 
+// faults.md 23
 TEST(MotionLoop, AFaultOfOneDriveSlowsAllDownOnThePath) {
   Crane crane;
   crane.arm();

@@ -4,9 +4,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <csignal>
 #include <string>
 #include <vector>
 
+#include "drivers/linux/interrupt_watch.hpp"
 #include "host_tools/run.hpp"
 #include "tests/support/run_program.hpp"
 
@@ -102,6 +104,24 @@ TEST(Transport, LeavingStopsOnThePathFirst) {
   EXPECT_GT(session.report.ticks, 720);
   EXPECT_LT(session.report.ticks, 1000);
   EXPECT_EQ(session.report.axes[0].last_actual, session.report.axes[0].last_commanded);
+}
+
+// faults.md 41: a running move whose terminal is lost is stopped on the path, as one that is interrupted.
+TEST(Transport, ALostTerminalStopsTheMoveOnThePath) {
+  const Plan plan(read_move_file(reveal), read_rig_file(camera_rig), {});
+  for (const int signal : {SIGHUP, SIGINT, SIGTERM}) {
+    const InterruptWatch watch;
+    int tick = 0;
+    const auto asked = [&] {
+      if (++tick == 700) std::raise(signal);
+      return InterruptWatch::asked();
+    };
+    const RunReport report = run_simulated(plan, {.fast = true, .interrupted = asked, .progress = {}});
+    EXPECT_EQ(report.ending, Ending::stopped) << signal;
+    EXPECT_GT(report.ticks, 720) << signal;
+    EXPECT_LT(report.ticks, 1000) << signal;
+    EXPECT_EQ(report.axes[0].last_actual, report.axes[0].last_commanded) << signal;
+  }
 }
 
 TEST(Transport, ToAndFroGoesOnUntilSomebodyLeaves) {
