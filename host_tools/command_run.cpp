@@ -172,7 +172,7 @@ RunReport run(const Plan& plan, const RunArguments& arguments) {
   }
   options.progress = {};
   options.keys = [&] { return terminal.read(); };
-  options.status = [&](double share, const std::string& line) { bar.show(share, line); };
+  options.status = [&](const RunSnapshot& now) { bar.show(now.share, status_line(now)); };
   return run_simulated(plan, options);
 }
 

@@ -3,7 +3,7 @@
 namespace inbetween {
 
 bool OperatorKeys::press(TransportKey key) {
-  words_.clear();
+  words_ = "";
   switch (key) {
     case TransportKey::stop:
       was_stopped_ = was_stopped_ || is_running();
@@ -24,20 +24,6 @@ bool OperatorKeys::press(TransportKey key) {
 bool OperatorKeys::has_left() const {
   const SupervisorState state = loop_.state();
   return wants_to_leave_ && state != SupervisorState::running && state != SupervisorState::stopping;
-}
-
-std::string_view OperatorKeys::hint() const {
-  switch (loop_.state()) {
-    case SupervisorState::stopping:
-      return "slowing down on the path";
-    case SupervisorState::latched:
-    case SupervisorState::cut_off:
-      return "stopped; a acknowledges, q leaves";
-    case SupervisorState::ready:
-      return "Enter starts from here, q leaves";
-    default:
-      return "";
-  }
 }
 
 }  // namespace inbetween

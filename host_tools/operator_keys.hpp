@@ -1,9 +1,6 @@
 // What an operator can do to any running move: stop it, acknowledge, leave.
 #pragma once
 
-#include <string>
-#include <string_view>
-
 #include "host_tools/transport_keys.hpp"
 #include "inbetween/motion_loop.hpp"
 #include "sim/simulated_rig.hpp"
@@ -12,7 +9,7 @@ namespace inbetween {
 
 using SimulatedLoop = MotionLoop<double, SimulatedRig, SimulatedLines>;
 
-/// Refers to the loop.
+/// Refers to the loop. Allocates nothing: it works in the loop's own thread.
 class OperatorKeys {
  public:
   explicit OperatorKeys(SimulatedLoop& loop) : loop_(loop) {}
@@ -29,18 +26,16 @@ class OperatorKeys {
   /// Nothing moves, and nothing will.
   [[nodiscard]] bool has_left() const;
 
-  /// What to tell about the last key; "" for nothing.
-  void say(std::string words) { words_ = std::move(words); }
+  /// What to tell about the last key, a literal; "" for nothing.
+  void say(const char* words) { words_ = words; }
   void say(const Status& status) { words_ = status ? "" : status.error().what; }
-  [[nodiscard]] const std::string& words() const { return words_; }
-  /// What can be pressed in a state that is not `running`.
-  [[nodiscard]] std::string_view hint() const;
+  [[nodiscard]] const char* words() const { return words_; }
 
  private:
   SimulatedLoop& loop_;
   bool wants_to_leave_ = false;
   bool was_stopped_ = false;
-  std::string words_;
+  const char* words_ = "";
 };
 
 }  // namespace inbetween

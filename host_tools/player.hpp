@@ -31,7 +31,7 @@ class Player {
     for (std::int64_t tick = 0, ticks_at_rest = 0; ticks_at_rest < 2; ++tick) {
       wait_for(tick, start_ns);
       press_keys(performance);
-      if (tick > 0) performance.tick();
+      if (tick > 0) performance.tick(clock_.now_ns());
       if (is_over()) {
         ++ticks_at_rest;
       } else {
@@ -67,7 +67,7 @@ class Player {
     const bool looks_at_clock = tick % 64 == 0 || !options_.fast;
     if (!looks_at_clock || wall_.now_ns() < next_show_ns_) return;
     if (options_.progress && last) options_.progress(std::min(tick, *last), *last);
-    if (options_.status) options_.status(performance.share(), performance.status());
+    if (options_.status) options_.status(performance.snapshot());
     next_show_ns_ = wall_.now_ns() + ns_per_s / 10;
   }
 

@@ -90,7 +90,7 @@ class RigOnLoop {
   /// Switches the drives on.
   void arm() {
     loop_.post(SupervisorEvent::arm);
-    while (loop_.state() != SupervisorState::ready) loop_.tick(1);
+    while (loop_.state() != SupervisorState::ready) loop_.tick(1, 0);
   }
   [[nodiscard]] SimulatedLoop& loop() { return loop_; }
   [[nodiscard]] const std::vector<SimulatedAxis>& axes() const { return rig_.axes(); }

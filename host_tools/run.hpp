@@ -12,6 +12,7 @@
 #include "host_tools/check.hpp"
 #include "host_tools/diagnostics.hpp"
 #include "host_tools/plan.hpp"
+#include "host_tools/run_snapshot.hpp"
 #include "host_tools/shooting.hpp"
 #include "host_tools/wake_latency.hpp"
 #include "inbetween/playhead.hpp"
@@ -34,8 +35,8 @@ struct RunOptions {
   std::function<std::string()> keys = {};
   /// Whether somebody wants the run to end: it is stopped on the path.
   std::function<bool()> interrupted = {};
-  /// Called about ten times a second of real time: where on the time line, 0..1, and a line for people.
-  std::function<void(double share, const std::string& line)> status = {};
+  /// Called about ten times a second of real time.
+  std::function<void(const RunSnapshot&)> status = {};
   /// Called before the first tick and then about ten times a second of real time, and at the end.
   std::function<void(std::int64_t tick, std::int64_t last)> progress;
 };

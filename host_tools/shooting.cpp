@@ -63,8 +63,8 @@ void Shooting::look(int by) {
   keys_.say(shoot_.look_at(shoot_.frame() + by));
 }
 
-void Shooting::tick() {
-  const LoopTick result = loop_.tick(1);
+void Shooting::tick(std::int64_t now_ns) {
+  const LoopTick result = loop_.tick(1, now_ns);
   if (result.state != SupervisorState::running) shoot_.interrupt();
   shoot_.tick(result.event);
   camera_.signal(shoot_.camera());
@@ -73,23 +73,15 @@ void Shooting::tick() {
   if (is_done() && loop_.state() == SupervisorState::running) keys_.say(loop_.finish());
 }
 
-std::string_view Shooting::hint() const {
-  if (!keys_.is_running()) return keys_.hint();
-  switch (shoot_.phase()) {
-    case ShootPhase::waiting:
-      return "shot; space goes on, left and right look at others, Esc stops";
-    case ShootPhase::standing:
-      return "space shoots it, left and right look at others, Esc stops";
-    default:
-      return "Esc stops";
-  }
-}
-
-std::string Shooting::status() const {
-  const char* doing = keys_.is_running() ? name_of(shoot_.phase()) : name_of(loop_.state());
-  return fmt::format("{}  frame {} of {}  {} shot{} | {}", doing, shoot_.frame(), frames_, shoot_.exposures(),
-                     shoot_.camera() ? "  CAMERA" : "",
-                     keys_.words().empty() ? std::string(hint()) : keys_.words());
+RunSnapshot Shooting::snapshot() const {
+  return {.state = loop_.state(),
+          .share = static_cast<double>(shoot_.frame()) / frames_,
+          .words = keys_.words(),
+          .shoot = ShootSnapshot{.phase = shoot_.phase(),
+                                 .frame = shoot_.frame(),
+                                 .frames = frames_,
+                                 .exposures = shoot_.exposures(),
+                                 .camera = shoot_.camera()}};
 }
 
 }  // namespace inbetween

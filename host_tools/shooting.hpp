@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "host_tools/operator_keys.hpp"
+#include "host_tools/run_snapshot.hpp"
 #include "host_tools/staged_move.hpp"
 #include "inbetween/frame_shoot.hpp"
 #include "sim/simulated_camera.hpp"
@@ -27,7 +28,7 @@ ShootSpec<double> shoot_spec(const ShootOptions& options, std::int32_t rate_hz);
 /// Throws LimitError, at the place of the number of frames, where a frame cannot be exposed as wanted.
 void refuse_exposures(StagedMove& staged, const ShootSpec<double>& spec);
 
-/// Shoots a move that is loaded into a loop. Refers to all of them.
+/// Shoots a move that is loaded into a loop. Refers to all of them. Allocates nothing.
 class Shooting {
  public:
   Shooting(SimulatedLoop& loop, StagedMove& staged, SimulatedCamera& camera, const ShootSpec<double>& spec)
@@ -41,19 +42,15 @@ class Shooting {
   /// FrameShoot::shoot.
   Status begin();
   void press(TransportKey key);
-  void tick();
+  void tick(std::int64_t now_ns);
   [[nodiscard]] const OperatorKeys& keys() const { return keys_; }
   /// Every frame is shot, and the last was acknowledged.
   [[nodiscard]] bool is_done() const { return shoot_.phase() == ShootPhase::done; }
   [[nodiscard]] std::int64_t exposures() const { return shoot_.exposures(); }
-  /// One line: what it does, the frame, and what to press next or why the last key did nothing.
-  [[nodiscard]] std::string status() const;
-  /// Of the frames, 0..1.
-  [[nodiscard]] double share() const { return static_cast<double>(shoot_.frame()) / frames_; }
+  [[nodiscard]] RunSnapshot snapshot() const;
 
  private:
   void look(int by);
-  [[nodiscard]] std::string_view hint() const;
 
   SimulatedLoop& loop_;
   SimulatedCamera& camera_;

@@ -1,7 +1,5 @@
 #include "host_tools/transport.hpp"
 
-#include <fmt/format.h>
-
 #include <cmath>
 
 namespace inbetween {
@@ -68,22 +66,16 @@ void Transport::change_override(double by) {
   keys_.say(playhead_.set_override(wanted));
 }
 
-std::string Transport::status() const {
+RunSnapshot Transport::snapshot() const {
   const double frame = playhead_.time().frame + playhead_.time().fraction;
-  const auto hint = [&]() -> std::string_view {
-    if (!keys_.words().empty()) return keys_.words();
-    if (is_paused()) return "space plays, arrows step, r turns, q leaves";
-    return keys_.is_running() ? "space pauses, r turns, + - rate, Esc stops" : keys_.hint();
-  };
-  return fmt::format("{}  frame {:.1f}  rate {:+.2f} of {:.1f}{} | {}",
-                     is_paused() ? "paused" : name_of(loop_.state()), frame, playhead_.rate(),
-                     playhead_.override_rate(), direction_ == Direction::backward ? ", backward" : "",
-                     hint());
-}
-
-double Transport::share() const {
-  const double frame = playhead_.time().frame + playhead_.time().fraction;
-  return (frame - move_.first_frame()) / (move_.last_frame() - move_.first_frame());
+  return {.state = loop_.state(),
+          .is_resting = playhead_.is_resting(),
+          .frame = frame,
+          .rate = playhead_.rate(),
+          .override_rate = playhead_.override_rate(),
+          .backward = direction_ == Direction::backward,
+          .share = (frame - move_.first_frame()) / (move_.last_frame() - move_.first_frame()),
+          .words = keys_.words()};
 }
 
 }  // namespace inbetween

@@ -1,14 +1,15 @@
 // The keys of a tape recorder, and what they do to a running move.
 #pragma once
 
-#include <string>
+#include <cstdint>
 
 #include "host_tools/operator_keys.hpp"
+#include "host_tools/run_snapshot.hpp"
 #include "host_tools/staged_move.hpp"
 
 namespace inbetween {
 
-/// Plays a move that is loaded into a loop. Refers to both.
+/// Plays a move that is loaded into a loop. Refers to both. Allocates nothing.
 class Transport {
  public:
   Transport(SimulatedLoop& loop, StagedMove& staged)
@@ -17,23 +18,19 @@ class Transport {
   /// Errors: those of MotionLoop::start.
   Status begin() { return loop_.start(direction_); }
   void press(TransportKey key);
-  void tick() { loop_.tick(1); }
+  void tick(std::int64_t now_ns) { loop_.tick(1, now_ns); }
   [[nodiscard]] const OperatorKeys& keys() const { return keys_; }
   /// It was played to one of its ends.
   [[nodiscard]] bool is_done() const {
     return loop_.state() == SupervisorState::ready && !keys_.was_stopped();
   }
-  /// One line: state, frame, rate, and what to press next or why the last key did nothing.
-  [[nodiscard]] std::string status() const;
-  /// Where on the time line, 0..1.
-  [[nodiscard]] double share() const;
+  [[nodiscard]] RunSnapshot snapshot() const;
 
  private:
   void pause_or_play();
   void turn();
   void step(Direction direction);
   void change_override(double by);
-  [[nodiscard]] bool is_paused() const { return keys_.is_running() && playhead_.is_resting(); }
 
   SimulatedLoop& loop_;
   Playhead<double>& playhead_;

@@ -6,22 +6,21 @@ SimulatedRig::SimulatedRig(std::span<const double> positions) : faults_(position
   for (const double position : positions) axes_.emplace_back(position);
 }
 
-void SimulatedRig::read(std::span<DriveState<double>> states) {
+void SimulatedRig::read(std::span<DriveState<double>> states, std::int64_t /*now_ns*/) {
   for (std::size_t i = 0; i < axes_.size(); ++i) {
-    states[i] = {.actual = axes_[i].actual(), .is_on = is_switched_on_, .has_fault = faults_[i]};
+    DriveTrouble trouble = faults_[i] ? DriveTrouble::cannot_follow : DriveTrouble::none;
+    if (!connected_) trouble = DriveTrouble::unreachable;
+    states[i] = {.actual = axes_[i].actual(), .is_on = is_switched_on_, .trouble = trouble};
   }
 }
 
-void SimulatedRig::write(std::span<const double> setpoints) {
+void SimulatedRig::write(std::span<const double> setpoints, std::int64_t /*now_ns*/) {
+  if (setpoints.empty()) return;
   ++writes_;
   if (!connected_ || !is_switched_on_) return;
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     if (!faults_[i]) axes_[i].tick(setpoints[i]);
   }
-}
-
-void SimulatedRig::disable() {
-  is_switched_on_ = false;
 }
 
 }  // namespace inbetween

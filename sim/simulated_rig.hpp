@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -16,11 +17,12 @@ class SimulatedRig {
   /// At rest at `positions`, switched off.
   explicit SimulatedRig(std::span<const double> positions);
 
-  [[nodiscard]] bool is_connected() const { return connected_; }
-  void read(std::span<DriveState<double>> states);
-  void write(std::span<const double> setpoints);
+  void read(std::span<DriveState<double>> states, std::int64_t now_ns);
+  void write(std::span<const double> setpoints, std::int64_t now_ns);
   void enable() { is_switched_on_ = true; }
-  void disable();
+  void disable() { is_switched_on_ = false; }
+  /// An ideal drive stands where it was told last.
+  void quick_stop() {}
 
   [[nodiscard]] const std::vector<SimulatedAxis>& axes() const { return axes_; }
   /// How often setpoints have been written.

@@ -44,11 +44,11 @@ constexpr std::array<Row, supervisor_states> make_table() {
 
   on(enabling, enabled, ready, Action::hold_actual);
   on(enabling, stop, disarmed, Action::disable);
-  on(enabling, drive_fault, faulted, Action::cease_setpoints);
+  on(enabling, drive_fault, faulted, Action::quick_stop);
 
   on(ready, start, running, Action::play);
   on(ready, stop, latched, Action::none);
-  on(ready, drive_fault, faulted, Action::cease_setpoints);
+  on(ready, drive_fault, faulted, Action::quick_stop);
 
   on(running, finished, ready, Action::none);
   on(running, stop, stopping, Action::slow_down);
@@ -61,7 +61,7 @@ constexpr std::array<Row, supervisor_states> make_table() {
 
   // The drives may be on or off by now: enabling finds out.
   on(latched, acknowledge, enabling, Action::enable);
-  on(latched, drive_fault, faulted, Action::cease_setpoints);
+  on(latched, drive_fault, faulted, Action::quick_stop);
 
   on(faulted, cleared, cut_off, Action::none);
   on(faulted, power_lost, faulted, Action::none);

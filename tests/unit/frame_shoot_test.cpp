@@ -79,11 +79,11 @@ struct Set {
     }
     EXPECT_TRUE(loop.load(loaded));
     loop.post(SupervisorEvent::arm);
-    loop.tick(1);
-    loop.tick(1);
+    loop.tick(1, 0);
+    loop.tick(1, 0);
     EXPECT_TRUE(loop.begin());
   }
-  void tick() { shoot.tick(loop.tick(1).event); }
+  void tick() { shoot.tick(loop.tick(1, 0).event); }
   /// The ticks that it takes until then, at most 10 000.
   int tick_until(ShootPhase phase) {
     int ticks = 0;

@@ -77,7 +77,7 @@ struct Crane {
     EXPECT_TRUE(loop.load({&plan.played(), &playhead, drive_of, plan.limits(), tick_s}));
   }
   void tick(int count, std::int32_t ticks = 1) {
-    for (int i = 0; i < count; ++i) loop.tick(ticks);
+    for (int i = 0; i < count; ++i) loop.tick(ticks, 0);
   }
   void arm() {
     EXPECT_TRUE(loop.post(SupervisorEvent::arm));
@@ -88,7 +88,7 @@ struct Crane {
     for (int i = 0;
          i < 5000 && (loop.state() == SupervisorState::running || loop.state() == SupervisorState::stopping);
          ++i) {
-      loop.tick(1);
+      loop.tick(1, 0);
     }
   }
   [[nodiscard]] std::vector<double> at() const { return {setpoints.begin(), setpoints.end()}; }
@@ -105,7 +105,7 @@ TEST(MotionLoop, RunsAMoveFromArmingToItsLastFrame) {
   const std::int64_t last = last_tick(48, {24, 1}, 250);
   for (std::int64_t tick = 1; tick <= last; ++tick) {
     EXPECT_EQ(crane.loop.state(), SupervisorState::running);
-    crane.loop.tick(1);
+    crane.loop.tick(1, 0);
     crane.plan.played().positions(frame_time_of_tick<double>(tick, {24, 1}, 250), expected);
     ASSERT_THAT(crane.at(), ElementsAre(expected[1], 0.25, expected[0])) << tick;
   }
@@ -251,7 +251,7 @@ TEST(MotionLoop, AFaultOfOneDriveSlowsAllDownOnThePath) {
   EXPECT_EQ(crane.loop.state(), SupervisorState::stopping);
   std::vector<double> expected(2);
   for (int i = 0; i < 2000 && crane.loop.state() == SupervisorState::stopping; ++i) {
-    crane.loop.tick(1);
+    crane.loop.tick(1, 0);
     crane.plan.played().positions(crane.playhead.time(), expected);
     ASSERT_THAT(crane.at(), ElementsAre(expected[1], 0.25, expected[0]));
   }
@@ -269,7 +269,7 @@ TEST(MotionLoop, ALateTickIsMadeUpForWhereNoAxisGoesBeyondItsVelocity) {
   crane.arm();
   ASSERT_TRUE(crane.loop.post(SupervisorEvent::start));
   crane.tick(30);
-  EXPECT_FALSE(crane.loop.tick(3).lost_time) << "it is slow here";
+  EXPECT_FALSE(crane.loop.tick(3, 0).lost_time) << "it is slow here";
   EXPECT_EQ(crane.loop.state(), SupervisorState::running);
   std::vector<double> expected(2);
   crane.plan.played().positions(frame_time_of_tick<double>(33, {24, 1}, 250), expected);
@@ -283,13 +283,13 @@ TEST(MotionLoop, ALongStallIsAControlledStopAndNeverABurst) {
   ASSERT_TRUE(crane.loop.post(SupervisorEvent::start));
   crane.tick(230);
   std::vector<double> before = crane.at();
-  EXPECT_TRUE(crane.loop.tick(100).lost_time);
+  EXPECT_TRUE(crane.loop.tick(100, 0).lost_time);
   EXPECT_EQ(crane.loop.state(), SupervisorState::stopping);
   while (crane.loop.state() == SupervisorState::stopping) {
     EXPECT_LE(std::abs(crane.at()[0] - before[0]), 250 * tick_s);
     EXPECT_LE(std::abs(crane.at()[2] - before[2]), 120 * tick_s);
     before = crane.at();
-    crane.loop.tick(1);
+    crane.loop.tick(1, 0);
   }
   EXPECT_EQ(crane.loop.state(), SupervisorState::latched);
 }

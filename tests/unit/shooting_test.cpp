@@ -59,8 +59,8 @@ RunReport shoot_typing(const std::vector<std::pair<int, std::string>>& typed,
                                     return now ? typed[next++].second : std::string();
                                   },
                               .status =
-                                  [&](double, const std::string& line) {
-                                    if (lines != nullptr) lines->push_back(line);
+                                  [&](const RunSnapshot& now) {
+                                    if (lines != nullptr) lines->push_back(status_line(now));
                                   },
                               .progress = {}});
 }

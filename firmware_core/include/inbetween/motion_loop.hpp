@@ -119,12 +119,14 @@ class MotionLoop {
     return Done{};
   }
 
-  /// `ticks` have passed since the last call, usually 1. O(axes), no allocation.
-  LoopTick tick(std::int32_t ticks) {
+  /// `ticks` have passed since the last call, usually 1, and it is `now_ns` on a monotonic clock. O(axes), no
+  /// allocation.
+  LoopTick tick(std::int32_t ticks, std::int64_t now_ns) {
     LoopTick result;
-    read();
+    read(now_ns);
     if (is_moving()) advance(ticks, result);
-    if (sends_setpoints()) drives_->write(memory_.setpoints);
+    drives_->write(sends_setpoints() ? std::span<const Real>(memory_.setpoints) : std::span<const Real>(),
+                   now_ns);
     result.state = state_;
     return result;
   }
@@ -147,13 +149,15 @@ class MotionLoop {
   }
   [[nodiscard]] Real& setpoint(std::size_t axis) { return memory_.setpoints[spec_.drive_of[axis]]; }
 
-  void read() {
-    if (!drives_->is_connected() || lines_->emergency_stop()) {
+  void read(std::int64_t now_ns) {
+    drives_->read(memory_.states, now_ns);
+    const auto any = [&](DriveTrouble trouble) {
+      return std::ranges::any_of(memory_.states,
+                                 [&](const DriveState<Real>& drive) { return drive.trouble == trouble; });
+    };
+    if (lines_->emergency_stop() || any(DriveTrouble::unreachable)) {
       apply(SupervisorEvent::power_lost);
-      return;
-    }
-    drives_->read(memory_.states);
-    if (std::ranges::any_of(memory_.states, &DriveState<Real>::has_fault)) {
+    } else if (any(DriveTrouble::cannot_follow)) {
       apply(SupervisorEvent::drive_fault);
     } else if (state_ == SupervisorState::faulted) {
       apply(SupervisorEvent::cleared);
@@ -248,6 +252,10 @@ class MotionLoop {
       case SupervisorAction::slow_down:
         spec_.playhead->stop();
         if (spec_.still != nullptr) spec_.still->stop();
+        break;
+      case SupervisorAction::quick_stop:
+        halt();
+        drives_->quick_stop();
         break;
       case SupervisorAction::cease_setpoints:
         halt();

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <concepts>
+#include <cstdint>
 #include <span>
 
 #include "inbetween/precision.hpp"
@@ -9,26 +10,36 @@
 
 namespace inbetween {
 
+/// What is wrong with a drive, by what the whole rig has to do.
+enum class DriveTrouble : std::uint8_t {
+  none,
+  cannot_follow,  ///< the others can: all slow down together on the path
+  unreachable,    ///< setpoints do not or must not arrive any more
+};
+
 /// What a drive has told until now.
 template <Precise Real>
 struct DriveState {
   Real actual = 0;  ///< position in axis units
   bool is_on = false;
-  bool has_fault = false;
+  DriveTrouble trouble = DriveTrouble::none;
 };
 
-/// The drives of a rig, one for each axis, in its order. Nothing waits: `read` takes what has arrived,
-/// `write` gives the setpoints that the drives shall have reached one tick from now.
+/// The drives of a rig, one for each axis, in its order. Nothing waits. `now_ns` is a monotonic time.
 template <class Drives, class Real>
-concept DrivePort = Precise<Real> &&
-    requires(Drives& drives, std::span<DriveState<Real>> states, std::span<const Real> setpoints) {
-  /// false: bus off, link down, power gone. Setpoints do not arrive any more.
-  { drives.is_connected() } -> std::convertible_to<bool>;
-  drives.read(states);
-  drives.write(setpoints);
-  /// Begins to switch the drives on; DriveState::is_on tells when they are.
+concept DrivePort = Precise<Real> && requires(Drives& drives, std::span<DriveState<Real>> states,
+                                              std::span<const Real> setpoints, std::int64_t now_ns) {
+  /// Takes what has arrived, a bounded amount. Once a tick, before anything else.
+  drives.read(states, now_ns);
+  /// The setpoints that the drives shall have reached one tick from now; or none, and then nothing may be
+  /// sent that keeps a drive moving. Once a tick, after everything else.
+  drives.write(setpoints, now_ns);
+  /// Begins to switch the drives on, after whatever has been; DriveState::is_on tells when they are.
   drives.enable();
+  /// Begins to switch them off.
   drives.disable();
+  /// Each drive stops by its own ramp.
+  drives.quick_stop();
 };
 
 /// The lines of a rig that are no drive's.

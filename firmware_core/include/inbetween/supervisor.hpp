@@ -44,6 +44,7 @@ enum class SupervisorAction : std::uint8_t {
   hold_actual,      ///< the first setpoint of every axis is its actual position
   play,             ///< let the playhead go
   slow_down,        ///< Playhead::stop
+  quick_stop,       ///< no setpoints any more; the drives stop by their own ramps
   cease_setpoints,  ///< send nothing: the drive's own watchdog stops the motor
   disable,          ///< switch the drives off
 };

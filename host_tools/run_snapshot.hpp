@@ -1,0 +1,38 @@
+// What a run is doing at a tick, for whoever looks at it.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "inbetween/frame_shoot.hpp"
+#include "inbetween/supervisor.hpp"
+
+namespace inbetween {
+
+/// Of a move that is shot frame by frame.
+struct ShootSnapshot {
+  ShootPhase phase = ShootPhase::idle;
+  std::int32_t frame = 0;
+  std::int32_t frames = 0;
+  std::int64_t exposures = 0;
+  bool camera = false;
+};
+
+/// Plain data, made in the loop without allocation. The words are literals.
+struct RunSnapshot {
+  SupervisorState state = SupervisorState::disarmed;
+  bool is_resting = false;
+  double frame = 0;
+  double rate = 0;
+  double override_rate = 1;
+  bool backward = false;
+  double share = 0;        ///< of the time line, or of the frames, 0..1
+  const char* words = "";  ///< about the last key
+  std::optional<ShootSnapshot> shoot = {};
+};
+
+/// One line: state, frame, rate, and what to press next or why the last key did nothing.
+std::string status_line(const RunSnapshot& snapshot);
+
+}  // namespace inbetween

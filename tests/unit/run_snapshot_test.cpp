@@ -1,0 +1,50 @@
+// The line that somebody at a terminal reads while a move runs.
+#include "host_tools/run_snapshot.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace inbetween {
+namespace {
+
+using testing::AllOf;
+using testing::EndsWith;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+TEST(StatusLine, TellsStateFrameAndRateAndWhatToPress) {
+  RunSnapshot now{.state = SupervisorState::running, .frame = 12.25, .rate = 0.5, .override_rate = 0.5};
+  EXPECT_EQ(status_line(now),
+            "running  frame 12.2  rate +0.50 of 0.5 | space pauses, r turns, + - rate, Esc stops");
+  now.is_resting = true;
+  EXPECT_THAT(status_line(now), AllOf(StartsWith("paused"), HasSubstr("arrows step")));
+  now.backward = true;
+  EXPECT_THAT(status_line(now), HasSubstr(", backward"));
+  now.state = SupervisorState::latched;
+  EXPECT_THAT(status_line(now), AllOf(StartsWith("latched"), HasSubstr("a acknowledges")));
+  now.state = SupervisorState::faulted;
+  EXPECT_THAT(status_line(now), HasSubstr("remove the cause"));
+}
+
+TEST(StatusLine, WhyAKeyDidNothingComesFirst) {
+  const RunSnapshot now{.state = SupervisorState::running, .words = "slower than this is a pause"};
+  EXPECT_THAT(status_line(now), EndsWith("| slower than this is a pause"));
+}
+
+TEST(StatusLine, OfAMoveThatIsShotTellsTheFrameAndTheCamera) {
+  RunSnapshot now{
+      .state = SupervisorState::running,
+      .shoot = ShootSnapshot{
+          .phase = ShootPhase::exposing, .frame = 3, .frames = 48, .exposures = 3, .camera = true}};
+  EXPECT_EQ(status_line(now), "exposing  frame 3 of 48  3 shot  CAMERA | Esc stops");
+  now.shoot->phase = ShootPhase::waiting;
+  now.shoot->camera = false;
+  EXPECT_THAT(status_line(now), HasSubstr("space goes on"));
+  now.shoot->phase = ShootPhase::standing;
+  EXPECT_THAT(status_line(now), HasSubstr("space shoots it"));
+  now.state = SupervisorState::latched;
+  EXPECT_THAT(status_line(now), AllOf(StartsWith("latched"), HasSubstr("a acknowledges")));
+}
+
+}  // namespace
+}  // namespace inbetween
