@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstdint>
+
+#include "inbetween/result.hpp"
+
+/// How much of a CAN bus the setpoints of a rig take, at worst.
+
+namespace inbetween::can {
+
+/// Bits on the wire of a classic data frame with `length` bytes (0 to 8) and the three bits of pause behind
+/// it, with as many stuffing bits as ISO 11898-1 can ask for: one after the first five and then after every
+/// four of those between start and checksum.
+constexpr std::int32_t worst_case_bits(std::int32_t length, bool is_extended) {
+  const std::int32_t stuffed = (is_extended ? 54 : 34) + 8 * length;
+  const std::int32_t never_stuffed = 13;
+  return stuffed + never_stuffed + (stuffed - 1) / 4;
+}
+
+/// The cyclic frames of CiA 402 drives: a SYNC, and for each drive an RPDO of 6 and a TPDO of 7 bytes a tick.
+struct BusUse {
+  std::int64_t bitrate = 1'000'000;  ///< bit/s
+  std::int64_t rate_hz = 250;
+  std::int64_t drives = 1;
+  bool counts_sync = false;  ///< SYNC carries a counter
+};
+
+/// What may be used: the rest is for SDO, EMCY, heartbeats and whatever has to be sent again.
+inline constexpr std::int64_t bus_load_limit_percent = 70;
+
+/// Worst-case bits of the cyclic frames in a second.
+constexpr std::int64_t cyclic_bits_per_second(const BusUse& use) {
+  const std::int64_t sync = worst_case_bits(use.counts_sync ? 1 : 0, false);
+  const std::int64_t drive = worst_case_bits(6, false) + worst_case_bits(7, false);
+  return (sync + use.drives * drive) * use.rate_hz;
+}
+
+/// In thousandths of the bus, rounded up. Needs a bitrate > 0.
+constexpr std::int64_t bus_load_per_mille(const BusUse& use) {
+  return (1000 * cyclic_bits_per_second(use) + use.bitrate - 1) / use.bitrate;
+}
+
+/// How many drives stay within the limit.
+constexpr std::int64_t most_drives(const BusUse& use) {
+  std::int64_t drives = 0;
+  while (drives < 127) {
+    BusUse more = use;
+    more.drives = drives + 1;
+    if (100 * cyclic_bits_per_second(more) > bus_load_limit_percent * use.bitrate) break;
+    ++drives;
+  }
+  return drives;
+}
+
+/// Errors: out_of_range (bitrate not in 1..1'000'000, rate not in 1..10'000, drives not in 1..127);
+/// capacity (more than the limit; `needed` is the bitrate that would suffice, bus_load_per_mille what is
+/// asked for).
+Status check_bus_load(const BusUse& use);
+
+}  // namespace inbetween::can

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <cstdint>
+
+#include "inbetween/can/frame.hpp"
+#include "inbetween/result.hpp"
+
+/// Who sends what under which identifier: the pre-defined connection set of CiA 301, section 7.3.5.
+
+namespace inbetween::can {
+
+/// The number of a device on a CANopen bus, 1 to 127.
+class NodeId {
+ public:
+  /// Errors: out_of_range.
+  static constexpr Result<NodeId> make(std::int64_t number) {
+    if (number < 1 || number > 127) {
+      return Error{.code = ErrorCode::out_of_range,
+                   .what = "a CANopen node is not a number from 1 to 127",
+                   .remedy = "give the number that is set on the drive"};
+    }
+    return NodeId(static_cast<std::uint8_t>(number));
+  }
+  [[nodiscard]] constexpr std::uint8_t value() const { return value_; }
+  friend constexpr bool operator==(NodeId, NodeId) = default;
+
+ private:
+  constexpr explicit NodeId(std::uint8_t value) : value_(value) {}
+  std::uint8_t value_;
+};
+
+inline constexpr std::uint32_t nmt_id = 0x000;
+inline constexpr std::uint32_t sync_id = 0x080;
+constexpr std::uint32_t emergency_id(NodeId node) {
+  return 0x080U + node.value();
+}
+/// From the drive, with its first set of process data.
+constexpr std::uint32_t tpdo1_id(NodeId node) {
+  return 0x180U + node.value();
+}
+/// To the drive, with its first set of process data.
+constexpr std::uint32_t rpdo1_id(NodeId node) {
+  return 0x200U + node.value();
+}
+constexpr std::uint32_t sdo_answer_id(NodeId node) {
+  return 0x580U + node.value();
+}
+constexpr std::uint32_t sdo_request_id(NodeId node) {
+  return 0x600U + node.value();
+}
+constexpr std::uint32_t heartbeat_id(NodeId node) {
+  return 0x700U + node.value();
+}
+
+/// Whether CiA 301 forbids a PDO to have this identifier.
+constexpr bool is_restricted(std::uint32_t id) {
+  const auto within = [id](std::uint32_t first, std::uint32_t last) { return id >= first && id <= last; };
+  return within(0x000, 0x07F) || within(0x101, 0x180) || within(0x581, 0x5FF) || within(0x601, 0x67F) ||
+         within(0x6E0, 0x6FF) || within(0x701, 0x7FF);
+}
+
+/// CANopen knows data frames with 11-bit identifiers only.
+constexpr bool is_canopen(const Frame& frame) {
+  return !frame.is_extended && !frame.is_remote && frame.id <= 0x7FF && frame.length <= 8;
+}
+
+}  // namespace inbetween::can

@@ -1,0 +1,174 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include "inbetween/can/canopen_id.hpp"
+#include "inbetween/can/cia402.hpp"
+#include "inbetween/can/cia402_setup.hpp"
+#include "inbetween/can/drive_finding.hpp"
+#include "inbetween/can/drive_phase.hpp"
+#include "inbetween/can/emergency.hpp"
+#include "inbetween/can/frame.hpp"
+#include "inbetween/can/heartbeat.hpp"
+#include "inbetween/result.hpp"
+
+/// One CiA 402 drive as the host sees it: set up, switched on, given a target every tick, watched.
+
+namespace inbetween::can {
+
+/// How a drive is set up and watched. Times in nanoseconds.
+struct Cia402Settings {
+  Cia402Setup setup;
+  /// The furthest that a target may be from the last one, in counts: 1.2 times what max_velocity covers in a
+  /// tick. A larger step is not sent.
+  std::int32_t max_step_counts = 0;
+  /// The furthest that the axis may be from its held target when it has been switched on.
+  std::int32_t hold_tolerance_counts = 100;
+  /// Ticks in a row without feedback that are a finding; one may always come late.
+  std::int32_t missing_limit = 3;
+  /// Bad frames that are still no finding; one is forgiven in every `bad_frame_ticks`.
+  std::int32_t bad_frame_limit = 8;
+  std::int32_t bad_frame_ticks = 250;
+  std::int64_t boot_timeout_ns = 5'000'000'000;
+  std::int64_t sdo_timeout_ns = 500'000'000;
+  std::int64_t enable_timeout_ns = 1'000'000'000;  ///< a brake may take some 100 ms
+  std::int64_t ignore_grace_ns = 20'000'000;       ///< some drives clear bit 12 for a moment
+  std::int64_t heartbeat_timeout_ns = 150'000'000;
+};
+
+/// What the operator may see. They only grow.
+struct DriveCounters {
+  std::uint32_t feedback = 0;        ///< frames of process data taken
+  std::uint32_t missed = 0;          ///< ticks without
+  std::uint32_t bad_frames = 0;      ///< short, long, or not to be understood
+  std::uint32_t duplicates = 0;      ///< process data that no SYNC asked for
+  std::uint32_t stray_answers = 0;   ///< SDO answers that nobody waited for
+  std::uint32_t emergencies = 0;     ///< EMCY with a code
+  std::uint32_t foreign_frames = 0;  ///< frames that only the host sends, from somebody else
+};
+
+/// The order in a tick k, with tick() of every drive first (Cia402Bus does it for a bus):
+/// SYNC; command(target of tick k + 1) of every drive; service() of one drive.
+/// Frames that arrive between ticks go to receive(). Nothing here waits, allocates or asks for the time;
+/// every call is O(1).
+class Cia402Drive {
+ public:
+  /// Errors: those of make_setup_script; out_of_range (a limit or time that is not positive, a heartbeat
+  /// timeout of less than two periods).
+  static Result<Cia402Drive> make(const Cia402Settings& settings);
+
+  [[nodiscard]] NodeId node() const { return settings_.setup.node; }
+  [[nodiscard]] NodeId host() const { return settings_.setup.host; }
+  [[nodiscard]] std::uint8_t sync_overflow() const { return settings_.setup.sync_overflow; }
+  /// How long the drive is to believe that the host lives.
+  [[nodiscard]] std::int64_t host_timeout_ns() const {
+    return settings_.setup.host_timeout_ms * std::int64_t{1'000'000};
+  }
+
+  // What the caller wants. False: not in this phase.
+  bool connect(std::int64_t now_ns) { return apply(DriveEvent::connect, now_ns); }
+  /// Also refused while there are findings: acknowledge them first.
+  bool enable(std::int64_t now_ns);
+  bool disable(std::int64_t now_ns) { return apply(DriveEvent::disable, now_ns); }
+  bool quick_stop(std::int64_t now_ns) { return apply(DriveEvent::quick_stop, now_ns); }
+  bool disconnect(std::int64_t now_ns) { return apply(DriveEvent::disconnect, now_ns); }
+  /// Somebody has seen the findings. Those whose cause lasts come back with the next tick.
+  void acknowledge();
+
+  /// A CANopen frame of this node.
+  void receive(const Frame& frame, std::int64_t now_ns);
+  /// Somebody else has sent what only the host sends.
+  void note_foreign_frame();
+  /// The host's heartbeat has been sent: from the first one on the drive watches it.
+  void note_host_heartbeat() { host_heartbeat_sent_ = true; }
+
+  /// Once a tick, before anything is sent: what was missed, what was found, which phase follows.
+  void tick(std::int64_t now_ns);
+  /// Whether the drive takes part in SYNC.
+  [[nodiscard]] bool has_process_data() const;
+  /// The frame of this tick, if there is one. `target`, in counts, is used while following. Once a target
+  /// has been given, none is sent without: setpoints have ceased, and the drive's own watchdog stops the
+  /// motor.
+  std::optional<Frame> command(std::optional<std::int32_t> target);
+  /// Whether it follows targets that have been given.
+  [[nodiscard]] bool is_commanded() const { return phase_ == DrivePhase::following && is_commanded_; }
+  /// Whether service() has something to send.
+  [[nodiscard]] bool wants_service() const;
+  /// At most one frame of NMT or SDO.
+  std::optional<Frame> service(std::int64_t now_ns);
+
+  [[nodiscard]] DrivePhase phase() const { return phase_; }
+  [[nodiscard]] const DriveFindings& findings() const { return findings_; }
+  /// Those of the last tick whose cause is still there.
+  [[nodiscard]] const DriveFindings& lasting() const { return lasting_; }
+  /// The one that came first, of those not acknowledged.
+  [[nodiscard]] std::optional<DriveFinding> first_finding() const { return first_finding_; }
+  [[nodiscard]] const SetupRefusal& refusal() const { return runner_.refusal(); }
+  [[nodiscard]] const Emergency& last_emergency() const { return last_emergency_; }
+  [[nodiscard]] const DriveCounters& counters() const { return counters_; }
+  [[nodiscard]] HeartbeatState heartbeat() const { return heartbeat_.state(); }
+  /// The watchdogs of the drive, as read back.
+  [[nodiscard]] const SetupRunner& setup() const { return runner_; }
+  [[nodiscard]] std::size_t setup_steps_in_all() const { return script_.size(); }
+  /// What the drive told last; all 0 before the first.
+  [[nodiscard]] const DriveFeedback& feedback() const { return feedback_; }
+  [[nodiscard]] Cia402State state() const { return state_of(feedback_.statusword); }
+  /// The target that was sent last, in counts.
+  [[nodiscard]] std::int32_t target() const { return target_; }
+
+ private:
+  Cia402Drive(const Cia402Settings& settings, const SetupScript& script);
+  bool apply(DriveEvent event, std::int64_t now_ns);
+  void enter(DrivePhase phase, std::int64_t now_ns);
+  void find(DriveFinding finding);
+  void find_lasting(DriveFinding finding);
+  void take_bad_frame();
+  void take_heartbeat(const Frame& frame, std::int64_t now_ns);
+  void take_emergency(const Frame& frame);
+  void take_feedback(const Frame& frame);
+  void count_ticks();
+  void watch_connection(std::int64_t now_ns);
+  void advance(std::int64_t now_ns);
+  void advance_configuring(std::int64_t now_ns);
+  void advance_starting(std::int64_t now_ns);
+  void advance_clearing(std::int64_t now_ns);
+  void advance_enabling(std::int64_t now_ns);
+  void watch_following(std::int64_t now_ns);
+  void watch_stopping();
+  void watch_deadline(std::int64_t now_ns);
+  [[nodiscard]] bool is_in_mode() const { return feedback_.mode == mode_cyclic_position; }
+  [[nodiscard]] bool status_has(std::uint16_t bit) const { return (feedback_.statusword & bit) != 0; }
+  [[nodiscard]] bool is_supervised() const;
+  [[nodiscard]] std::uint16_t controlword() const;
+  void choose_target(std::optional<std::int32_t> target);
+
+  Cia402Settings settings_;
+  SetupScript script_;
+  SetupRunner runner_;
+  HeartbeatConsumer heartbeat_;
+  DrivePhase phase_ = DrivePhase::off;
+  DriveFindings findings_;
+  DriveFindings lasting_;
+  std::optional<DriveFinding> first_finding_;
+  DriveCounters counters_;
+  Emergency last_emergency_;
+  DriveFeedback feedback_;
+  std::optional<NmtCommand> order_;  ///< to be sent by service()
+  NmtState heard_ = NmtState::boot_up;
+  std::int64_t phase_deadline_ns_ = 0;
+  std::int64_t followed_ns_ = 0;  ///< when bit 12 was seen last
+  std::int32_t target_ = 0;
+  std::int32_t awaited_ = 0;  ///< feedback that SYNC has asked for, at most the present and one late
+  std::int32_t missed_in_row_ = 0;
+  std::int32_t bad_frame_level_ = 0;
+  std::int32_t ticks_to_forgive_ = 0;
+  bool has_feedback_ = false;  ///< in this phase or one before, since it was started
+  bool is_fresh_ = false;      ///< feedback has come since the last tick
+  bool host_heartbeat_sent_ = false;
+  bool is_seeded_ = false;     ///< enabling: the target is held
+  bool is_commanded_ = false;  ///< following: a target has been given
+};
+
+}  // namespace inbetween::can

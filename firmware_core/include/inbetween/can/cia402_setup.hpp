@@ -1,0 +1,141 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include "inbetween/can/canopen_id.hpp"
+#include "inbetween/can/cia402.hpp"
+#include "inbetween/can/drive_finding.hpp"
+#include "inbetween/can/sdo_client.hpp"
+#include "inbetween/fixed_vector.hpp"
+#include "inbetween/result.hpp"
+
+/// How a drive is made ready for cyclic synchronous position mode: a list of objects that are checked or
+/// written, each read back, in the order that CiA 301 asks for.
+
+namespace inbetween::can {
+
+/// The range of positions that a drive itself shall keep, in counts (object 607D).
+struct CountRange {
+  std::int32_t least = 0;
+  std::int32_t most = 0;
+};
+
+/// What a drive is told before it is switched on. What is left empty stays as it is in the drive.
+struct Cia402Setup {
+  NodeId node;
+  NodeId host;
+  std::int64_t rate_hz = 250;
+  std::uint8_t sync_overflow = 0;                       ///< object 1019; 0: no counter in SYNC
+  std::uint16_t drive_heartbeat_ms = 50;                ///< how often the drive tells that it lives (1017)
+  std::uint16_t host_timeout_ms = 100;                  ///< how long it believes that the host lives (1016)
+  std::uint16_t setpoint_timeout_ms = 50;               ///< how long it waits for setpoints (1400:5)
+  std::int16_t communication_lost_option = 3;           ///< object 6007: 1 fault, 2 no power, 3 quick stop
+  std::optional<std::uint32_t> following_error_window;  ///< 6065, counts
+  std::optional<std::uint16_t> following_error_timeout_ms;  ///< 6066
+  std::optional<CountRange> position_limits;                ///< 607D
+  std::optional<std::int16_t> quick_stop_option;            ///< 605A
+  std::optional<std::uint32_t> vendor;                      ///< 1018:1, must be so
+  std::optional<std::uint32_t> product;                     ///< 1018:2, must be so
+};
+
+enum class SetupAction : std::uint8_t {
+  expect,      ///< (object & mask) must be `value`, or `finding`
+  forbid,      ///< (object & mask) must not be `value`, or `finding`
+  write,       ///< write, read back
+  switch_off,  ///< COB-ID of a PDO: bit 31 set, all others kept, read back
+  switch_on,   ///< COB-ID of a PDO: `value` with bit 30 as it is in the drive, read back
+  watchdog,    ///< write where the drive has the object; what it reads back decides at the end
+};
+
+struct SetupStep {
+  SetupAction action = SetupAction::write;
+  ObjectAddress object{};
+  std::uint8_t size = 4;
+  bool may_be_absent = false;  ///< the abort "no such object" or "no such sub-index" is an answer, too
+  DriveFinding finding = DriveFinding::read_back_differs;
+  std::uint32_t value = 0;
+  std::uint32_t mask = 0xFFFFFFFF;
+};
+inline constexpr std::size_t setup_steps = 64;
+using SetupScript = FixedVector<SetupStep, setup_steps>;
+
+/// The steps for a drive, in pre-operational: who it is; no PDO but RPDO1 and TPDO1, and those mapped as
+/// command_mapping and feedback_mapping say; the period; what watches over it; the mode.
+/// Errors: those of interpolation_period; out_of_range (a time of 0, an option or a range that leaves the
+/// drive unwatched, host and drive the same node).
+Result<SetupScript> make_setup_script(const Cia402Setup& setup);
+
+/// Why a drive was refused.
+struct SetupRefusal {
+  DriveFinding finding = DriveFinding::sdo_failed;
+  ObjectAddress object{};
+  std::uint32_t expected = 0;
+  std::uint32_t found = 0;
+  std::uint32_t abort_code = 0;  ///< for sdo_failed
+};
+
+enum class SetupState : std::uint8_t {
+  idle,
+  reading,  ///< before a write, or to check
+  writing,
+  verifying,  ///< reading back what was written
+  done,
+  refused,
+};
+inline constexpr std::size_t setup_states = 6;
+
+enum class SetupEvent : std::uint8_t {
+  begin_reading,  ///< a step that reads first
+  begin_writing,  ///< a step that writes at once, or has read what it had to know
+  written,        ///< the drive has taken the value
+  finished,       ///< no step is left
+  differs,        ///< the drive refused, did not answer, or has another value
+};
+inline constexpr std::size_t setup_events = 5;
+
+/// The whole table.
+SetupState next_state(SetupState state, SetupEvent event);
+
+/// Works a script off through SDO, one request at a time.
+class SetupRunner {
+ public:
+  SetupRunner(NodeId node, std::int64_t sdo_timeout_ns) : client_(node, sdo_timeout_ns) {}
+
+  /// The same script for `begin` and every `poll` until done or refused.
+  void begin(const SetupScript& script);
+  /// At most one frame.
+  std::optional<Frame> poll(const SetupScript& script, std::int64_t now_ns);
+  /// An SDO answer of the drive. False: not what was waited for.
+  bool receive(const Frame& frame) { return client_.receive(frame); }
+
+  [[nodiscard]] SetupState state() const { return state_; }
+  [[nodiscard]] const SetupRefusal& refusal() const { return refusal_; }
+  /// How many steps are done.
+  [[nodiscard]] std::size_t step() const { return step_; }
+  /// What the drive's own watchdogs have read back, in milliseconds; 0: it has none.
+  [[nodiscard]] std::uint16_t host_timeout_ms() const { return host_timeout_ms_; }
+  [[nodiscard]] std::uint16_t setpoint_timeout_ms() const { return setpoint_timeout_ms_; }
+
+ private:
+  void begin_step(const SetupScript& script);
+  void next_step(const SetupScript& script);
+  void write(const SetupStep& step, std::uint32_t value);
+  void answered(const SetupScript& script);
+  void has_read(const SetupScript& script, const SetupStep& step);
+  void has_verified(const SetupScript& script, const SetupStep& step);
+  void has_failed(const SetupScript& script, const SetupStep& step);
+  void refuse(const SetupStep& step, DriveFinding finding);
+  void note_watchdog(const SetupStep& step);
+
+  SdoClient client_;
+  SetupState state_ = SetupState::idle;
+  SetupRefusal refusal_;
+  std::size_t step_ = 0;
+  std::uint32_t written_ = 0;
+  std::uint16_t host_timeout_ms_ = 0;
+  std::uint16_t setpoint_timeout_ms_ = 0;
+};
+
+}  // namespace inbetween::can

@@ -1,0 +1,80 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+/// What can be wrong with a drive on a bus, in words, and what has to follow.
+
+namespace inbetween::can {
+
+enum class DriveFinding : std::uint8_t {
+  // while it is set up
+  never_booted,
+  wrong_device,
+  no_cyclic_position,
+  sync_of_another,
+  sdo_failed,
+  read_back_differs,
+  window_disabled,
+  watchdog_unset,
+  first_heartbeat_missing,
+  not_operational,
+  // while it is switched on
+  fault_stays,
+  not_enabled,
+  moved_while_enabling,
+  // at any time after that
+  feedback_missing,
+  drive_fault,
+  left_operation,
+  wrong_mode,
+  target_ignored,
+  following_error,
+  internal_limit,
+  emergency,
+  heartbeat_lost,
+  unexpected_boot,
+  left_operational,
+  bad_frames,
+  foreign_sender,
+  setpoint_jump,
+  quick_stop_ignored,
+};
+inline constexpr std::size_t drive_findings = 28;
+
+/// What the loop has to do with the whole rig (a drive decides nothing for the others).
+enum class DriveReaction : std::uint8_t {
+  refuse,                      ///< E: nothing is switched on
+  controlled_stop,             ///< CS: all axes slow down together on the path
+  controlled_stop_then_quick,  ///< CS, then this drive's own quick stop
+  quick_stop,                  ///< all drives stop by their own ramps
+  cease_setpoints,             ///< SS: nothing is sent, the drive's own watchdog stops the motor
+};
+
+struct DriveFindingWords {
+  const char* what = "";    ///< one clause, no full stop: "its heartbeat has stopped"
+  const char* remedy = "";  ///< "look at its supply and the bus"
+  DriveReaction reaction = DriveReaction::refuse;
+  bool loses_reference = false;  ///< the drive may have forgotten where it is
+};
+
+DriveFindingWords words_of(DriveFinding finding);
+
+/// Several findings at a time.
+class DriveFindings {
+ public:
+  constexpr void add(DriveFinding finding) { bits_ |= bit(finding); }
+  constexpr void clear() { bits_ = 0; }
+  [[nodiscard]] constexpr bool has(DriveFinding finding) const { return (bits_ & bit(finding)) != 0; }
+  [[nodiscard]] constexpr bool empty() const { return bits_ == 0; }
+  friend constexpr bool operator==(const DriveFindings&, const DriveFindings&) = default;
+
+ private:
+  static constexpr std::uint32_t bit(DriveFinding finding) {
+    return std::uint32_t{1} << static_cast<unsigned>(finding);
+  }
+  static_assert(drive_findings <= 32);
+  std::uint32_t bits_ = 0;
+};
+
+}  // namespace inbetween::can

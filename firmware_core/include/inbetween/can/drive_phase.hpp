@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+/// What the host does with a drive at present, and what leads from one phase to the next, as one table.
+
+namespace inbetween::can {
+
+enum class DrivePhase : std::uint8_t {
+  off,          ///< nobody has asked for this drive
+  booting,      ///< its communication has been reset, its boot-up message is awaited
+  configuring,  ///< objects are checked and written
+  starting,     ///< it has been told to be Operational; its heartbeat and process data are awaited
+  idle,         ///< process data flow, no power; its target is where it is
+  clearing,     ///< a fault is being reset
+  enabling,     ///< on the way to operation enabled; its target is where it is, then held
+  following,    ///< takes targets
+  stopping,     ///< the drive's own quick stop, and the rest after it
+  refused,      ///< it could not be set up: findings() and refusal() say why
+  gone,         ///< it has started anew or left Operational: it must be set up again
+};
+inline constexpr std::size_t drive_phases = 11;
+
+enum class DriveEvent : std::uint8_t {
+  // wishes of the caller
+  connect,     ///< set the drive up from the beginning
+  enable,      ///< switch it on; a fault is reset first
+  disable,     ///< switch it off, out of operation by its own ramp
+  quick_stop,  ///< stop it by its own ramp
+  disconnect,  ///< say nothing more to it
+  // what happens
+  booted,
+  configured,
+  refused,
+  started,
+  cleared,         ///< no fault is there
+  enabled,         ///< operation enabled, mode and bit 12 as they shall be
+  dropped_out,     ///< not operation enabled any more
+  stopped_itself,  ///< it is in a quick stop of its own
+  timed_out,       ///< the phase has lasted too long
+  vanished,        ///< it has started anew or left Operational
+};
+inline constexpr std::size_t drive_events = 15;
+
+struct DriveStep {
+  DrivePhase phase;
+  bool is_refused;  ///< a wish that is not for this phase
+};
+/// The whole table. Nothing leads to following but enable, cleared and enabled, in this order.
+DriveStep next_phase(DrivePhase phase, DriveEvent event);
+
+/// In words: "enabling".
+const char* name_of(DrivePhase phase);
+
+}  // namespace inbetween::can

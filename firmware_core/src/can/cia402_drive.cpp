@@ -1,0 +1,393 @@
+#include "inbetween/can/cia402_drive.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace inbetween::can {
+namespace {
+
+using enum DrivePhase;
+
+constexpr std::int64_t never = std::numeric_limits<std::int64_t>::max();
+
+bool is_faulty(Cia402State state) {
+  return state == Cia402State::fault || state == Cia402State::fault_reaction_active;
+}
+
+/// How far `a` is from `b`; counts may be at opposite ends of their range.
+std::int64_t distance(std::int32_t a, std::int32_t b) {
+  const std::int64_t off = std::int64_t{a} - b;
+  return off < 0 ? -off : off;
+}
+
+Cia402Goal goal_of(DrivePhase phase) {
+  switch (phase) {
+    case clearing:
+      return Cia402Goal::reset_fault;
+    case enabling:
+    case following:
+      return Cia402Goal::on;
+    case stopping:
+      return Cia402Goal::quick_stop;
+    default:
+      return Cia402Goal::off;
+  }
+}
+
+}  // namespace
+
+Result<Cia402Drive> Cia402Drive::make(const Cia402Settings& settings) {
+  const std::int64_t heartbeat_ns = settings.setup.drive_heartbeat_ms * std::int64_t{1'000'000};
+  const bool is_sensible = settings.max_step_counts > 0 && settings.hold_tolerance_counts >= 0 &&
+                           settings.missing_limit > 0 && settings.bad_frame_limit >= 0 &&
+                           settings.bad_frame_ticks > 0 && settings.boot_timeout_ns > 0 &&
+                           settings.sdo_timeout_ns > 0 && settings.enable_timeout_ns > 0 &&
+                           settings.ignore_grace_ns >= 0 && settings.heartbeat_timeout_ns >= 2 * heartbeat_ns;
+  if (!is_sensible) {
+    return Error{.code = ErrorCode::out_of_range,
+                 .what = "a limit or time of a drive is not positive, or its heartbeat is missed after one",
+                 .remedy = "give positive limits, and two heartbeats or more before it counts as lost"};
+  }
+  const Result<SetupScript> script = make_setup_script(settings.setup);
+  if (!script) return script.error();
+  return Cia402Drive(settings, *script);
+}
+
+Cia402Drive::Cia402Drive(const Cia402Settings& settings, const SetupScript& script)
+    : settings_(settings),
+      script_(script),
+      runner_(settings.setup.node, settings.sdo_timeout_ns),
+      heartbeat_({.timeout_ns = settings.heartbeat_timeout_ns, .boot_timeout_ns = settings.boot_timeout_ns}),
+      ticks_to_forgive_(settings.bad_frame_ticks) {}
+
+bool Cia402Drive::enable(std::int64_t now_ns) {
+  return findings_.empty() && apply(DriveEvent::enable, now_ns);
+}
+
+void Cia402Drive::acknowledge() {
+  findings_.clear();
+  first_finding_.reset();
+  bad_frame_level_ = 0;
+}
+
+bool Cia402Drive::apply(DriveEvent event, std::int64_t now_ns) {
+  const DriveStep step = next_phase(phase_, event);
+  if (step.is_refused) return false;
+  if (step.phase != phase_) enter(step.phase, now_ns);
+  return true;
+}
+
+void Cia402Drive::enter(DrivePhase phase, std::int64_t now_ns) {
+  phase_ = phase;
+  phase_deadline_ns_ = never;
+  order_.reset();
+  is_seeded_ = false;
+  switch (phase) {
+    case booting:
+      order_ = NmtCommand::reset_communication;
+      phase_deadline_ns_ = now_ns + settings_.boot_timeout_ns;
+      heartbeat_.stop();
+      feedback_ = {};
+      has_feedback_ = false;
+      break;
+    case configuring:
+      runner_.begin(script_);
+      break;
+    case starting:
+      order_ = NmtCommand::start;
+      phase_deadline_ns_ = now_ns + settings_.boot_timeout_ns;
+      heartbeat_.start(now_ns);
+      host_heartbeat_sent_ = false;
+      missed_in_row_ = 0;
+      awaited_ = 0;
+      break;
+    case clearing:
+    case enabling:
+    case stopping:
+      phase_deadline_ns_ = now_ns + settings_.enable_timeout_ns;
+      break;
+    case following:
+      followed_ns_ = now_ns;
+      is_commanded_ = false;
+      break;
+    case off:
+    case idle:
+    case refused:
+    case gone:
+      break;
+  }
+}
+
+void Cia402Drive::find(DriveFinding finding) {
+  findings_.add(finding);
+  if (!first_finding_) first_finding_ = finding;
+}
+
+void Cia402Drive::find_lasting(DriveFinding finding) {
+  lasting_.add(finding);
+  find(finding);
+}
+
+void Cia402Drive::note_foreign_frame() {
+  ++counters_.foreign_frames;
+  find(DriveFinding::foreign_sender);
+}
+
+void Cia402Drive::receive(const Frame& frame, std::int64_t now_ns) {
+  if (phase_ == off) return;
+  if (frame.id == heartbeat_id(node())) return take_heartbeat(frame, now_ns);
+  if (frame.id == emergency_id(node())) return take_emergency(frame);
+  if (frame.id == tpdo1_id(node())) return take_feedback(frame);
+  if (frame.id == sdo_answer_id(node()) && !runner_.receive(frame)) ++counters_.stray_answers;
+}
+
+void Cia402Drive::take_bad_frame() {
+  if (++bad_frame_level_ > settings_.bad_frame_limit) find(DriveFinding::bad_frames);
+}
+
+void Cia402Drive::take_heartbeat(const Frame& frame, std::int64_t now_ns) {
+  const std::optional<NmtState> heard = read_heartbeat(frame, node());
+  if (!heard) {
+    ++counters_.bad_frames;
+    return take_bad_frame();
+  }
+  heard_ = *heard;
+  heartbeat_.receive(*heard, now_ns);
+  if (*heard != NmtState::boot_up) return;
+  if (phase_ == booting) {
+    // One that was on its way before the reset was sent is not the answer to it.
+    if (!order_) apply(DriveEvent::booted, now_ns);
+  } else if (phase_ != refused && phase_ != gone) {
+    find(DriveFinding::unexpected_boot);
+    apply(DriveEvent::vanished, now_ns);
+  }
+}
+
+void Cia402Drive::take_emergency(const Frame& frame) {
+  const std::optional<Emergency> emergency = read_emergency(frame, node());
+  if (!emergency) {
+    ++counters_.bad_frames;
+    return take_bad_frame();
+  }
+  last_emergency_ = *emergency;
+  if (emergency->code == 0) return;
+  ++counters_.emergencies;
+  if (phase_ == starting || is_supervised()) find(DriveFinding::emergency);
+}
+
+void Cia402Drive::take_feedback(const Frame& frame) {
+  if (!has_process_data()) return;
+  const std::optional<DriveFeedback> feedback = read_feedback(frame, node());
+  if (!feedback) {
+    ++counters_.bad_frames;
+    return take_bad_frame();
+  }
+  if (awaited_ == 0) {
+    ++counters_.duplicates;
+    return take_bad_frame();
+  }
+  --awaited_;
+  ++counters_.feedback;
+  feedback_ = *feedback;
+  has_feedback_ = true;
+  is_fresh_ = true;
+}
+
+bool Cia402Drive::is_supervised() const {
+  return phase_ == idle || phase_ == clearing || phase_ == enabling || phase_ == following ||
+         phase_ == stopping;
+}
+
+bool Cia402Drive::has_process_data() const {
+  return phase_ == starting || is_supervised();
+}
+
+void Cia402Drive::tick(std::int64_t now_ns) {
+  lasting_.clear();
+  if (has_process_data()) count_ticks();
+  if (is_supervised()) watch_connection(now_ns);
+  advance(now_ns);
+  watch_deadline(now_ns);
+}
+
+void Cia402Drive::count_ticks() {
+  if (--ticks_to_forgive_ <= 0) {
+    ticks_to_forgive_ = settings_.bad_frame_ticks;
+    bad_frame_level_ = std::max(bad_frame_level_ - 1, 0);
+  }
+  if (is_fresh_) missed_in_row_ = 0;
+  if (!is_fresh_ && is_supervised()) {
+    ++counters_.missed;
+    missed_in_row_ = std::min(missed_in_row_ + 1, settings_.missing_limit);
+  }
+  // What is still awaited after a tick with feedback was lost; without, it may come late.
+  awaited_ = (is_fresh_ ? 0 : std::min(awaited_, 1)) + 1;
+  is_fresh_ = false;
+}
+
+void Cia402Drive::watch_connection(std::int64_t now_ns) {
+  if (missed_in_row_ >= settings_.missing_limit) find_lasting(DriveFinding::feedback_missing);
+  if (heartbeat_.poll(now_ns) == HeartbeatState::lost) find_lasting(DriveFinding::heartbeat_lost);
+  if (heard_ != NmtState::operational) {
+    find(DriveFinding::left_operational);
+    apply(DriveEvent::vanished, now_ns);
+  }
+}
+
+void Cia402Drive::advance(std::int64_t now_ns) {
+  switch (phase_) {
+    case configuring:
+      return advance_configuring(now_ns);
+    case starting:
+      return advance_starting(now_ns);
+    case clearing:
+      return advance_clearing(now_ns);
+    case enabling:
+      return advance_enabling(now_ns);
+    case following:
+      return watch_following(now_ns);
+    case stopping:
+      return watch_stopping();
+    case off:
+    case booting:
+    case idle:
+    case refused:
+    case gone:
+      return;
+  }
+}
+
+void Cia402Drive::advance_configuring(std::int64_t now_ns) {
+  if (runner_.state() == SetupState::done) apply(DriveEvent::configured, now_ns);
+  if (runner_.state() != SetupState::refused) return;
+  find(runner_.refusal().finding);
+  apply(DriveEvent::refused, now_ns);
+}
+
+void Cia402Drive::advance_starting(std::int64_t now_ns) {
+  const bool is_alive = heartbeat_.poll(now_ns) == HeartbeatState::alive;
+  const bool is_operational = is_alive && heard_ == NmtState::operational;
+  if (is_operational && has_feedback_ && host_heartbeat_sent_) apply(DriveEvent::started, now_ns);
+}
+
+void Cia402Drive::advance_clearing(std::int64_t now_ns) {
+  const Cia402State at = state();
+  const bool is_clear =
+      !is_faulty(at) && at != Cia402State::not_ready && at != Cia402State::unknown && missed_in_row_ == 0;
+  if (is_clear) apply(DriveEvent::cleared, now_ns);
+}
+
+void Cia402Drive::advance_enabling(std::int64_t now_ns) {
+  const Cia402State at = state();
+  if (is_faulty(at)) {
+    find(DriveFinding::drive_fault);
+    apply(DriveEvent::dropped_out, now_ns);
+    return;
+  }
+  const bool is_powered = at == Cia402State::switched_on || at == Cia402State::operation_enabled;
+  const bool can_hold = is_powered && is_in_mode();
+  if (can_hold && !is_seeded_) target_ = feedback_.actual;
+  is_seeded_ = can_hold;
+  const bool is_following = at == Cia402State::operation_enabled && status_has(status_follows_target);
+  if (!is_seeded_ || !is_following) return;
+  if (distance(feedback_.actual, target_) > settings_.hold_tolerance_counts) {
+    find(DriveFinding::moved_while_enabling);
+    apply(DriveEvent::dropped_out, now_ns);
+    return;
+  }
+  apply(DriveEvent::enabled, now_ns);
+}
+
+void Cia402Drive::watch_following(std::int64_t now_ns) {
+  const Cia402State at = state();
+  if (at != Cia402State::operation_enabled) {
+    find(is_faulty(at) ? DriveFinding::drive_fault : DriveFinding::left_operation);
+    const bool stops_itself = at == Cia402State::quick_stop_active;
+    apply(stops_itself ? DriveEvent::stopped_itself : DriveEvent::dropped_out, now_ns);
+    return;
+  }
+  if (!is_in_mode()) {
+    find_lasting(DriveFinding::wrong_mode);  // and the other bits mean something else
+    return;
+  }
+  if (status_has(status_follows_target)) followed_ns_ = now_ns;
+  if (now_ns - followed_ns_ > settings_.ignore_grace_ns) find_lasting(DriveFinding::target_ignored);
+  if (status_has(status_following_error)) find_lasting(DriveFinding::following_error);
+  if (status_has(status_internal_limit)) find_lasting(DriveFinding::internal_limit);
+}
+
+void Cia402Drive::watch_stopping() {
+  if (is_faulty(state())) find(DriveFinding::drive_fault);
+  if (state() != Cia402State::operation_enabled) phase_deadline_ns_ = never;
+}
+
+void Cia402Drive::watch_deadline(std::int64_t now_ns) {
+  if (now_ns < phase_deadline_ns_) return;
+  switch (phase_) {
+    case booting:
+      find(DriveFinding::never_booted);
+      break;
+    case starting: {
+      const bool is_silent = heartbeat_.poll(now_ns) == HeartbeatState::never_came;
+      find(is_silent ? DriveFinding::first_heartbeat_missing : DriveFinding::not_operational);
+      break;
+    }
+    case clearing:
+      find(DriveFinding::fault_stays);
+      break;
+    case enabling:
+      find(DriveFinding::not_enabled);
+      break;
+    case stopping:
+      find_lasting(DriveFinding::quick_stop_ignored);
+      break;
+    default:
+      break;
+  }
+  apply(DriveEvent::timed_out, now_ns);
+}
+
+std::uint16_t Cia402Drive::controlword() const {
+  // Not enabled, or not any more, before it is in the right mode and its target is held.
+  const bool waits_for_mode = phase_ == enabling && !is_seeded_;
+  const std::uint16_t word = controlword_for(goal_of(phase_), state());
+  return waits_for_mode && word == control_enable_operation ? control_switch_on : word;
+}
+
+void Cia402Drive::choose_target(std::optional<std::int32_t> target) {
+  if (phase_ == enabling && is_seeded_) return;
+  if (phase_ != following) {
+    target_ = feedback_.actual;
+    return;
+  }
+  if (!target) return;
+  is_commanded_ = true;
+  if (distance(*target, target_) > settings_.max_step_counts) {
+    find(DriveFinding::setpoint_jump);
+    return;
+  }
+  target_ = *target;
+}
+
+std::optional<Frame> Cia402Drive::command(std::optional<std::int32_t> target) {
+  if (!is_supervised()) return {};
+  if (phase_ == following && is_commanded_ && !target) return {};
+  choose_target(target);
+  return command_frame(node(), {.controlword = controlword(), .target = target_});
+}
+
+bool Cia402Drive::wants_service() const {
+  return order_.has_value() || phase_ == configuring;
+}
+
+std::optional<Frame> Cia402Drive::service(std::int64_t now_ns) {
+  if (order_) {
+    const NmtOrder order{.command = *order_, .node = node().value()};
+    order_.reset();
+    return nmt_frame(order);
+  }
+  if (phase_ == configuring) return runner_.poll(script_, now_ns);
+  return {};
+}
+
+}  // namespace inbetween::can

@@ -1,0 +1,180 @@
+#include "inbetween/can/cia402_setup.hpp"
+
+#include "inbetween/can/pdo.hpp"
+
+namespace inbetween::can {
+namespace {
+
+/// Adds steps until one does not fit.
+class ScriptWriter {
+ public:
+  explicit ScriptWriter(SetupScript& script) : script_(&script) {}
+  void add(const SetupStep& step) {
+    if (status_) status_ = script_->push_back(step);
+  }
+  void write(ObjectAddress object, std::uint8_t size, std::uint32_t value) {
+    add({.object = object, .size = size, .value = value});
+  }
+  void write_if_there(ObjectAddress object, std::uint8_t size, std::uint32_t value) {
+    add({.object = object, .size = size, .may_be_absent = true, .value = value});
+  }
+  [[nodiscard]] const Status& status() const { return status_; }
+
+ private:
+  SetupScript* script_;
+  Status status_ = Done{};
+};
+
+/// A PDO of the pre-defined connection set: `number` 1 to 4.
+struct Pdo {
+  std::uint16_t communication;
+  std::uint16_t mapping;
+};
+constexpr Pdo rpdo(unsigned number) {
+  return {.communication = static_cast<std::uint16_t>(0x1400 + number - 1),
+          .mapping = static_cast<std::uint16_t>(0x1600 + number - 1)};
+}
+constexpr Pdo tpdo(unsigned number) {
+  return {.communication = static_cast<std::uint16_t>(0x1800 + number - 1),
+          .mapping = static_cast<std::uint16_t>(0x1A00 + number - 1)};
+}
+constexpr ObjectAddress cob_id_of(const Pdo& pdo) {
+  return {.index = pdo.communication, .sub = pdo_sub_cob_id};
+}
+constexpr std::uint8_t every_sync = 1;
+
+void switch_off(ScriptWriter& writer, const Pdo& pdo, bool may_be_absent) {
+  writer.add({.action = SetupAction::switch_off, .object = cob_id_of(pdo), .may_be_absent = may_be_absent});
+}
+
+/// What comes before the timers: switched off, no objects, then one after the other, then how many.
+void map(ScriptWriter& writer, const Pdo& pdo, const PdoMapping& mapping) {
+  switch_off(writer, pdo, false);
+  writer.write({.index = pdo.mapping}, 1, 0);
+  std::uint8_t count = 0;
+  for (const PdoEntry& entry : mapping.entries()) {
+    writer.write({.index = pdo.mapping, .sub = ++count}, 4, mapping_value(entry));
+  }
+  writer.write({.index = pdo.mapping}, 1, count);
+  writer.write({.index = pdo.communication, .sub = pdo_sub_type}, 1, every_sync);
+}
+
+void switch_on(ScriptWriter& writer, const Pdo& pdo, std::uint32_t cob_id) {
+  writer.add({.action = SetupAction::switch_on, .object = cob_id_of(pdo), .value = cob_id});
+}
+
+void check_identity(ScriptWriter& writer, const Cia402Setup& setup) {
+  constexpr std::uint32_t profile = 402;
+  const auto expect = [&](ObjectAddress object, std::uint32_t value, std::uint32_t mask,
+                          DriveFinding finding) {
+    writer.add(
+        {.action = SetupAction::expect, .object = object, .finding = finding, .value = value, .mask = mask});
+  };
+  constexpr std::uint32_t all = 0xFFFFFFFF;
+  expect({.index = 0x1000}, profile, 0xFFFF, DriveFinding::wrong_device);
+  if (setup.vendor) expect({.index = 0x1018, .sub = 1}, *setup.vendor, all, DriveFinding::wrong_device);
+  if (setup.product) expect({.index = 0x1018, .sub = 2}, *setup.product, all, DriveFinding::wrong_device);
+  constexpr std::uint32_t mode_bit = 1U << (mode_cyclic_position - 1);
+  expect({.index = 0x6502}, mode_bit, mode_bit, DriveFinding::no_cyclic_position);
+  // No producer of SYNC, and the identifier that the host uses.
+  expect({.index = 0x1005}, sync_id, 0x40000000 | cob_id_number, DriveFinding::sync_of_another);
+}
+
+void set_pdos(ScriptWriter& writer, const Cia402Setup& setup) {
+  for (unsigned number = 2; number <= 4; ++number) {
+    switch_off(writer, rpdo(number), true);
+    switch_off(writer, tpdo(number), true);
+  }
+  map(writer, rpdo(1), command_mapping());
+  writer.add({.action = SetupAction::watchdog,
+              .object = {.index = rpdo(1).communication, .sub = pdo_sub_event_timer},
+              .size = 2,
+              .value = setup.setpoint_timeout_ms});
+  switch_on(writer, rpdo(1), rpdo1_id(setup.node));
+
+  map(writer, tpdo(1), feedback_mapping());
+  writer.write_if_there({.index = tpdo(1).communication, .sub = pdo_sub_inhibit}, 2, 0);
+  writer.write_if_there({.index = tpdo(1).communication, .sub = pdo_sub_event_timer}, 2, 0);
+  switch_on(writer, tpdo(1), tpdo1_id(setup.node));
+}
+
+void set_period(ScriptWriter& writer, const Cia402Setup& setup, const InterpolationPeriod& period) {
+  // The counter may be changed while the period is 0 only.
+  writer.write_if_there({.index = 0x1006}, 4, 0);
+  writer.add({.object = {.index = 0x1019},
+              .size = 1,
+              .may_be_absent = setup.sync_overflow == 0,
+              .value = setup.sync_overflow});
+  writer.write_if_there({.index = 0x1006}, 4, static_cast<std::uint32_t>(period.microseconds));
+  writer.write({.index = 0x60C2, .sub = 1}, 1, period.value);
+  writer.write({.index = 0x60C2, .sub = 2}, 1, static_cast<std::uint8_t>(period.index));
+}
+
+void set_motion(ScriptWriter& writer, const Cia402Setup& setup) {
+  if (setup.following_error_window) writer.write({.index = 0x6065}, 4, *setup.following_error_window);
+  if (setup.following_error_timeout_ms) writer.write({.index = 0x6066}, 2, *setup.following_error_timeout_ms);
+  writer.add({.action = SetupAction::forbid,
+              .object = {.index = 0x6065},
+              .finding = DriveFinding::window_disabled,
+              .value = 0xFFFFFFFF});
+  if (setup.position_limits) {
+    writer.write({.index = 0x607D, .sub = 1}, 4, static_cast<std::uint32_t>(setup.position_limits->least));
+    writer.write({.index = 0x607D, .sub = 2}, 4, static_cast<std::uint32_t>(setup.position_limits->most));
+  }
+  if (setup.quick_stop_option) {
+    writer.write({.index = 0x605A}, 2, static_cast<std::uint16_t>(*setup.quick_stop_option));
+  }
+}
+
+void set_watch(ScriptWriter& writer, const Cia402Setup& setup) {
+  // A drive that has no 1029 goes to pre-operational, which is what 0 asks for.
+  writer.write_if_there({.index = 0x1029, .sub = 1}, 1, 0);
+  writer.write({.index = 0x6007}, 2, static_cast<std::uint16_t>(setup.communication_lost_option));
+  writer.add({.action = SetupAction::watchdog,
+              .object = {.index = 0x1016, .sub = 1},
+              .value = (std::uint32_t{setup.host.value()} << 16) | setup.host_timeout_ms});
+  writer.write({.index = 0x1017}, 2, setup.drive_heartbeat_ms);
+}
+
+Status check(const Cia402Setup& setup) {
+  const auto refuse = [](const char* what, const char* remedy) {
+    return Error{.code = ErrorCode::out_of_range, .what = what, .remedy = remedy};
+  };
+  if (setup.node == setup.host) return refuse("host and drive are the same node", "give each its own number");
+  if (setup.drive_heartbeat_ms == 0 || setup.host_timeout_ms == 0 || setup.setpoint_timeout_ms == 0) {
+    return refuse("a heartbeat or timeout of 0 ms watches nothing", "give it in milliseconds");
+  }
+  if (setup.communication_lost_option < 1 || setup.communication_lost_option > 3) {
+    return refuse("the drive would not stop when the host is gone", "use 1, 2 or 3 for object 6007");
+  }
+  if (setup.sync_overflow == 1 || setup.sync_overflow > 240) {
+    return refuse("the counter of SYNC cannot end at this number", "use 0 for no counter, or 2 to 240");
+  }
+  if (setup.following_error_window == 0xFFFFFFFFU) {
+    return refuse("a following error window of FFFFFFFF watches nothing", "give it in counts");
+  }
+  if (setup.position_limits && setup.position_limits->least >= setup.position_limits->most) {
+    return refuse("the range of positions is empty", "give the least position first");
+  }
+  return Done{};
+}
+
+}  // namespace
+
+Result<SetupScript> make_setup_script(const Cia402Setup& setup) {
+  if (const Status valid = check(setup); !valid) return valid.error();
+  const Result<InterpolationPeriod> period = interpolation_period(setup.rate_hz);
+  if (!period) return period.error();
+  SetupScript script;
+  ScriptWriter writer(script);
+  check_identity(writer, setup);
+  set_pdos(writer, setup);
+  set_period(writer, setup, *period);
+  set_motion(writer, setup);
+  set_watch(writer, setup);
+  writer.write({.index = 0x6060}, 1, static_cast<std::uint8_t>(mode_cyclic_position));
+  if (!writer.status()) return writer.status().error();
+  return script;
+}
+
+}  // namespace inbetween::can

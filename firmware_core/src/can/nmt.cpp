@@ -1,0 +1,52 @@
+#include "inbetween/can/nmt.hpp"
+
+namespace inbetween::can {
+
+Frame nmt_frame(const NmtOrder& order) {
+  return {.id = nmt_id, .length = 2, .data = {static_cast<std::uint8_t>(order.command), order.node}};
+}
+
+std::optional<NmtOrder> read_nmt(const Frame& frame) {
+  if (!is_canopen(frame) || frame.id != nmt_id || frame.length != 2 || frame.data[1] > 127) return {};
+  switch (const auto command = static_cast<NmtCommand>(frame.data[0])) {
+    case NmtCommand::start:
+    case NmtCommand::stop:
+    case NmtCommand::enter_pre_operational:
+    case NmtCommand::reset_node:
+    case NmtCommand::reset_communication:
+      return NmtOrder{.command = command, .node = frame.data[1]};
+  }
+  return {};
+}
+
+Frame heartbeat_frame(NodeId node, NmtState state) {
+  return {.id = heartbeat_id(node), .length = 1, .data = {static_cast<std::uint8_t>(state)}};
+}
+
+std::optional<NmtState> read_heartbeat(const Frame& frame, NodeId node) {
+  if (!is_canopen(frame) || frame.id != heartbeat_id(node) || frame.length != 1) return {};
+  switch (const auto state = static_cast<NmtState>(frame.data[0])) {
+    case NmtState::boot_up:
+    case NmtState::stopped:
+    case NmtState::operational:
+    case NmtState::pre_operational:
+      return state;
+  }
+  return {};
+}
+
+const char* name_of(NmtState state) {
+  switch (state) {
+    case NmtState::boot_up:
+      return "boot-up";
+    case NmtState::stopped:
+      return "stopped";
+    case NmtState::operational:
+      return "operational";
+    case NmtState::pre_operational:
+      return "pre-operational";
+  }
+  return "unknown";
+}
+
+}  // namespace inbetween::can
