@@ -27,17 +27,17 @@ struct Cia402Setup {
   NodeId node;
   NodeId host;
   std::int64_t rate_hz = 250;
-  std::uint8_t sync_overflow = 0;                       ///< object 1019; 0: no counter in SYNC
-  std::uint16_t drive_heartbeat_ms = 50;                ///< how often the drive tells that it lives (1017)
-  std::uint16_t host_timeout_ms = 100;                  ///< how long it believes that the host lives (1016)
-  std::uint16_t setpoint_timeout_ms = 50;               ///< how long it waits for setpoints (1400:5)
-  std::int16_t communication_lost_option = 3;           ///< object 6007: 1 fault, 2 no power, 3 quick stop
-  std::optional<std::uint32_t> following_error_window;  ///< 6065, counts
-  std::optional<std::uint16_t> following_error_timeout_ms;  ///< 6066
-  std::optional<CountRange> position_limits;                ///< 607D
-  std::optional<std::int16_t> quick_stop_option;            ///< 605A
-  std::optional<std::uint32_t> vendor;                      ///< 1018:1, must be so
-  std::optional<std::uint32_t> product;                     ///< 1018:2, must be so
+  std::uint8_t sync_overflow = 0;                         ///< object 1019; 0: no counter in SYNC
+  std::uint16_t drive_heartbeat_ms = 50;                  ///< how often the drive tells that it lives (1017)
+  std::uint16_t host_timeout_ms = 100;                    ///< how long it believes that the host lives (1016)
+  std::uint16_t setpoint_timeout_ms = 50;                 ///< how long it waits for setpoints (1400:5)
+  std::int16_t communication_lost_option = 3;             ///< object 6007: 1 fault, 2 no power, 3 quick stop
+  std::optional<std::uint32_t> following_error_window{};  ///< 6065, counts
+  std::optional<std::uint16_t> following_error_timeout_ms{};  ///< 6066
+  std::optional<CountRange> position_limits{};                ///< 607D
+  std::optional<std::int16_t> quick_stop_option{};            ///< 605A
+  std::optional<std::uint32_t> vendor{};                      ///< 1018:1, must be so
+  std::optional<std::uint32_t> product{};                     ///< 1018:2, must be so
 };
 
 enum class SetupAction : std::uint8_t {

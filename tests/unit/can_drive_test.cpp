@@ -1,0 +1,527 @@
+// One CiA 402 drive as the host sees it, fed with frames by hand.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <limits>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "inbetween/can/cia402_drive.hpp"
+#include "inbetween/can/drive_phase.hpp"
+#include "tests/support/drive_objects.hpp"
+
+namespace inbetween::can {
+namespace {
+
+constexpr std::int64_t ms = 1'000'000;
+
+constexpr std::uint16_t disabled = 0x0250;
+constexpr std::uint16_t ready = 0x0231;
+constexpr std::uint16_t switched_on = 0x0233;
+constexpr std::uint16_t enabled = 0x0237;
+constexpr std::uint16_t following = 0x1237;
+constexpr std::uint16_t quick_stopped = 0x0217;
+constexpr std::uint16_t in_fault = 0x0218;
+
+NodeId node(int number) {
+  return NodeId::make(number).value();
+}
+
+Cia402Settings settings_of(int number) {
+  return {.setup = {.node = node(number), .host = node(127)}, .max_step_counts = 1000};
+}
+
+TEST(DrivePhase, EveryPhaseTimesEveryEvent) {
+  using enum DrivePhase;
+  using Event = DriveEvent;
+  const std::map<DrivePhase, std::map<Event, DrivePhase>> ways{
+      {off, {{Event::connect, booting}}},
+      {booting, {{Event::booted, configuring}, {Event::timed_out, refused}}},
+      {configuring, {{Event::configured, starting}, {Event::refused, refused}, {Event::vanished, gone}}},
+      {starting, {{Event::started, idle}, {Event::timed_out, refused}, {Event::vanished, gone}}},
+      {idle, {{Event::connect, booting}, {Event::enable, clearing}, {Event::vanished, gone}}},
+      {clearing,
+       {{Event::cleared, enabling},
+        {Event::timed_out, idle},
+        {Event::disable, idle},
+        {Event::quick_stop, stopping},
+        {Event::vanished, gone}}},
+      {enabling,
+       {{Event::enabled, DrivePhase::following},
+        {Event::timed_out, idle},
+        {Event::dropped_out, idle},
+        {Event::disable, idle},
+        {Event::quick_stop, stopping},
+        {Event::vanished, gone}}},
+      {DrivePhase::following,
+       {{Event::dropped_out, idle},
+        {Event::stopped_itself, stopping},
+        {Event::disable, idle},
+        {Event::quick_stop, stopping},
+        {Event::vanished, gone}}},
+      {stopping, {{Event::enable, clearing}, {Event::disable, idle}, {Event::vanished, gone}}},
+      {refused, {{Event::connect, booting}}},
+      {gone, {{Event::connect, booting}}},
+  };
+  ASSERT_EQ(ways.size(), drive_phases);
+  std::set<std::string> names;
+  for (const auto& [phase, ways_out] : ways) {
+    names.insert(name_of(phase));
+    for (std::size_t e = 0; e < drive_events; ++e) {
+      const auto event = static_cast<Event>(e);
+      const DriveStep step = next_phase(phase, event);
+      const bool leads_on = ways_out.contains(event);
+      const bool is_start = event == Event::connect || event == Event::enable;
+      const DrivePhase otherwise = event == Event::disconnect ? off : phase;
+      EXPECT_EQ(step.phase, leads_on ? ways_out.at(event) : otherwise) << name_of(phase) << ", event " << e;
+      EXPECT_EQ(step.is_refused, is_start && !leads_on) << name_of(phase) << ", event " << e;
+    }
+  }
+  EXPECT_EQ(names.size(), drive_phases);
+}
+
+/// A drive that is played by the test, every 4 ms.
+class DriveOfNode5 : public testing::Test {
+ protected:
+  Cia402Settings settings = settings_of(5);
+  std::optional<Cia402Drive> drive;
+  DriveObjects objects;
+  std::int64_t now = 0;
+  std::vector<Frame> services;
+
+  void SetUp() override { drive = Cia402Drive::make(settings).value(); }
+
+  /// A tick without anything from the drive. The frame with the next target, if there is one.
+  std::optional<DriveCommand> silent_tick(std::optional<std::int32_t> target = {}) {
+    now += 4 * ms;
+    drive->tick(now);
+    const std::optional<Frame> frame = drive->command(target);
+    services.clear();
+    if (const std::optional<Frame> service = drive->service(now)) services.push_back(*service);
+    if (!frame) return {};
+    return read_command(*frame, node(5));
+  }
+  void heartbeat(NmtState state) { drive->receive(heartbeat_frame(node(5), state), now); }
+  void feedback(std::uint16_t statusword, std::int32_t actual, std::int8_t mode = 8) {
+    drive->receive(feedback_frame(node(5), {.statusword = statusword, .actual = actual, .mode = mode}), now);
+  }
+  std::optional<DriveCommand> tick(std::uint16_t statusword, std::int32_t actual,
+                                   std::optional<std::int32_t> target = {}) {
+    heartbeat(NmtState::operational);
+    feedback(statusword, actual);
+    return silent_tick(target);
+  }
+
+  void reset() {
+    ASSERT_TRUE(drive->connect(now));
+    silent_tick();
+    ASSERT_EQ(services.size(), 1U);
+    EXPECT_EQ(read_nmt(services[0]), (NmtOrder{NmtCommand::reset_communication, 5}));
+  }
+  /// Until the drive has been told to start.
+  void configure() {
+    reset();
+    heartbeat(NmtState::boot_up);
+    while (drive->phase() == DrivePhase::configuring) {
+      silent_tick();
+      for (const Frame& frame : services) {
+        if (frame.id != 0x605) continue;
+        drive->receive(sdo_frame(0x585, objects.answer(*read_sdo_request(frame))), now);
+      }
+    }
+  }
+  void bring_to_idle() {
+    configure();
+    ASSERT_EQ(drive->phase(), DrivePhase::starting);
+    ASSERT_EQ(services.size(), 1U);
+    EXPECT_EQ(read_nmt(services[0]), (NmtOrder{NmtCommand::start, 5}));
+    drive->note_host_heartbeat();
+    silent_tick();
+    tick(disabled, 700);
+    ASSERT_EQ(drive->phase(), DrivePhase::idle);
+  }
+  void bring_to_following() {
+    bring_to_idle();
+    ASSERT_TRUE(drive->enable(now));
+    for (const std::uint16_t word : {disabled, ready, switched_on, enabled, following}) tick(word, 700);
+    ASSERT_EQ(drive->phase(), DrivePhase::following);
+    ASSERT_TRUE(drive->findings().empty());
+  }
+  [[nodiscard]] bool has_found(DriveFinding finding) const { return drive->findings().has(finding); }
+};
+
+TEST_F(DriveOfNode5, IsSwitchedOnWithItsTargetWhereItIs) {
+  bring_to_idle();
+  EXPECT_EQ(tick(disabled, 701), (DriveCommand{.controlword = 0x0000, .target = 701}));
+  EXPECT_TRUE(drive->enable(now));
+  EXPECT_EQ(tick(disabled, 702), (DriveCommand{.controlword = 0x0006, .target = 702}));
+  EXPECT_EQ(tick(ready, 703), (DriveCommand{.controlword = 0x0007, .target = 703}));
+  EXPECT_EQ(tick(switched_on, 704), (DriveCommand{.controlword = 0x000F, .target = 704}));
+  EXPECT_EQ(tick(switched_on, 705), (DriveCommand{.controlword = 0x000F, .target = 704}))
+      << "held from now on";
+  EXPECT_EQ(tick(enabled, 690), (DriveCommand{.controlword = 0x000F, .target = 704}));
+  EXPECT_EQ(drive->phase(), DrivePhase::enabling) << "bit 12 is still clear";
+  EXPECT_EQ(tick(following, 705), (DriveCommand{.controlword = 0x000F, .target = 704}));
+  EXPECT_EQ(drive->phase(), DrivePhase::following);
+  EXPECT_EQ(tick(following, 705), (DriveCommand{.controlword = 0x000F, .target = 704}));
+  EXPECT_EQ(tick(following, 705, 800), (DriveCommand{.controlword = 0x000F, .target = 800}));
+  EXPECT_TRUE(drive->findings().empty());
+  EXPECT_EQ(drive->target(), 800);
+}
+
+TEST_F(DriveOfNode5, IsNotEnabledBeforeItShowsTheRightMode) {
+  bring_to_idle();
+  drive->enable(now);
+  tick(disabled, 700);
+  tick(ready, 700);
+  for (int i = 0; i < 5; ++i) {
+    heartbeat(NmtState::operational);
+    feedback(switched_on, 700 + i, 1);
+    EXPECT_EQ(silent_tick(), (DriveCommand{.controlword = 0x0007, .target = 700 + i}));
+  }
+  EXPECT_EQ(tick(switched_on, 700)->controlword, 0x000F);
+}
+
+TEST_F(DriveOfNode5, AFaultIsResetByAnEdge) {
+  bring_to_idle();
+  for (int i = 0; i < 2; ++i) EXPECT_EQ(tick(in_fault, 700)->controlword, 0x0000);
+  drive->enable(now);
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(tick(in_fault, 700)->controlword, 0x0080);
+  EXPECT_EQ(tick(disabled, 700)->controlword, 0x0006);
+}
+
+TEST_F(DriveOfNode5, AFaultThatStaysIsReported) {
+  bring_to_idle();
+  drive->enable(now);
+  for (int i = 0; i <= 250; ++i) tick(in_fault, 700);
+  EXPECT_EQ(drive->first_finding(), DriveFinding::fault_stays);
+  EXPECT_EQ(drive->phase(), DrivePhase::idle);
+}
+
+TEST_F(DriveOfNode5, OneThatDoesNotSwitchOnIsReported) {
+  bring_to_idle();
+  drive->enable(now);
+  for (int i = 0; i < 252; ++i) tick(switched_on, 700);
+  EXPECT_EQ(drive->first_finding(), DriveFinding::not_enabled);
+  EXPECT_EQ(drive->phase(), DrivePhase::idle);
+  EXPECT_FALSE(drive->enable(now)) << "not before somebody has seen it";
+  drive->acknowledge();
+  EXPECT_TRUE(drive->enable(now));
+}
+
+TEST_F(DriveOfNode5, AFaultWhileItIsSwitchedOnIsReported) {
+  bring_to_idle();
+  drive->enable(now);
+  tick(disabled, 700);
+  tick(in_fault, 700);
+  EXPECT_EQ(drive->first_finding(), DriveFinding::drive_fault);
+  EXPECT_EQ(drive->phase(), DrivePhase::idle);
+}
+
+TEST_F(DriveOfNode5, AnAxisThatMovesAwayFromItsFirstSetpointIsRefused) {  // faults.md 27
+  bring_to_idle();
+  drive->enable(now);
+  tick(disabled, 700);
+  tick(switched_on, 700);
+  tick(following, 801);
+  EXPECT_EQ(drive->first_finding(), DriveFinding::moved_while_enabling);
+  EXPECT_EQ(drive->phase(), DrivePhase::idle);
+}
+
+TEST_F(DriveOfNode5, StopsQuicklyAndCanBeSwitchedOnAgain) {
+  bring_to_following();
+  EXPECT_TRUE(drive->quick_stop(now));
+  EXPECT_EQ(tick(following, 710, 720), (DriveCommand{.controlword = 0x0002, .target = 710}));
+  EXPECT_EQ(tick(quick_stopped, 715, 720), (DriveCommand{.controlword = 0x0002, .target = 715}));
+  EXPECT_TRUE(drive->enable(now));
+  EXPECT_EQ(tick(quick_stopped, 715)->controlword, 0x0000);
+  EXPECT_EQ(tick(disabled, 715)->controlword, 0x0006);
+  EXPECT_TRUE(drive->findings().empty());
+}
+
+TEST_F(DriveOfNode5, AQuickStopThatIsIgnoredIsReported) {
+  bring_to_following();
+  drive->quick_stop(now);
+  for (int i = 0; i < 252; ++i) tick(following, 700);
+  EXPECT_EQ(drive->first_finding(), DriveFinding::quick_stop_ignored);
+  EXPECT_EQ(words_of(*drive->first_finding()).reaction, DriveReaction::cease_setpoints);
+}
+
+TEST_F(DriveOfNode5, GoesOffByItsOwnRamp) {
+  bring_to_following();
+  drive->disable(now);
+  EXPECT_EQ(tick(following, 700, 720)->controlword, 0x0007);
+  EXPECT_EQ(tick(switched_on, 700, 720)->controlword, 0x0006);
+  EXPECT_EQ(tick(ready, 703, 720), (DriveCommand{.controlword = 0x0000, .target = 703}));
+  EXPECT_EQ(drive->phase(), DrivePhase::idle);
+}
+
+TEST_F(DriveOfNode5, SendsNothingOnceSetpointsHaveCeased) {
+  bring_to_following();
+  EXPECT_TRUE(tick(following, 700)) << "holds until the first target";
+  EXPECT_TRUE(tick(following, 700, 700));
+  EXPECT_FALSE(tick(following, 700));
+  EXPECT_TRUE(drive->is_commanded());
+}
+
+TEST_F(DriveOfNode5, ASetpointThatJumpsIsNotSent) {
+  bring_to_following();
+  EXPECT_EQ(tick(following, 700, 1700)->target, 1700);
+  EXPECT_EQ(tick(following, 700, 2701)->target, 1700);
+  EXPECT_EQ(drive->first_finding(), DriveFinding::setpoint_jump);
+  EXPECT_EQ(tick(following, 700, std::numeric_limits<std::int32_t>::min())->target, 1700);
+  EXPECT_EQ(words_of(DriveFinding::setpoint_jump).reaction, DriveReaction::quick_stop);
+}
+
+TEST_F(DriveOfNode5, NeverBootsWithoutABootUpMessage) {  // faults.md 22
+  reset();
+  heartbeat(NmtState::pre_operational);
+  for (int i = 0; i < 1248; ++i) silent_tick();
+  EXPECT_EQ(drive->phase(), DrivePhase::booting);
+  for (int i = 0; i < 2; ++i) silent_tick();
+  EXPECT_EQ(drive->phase(), DrivePhase::refused);
+  EXPECT_EQ(drive->first_finding(), DriveFinding::never_booted);
+  EXPECT_FALSE(drive->enable(now));
+}
+
+TEST_F(DriveOfNode5, ABootUpMessageBeforeTheResetWasSentIsNoAnswerToIt) {
+  drive->connect(now);
+  heartbeat(NmtState::boot_up);
+  silent_tick();
+  EXPECT_EQ(drive->phase(), DrivePhase::booting);
+  heartbeat(NmtState::boot_up);
+  EXPECT_EQ(drive->phase(), DrivePhase::configuring);
+}
+
+TEST_F(DriveOfNode5, TheFirstHeartbeatMustCome) {  // faults.md 22
+  configure();
+  drive->note_host_heartbeat();
+  for (int i = 0; i < 1252; ++i) {
+    feedback(disabled, 700);
+    silent_tick();
+  }
+  EXPECT_EQ(drive->phase(), DrivePhase::refused);
+  EXPECT_EQ(drive->first_finding(), DriveFinding::first_heartbeat_missing);
+  EXPECT_EQ(words_of(*drive->first_finding()).reaction, DriveReaction::refuse);
+}
+
+TEST_F(DriveOfNode5, IsNotStartedBeforeItIsOperationalAndTheHostsHeartbeatWasSent) {
+  configure();
+  silent_tick();
+  tick(disabled, 700);
+  EXPECT_EQ(drive->phase(), DrivePhase::starting) << "it does not watch the host yet";
+  drive->note_host_heartbeat();
+  silent_tick();
+  EXPECT_EQ(drive->phase(), DrivePhase::idle);
+}
+
+TEST_F(DriveOfNode5, OneThatStaysPreOperationalIsRefused) {
+  configure();
+  drive->note_host_heartbeat();
+  for (int i = 0; i < 1252; ++i) {
+    heartbeat(NmtState::pre_operational);
+    silent_tick();
+  }
+  EXPECT_EQ(drive->first_finding(), DriveFinding::not_operational);
+}
+
+TEST_F(DriveOfNode5, ADriveThatCannotBeSetUpIsRefusedWithTheReason) {
+  objects.set(0x6065, 0, 4, 0xFFFFFFFF);
+  configure();
+  EXPECT_EQ(drive->phase(), DrivePhase::refused);
+  EXPECT_EQ(drive->first_finding(), DriveFinding::window_disabled);
+  EXPECT_EQ(drive->refusal().object.index, 0x6065);
+  objects.set(0x6065, 0, 4, 1000);
+  configure();
+  EXPECT_EQ(drive->phase(), DrivePhase::starting);
+}
+
+TEST_F(DriveOfNode5, FeedbackThatIsMissingIsCountedAndThenAFinding) {  // faults.md 13, 20
+  bring_to_following();
+  heartbeat(NmtState::operational);
+  EXPECT_TRUE(silent_tick(700));
+  EXPECT_TRUE(silent_tick(700));
+  EXPECT_TRUE(drive->findings().empty());
+  tick(following, 700, 700);
+  for (int i = 0; i < 3; ++i) EXPECT_TRUE(silent_tick(700)) << "it may still hear its targets";
+  EXPECT_EQ(drive->first_finding(), DriveFinding::feedback_missing);
+  EXPECT_TRUE(drive->lasting().has(DriveFinding::feedback_missing));
+  EXPECT_EQ(drive->counters().missed, 5U);
+  EXPECT_EQ(words_of(*drive->first_finding()).reaction, DriveReaction::controlled_stop);
+  tick(following, 700, 700);
+  EXPECT_FALSE(drive->lasting().has(DriveFinding::feedback_missing));
+  EXPECT_TRUE(has_found(DriveFinding::feedback_missing)) << "until somebody has seen it";
+}
+
+TEST_F(DriveOfNode5, FeedbackThatComesLateIsNoDuplicate) {
+  bring_to_following();
+  for (int i = 0; i < 100; ++i) {
+    heartbeat(NmtState::operational);
+    silent_tick(700);
+    feedback(following, 700);
+    feedback(following, 701);
+    silent_tick(700);
+    EXPECT_EQ(drive->feedback().actual, 701);
+  }
+  EXPECT_TRUE(drive->findings().empty());
+  EXPECT_EQ(drive->counters().duplicates, 0U);
+}
+
+TEST_F(DriveOfNode5, ShortAndDuplicateFramesAreDiscardedCountedAndThenAFinding) {  // faults.md 19
+  bring_to_following();
+  Frame too_short = feedback_frame(node(5), {.statusword = in_fault, .actual = 9, .mode = 8});
+  too_short.length = 6;
+  for (int i = 0; i < 4; ++i) {
+    heartbeat(NmtState::operational);
+    drive->receive(too_short, now);
+    feedback(following, 700);
+    feedback(in_fault, 9);  // a second one for the same SYNC
+    silent_tick(700);
+    EXPECT_EQ(drive->feedback().actual, 700);
+  }
+  EXPECT_TRUE(drive->findings().empty());
+  EXPECT_EQ(drive->counters().bad_frames, 4U);
+  EXPECT_EQ(drive->counters().duplicates, 4U);
+  drive->receive(too_short, now);
+  EXPECT_EQ(drive->first_finding(), DriveFinding::bad_frames);
+  EXPECT_EQ(drive->phase(), DrivePhase::following);
+}
+
+TEST_F(DriveOfNode5, NowAndThenABadFrameIsForgiven) {
+  bring_to_following();
+  Frame too_short = feedback_frame(node(5), {});
+  too_short.length = 1;
+  for (int i = 0; i < 30 * 260; ++i) {
+    if (i % 260 == 0) drive->receive(too_short, now);
+    tick(following, 700, 700);
+  }
+  EXPECT_TRUE(drive->findings().empty());
+  EXPECT_EQ(drive->counters().bad_frames, 30U);
+}
+
+TEST_F(DriveOfNode5, AForeignCommandIsAFinding) {  // faults.md 17
+  bring_to_following();
+  drive->note_foreign_frame();
+  EXPECT_EQ(drive->first_finding(), DriveFinding::foreign_sender);
+  EXPECT_EQ(drive->counters().foreign_frames, 1U);
+}
+
+TEST_F(DriveOfNode5, AHeartbeatThatStopsIsFoundWithinItsTimeout) {  // faults.md 21
+  bring_to_following();
+  const std::int64_t heard = now - 4 * ms;
+  std::int64_t found = 0;
+  for (int i = 0; i < 60 && found == 0; ++i) {
+    feedback(following, 700);
+    silent_tick(700);
+    if (has_found(DriveFinding::heartbeat_lost)) found = now;
+  }
+  EXPECT_GT(found, 0);
+  EXPECT_LE(found - heard, 154 * ms);
+  EXPECT_EQ(drive->phase(), DrivePhase::following) << "it still follows the others on their way to rest";
+  tick(following, 700, 700);
+  EXPECT_TRUE(drive->lasting().empty());
+}
+
+TEST_F(DriveOfNode5, AnEmergencyInMotionIsAFindingWithItsCode) {  // faults.md 23
+  bring_to_following();
+  drive->receive(emergency_frame(node(5), {.code = 0x2310, .error_register = 3}), now);
+  EXPECT_EQ(drive->first_finding(), DriveFinding::emergency);
+  EXPECT_STREQ(words_of_emergency(drive->last_emergency().code), "over-current");
+  drive->receive(emergency_frame(node(5), {}), now);
+  EXPECT_EQ(drive->counters().emergencies, 1U);
+}
+
+TEST_F(DriveOfNode5, AFaultInMotionIsAFinding) {  // faults.md 23
+  bring_to_following();
+  EXPECT_EQ(tick(0x021F, 700, 700)->controlword, 0x0000);
+  EXPECT_EQ(drive->first_finding(), DriveFinding::drive_fault);
+  EXPECT_EQ(drive->phase(), DrivePhase::idle);
+  EXPECT_EQ(tick(in_fault, 650, 700), (DriveCommand{.controlword = 0x0000, .target = 650}));
+}
+
+TEST_F(DriveOfNode5, ADriveThatStopsByItselfIsLeftToItsRamp) {
+  bring_to_following();
+  EXPECT_EQ(tick(quick_stopped, 700, 700)->controlword, 0x0002);
+  EXPECT_EQ(drive->first_finding(), DriveFinding::left_operation);
+  EXPECT_EQ(drive->phase(), DrivePhase::stopping);
+}
+
+TEST_F(DriveOfNode5, ADriveThatSwitchesOffIsAFinding) {
+  bring_to_following();
+  tick(ready, 700, 700);
+  EXPECT_EQ(drive->first_finding(), DriveFinding::left_operation);
+  EXPECT_EQ(drive->phase(), DrivePhase::idle);
+}
+
+TEST_F(DriveOfNode5, AnUnexpectedBootUpMessageLosesTheReference) {  // faults.md 24
+  bring_to_following();
+  heartbeat(NmtState::boot_up);
+  EXPECT_EQ(drive->first_finding(), DriveFinding::unexpected_boot);
+  EXPECT_TRUE(words_of(*drive->first_finding()).loses_reference);
+  EXPECT_EQ(drive->phase(), DrivePhase::gone);
+  EXPECT_FALSE(silent_tick(700)) << "nothing is sent to it";
+  drive->acknowledge();
+  EXPECT_FALSE(drive->enable(now));
+  EXPECT_TRUE(drive->connect(now)) << "from the beginning";
+}
+
+TEST_F(DriveOfNode5, ADriveThatLeavesOperationalIsGone) {
+  bring_to_following();
+  heartbeat(NmtState::pre_operational);
+  feedback(following, 700);
+  EXPECT_FALSE(silent_tick(700));
+  EXPECT_EQ(drive->first_finding(), DriveFinding::left_operational);
+  EXPECT_EQ(drive->phase(), DrivePhase::gone);
+}
+
+TEST_F(DriveOfNode5, AFollowingErrorAsksForAStopAndThenAQuickStop) {  // faults.md 25
+  bring_to_following();
+  EXPECT_TRUE(tick(following | 0x2000, 700, 700));
+  EXPECT_EQ(drive->first_finding(), DriveFinding::following_error);
+  EXPECT_EQ(words_of(*drive->first_finding()).reaction, DriveReaction::controlled_stop_then_quick);
+  EXPECT_EQ(drive->phase(), DrivePhase::following);
+}
+
+TEST_F(DriveOfNode5, AnInternalLimitIsAFinding) {
+  bring_to_following();
+  tick(following | 0x0800, 700, 700);
+  EXPECT_EQ(drive->first_finding(), DriveFinding::internal_limit);
+}
+
+TEST_F(DriveOfNode5, AnotherModeIsAFindingAtOnce) {  // faults.md 26
+  bring_to_following();
+  heartbeat(NmtState::operational);
+  feedback(following, 700, 1);
+  EXPECT_TRUE(silent_tick(700));
+  EXPECT_EQ(drive->first_finding(), DriveFinding::wrong_mode);
+}
+
+TEST_F(DriveOfNode5, Bit12MayBeClearForAMomentOnly) {  // faults.md 26
+  bring_to_following();
+  for (int i = 0; i < 4; ++i) tick(enabled, 700, 700);
+  tick(following, 700, 700);
+  for (int i = 0; i < 5; ++i) tick(enabled, 700, 700);
+  EXPECT_TRUE(drive->findings().empty());
+  tick(enabled, 700, 700);
+  EXPECT_EQ(drive->first_finding(), DriveFinding::target_ignored);
+}
+
+TEST_F(DriveOfNode5, SettingsWithoutLimitsAreRefused) {
+  const auto refuses = [&](auto change) {
+    Cia402Settings bad = settings_of(5);
+    change(bad);
+    return !Cia402Drive::make(bad);
+  };
+  EXPECT_FALSE(refuses([](Cia402Settings&) {}));
+  EXPECT_TRUE(refuses([](Cia402Settings& bad) { bad.max_step_counts = 0; }));
+  EXPECT_TRUE(refuses([](Cia402Settings& bad) { bad.missing_limit = 0; }));
+  EXPECT_TRUE(refuses([](Cia402Settings& bad) { bad.boot_timeout_ns = 0; }));
+  EXPECT_TRUE(refuses([](Cia402Settings& bad) { bad.heartbeat_timeout_ns = 99 * ms; }));
+  EXPECT_TRUE(refuses([](Cia402Settings& bad) { bad.setup.host_timeout_ms = 0; }));
+}
+
+}  // namespace
+}  // namespace inbetween::can
