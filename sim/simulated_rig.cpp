@@ -8,9 +8,9 @@ SimulatedRig::SimulatedRig(std::span<const double> positions) : faults_(position
 
 void SimulatedRig::read(std::span<DriveState<double>> states, std::int64_t /*now_ns*/) {
   for (std::size_t i = 0; i < axes_.size(); ++i) {
-    DriveTrouble trouble = faults_[i] ? DriveTrouble::cannot_follow : DriveTrouble::none;
-    if (!connected_) trouble = DriveTrouble::unreachable;
-    states[i] = {.actual = axes_[i].actual(), .is_on = is_switched_on_, .trouble = trouble};
+    DriveCondition condition = faults_[i] ? DriveCondition::cannot_follow : DriveCondition::fine;
+    if (!connected_) condition = DriveCondition::unreachable;
+    states[i] = {.actual = axes_[i].actual(), .is_on = is_switched_on_, .condition = condition};
   }
 }
 

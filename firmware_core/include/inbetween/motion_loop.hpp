@@ -151,13 +151,13 @@ class MotionLoop {
 
   void read(std::int64_t now_ns) {
     drives_->read(memory_.states, now_ns);
-    const auto any = [&](DriveTrouble trouble) {
+    const auto any = [&](DriveCondition condition) {
       return std::ranges::any_of(memory_.states,
-                                 [&](const DriveState<Real>& drive) { return drive.trouble == trouble; });
+                                 [&](const DriveState<Real>& drive) { return drive.condition == condition; });
     };
-    if (lines_->emergency_stop() || any(DriveTrouble::unreachable)) {
+    if (lines_->emergency_stop() || any(DriveCondition::unreachable)) {
       apply(SupervisorEvent::power_lost);
-    } else if (any(DriveTrouble::cannot_follow)) {
+    } else if (any(DriveCondition::cannot_follow)) {
       apply(SupervisorEvent::drive_fault);
     } else if (state_ == SupervisorState::faulted) {
       apply(SupervisorEvent::cleared);

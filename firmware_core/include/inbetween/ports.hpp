@@ -11,8 +11,8 @@
 namespace inbetween {
 
 /// What is wrong with a drive, by what the whole rig has to do.
-enum class DriveTrouble : std::uint8_t {
-  none,
+enum class DriveCondition : std::uint8_t {
+  fine,
   cannot_follow,  ///< the others can: all slow down together on the path
   unreachable,    ///< setpoints do not or must not arrive any more
 };
@@ -22,7 +22,7 @@ template <Precise Real>
 struct DriveState {
   Real actual = 0;  ///< position in axis units
   bool is_on = false;
-  DriveTrouble trouble = DriveTrouble::none;
+  DriveCondition condition = DriveCondition::fine;
 };
 
 /// The drives of a rig, one for each axis, in its order. Nothing waits. `now_ns` is a monotonic time.
