@@ -213,7 +213,7 @@ void Cia402Drive::tick(std::int64_t now_ns) {
 void Cia402Drive::count_ticks() {
   if (--ticks_to_forgive_ <= 0) {
     ticks_to_forgive_ = settings_.bad_frame_ticks;
-    bad_frame_level_ = std::max(bad_frame_level_ - 1, 0);
+    bad_frame_level_ = std::max<std::int32_t>(bad_frame_level_ - 1, 0);
   }
   if (is_fresh_) missed_in_row_ = 0;
   if (!is_fresh_ && is_supervised()) {
@@ -221,7 +221,7 @@ void Cia402Drive::count_ticks() {
     missed_in_row_ = std::min(missed_in_row_ + 1, settings_.missing_limit);
   }
   // What is still awaited after a tick with feedback was lost; without, it may come late.
-  awaited_ = (is_fresh_ ? 0 : std::min(awaited_, 1)) + 1;
+  awaited_ = (is_fresh_ ? 0 : std::min<std::int32_t>(awaited_, 1)) + 1;
   is_fresh_ = false;
 }
 
