@@ -167,9 +167,10 @@ TEST_F(DriveOfNode5, IsSwitchedOnWithItsTargetWhereItIs) {
   EXPECT_EQ(tick(following, 705), (DriveCommand{.controlword = 0x000F, .target = 704}));
   EXPECT_EQ(drive->phase(), DrivePhase::following);
   EXPECT_EQ(tick(following, 705), (DriveCommand{.controlword = 0x000F, .target = 704}));
-  EXPECT_EQ(tick(following, 705, 800), (DriveCommand{.controlword = 0x000F, .target = 800}));
+  EXPECT_EQ(tick(following, 705, 705), (DriveCommand{.controlword = 0x000F, .target = 705}));
+  EXPECT_EQ(tick(following, 705, 900), (DriveCommand{.controlword = 0x000F, .target = 900}));
   EXPECT_TRUE(drive->findings().empty());
-  EXPECT_EQ(drive->target(), 800);
+  EXPECT_EQ(drive->target(), 900);
 }
 
 TEST_F(DriveOfNode5, IsNotEnabledBeforeItShowsTheRightMode) {
@@ -269,11 +270,19 @@ TEST_F(DriveOfNode5, SendsNothingOnceSetpointsHaveCeased) {
 
 TEST_F(DriveOfNode5, ASetpointThatJumpsIsNotSent) {
   bring_to_following();
-  EXPECT_EQ(tick(following, 700, 1700)->target, 1700);
-  EXPECT_EQ(tick(following, 700, 2701)->target, 1700);
+  EXPECT_EQ(tick(following, 700, 701)->target, 701);
+  EXPECT_EQ(tick(following, 700, 1701)->target, 1701);
+  EXPECT_EQ(tick(following, 700, 2702)->target, 1701);
   EXPECT_EQ(drive->first_finding(), DriveFinding::setpoint_jump);
-  EXPECT_EQ(tick(following, 700, std::numeric_limits<std::int32_t>::min())->target, 1700);
+  EXPECT_EQ(tick(following, 700, std::numeric_limits<std::int32_t>::min())->target, 1701);
   EXPECT_EQ(words_of(DriveFinding::setpoint_jump).reaction, DriveReaction::quick_stop);
+}
+
+TEST_F(DriveOfNode5, AFirstSetpointThatIsNotWhereTheAxisIsIsNotSent) {  // faults.md 27
+  bring_to_following();
+  EXPECT_EQ(tick(following, 700, 801)->target, 700);
+  EXPECT_EQ(drive->first_finding(), DriveFinding::moved_while_enabling);
+  EXPECT_FALSE(drive->is_commanded());
 }
 
 TEST_F(DriveOfNode5, NeverBootsWithoutABootUpMessage) {  // faults.md 22

@@ -361,11 +361,11 @@ void Cia402Drive::choose_target(std::optional<std::int32_t> target) {
     return;
   }
   if (!target) return;
+  const std::int64_t step = distance(*target, target_);
+  if (!is_commanded_ && step > settings_.hold_tolerance_counts)
+    return find(DriveFinding::moved_while_enabling);
   is_commanded_ = true;
-  if (distance(*target, target_) > settings_.max_step_counts) {
-    find(DriveFinding::setpoint_jump);
-    return;
-  }
+  if (step > settings_.max_step_counts) return find(DriveFinding::setpoint_jump);
   target_ = *target;
 }
 

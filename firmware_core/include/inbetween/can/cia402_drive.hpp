@@ -24,7 +24,8 @@ struct Cia402Settings {
   /// The furthest that a target may be from the last one, in counts: 1.2 times what max_velocity covers in a
   /// tick. A larger step is not sent.
   std::int32_t max_step_counts = 0;
-  /// The furthest that the axis may be from its held target when it has been switched on.
+  /// The furthest that the axis may be from its held target when it has been switched on, and the first
+  /// target from that one. A first target that is further is not sent.
   std::int32_t hold_tolerance_counts = 100;
   /// Ticks in a row without feedback that are a finding; one may always come late.
   std::int32_t missing_limit = 3;

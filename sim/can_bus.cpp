@@ -1,0 +1,46 @@
+#include "sim/can_bus.hpp"
+
+#include <algorithm>
+#include <cstddef>
+
+namespace inbetween {
+
+void SimulatedCanBus::post(const Waiting& sent, std::int64_t now_ns) {
+  const FrameFate fate = fate_ ? fate_(sent.frame, now_ns) : FrameFate{};
+  for (int i = 0; i < fate.copies; ++i) {
+    wire_.push_back({.frame = sent.frame, .sender = sent.sender, .due_ns = now_ns + fate.delay_ns});
+  }
+}
+
+void SimulatedCanBus::collect(std::int64_t now_ns) {
+  for (std::size_t i = 0; i < drives_.size(); ++i) {
+    for (const can::Frame& frame : drives_[i]->take_frames()) {
+      post({.frame = frame, .sender = static_cast<int>(i)}, now_ns);
+    }
+  }
+}
+
+std::vector<can::Frame> SimulatedCanBus::run(std::int64_t now_ns) {
+  for (SimulatedCia402Drive* drive : drives_) drive->advance(now_ns);
+  for (const Waiting& sent : outbox_) post(sent, now_ns);
+  outbox_.clear();
+  std::vector<can::Frame> heard;
+  for (;;) {
+    collect(now_ns);
+    // The first of those with the lowest identifier: one sender's frames stay in order.
+    auto next = wire_.end();
+    for (auto it = wire_.begin(); it != wire_.end(); ++it) {
+      if (it->due_ns > now_ns) continue;
+      if (next == wire_.end() || it->frame.id < next->frame.id) next = it;
+    }
+    if (next == wire_.end()) return heard;
+    const Waiting delivered = *next;
+    wire_.erase(next);
+    for (std::size_t i = 0; i < drives_.size(); ++i) {
+      if (delivered.sender != static_cast<int>(i)) drives_[i]->receive(delivered.frame);
+    }
+    if (delivered.sender != host) heard.push_back(delivered.frame);
+  }
+}
+
+}  // namespace inbetween

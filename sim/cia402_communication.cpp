@@ -1,0 +1,307 @@
+// What a simulated drive says and hears: NMT, heartbeats, SYNC, EMCY, SDO and PDO.
+#include <algorithm>
+
+#include "inbetween/can/pdo.hpp"
+#include "inbetween/can/sync.hpp"
+#include "sim/cia402_drive.hpp"
+
+namespace inbetween {
+namespace {
+
+using can::NmtState;
+using Kind = DriveTrouble::Kind;
+
+constexpr std::int64_t ms = 1'000'000;
+constexpr std::uint8_t error_of_communication = 0x11;
+constexpr std::uint16_t last_of_communication = 0x1FFF;
+
+constexpr std::size_t pdos = 4;
+
+}  // namespace
+
+void SimulatedCia402Drive::boot() {
+  is_booting_ = false;
+  send(can::heartbeat_frame(node(), NmtState::boot_up));
+  nmt_ = NmtState::pre_operational;
+  heartbeat_ns_ = now_ns_;
+}
+
+/// As after power-on: it is where it is, and calls that 0.
+void SimulatedCia402Drive::start_anew() {
+  objects_ = defaults_;
+  zero_ = motor_.position();
+  last_word_ = 0;
+  is_limited_ = false;
+  is_following_error_ = false;
+  enter(can::Cia402State::switch_on_disabled);
+  enter(NmtState::boot_up);
+}
+
+void SimulatedCia402Drive::enter(NmtState nmt) {
+  const bool leaves_operational = nmt_ == NmtState::operational && nmt != NmtState::operational;
+  nmt_ = nmt;
+  if (leaves_operational) react_to_lost_communication();
+  setpoint_deadline_ns_.reset();
+  sync_deadline_ns_.reset();
+  waiting_.fill({});
+  if (nmt == NmtState::stopped) host_deadline_ns_.reset();
+  if (nmt != NmtState::boot_up) return;
+  host_deadline_ns_.reset();
+  is_booting_ = true;
+  boot_ns_ = now_ns_ + settings_.boot_delay_ns;
+  objects_.restore(defaults_, 0, last_of_communication);
+}
+
+void SimulatedCia402Drive::obey(const can::NmtOrder& order) {
+  if (order.node != 0 && order.node != node().value()) return;
+  switch (order.command) {
+    case can::NmtCommand::start:
+      return enter(NmtState::operational);
+    case can::NmtCommand::stop:
+      return enter(NmtState::stopped);
+    case can::NmtCommand::enter_pre_operational:
+      return enter(NmtState::pre_operational);
+    case can::NmtCommand::reset_node:
+      return start_anew();
+    case can::NmtCommand::reset_communication:
+      return enter(NmtState::boot_up);
+  }
+}
+
+void SimulatedCia402Drive::raise_error(std::uint16_t code, std::uint8_t error_register) {
+  objects_.set(0x1001, 0, error_register);
+  objects_.set(0x603F, 0, code);
+  if (is_booting_ || nmt_ == NmtState::stopped) return;
+  send(can::emergency_frame(node(), {.code = code, .error_register = error_register}));
+}
+
+void SimulatedCia402Drive::watch_communication() {
+  if (is_booting_) return;
+  const std::int64_t period_ns = objects_.value(0x1017) * ms;
+  if (period_ns > 0 && now_ns_ >= heartbeat_ns_) {
+    heartbeat_ns_ = now_ns_ + period_ns;
+    if (!has_trouble(Kind::lose_heartbeat)) send(can::heartbeat_frame(node(), nmt_));
+  }
+  const auto is_over = [this](std::optional<std::int64_t>& deadline_ns) {
+    if (!deadline_ns || now_ns_ < *deadline_ns) return false;
+    deadline_ns.reset();
+    return true;
+  };
+  if (is_over(host_deadline_ns_)) lose_communication(0x8130);
+  if (is_over(setpoint_deadline_ns_)) lose_communication(0x8250);
+  if (is_over(sync_deadline_ns_)) lose_communication(0x8100);
+}
+
+void SimulatedCia402Drive::lose_communication(std::uint16_t code) {
+  raise_error(code, error_of_communication);
+  react_to_lost_communication();
+  const std::uint32_t behaviour = objects_.value(0x1029, 1);
+  if (behaviour == 0 && nmt_ == NmtState::operational) enter(NmtState::pre_operational);
+  if (behaviour == 2) enter(NmtState::stopped);
+}
+
+void SimulatedCia402Drive::receive(const can::Frame& frame) {
+  if (is_booting_ || !can::is_canopen(frame)) return;
+  if (const auto order = can::read_nmt(frame)) return obey(*order);
+  hear_host(frame);
+  if (nmt_ == NmtState::stopped) return;
+  if (frame.id == can::sdo_request_id(node())) return serve(frame);
+  if (frame.id == (objects_.value(0x1005) & can::cob_id_number)) return hear_sync(frame);
+  if (nmt_ == NmtState::operational) hear_pdo(frame);
+}
+
+/// Supervised from its first heartbeat on, not from its boot-up message.
+void SimulatedCia402Drive::hear_host(const can::Frame& frame) {
+  const std::uint32_t entry = objects_.value(0x1016, 1);
+  const std::uint32_t host = entry >> 16;
+  const std::int64_t timeout_ns = (entry & 0xFFFF) * ms;
+  if (host == 0 || timeout_ns == 0 || frame.id != 0x700 + host || frame.length != 1) return;
+  if (frame.data[0] != 0) {
+    host_deadline_ns_ = now_ns_ + timeout_ns;
+  } else if (host_deadline_ns_) {
+    host_deadline_ns_.reset();
+    lose_communication(0x8130);
+  }
+}
+
+void SimulatedCia402Drive::serve(const can::Frame& frame) {
+  const auto request = can::read_sdo_request(frame);
+  if (!request || request->kind == can::SdoKind::abort) return;
+  can::SdoMessage answer{
+      .kind = can::SdoKind::abort, .object = request->object, .value = can::abort_unknown_command};
+  if (request->kind == can::SdoKind::upload) {
+    show();
+    if (const auto why = objects_.refuses_read(request->object)) {
+      answer.value = *why;
+    } else {
+      const ObjectDictionary::Object& object = *objects_.find(request->object);
+      answer.kind = can::SdoKind::upload_value;
+      answer.size = object.size;
+      answer.value = object.value;
+    }
+  } else if (request->kind == can::SdoKind::download) {
+    if (const auto why = refuses_download(*request)) {
+      answer.value = *why;
+    } else {
+      objects_.write(request->object, request->value);
+      note_written(request->object);
+      answer.kind = can::SdoKind::download_done;
+      answer.value = 0;
+    }
+  }
+  send(can::sdo_frame(can::sdo_answer_id(node()), answer));
+}
+
+std::optional<std::uint32_t> SimulatedCia402Drive::refuses_download(const can::SdoMessage& request) const {
+  const can::ObjectAddress object = request.object;
+  if (const auto why = objects_.refuses_write(object, request.size, request.value)) return why;
+  if (object.index == 0x1019) {
+    if (objects_.value(0x1006) != 0) return can::abort_device_state;
+    if (!can::is_sync_overflow(static_cast<std::uint8_t>(request.value))) return can::abort_bad_value;
+  }
+  if (object.index == 0x6060) {
+    const bool is_known = request.value >= 1 && request.value <= 32 &&
+                          ((objects_.value(0x6502) >> (request.value - 1)) & 1) != 0;
+    if (!is_known) return can::abort_bad_value;
+  }
+  return refuses_pdo(object, request.value);
+}
+
+bool SimulatedCia402Drive::is_valid(const Pdo& pdo) const {
+  return (objects_.value(pdo.communication, can::pdo_sub_cob_id) & can::cob_id_is_invalid) == 0;
+}
+
+std::optional<std::uint32_t> SimulatedCia402Drive::refuses_pdo(can::ObjectAddress object,
+                                                               std::uint32_t value) const {
+  const unsigned group = object.index & 0xFFFCU;  // four of each
+  const auto number = static_cast<std::uint16_t>(object.index & 3U);
+  const bool is_sent = group == 0x1800 || group == 0x1A00;
+  const Pdo pdo{.communication = static_cast<std::uint16_t>((is_sent ? 0x1800U : 0x1400U) + number),
+                .mapping = static_cast<std::uint16_t>((is_sent ? 0x1A00U : 0x1600U) + number)};
+  if (group == 0x1600 || group == 0x1A00) return refuses_mapping(pdo, is_sent, object.sub, value);
+  if (group != 0x1400 && group != 0x1800) return {};
+  if (object.sub == can::pdo_sub_cob_id) {
+    const bool becomes_valid = (value & can::cob_id_is_invalid) == 0;
+    if (!becomes_valid) return {};
+    if (is_valid(pdo) && value != objects_.value(pdo.communication, can::pdo_sub_cob_id))
+      return can::abort_bad_value;
+    if (can::is_restricted(value & can::cob_id_number)) return can::abort_bad_value;
+    if (objects_.value(pdo.mapping) == 0) return can::abort_bad_value;
+  }
+  const bool is_reserved_type = value > 240 && value < 254;
+  if (object.sub == can::pdo_sub_type && is_reserved_type) return can::abort_bad_value;
+  const bool only_while_invalid = object.sub == can::pdo_sub_inhibit || object.sub == 6;
+  if (only_while_invalid && is_valid(pdo)) return can::abort_unsupported_access;
+  return {};
+}
+
+/// The order of CiA 301: the PDO invalid, no objects, then one after the other, then how many.
+std::optional<std::uint32_t> SimulatedCia402Drive::refuses_mapping(const Pdo& pdo, bool is_sent,
+                                                                   std::uint8_t sub,
+                                                                   std::uint32_t value) const {
+  if (is_valid(pdo)) return can::abort_unsupported_access;
+  if (sub != 0) {
+    if (objects_.value(pdo.mapping) != 0) return can::abort_unsupported_access;
+    constexpr std::array received{0x60400010U, 0x607A0020U};
+    constexpr std::array sent{0x60410010U, 0x60640020U, 0x60610008U, 0x603F0010U, 0x606C0020U, 0x60F40020U};
+    const bool can_be_mapped =
+        is_sent ? std::ranges::count(sent, value) != 0 : std::ranges::count(received, value) != 0;
+    if (!can_be_mapped) return can::abort_not_mappable;
+    return {};
+  }
+  if (value > 8) return can::abort_pdo_too_long;
+  std::uint32_t bits = 0;
+  for (std::uint8_t entry = 1; entry <= value; ++entry) bits += objects_.value(pdo.mapping, entry) & 0xFF;
+  if (bits > 64) return can::abort_pdo_too_long;
+  return {};
+}
+
+void SimulatedCia402Drive::note_written(can::ObjectAddress object) {
+  if (object.index == 0x1017) heartbeat_ns_ = now_ns_;
+  if (object.index == 0x1016) host_deadline_ns_.reset();
+  if (object.index == 0x6040) obey_controlword(static_cast<std::uint16_t>(objects_.value(0x6040)));
+}
+
+void SimulatedCia402Drive::hear_pdo(const can::Frame& frame) {
+  for (std::size_t n = 0; n < pdos; ++n) {
+    const Pdo pdo{.communication = static_cast<std::uint16_t>(0x1400 + n),
+                  .mapping = static_cast<std::uint16_t>(0x1600 + n)};
+    const std::uint32_t id = objects_.value(pdo.communication, can::pdo_sub_cob_id) & can::cob_id_number;
+    if (!is_valid(pdo) || frame.id != id) continue;
+    std::uint32_t bits = 0;
+    for (std::uint8_t entry = 1; entry <= objects_.value(pdo.mapping); ++entry) {
+      bits += objects_.value(pdo.mapping, entry) & 0xFF;
+    }
+    if (8U * frame.length < bits) return raise_error(0x8210, error_of_communication);
+    if (8U * frame.length > bits) raise_error(0x8220, error_of_communication);
+    const std::int64_t timeout_ns = objects_.value(pdo.communication, can::pdo_sub_event_timer) * ms;
+    if (timeout_ns > 0) setpoint_deadline_ns_ = now_ns_ + timeout_ns;
+    const bool waits_for_sync = objects_.value(pdo.communication, can::pdo_sub_type) <= 240;
+    if (waits_for_sync) {
+      waiting_.at(n) = frame;
+    } else {
+      apply_pdo(pdo, frame);
+    }
+    return;
+  }
+}
+
+void SimulatedCia402Drive::apply_pdo(const Pdo& pdo, const can::Frame& frame) {
+  std::size_t offset = 0;
+  bool has_controlword = false;
+  for (std::uint8_t entry = 1; entry <= objects_.value(pdo.mapping); ++entry) {
+    const can::PdoEntry mapped = can::read_mapping_value(objects_.value(pdo.mapping, entry));
+    std::uint32_t value = 0;
+    for (std::size_t i = 0; i < mapped.bits / 8U; ++i) {
+      value |= std::uint32_t{frame.data.at(offset++)} << (8 * i);
+    }
+    objects_.set(mapped.object.index, mapped.object.sub, value);
+    has_controlword = has_controlword || mapped.object.index == 0x6040;
+  }
+  if (has_controlword) obey_controlword(static_cast<std::uint16_t>(objects_.value(0x6040)));
+}
+
+void SimulatedCia402Drive::hear_sync(const can::Frame& frame) {
+  const bool has_counter = objects_.value(0x1019) != 0;
+  if (frame.length != (has_counter ? 1 : 0)) return raise_error(0x8240, error_of_communication);
+  if (nmt_ != NmtState::operational) return;
+  ++syncs_;
+  const std::int64_t period_ns = std::int64_t{objects_.value(0x1006)} * 1000;
+  if (period_ns > 0) sync_deadline_ns_ = now_ns_ + period_ns + period_ns / 2;
+  show();
+  // What was received before this SYNC acts now; what it was when SYNC came is told.
+  for (std::size_t n = 0; n < pdos; ++n) {
+    if (!waiting_.at(n)) continue;
+    apply_pdo({.communication = static_cast<std::uint16_t>(0x1400 + n),
+               .mapping = static_cast<std::uint16_t>(0x1600 + n)},
+              *waiting_.at(n));
+    waiting_.at(n).reset();
+  }
+  from_ = demand_;
+  since_sync_s_ = 0;
+  if (is_in_operation()) {
+    applied_.push_back({.at_ns = now_ns_, .target = static_cast<std::int32_t>(objects_.value(0x607A))});
+  }
+  send_pdos();
+}
+
+void SimulatedCia402Drive::send_pdos() {
+  if (has_trouble(Kind::lose_feedback)) return;
+  for (std::size_t n = 0; n < pdos; ++n) {
+    const Pdo pdo{.communication = static_cast<std::uint16_t>(0x1800 + n),
+                  .mapping = static_cast<std::uint16_t>(0x1A00 + n)};
+    const std::uint32_t type = objects_.value(pdo.communication, can::pdo_sub_type);
+    if (!is_valid(pdo) || type == 0 || type > 240 || syncs_ % type != 0) continue;
+    can::Frame frame{.id = objects_.value(pdo.communication, can::pdo_sub_cob_id) & can::cob_id_number};
+    for (std::uint8_t entry = 1; entry <= objects_.value(pdo.mapping); ++entry) {
+      const can::PdoEntry mapped = can::read_mapping_value(objects_.value(pdo.mapping, entry));
+      const std::uint32_t value = objects_.value(mapped.object.index, mapped.object.sub);
+      for (std::size_t i = 0; i < mapped.bits / 8U; ++i) {
+        frame.data.at(frame.length++) = static_cast<std::uint8_t>(value >> (8 * i));
+      }
+    }
+    send(frame);
+  }
+}
+
+}  // namespace inbetween

@@ -1,0 +1,286 @@
+#include "sim/cia402_drive.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim/cia402_objects.hpp"
+
+namespace inbetween {
+namespace {
+
+using can::Cia402State;
+using Kind = DriveTrouble::Kind;
+
+/// Short against the 30 Hz of the position controller.
+constexpr std::int64_t step_ns = 250'000;
+constexpr std::uint8_t error_of_profile = 0x21;
+
+std::uint16_t base_of(Cia402State state) {
+  switch (state) {
+    case Cia402State::switch_on_disabled:
+      return 0x0040;
+    case Cia402State::ready_to_switch_on:
+      return 0x0021;
+    case Cia402State::switched_on:
+      return 0x0023;
+    case Cia402State::operation_enabled:
+      return 0x0027;
+    case Cia402State::quick_stop_active:
+      return 0x0007;
+    case Cia402State::fault_reaction_active:
+      return 0x000F;
+    case Cia402State::fault:
+      return 0x0008;
+    case Cia402State::not_ready:
+    case Cia402State::unknown:
+      return 0;
+  }
+  return 0;
+}
+
+std::int32_t as_signed(std::uint32_t value) {
+  return static_cast<std::int32_t>(value);
+}
+std::uint32_t as_counts(double value) {
+  return static_cast<std::uint32_t>(static_cast<std::int32_t>(std::lround(value)));
+}
+
+}  // namespace
+
+SimulatedCia402Drive::SimulatedCia402Drive(const SimulatedCia402Settings& settings, std::int64_t now_ns)
+    : settings_(settings),
+      objects_(factory_objects(settings.node)),
+      defaults_(objects_),
+      motor_(settings.motor, settings.position),
+      now_ns_(now_ns),
+      boot_ns_(now_ns + settings.boot_delay_ns) {
+  show();
+}
+
+void SimulatedCia402Drive::add_object(can::ObjectAddress address, const ObjectDictionary::Object& object) {
+  objects_.add(address, object);
+  defaults_.add(address, object);
+}
+void SimulatedCia402Drive::remove_object(can::ObjectAddress address) {
+  objects_.remove(address);
+  defaults_.remove(address);
+}
+void SimulatedCia402Drive::change_access(can::ObjectAddress address, ObjectDictionary::Access access) {
+  objects_.change_access(address, access);
+  defaults_.change_access(address, access);
+}
+
+void SimulatedCia402Drive::advance(std::int64_t now_ns) {
+  while (now_ns_ < now_ns) {
+    const std::int64_t ns = std::min(step_ns, now_ns - now_ns_);
+    now_ns_ += ns;
+    meet_troubles();
+    if (is_booting_ && now_ns_ >= boot_ns_) boot();
+    watch_communication();
+    step(static_cast<double>(ns) * 1e-9);
+  }
+  show();
+}
+
+std::vector<can::Frame> SimulatedCia402Drive::take_frames() {
+  std::vector<can::Frame> frames;
+  frames.swap(frames_);
+  return frames;
+}
+
+void SimulatedCia402Drive::step(double seconds) {
+  motor_.hold(has_trouble(Kind::stick));
+  switch (state_) {
+    case Cia402State::operation_enabled:
+      follow(seconds);
+      watch_following_error(seconds);
+      break;
+    case Cia402State::quick_stop_active:
+    case Cia402State::fault_reaction_active:
+      slow_down(seconds);
+      break;
+    default:
+      motor_.coast(seconds);
+  }
+  if (is_enabling_ && now_ns_ >= enabled_ns_) enter(Cia402State::operation_enabled);
+}
+
+double SimulatedCia402Drive::period_s() const {
+  const auto index = static_cast<std::int8_t>(objects_.value(0x60C2, 2));
+  return objects_.value(0x60C2, 1) * std::pow(10, index);
+}
+
+void SimulatedCia402Drive::follow(double seconds) {
+  since_sync_s_ += seconds;
+  const double period = period_s();
+  const std::int32_t least = as_signed(objects_.value(0x607D, 1));
+  const std::int32_t most = as_signed(objects_.value(0x607D, 2));
+  double target = as_signed(objects_.value(0x607A)) + zero_;
+  if (least < most) {
+    const double clipped = std::clamp(target, least + zero_, most + zero_);
+    is_limited_ = clipped != target;
+    target = clipped;
+  }
+  if (has_trouble(Kind::ignore_target)) {
+    from_ = target = demand_;
+  }
+  const double part = std::min(1.0, since_sync_s_ / period);
+  demand_ = from_ + (target - from_) * part;
+  // The last step of a period ends with the next SYNC.
+  const bool is_between = since_sync_s_ < period + seconds / 2;
+  demand_velocity_ = is_between ? (target - from_) / period : 0;
+  motor_.follow({.position = demand_, .velocity = demand_velocity_}, seconds);
+}
+
+void SimulatedCia402Drive::watch_following_error(double seconds) {
+  const std::uint32_t window = objects_.value(0x6065);
+  const bool is_beyond = window != 0xFFFFFFFF && std::fabs(demand_ - motor_.position()) > window;
+  beyond_window_s_ = is_beyond ? beyond_window_s_ + seconds : 0;
+  is_following_error_ = is_beyond && beyond_window_s_ * 1000 >= objects_.value(0x6066);
+  if (is_following_error_) fail(0x8611);
+}
+
+/// By the ramp of 6085, the same for a quick stop and for the reaction to a fault.
+void SimulatedCia402Drive::slow_down(double seconds) {
+  const double lost = objects_.value(0x6085) * seconds;
+  const bool rests = std::fabs(demand_velocity_) <= lost;
+  demand_velocity_ = rests ? 0 : demand_velocity_ - std::copysign(lost, demand_velocity_);
+  demand_ += demand_velocity_ * seconds;
+  motor_.follow({.position = demand_, .velocity = demand_velocity_}, seconds);
+  if (!rests) return;
+  if (state_ == Cia402State::fault_reaction_active) {
+    enter(Cia402State::fault);
+  } else if (objects_.value(0x605A) < 5) {
+    enter(Cia402State::switch_on_disabled);
+  }
+}
+
+void SimulatedCia402Drive::stop_quickly() {
+  if (state_ == Cia402State::operation_enabled) {
+    enter(Cia402State::quick_stop_active);
+  } else if (state_ == Cia402State::ready_to_switch_on || state_ == Cia402State::switched_on) {
+    enter(Cia402State::switch_on_disabled);
+  }
+}
+
+void SimulatedCia402Drive::fail(std::uint16_t code) {
+  if (state_ == Cia402State::fault || state_ == Cia402State::fault_reaction_active) return;
+  raise_error(code, error_of_profile);
+  enter(is_in_operation() || state_ == Cia402State::quick_stop_active ? Cia402State::fault_reaction_active
+                                                                      : Cia402State::fault);
+}
+
+void SimulatedCia402Drive::enter(Cia402State state) {
+  const bool was_in_operation = is_in_operation();
+  const bool slows_down =
+      state == Cia402State::quick_stop_active || state == Cia402State::fault_reaction_active;
+  is_enabling_ = false;
+  if (state == Cia402State::operation_enabled) {
+    demand_ = from_ = motor_.position();
+    demand_velocity_ = 0;
+    beyond_window_s_ = 0;
+    is_following_error_ = false;
+  } else if (slows_down && was_in_operation) {
+    demand_ = motor_.position();
+    demand_velocity_ = motor_.velocity();
+  }
+  state_ = state;
+}
+
+/// The transitions of the profile, by the bits of the controlword.
+void SimulatedCia402Drive::obey_controlword(std::uint16_t word) {
+  const bool resets = (word & 0x80) != 0 && (last_word_ & 0x80) == 0;
+  last_word_ = word;
+  if (state_ == Cia402State::fault_reaction_active) return;
+  if (state_ == Cia402State::fault) {
+    if (!resets || has_trouble(Kind::emergency)) return;
+    is_following_error_ = false;
+    raise_error(0, 0);
+    enter(Cia402State::switch_on_disabled);
+    return;
+  }
+  const bool switch_on = (word & 0x01) != 0;
+  const bool voltage = (word & 0x02) != 0;
+  const bool no_quick_stop = (word & 0x04) != 0;
+  const bool enable = (word & 0x08) != 0;
+  if (!voltage) {
+    enter(Cia402State::switch_on_disabled);
+  } else if (!no_quick_stop) {
+    stop_quickly();
+  } else if (state_ == Cia402State::quick_stop_active) {
+    return;  // it is left by disabling the voltage only
+  } else if (!switch_on) {
+    enter(Cia402State::ready_to_switch_on);
+  } else if (!enable) {
+    if (state_ != Cia402State::switch_on_disabled) enter(Cia402State::switched_on);
+  } else if (state_ == Cia402State::ready_to_switch_on) {
+    enter(Cia402State::switched_on);
+  } else if (state_ == Cia402State::switched_on && !is_enabling_) {
+    is_enabling_ = true;
+    enabled_ns_ = now_ns_ + settings_.enable_delay_ns;
+  }
+}
+
+void SimulatedCia402Drive::react_to_lost_communication() {
+  if (state_ == Cia402State::switch_on_disabled) return;
+  switch (objects_.value(0x6007)) {
+    case 1:
+      if (is_in_operation()) enter(Cia402State::fault_reaction_active);
+      break;
+    case 2:
+      enter(Cia402State::switch_on_disabled);
+      break;
+    case 3:
+      stop_quickly();
+      break;
+    default:
+      break;
+  }
+}
+
+bool SimulatedCia402Drive::has_trouble(Kind kind) const {
+  return std::ranges::any_of(settings_.troubles, [&](const DriveTrouble& trouble) {
+    return trouble.kind == kind && now_ns_ >= trouble.at_ns && now_ns_ - trouble.at_ns < trouble.for_ns;
+  });
+}
+
+std::int32_t SimulatedCia402Drive::trouble_value(Kind kind) const {
+  for (const DriveTrouble& trouble : settings_.troubles) {
+    if (trouble.kind == kind && now_ns_ >= trouble.at_ns) return trouble.value;
+  }
+  return 0;
+}
+
+void SimulatedCia402Drive::meet_troubles() {
+  is_met_.resize(settings_.troubles.size());
+  for (std::size_t i = 0; i < is_met_.size(); ++i) {
+    const DriveTrouble& trouble = settings_.troubles[i];
+    if (is_met_[i] || now_ns_ < trouble.at_ns) continue;
+    is_met_[i] = true;
+    if (trouble.kind == Kind::emergency) fail(static_cast<std::uint16_t>(trouble.value));
+    if (trouble.kind == Kind::move_by_hand) motor_.put(motor_.position() + trouble.value);
+    if (trouble.kind == Kind::reboot) start_anew();
+  }
+}
+
+std::uint16_t SimulatedCia402Drive::statusword() const {
+  const bool follows = is_in_operation() && objects_.value(0x6060) == 8 && !has_trouble(Kind::ignore_target);
+  unsigned word = base_of(state_) | 0x0210U;
+  if (is_limited_ && is_in_operation()) word |= can::status_internal_limit;
+  if (follows) word |= can::status_follows_target;
+  if (is_following_error_) word |= can::status_following_error;
+  return static_cast<std::uint16_t>(word);
+}
+
+void SimulatedCia402Drive::show() {
+  const bool is_wrong = has_trouble(Kind::wrong_mode);
+  objects_.set(0x6041, 0, statusword());
+  objects_.set(
+      0x6061, 0,
+      is_wrong ? static_cast<std::uint32_t>(trouble_value(Kind::wrong_mode)) : objects_.value(0x6060));
+  objects_.set(0x6064, 0, as_counts(motor_.position() - zero_));
+  objects_.set(0x606C, 0, as_counts(motor_.velocity()));
+  objects_.set(0x60F4, 0, as_counts(is_in_operation() ? demand_ - motor_.position() : 0));
+}
+
+}  // namespace inbetween

@@ -1,0 +1,165 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "inbetween/can/canopen_id.hpp"
+#include "inbetween/can/cia402.hpp"
+#include "inbetween/can/emergency.hpp"
+#include "inbetween/can/frame.hpp"
+#include "inbetween/can/nmt.hpp"
+#include "inbetween/can/sdo.hpp"
+#include "sim/object_dictionary.hpp"
+#include "sim/simulated_motor.hpp"
+
+namespace inbetween {
+
+/// What goes wrong with a simulated drive, and when.
+struct DriveTrouble {
+  enum class Kind : std::uint8_t {
+    lose_feedback,   ///< TPDOs are not sent
+    lose_heartbeat,  ///< heartbeats are not sent
+    emergency,       ///< at `at_ns`: an EMCY with code `value`, and a fault
+    stick,           ///< the motor is held
+    reboot,          ///< at `at_ns`: the drive starts anew
+    move_by_hand,    ///< at `at_ns`: the axis is moved by `value` counts
+    wrong_mode,      ///< 6061 shows mode `value`
+    ignore_target,   ///< statusword bit 12 is clear, and the axis stays
+  };
+  Kind kind = Kind::lose_feedback;
+  std::int64_t at_ns = 0;
+  std::int64_t for_ns = std::int64_t{1} << 62;
+  std::int32_t value = 0;
+};
+
+struct SimulatedCia402Settings {
+  can::NodeId node;
+  std::int32_t position = 0;  ///< counts, at power-on
+  std::int64_t boot_delay_ns = 50'000'000;
+  std::int64_t enable_delay_ns = 100'000'000;  ///< the brake opens
+  SimulatedMotor::Settings motor{};
+  std::vector<DriveTrouble> troubles{};
+};
+
+/// A CiA 402 drive with its motor, frame in and frame out: an object dictionary with the mapping rules of CiA
+/// 301, NMT, heartbeats both ways, EMCY, and the states of the profile in cyclic synchronous position. It has
+/// been written from the standards and not from the host's side, of which it uses the frames only.
+///
+/// Time is the caller's, in nanoseconds, and never goes back: a virtual clock, or that of the machine.
+class SimulatedCia402Drive {
+ public:
+  /// Powered on at `now_ns`.
+  SimulatedCia402Drive(const SimulatedCia402Settings& settings, std::int64_t now_ns);
+
+  /// Until `now_ns`: the motor moves, timers end, heartbeats are due.
+  void advance(std::int64_t now_ns);
+  /// A frame that it hears at the time to which it was advanced.
+  void receive(const can::Frame& frame);
+  /// What it has to send since the last call, in order.
+  std::vector<can::Frame> take_frames();
+
+  /// A target that was applied by SYNC while the drive was in operation.
+  struct Applied {
+    std::int64_t at_ns;
+    std::int32_t target;
+  };
+  /// Its own record, from the first time that it was in operation.
+  [[nodiscard]] const std::vector<Applied>& applied() const { return applied_; }
+
+  [[nodiscard]] can::NodeId node() const { return settings_.node; }
+  [[nodiscard]] can::Cia402State state() const { return state_; }
+  [[nodiscard]] can::NmtState nmt() const { return nmt_; }
+  /// Where the motor is, in counts, whatever the drive believes.
+  [[nodiscard]] double position() const { return motor_.position(); }
+  [[nodiscard]] double velocity() const { return motor_.velocity(); }
+  [[nodiscard]] const ObjectDictionary& objects() const { return objects_; }
+  /// To make another device of it: these last through a reset.
+  void add_object(can::ObjectAddress address, const ObjectDictionary::Object& object);
+  void remove_object(can::ObjectAddress address);
+  void change_access(can::ObjectAddress address, ObjectDictionary::Access access);
+  void add_trouble(const DriveTrouble& trouble) { settings_.troubles.push_back(trouble); }
+
+ private:
+  struct Pdo {
+    std::uint16_t communication;
+    std::uint16_t mapping;
+  };
+  void boot();
+  void start_anew();
+  void send(const can::Frame& frame) { frames_.push_back(frame); }
+  void raise_error(std::uint16_t code, std::uint8_t error_register);
+
+  // communication
+  void obey(const can::NmtOrder& order);
+  void enter(can::NmtState nmt);
+  void watch_communication();
+  void lose_communication(std::uint16_t code);
+  void hear_host(const can::Frame& frame);
+  void serve(const can::Frame& frame);
+  [[nodiscard]] std::optional<std::uint32_t> refuses_download(const can::SdoMessage& request) const;
+  [[nodiscard]] std::optional<std::uint32_t> refuses_pdo(can::ObjectAddress object,
+                                                         std::uint32_t value) const;
+  [[nodiscard]] std::optional<std::uint32_t> refuses_mapping(const Pdo& pdo, bool is_sent, std::uint8_t sub,
+                                                             std::uint32_t value) const;
+  [[nodiscard]] bool is_valid(const Pdo& pdo) const;
+  void note_written(can::ObjectAddress object);
+  void hear_pdo(const can::Frame& frame);
+  void apply_pdo(const Pdo& pdo, const can::Frame& frame);
+  void hear_sync(const can::Frame& frame);
+  void send_pdos();
+
+  // the drive
+  void step(double seconds);
+  void obey_controlword(std::uint16_t word);
+  void react_to_lost_communication();
+  void stop_quickly();
+  void fail(std::uint16_t code);
+  void enter(can::Cia402State state);
+  void slow_down(double seconds);
+  void follow(double seconds);
+  void watch_following_error(double seconds);
+  void meet_troubles();
+  [[nodiscard]] bool has_trouble(DriveTrouble::Kind kind) const;
+  [[nodiscard]] std::int32_t trouble_value(DriveTrouble::Kind kind) const;
+  void show();
+  [[nodiscard]] std::uint16_t statusword() const;
+  [[nodiscard]] bool is_in_operation() const { return state_ == can::Cia402State::operation_enabled; }
+  [[nodiscard]] double period_s() const;
+
+  SimulatedCia402Settings settings_;
+  ObjectDictionary objects_;
+  ObjectDictionary defaults_;
+  SimulatedMotor motor_;
+  std::int64_t now_ns_;
+  std::vector<can::Frame> frames_;
+  std::vector<Applied> applied_;
+
+  bool is_booting_ = true;
+  can::NmtState nmt_ = can::NmtState::boot_up;
+  std::int64_t boot_ns_;
+  std::int64_t heartbeat_ns_ = 0;
+  std::optional<std::int64_t> host_deadline_ns_;      ///< from the host's first heartbeat on
+  std::optional<std::int64_t> setpoint_deadline_ns_;  ///< from the first setpoint on
+  std::optional<std::int64_t> sync_deadline_ns_;      ///< from the first SYNC on
+  std::array<std::optional<can::Frame>, 4> waiting_;  ///< RPDOs that SYNC will apply
+  std::uint32_t syncs_ = 0;
+
+  can::Cia402State state_ = can::Cia402State::switch_on_disabled;
+  std::uint16_t last_word_ = 0;
+  std::int64_t enabled_ns_ = 0;  ///< when the brake will be open
+  bool is_enabling_ = false;
+  double from_ = 0;  ///< where the demand was at the last SYNC
+  double demand_ = 0;
+  double demand_velocity_ = 0;
+  double since_sync_s_ = 0;
+  double beyond_window_s_ = 0;
+  bool is_following_error_ = false;
+  bool is_limited_ = false;
+  double zero_ = 0;  ///< the position of the motor that is reported as 0
+  std::vector<bool> is_met_;
+};
+
+}  // namespace inbetween

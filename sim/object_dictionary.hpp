@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <optional>
+
+#include "inbetween/can/sdo.hpp"
+
+namespace inbetween {
+
+/// The objects of a simulated CANopen device: numbers of one to four bytes with their access and range.
+/// What is refused, is refused with the abort code of CiA 301.
+class ObjectDictionary {
+ public:
+  /// write_ignored: a broken device, which says yes and keeps what it has.
+  enum class Access : std::uint8_t { read_only, read_write, write_ignored };
+  struct Object {
+    std::uint8_t size = 4;
+    Access access = Access::read_write;
+    std::uint32_t value = 0;
+    std::uint32_t least = 0;  ///< compared without sign
+    std::uint32_t most = std::numeric_limits<std::uint32_t>::max();
+  };
+
+  void add(can::ObjectAddress address, const Object& object) { objects_[key(address)] = object; }
+  /// A device that does not have it.
+  void remove(can::ObjectAddress address) { objects_.erase(key(address)); }
+  [[nodiscard]] const Object* find(can::ObjectAddress address) const;
+
+  /// As the device itself sees it; 0 where there is none.
+  [[nodiscard]] std::uint32_t value(std::uint16_t index, std::uint8_t sub = 0) const;
+  void set(std::uint16_t index, std::uint8_t sub, std::uint32_t value);
+  /// As a client writes it, once nothing refuses that.
+  void write(can::ObjectAddress address, std::uint32_t value);
+  void change_access(can::ObjectAddress address, Access access);
+  /// The values of another dictionary, from one index to the other.
+  void restore(const ObjectDictionary& defaults, std::uint16_t first, std::uint16_t last);
+
+  /// Why a client may not read or write it; nothing where it may.
+  [[nodiscard]] std::optional<std::uint32_t> refuses_read(can::ObjectAddress address) const;
+  [[nodiscard]] std::optional<std::uint32_t> refuses_write(can::ObjectAddress address, std::uint8_t size,
+                                                           std::uint32_t value) const;
+
+ private:
+  static std::uint32_t key(can::ObjectAddress address) {
+    return (std::uint32_t{address.index} << 8) | address.sub;
+  }
+  std::map<std::uint32_t, Object> objects_;
+};
+
+}  // namespace inbetween
