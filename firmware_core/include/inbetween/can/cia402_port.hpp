@@ -24,11 +24,12 @@ namespace inbetween::can {
 
 /// A bus interface. Nothing waits.
 template <class Link>
-concept FrameLink = requires(Link& link, std::span<Frame> in, std::span<const Frame> out) {
+concept FrameLink = requires(Link& link, std::span<Frame> in, std::span<const Frame> out,
+                             std::int64_t now_ns) {
   /// false: bus off, link down, gone. Until it is opened again, even where the bus comes back.
   { link.is_up() } -> std::convertible_to<bool>;
   /// What has arrived, at most in.size(); how many.
-  { link.receive(in) } -> std::convertible_to<std::size_t>;
+  { link.receive(in, now_ns) } -> std::convertible_to<std::size_t>;
   /// How many were taken, from the first on. The others are lost: nothing is ever sent later.
   { link.send(out) } -> std::convertible_to<std::size_t>;
   /// Throws away what waits, in both directions where that can be; how many frames that were.
@@ -123,7 +124,7 @@ class Cia402Port {
     now_ns_ = now_ns;
     for (std::size_t l = 0; l < lanes_.size(); ++l) {
       const Cia402Lane<Link>& lane = lanes_[l];
-      const std::size_t count = lane.link->receive(lane.frames);
+      const std::size_t count = lane.link->receive(lane.frames, now_ns);
       if (count == lane.frames.size()) ++counters_[l].floods;
       for (const Frame& frame : lane.frames.first(count)) lane.bus->receive(frame, now_ns);
     }
@@ -133,9 +134,10 @@ class Cia402Port {
   void write(std::span<const Real> setpoints, std::int64_t now_ns) {
     now_ns_ = now_ns;
     const bool has_targets = !setpoints.empty() && take_targets(setpoints);
+    if (wants_on_ && all_are_set_up()) switch_on();
     for (std::size_t l = 0; l < lanes_.size(); ++l) {
       const Cia402Lane<Link>& lane = lanes_[l];
-      if (wants_on_) switch_on(lane);
+      if (wants_on_) bring_up(lane);
       const auto targets =
           has_targets ? std::span<const std::int32_t>(lane.targets) : std::span<const std::int32_t>();
       const Result<std::size_t> count = lane.bus->tick(now_ns, targets, lane.frames);
@@ -199,7 +201,8 @@ class Cia402Port {
     const Cia402Drive& drive = drive_of(axis);
     if (!lane.link->is_up()) return DriveCondition::unreachable;
     DriveCondition worst = is_out_of_range_ ? DriveCondition::unreachable : DriveCondition::fine;
-    if (unsent_ticks_[axis.lane] >= unsent_ticks_limit) worst = std::max(worst, DriveCondition::cannot_follow);
+    if (unsent_ticks_[axis.lane] >= unsent_ticks_limit)
+      worst = std::max(worst, DriveCondition::cannot_follow);
     PortDrive& known = lane.drives[axis.drive];
     for (std::size_t f = 0; f < drive_findings; ++f) {
       const auto finding = static_cast<DriveFinding>(f);
@@ -237,17 +240,30 @@ class Cia402Port {
     return true;
   }
 
-  void switch_on(const Cia402Lane<Link>& lane) {
+  void bring_up(const Cia402Lane<Link>& lane) {
     for (std::size_t d = 0; d < lane.drives.size(); ++d) {
-      Cia402Drive& drive = lane.bus->drives()[d];
-      PortDrive& asked = lane.drives[d];
-      const DrivePhase phase = drive.phase();
+      const DrivePhase phase = lane.bus->drives()[d].phase();
       const bool is_away =
           phase == DrivePhase::off || phase == DrivePhase::gone || phase == DrivePhase::refused;
-      if (is_away && asked.may_connect) {
-        asked.may_connect = !drive.connect(now_ns_);
-      } else if ((phase == DrivePhase::idle || phase == DrivePhase::stopping) && asked.may_enable) {
-        asked.may_enable = !drive.enable(now_ns_);
+      if (!is_away || !lane.drives[d].may_connect) continue;
+      lane.drives[d].may_connect = !lane.bus->drives()[d].connect(now_ns_);
+    }
+  }
+  /// None is switched on before all can be.
+  [[nodiscard]] bool all_are_set_up() const {
+    for (const Cia402Lane<Link>& lane : lanes_) {
+      for (const Cia402Drive& drive : lane.bus->drives()) {
+        if (drive.phase() < DrivePhase::idle || drive.phase() > DrivePhase::stopping) return false;
+      }
+    }
+    return true;
+  }
+  void switch_on() {
+    for (const Cia402Lane<Link>& lane : lanes_) {
+      for (std::size_t d = 0; d < lane.drives.size(); ++d) {
+        Cia402Drive& drive = lane.bus->drives()[d];
+        const bool is_off = drive.phase() == DrivePhase::idle || drive.phase() == DrivePhase::stopping;
+        if (is_off && lane.drives[d].may_enable) lane.drives[d].may_enable = !drive.enable(now_ns_);
       }
     }
   }
