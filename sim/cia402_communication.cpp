@@ -17,6 +17,12 @@ constexpr std::uint16_t last_of_communication = 0x1FFF;
 
 constexpr std::size_t pdos = 4;
 
+unsigned bits_of(const std::vector<can::PdoEntry>& objects) {
+  unsigned bits = 0;
+  for (const can::PdoEntry& object : objects) bits += object.bits;
+  return bits;
+}
+
 }  // namespace
 
 void SimulatedCia402Drive::boot() {
@@ -171,6 +177,15 @@ bool SimulatedCia402Drive::is_valid(const Pdo& pdo) const {
   return (objects_.value(pdo.communication, can::pdo_sub_cob_id) & can::cob_id_is_invalid) == 0;
 }
 
+std::vector<can::PdoEntry> SimulatedCia402Drive::objects_in(const Pdo& pdo, std::uint32_t count) const {
+  std::vector<can::PdoEntry> objects;
+  for (std::size_t sub = 1; sub <= count; ++sub) {
+    const std::uint32_t value = objects_.value(pdo.mapping, static_cast<std::uint8_t>(sub));
+    objects.push_back(can::read_mapping_value(value));
+  }
+  return objects;
+}
+
 std::optional<std::uint32_t> SimulatedCia402Drive::refuses_pdo(can::ObjectAddress object,
                                                                std::uint32_t value) const {
   const unsigned group = object.index & 0xFFFCU;  // four of each
@@ -210,9 +225,7 @@ std::optional<std::uint32_t> SimulatedCia402Drive::refuses_mapping(const Pdo& pd
     return {};
   }
   if (value > 8) return can::abort_pdo_too_long;
-  std::uint32_t bits = 0;
-  for (std::uint8_t entry = 1; entry <= value; ++entry) bits += objects_.value(pdo.mapping, entry) & 0xFF;
-  if (bits > 64) return can::abort_pdo_too_long;
+  if (bits_of(objects_in(pdo, value)) > 64) return can::abort_pdo_too_long;
   return {};
 }
 
@@ -228,10 +241,7 @@ void SimulatedCia402Drive::hear_pdo(const can::Frame& frame) {
                   .mapping = static_cast<std::uint16_t>(0x1600 + n)};
     const std::uint32_t id = objects_.value(pdo.communication, can::pdo_sub_cob_id) & can::cob_id_number;
     if (!is_valid(pdo) || frame.id != id) continue;
-    std::uint32_t bits = 0;
-    for (std::uint8_t entry = 1; entry <= objects_.value(pdo.mapping); ++entry) {
-      bits += objects_.value(pdo.mapping, entry) & 0xFF;
-    }
+    const unsigned bits = bits_of(objects_in(pdo, objects_.value(pdo.mapping)));
     if (8U * frame.length < bits) return raise_error(0x8210, error_of_communication);
     if (8U * frame.length > bits) raise_error(0x8220, error_of_communication);
     const std::int64_t timeout_ns = objects_.value(pdo.communication, can::pdo_sub_event_timer) * ms;
@@ -249,8 +259,7 @@ void SimulatedCia402Drive::hear_pdo(const can::Frame& frame) {
 void SimulatedCia402Drive::apply_pdo(const Pdo& pdo, const can::Frame& frame) {
   std::size_t offset = 0;
   bool has_controlword = false;
-  for (std::uint8_t entry = 1; entry <= objects_.value(pdo.mapping); ++entry) {
-    const can::PdoEntry mapped = can::read_mapping_value(objects_.value(pdo.mapping, entry));
+  for (const can::PdoEntry& mapped : objects_in(pdo, objects_.value(pdo.mapping))) {
     std::uint32_t value = 0;
     for (std::size_t i = 0; i < mapped.bits / 8U; ++i) {
       value |= std::uint32_t{frame.data.at(offset++)} << (8 * i);
@@ -293,8 +302,7 @@ void SimulatedCia402Drive::send_pdos() {
     const std::uint32_t type = objects_.value(pdo.communication, can::pdo_sub_type);
     if (!is_valid(pdo) || type == 0 || type > 240 || syncs_ % type != 0) continue;
     can::Frame frame{.id = objects_.value(pdo.communication, can::pdo_sub_cob_id) & can::cob_id_number};
-    for (std::uint8_t entry = 1; entry <= objects_.value(pdo.mapping); ++entry) {
-      const can::PdoEntry mapped = can::read_mapping_value(objects_.value(pdo.mapping, entry));
+    for (const can::PdoEntry& mapped : objects_in(pdo, objects_.value(pdo.mapping))) {
       const std::uint32_t value = objects_.value(mapped.object.index, mapped.object.sub);
       for (std::size_t i = 0; i < mapped.bits / 8U; ++i) {
         frame.data.at(frame.length++) = static_cast<std::uint8_t>(value >> (8 * i));

@@ -11,6 +11,7 @@
 #include "inbetween/can/emergency.hpp"
 #include "inbetween/can/frame.hpp"
 #include "inbetween/can/nmt.hpp"
+#include "inbetween/can/pdo.hpp"
 #include "inbetween/can/sdo.hpp"
 #include "sim/object_dictionary.hpp"
 #include "sim/simulated_motor.hpp"
@@ -105,6 +106,7 @@ class SimulatedCia402Drive {
   [[nodiscard]] std::optional<std::uint32_t> refuses_mapping(const Pdo& pdo, bool is_sent, std::uint8_t sub,
                                                              std::uint32_t value) const;
   [[nodiscard]] bool is_valid(const Pdo& pdo) const;
+  [[nodiscard]] std::vector<can::PdoEntry> objects_in(const Pdo& pdo, std::uint32_t count) const;
   void note_written(can::ObjectAddress object);
   void hear_pdo(const can::Frame& frame);
   void apply_pdo(const Pdo& pdo, const can::Frame& frame);

@@ -26,6 +26,7 @@ Cia402Settings settings_of(int number) {
 }
 std::vector<Cia402Drive> drives_of(const std::vector<int>& nodes) {
   std::vector<Cia402Drive> drives;
+  drives.reserve(nodes.size());
   for (const int number : nodes) drives.push_back(Cia402Drive::make(settings_of(number)).value());
   return drives;
 }

@@ -57,6 +57,7 @@ TEST(LittleEndian, TheLowestByteComesFirst) {
 TEST(Sync, TheCounterGoesFromOneToTheOverflowAndBeginsAgain) {
   SyncProducer producer = SyncProducer::make(3).value();
   std::vector<int> counted;
+  counted.reserve(7);
   for (int i = 0; i < 7; ++i) counted.push_back(*read_sync(producer.next())->counter);
   EXPECT_EQ(counted, (std::vector<int>{1, 2, 3, 1, 2, 3, 1}));
   for (const int overflow : {1, 241, 255}) {

@@ -46,6 +46,7 @@ TEST(DrivePhase, EveryPhaseTimesEveryEvent) {
       {clearing,
        {{Event::cleared, enabling},
         {Event::timed_out, idle},
+        {Event::dropped_out, idle},
         {Event::disable, idle},
         {Event::quick_stop, stopping},
         {Event::vanished, gone}}},
@@ -219,6 +220,26 @@ TEST_F(DriveOfNode5, AFaultWhileItIsSwitchedOnIsReported) {
   tick(disabled, 700);
   tick(in_fault, 700);
   EXPECT_EQ(drive->first_finding(), DriveFinding::drive_fault);
+  EXPECT_EQ(drive->phase(), DrivePhase::idle);
+}
+
+TEST_F(DriveOfNode5, WhatIsFoundOnTheWayKeepsItOff) {
+  bring_to_idle();
+  drive->enable(now);
+  tick(disabled, 700);
+  tick(switched_on, 700);
+  drive->receive(emergency_frame(node(5), {.code = 0x3220}), now);
+  EXPECT_EQ(tick(following, 700)->controlword, 0x0007);
+  EXPECT_EQ(drive->phase(), DrivePhase::idle);
+
+  for (int i = 0; i < 40; ++i) {
+    feedback(in_fault, 700);
+    silent_tick();
+  }
+  drive->acknowledge();
+  ASSERT_TRUE(drive->enable(now));
+  feedback(in_fault, 700);
+  EXPECT_EQ(silent_tick()->controlword, 0x0000) << "its heartbeat is lost, so its fault is not reset";
   EXPECT_EQ(drive->phase(), DrivePhase::idle);
 }
 

@@ -208,6 +208,8 @@ void Cia402Drive::tick(std::int64_t now_ns) {
   if (is_supervised()) watch_connection(now_ns);
   advance(now_ns);
   watch_deadline(now_ns);
+  const bool is_on_its_way = phase_ == clearing || phase_ == enabling;
+  if (is_on_its_way && !findings_.empty()) apply(DriveEvent::dropped_out, now_ns);
 }
 
 void Cia402Drive::count_ticks() {
@@ -279,11 +281,7 @@ void Cia402Drive::advance_clearing(std::int64_t now_ns) {
 
 void Cia402Drive::advance_enabling(std::int64_t now_ns) {
   const Cia402State at = state();
-  if (is_faulty(at)) {
-    find(DriveFinding::drive_fault);
-    apply(DriveEvent::dropped_out, now_ns);
-    return;
-  }
+  if (is_faulty(at)) return find(DriveFinding::drive_fault);
   const bool is_powered = at == Cia402State::switched_on || at == Cia402State::operation_enabled;
   const bool can_hold = is_powered && is_in_mode();
   if (can_hold && !is_seeded_) target_ = feedback_.actual;
@@ -291,11 +289,9 @@ void Cia402Drive::advance_enabling(std::int64_t now_ns) {
   const bool is_following = at == Cia402State::operation_enabled && status_has(status_follows_target);
   if (!is_seeded_ || !is_following) return;
   if (distance(feedback_.actual, target_) > settings_.hold_tolerance_counts) {
-    find(DriveFinding::moved_while_enabling);
-    apply(DriveEvent::dropped_out, now_ns);
-    return;
+    return find(DriveFinding::moved_while_enabling);
   }
-  apply(DriveEvent::enabled, now_ns);
+  if (findings_.empty()) apply(DriveEvent::enabled, now_ns);
 }
 
 void Cia402Drive::watch_following(std::int64_t now_ns) {

@@ -44,6 +44,7 @@ constexpr std::array<Row, drive_phases> make_table() {
   for (const DrivePhase from : {idle, stopping}) on(from, Event::enable, clearing);
   on(clearing, Event::cleared, enabling);
   on(clearing, Event::timed_out, idle);
+  on(clearing, Event::dropped_out, idle);
   on(enabling, Event::enabled, following);
   on(enabling, Event::timed_out, idle);
   on(enabling, Event::dropped_out, idle);

@@ -36,7 +36,7 @@ enum class DriveEvent : std::uint8_t {
   started,
   cleared,         ///< no fault is there
   enabled,         ///< operation enabled, mode and bit 12 as they shall be
-  dropped_out,     ///< not operation enabled any more
+  dropped_out,     ///< not operation enabled any more, or something was found on the way there
   stopped_itself,  ///< it is in a quick stop of its own
   timed_out,       ///< the phase has lasted too long
   vanished,        ///< it has started anew or left Operational
