@@ -461,6 +461,7 @@ TEST_F(DriveOfNode5, AnEmergencyInMotionIsAFindingWithItsCode) {  // faults.md 2
   EXPECT_EQ(drive->first_finding(), DriveFinding::emergency);
   EXPECT_STREQ(words_of_emergency(drive->last_emergency().code), "over-current");
   drive->receive(emergency_frame(node(5), {}), now);
+  EXPECT_EQ(drive->last_emergency().code, 0x2310) << "that it is gone does not say which it was";
   EXPECT_EQ(drive->counters().emergencies, 1U);
 }
 
@@ -551,6 +552,10 @@ TEST_F(DriveOfNode5, SettingsWithoutLimitsAreRefused) {
   EXPECT_TRUE(refuses([](Cia402Settings& bad) { bad.boot_timeout_ns = 0; }));
   EXPECT_TRUE(refuses([](Cia402Settings& bad) { bad.heartbeat_timeout_ns = 99 * ms; }));
   EXPECT_TRUE(refuses([](Cia402Settings& bad) { bad.setup.host_timeout_ms = 0; }));
+}
+
+TEST(DriveMemory, ADriveFitsIntoTwoKilobytes) {
+  EXPECT_LE(sizeof(Cia402Drive), 2048U);
 }
 
 }  // namespace

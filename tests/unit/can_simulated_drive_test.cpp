@@ -177,7 +177,7 @@ TEST_F(CanRig, AFaultIsResetAndTheDriveSwitchedOnAgain) {
   ASSERT_TRUE(rig->host_of(1).enable(rig->now_ns));
   ASSERT_TRUE(rig->tick_until([&] { return rig->all_are(DrivePhase::following); }, targets));
   EXPECT_NEAR(rig->drive(1).position(), rest, 1);
-  EXPECT_EQ(rig->host_of(1).last_emergency().code, 0);
+  EXPECT_EQ(rig->host_of(1).last_emergency().code, 0x2310);
 }
 
 TEST_F(CanRig, AFaultWhoseCauseLastsCannotBeReset) {

@@ -169,8 +169,8 @@ void Cia402Drive::take_emergency(const Frame& frame) {
     ++counters_.bad_frames;
     return take_bad_frame();
   }
-  last_emergency_ = *emergency;
   if (emergency->code == 0) return;
+  last_emergency_ = *emergency;
   ++counters_.emergencies;
   if (phase_ == starting || is_supervised()) find(DriveFinding::emergency);
 }

@@ -107,6 +107,7 @@ class Cia402Drive {
   /// The one that came first, of those not acknowledged.
   [[nodiscard]] std::optional<DriveFinding> first_finding() const { return first_finding_; }
   [[nodiscard]] const SetupRefusal& refusal() const { return runner_.refusal(); }
+  /// The last that had a code: that an error is gone does not say which it was.
   [[nodiscard]] const Emergency& last_emergency() const { return last_emergency_; }
   [[nodiscard]] const DriveCounters& counters() const { return counters_; }
   [[nodiscard]] HeartbeatState heartbeat() const { return heartbeat_.state(); }
