@@ -1,0 +1,308 @@
+#include "drivers/can/socket_can.hpp"
+
+#include <linux/can/raw.h>
+#include <net/if.h>
+#include <net/if_arp.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <vector>
+
+namespace inbetween::can {
+namespace {
+
+constexpr std::uint32_t flags_and_id = CAN_EFF_FLAG | CAN_RTR_FLAG;
+/// Before tools and SDO transfers in the queue of the interface; the highest that needs no right.
+constexpr int frame_priority = 6;
+
+bool is_classic(const Frame& frame) {
+  return frame.id <= (frame.is_extended ? CAN_EFF_MASK : CAN_SFF_MASK) && frame.length <= CAN_MAX_DLEN;
+}
+
+can_frame to_kernel(const Frame& frame) {
+  can_frame raw{};
+  raw.can_id = frame.id | (frame.is_extended ? CAN_EFF_FLAG : 0U) | (frame.is_remote ? CAN_RTR_FLAG : 0U);
+  raw.len = frame.length;
+  std::copy(frame.data.begin(), frame.data.end(), std::begin(raw.data));
+  return raw;
+}
+
+Frame from_kernel(const can_frame& raw) {
+  Frame frame;
+  frame.is_extended = (raw.can_id & CAN_EFF_FLAG) != 0;
+  frame.is_remote = (raw.can_id & CAN_RTR_FLAG) != 0;
+  frame.id = raw.can_id & (frame.is_extended ? CAN_EFF_MASK : CAN_SFF_MASK);
+  frame.length = raw.len;
+  // The kernel does not promise what stands in the bytes that do not count.
+  std::copy_n(std::begin(raw.data), raw.len, frame.data.begin());
+  return frame;
+}
+
+ifreq request_for(const std::string& interface) {
+  ifreq request{};
+  interface.copy(std::begin(request.ifr_name), IFNAMSIZ - 1);
+  return request;
+}
+
+std::string reason_of(int error) {
+  return std::strerror(error);
+}
+
+std::optional<Refusal> refuse_interface(int socket, const std::string& interface) {
+  ifreq request = request_for(interface);
+  if (interface.empty() || interface.size() >= IFNAMSIZ || ::ioctl(socket, SIOCGIFINDEX, &request) != 0) {
+    return Refusal{.what = "there is no interface " + interface,
+                   .remedy = "plug the adapter in, or look at the names with: ip link"};
+  }
+  request = request_for(interface);
+  if (::ioctl(socket, SIOCGIFHWADDR, &request) != 0 || request.ifr_hwaddr.sa_family != ARPHRD_CAN) {
+    return Refusal{.what = interface + " is not a CAN interface",
+                   .remedy = "look at the names with: ip link"};
+  }
+  request = request_for(interface);
+  if (::ioctl(socket, SIOCGIFMTU, &request) != 0 ||
+      (request.ifr_mtu != CAN_MTU && request.ifr_mtu != CANFD_MTU)) {
+    return Refusal{.what = interface + " does not carry classic CAN frames",
+                   .remedy = "ip link set " + interface + " down mtu 16"};
+  }
+  request = request_for(interface);
+  if (::ioctl(socket, SIOCGIFFLAGS, &request) != 0 || (request.ifr_flags & IFF_UP) == 0) {
+    return Refusal{
+        .what = interface + " is down",
+        .remedy = "ip link set " + interface + " up type can bitrate BITRATE (a virtual one: no bitrate)"};
+  }
+  return std::nullopt;
+}
+
+template <class Value>
+bool set_option(int socket, int level, int option, const Value& value) {
+  return ::setsockopt(socket, level, option, &value, sizeof value) == 0;
+}
+
+bool set_filters(int socket, std::span<const CanFilter> filters) {
+  std::vector<can_filter> raw;
+  for (const CanFilter& filter : filters) {
+    raw.push_back({.can_id = filter.id | (filter.is_extended ? CAN_EFF_FLAG : 0U),
+                   .can_mask = flags_and_id | (filter.is_extended ? CAN_EFF_MASK : CAN_SFF_MASK)});
+  }
+  return ::setsockopt(socket, SOL_CAN_RAW, CAN_RAW_FILTER, raw.data(),
+                      static_cast<socklen_t>(raw.size() * sizeof(can_filter))) == 0;
+}
+
+/// Everything but the interface.
+bool set_options(int socket, std::span<const CanFilter> filters) {
+  const int on = 1;
+  const int off = 0;
+  const can_err_mask_t all_errors = CAN_ERR_MASK;
+  return set_filters(socket, filters) && set_option(socket, SOL_CAN_RAW, CAN_RAW_ERR_FILTER, all_errors) &&
+         set_option(socket, SOL_CAN_RAW, CAN_RAW_LOOPBACK, on) &&  // so that candump sees what is sent
+         set_option(socket, SOL_CAN_RAW, CAN_RAW_RECV_OWN_MSGS, off) &&
+         set_option(socket, SOL_SOCKET, SO_RXQ_OVFL, on) &&
+         set_option(socket, SOL_SOCKET, SO_PRIORITY, frame_priority);
+}
+
+}  // namespace
+
+SocketCan::SocketCan() {
+  for (std::size_t i = 0; i < most_frames; ++i) {
+    out_parts_[i] = {.iov_base = &out_frames_[i], .iov_len = sizeof(can_frame)};
+    out_headers_[i].msg_hdr.msg_iov = &out_parts_[i];
+    out_headers_[i].msg_hdr.msg_iovlen = 1;
+    in_parts_[i] = {.iov_base = &in_frames_[i], .iov_len = sizeof(can_frame) + sizeof(InBytes::beyond)};
+    in_headers_[i].msg_hdr.msg_iov = &in_parts_[i];
+    in_headers_[i].msg_hdr.msg_iovlen = 1;
+    in_headers_[i].msg_hdr.msg_control = in_drops_[i].bytes.data();
+  }
+}
+
+SocketCan::~SocketCan() {
+  close();
+}
+
+void SocketCan::close() {
+  if (socket_ >= 0) ::close(socket_);
+  socket_ = -1;
+  link_ = LinkState::gone;
+}
+
+std::optional<Refusal> SocketCan::open(const std::string& interface, std::span<const CanFilter> filters) {
+  close();
+  counters_ = {};
+  drops_seen_ = 0;
+  controller_ = ControllerState::active;
+  interface_ = interface;
+
+  const int created = ::socket(PF_CAN, SOCK_RAW | SOCK_NONBLOCK | SOCK_CLOEXEC, CAN_RAW);
+  if (created < 0) {
+    return Refusal{.what = "this kernel gives no CAN socket: " + reason_of(errno),
+                   .remedy = "modprobe can_raw"};
+  }
+  socket_ = created;
+  std::optional<Refusal> refusal = refuse_interface(socket_, interface);
+  if (!refusal) {
+    ifreq request = request_for(interface);
+    sockaddr_can address{};
+    address.can_family = AF_CAN;
+    // Filters before the interface: nothing comes in that no filter has let through.
+    const bool is_bound = set_options(socket_, filters) && ::ioctl(socket_, SIOCGIFINDEX, &request) == 0 &&
+                          (address.can_ifindex = request.ifr_ifindex) > 0 &&
+                          ::bind(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
+    interface_index_ = address.can_ifindex;
+    if (!is_bound) {
+      refusal = Refusal{.what = interface + " cannot be used: " + reason_of(errno),
+                        .remedy = "look at the interface with: ip -details link show " + interface};
+    }
+  }
+  if (refusal) {
+    close();
+    return refusal;
+  }
+  link_ = LinkState::up;
+  return std::nullopt;
+}
+
+void SocketCan::note_link_error(int error, std::uint64_t& otherwise) {
+  switch (error) {
+    case ENETDOWN:
+      if (link_ == LinkState::up) link_ = LinkState::down;
+      break;
+    case ENODEV:
+    case ENXIO:
+      link_ = LinkState::gone;
+      break;
+    default:
+      ++otherwise;
+  }
+}
+
+std::size_t SocketCan::send(std::span<const Frame> frames) {
+  if (frames.empty()) return 0;
+  if (link_ != LinkState::up || frames.size() > most_frames ||
+      !std::all_of(frames.begin(), frames.end(), is_classic)) {
+    counters_.unsent += frames.size();
+    ++counters_.failed_sends;
+    return 0;
+  }
+  std::transform(frames.begin(), frames.end(), out_frames_.begin(), to_kernel);
+  const int taken =
+      ::sendmmsg(socket_, out_headers_.data(), static_cast<unsigned>(frames.size()), MSG_DONTWAIT);
+  const int error = errno;
+  const std::size_t sent = taken > 0 ? static_cast<std::size_t>(taken) : 0;
+  counters_.sent += sent;
+  counters_.unsent += frames.size() - sent;
+  if (taken < 0 && error != ENOBUFS && error != EAGAIN) {
+    note_link_error(error, counters_.failed_sends);
+  } else if (sent < frames.size()) {
+    // Why it stopped half-way the kernel does not say: nearly always the queue, else the next send tells.
+    ++counters_.full_queue;
+  }
+  return sent;
+}
+
+void SocketCan::note_error_frame(const ErrorFrame& error) {
+  ++counters_.error_frames;
+  if (error.is_receive_overflow || error.is_transmit_overflow) ++counters_.controller_overflows;
+  if (error.is_unacknowledged) ++counters_.unacknowledged;
+  if (error.is_passive) ++counters_.passives;
+  if (error.is_bus_off) ++counters_.bus_offs;
+  if (error.is_restarted) ++counters_.restarts;
+  // One frame may say several things; the worst of them holds.
+  if (error.is_bus_off) {
+    controller_ = ControllerState::bus_off;
+  } else if (controller_ == ControllerState::bus_off && !error.is_restarted) {
+    // What comes in now was counted before it left the bus.
+  } else if (error.is_passive) {
+    controller_ = ControllerState::passive;
+  } else if (error.is_warning) {
+    controller_ = ControllerState::warning;
+  } else if (error.is_active || error.is_restarted) {
+    controller_ = ControllerState::active;
+  }
+}
+
+void SocketCan::note_drops(msghdr& header) {
+  for (cmsghdr* part = CMSG_FIRSTHDR(&header); part != nullptr; part = CMSG_NXTHDR(&header, part)) {
+    if (part->cmsg_level != SOL_SOCKET || part->cmsg_type != SO_RXQ_OVFL) continue;
+    std::uint32_t drops = 0;
+    std::memcpy(&drops, CMSG_DATA(part), sizeof drops);
+    counters_.receive_drops += static_cast<std::uint32_t>(drops - drops_seen_);  // it goes round at 2^32
+    drops_seen_ = drops;
+  }
+}
+
+/// How many messages wait in in_headers_; 0 where none has come, or the link or the call has failed.
+int SocketCan::receive_batch(std::size_t most) {
+  if (socket_ < 0) return 0;
+  for (std::size_t i = 0; i < most; ++i) {
+    in_headers_[i].msg_hdr.msg_controllen = sizeof(DropCount::bytes);
+    in_headers_[i].msg_hdr.msg_flags = 0;
+  }
+  const int count =
+      ::recvmmsg(socket_, in_headers_.data(), static_cast<unsigned>(most), MSG_DONTWAIT, nullptr);
+  if (count >= 0) return count;
+  if (errno != EAGAIN && errno != EINTR) note_link_error(errno, counters_.failed_receives);
+  return 0;
+}
+
+std::optional<Frame> SocketCan::take(std::size_t index) {
+  const can_frame& raw = in_frames_[index].frame;
+  note_drops(in_headers_[index].msg_hdr);
+  if (in_headers_[index].msg_len != sizeof(can_frame) || raw.len > CAN_MAX_DLEN) {
+    ++counters_.malformed;
+    return std::nullopt;
+  }
+  if ((raw.can_id & CAN_ERR_FLAG) != 0) {
+    std::array<std::uint8_t, CAN_MAX_DLEN> data{};
+    std::copy(std::begin(raw.data), std::end(raw.data), data.begin());
+    note_error_frame(decode_error_frame(raw.can_id, data));
+    return std::nullopt;
+  }
+  return from_kernel(raw);
+}
+
+std::size_t SocketCan::receive(std::span<Frame> frames) {
+  const std::size_t most = std::min(frames.size(), most_frames);
+  const int count = most > 0 ? receive_batch(most) : 0;
+  std::size_t given = 0;
+  for (int i = 0; i < count; ++i) {
+    if (const std::optional<Frame> frame = take(static_cast<std::size_t>(i))) frames[given++] = *frame;
+  }
+  counters_.received += given;
+  return given;
+}
+
+SocketCan::Drained SocketCan::drain() {
+  Drained drained;
+  for (std::size_t thrown_away = 0; thrown_away < most_drained; thrown_away += most_frames) {
+    const LinkState before = link_;
+    const int count = receive_batch(most_frames);
+    for (int i = 0; i < count; ++i) {
+      if (take(static_cast<std::size_t>(i))) ++drained.stale;
+    }
+    // The call that tells of the link tells nothing of the queue.
+    if (count == 0 && link_ == before) {
+      drained.is_empty = true;
+      break;
+    }
+  }
+  counters_.stale += drained.stale;
+  return drained;
+}
+
+LinkState SocketCan::look_at_link() {
+  if (socket_ < 0 || link_ == LinkState::gone) return LinkState::gone;
+  ifreq request = request_for(interface_);
+  if (::ioctl(socket_, SIOCGIFINDEX, &request) != 0 || request.ifr_ifindex != interface_index_) {
+    return link_ = LinkState::gone;
+  }
+  request = request_for(interface_);
+  const bool is_up = ::ioctl(socket_, SIOCGIFFLAGS, &request) == 0 && (request.ifr_flags & IFF_UP) != 0;
+  // To switch the interface on starts its controller, and no error frame tells of that.
+  if (is_up && link_ == LinkState::down) controller_ = ControllerState::active;
+  return link_ = is_up ? LinkState::up : LinkState::down;
+}
+
+}  // namespace inbetween::can

@@ -1,0 +1,48 @@
+// Every test of this program runs in the bench: started outside, the program starts itself again inside.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace {
+
+[[noreturn]] void start_again_in_bench(int count, char** arguments) {
+  std::vector<std::string> words = {INBETWEEN_SOURCE_DIR "/sim/bench/run",
+                                    "--kernel",
+                                    "--timeout",
+                                    "120",
+                                    "--echo",
+                                    "--vcan",
+                                    "can0",
+                                    "--vcan",
+                                    "can1",
+                                    "--"};
+  words.insert(words.end(), arguments, arguments + count);
+  std::vector<char*> pointers;
+  for (std::string& word : words) pointers.push_back(word.data());
+  pointers.push_back(nullptr);
+  ::execv(pointers.front(), pointers.data());
+  std::perror(pointers.front());
+  std::_Exit(125);
+}
+
+bool only_lists(int count, char** arguments) {
+  for (int i = 1; i < count; ++i) {
+    if (std::string_view(arguments[i]).starts_with("--gtest_list_tests")) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+int main(int count, char** arguments) {
+  if (std::getenv("INBETWEEN_IN_BENCH") == nullptr && !only_lists(count, arguments)) {
+    start_again_in_bench(count, arguments);
+  }
+  ::testing::InitGoogleTest(&count, arguments);
+  return RUN_ALL_TESTS();
+}
