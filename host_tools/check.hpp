@@ -57,7 +57,7 @@ struct CheckedStep {
 };
 
 /// One reason why the move does not fit.
-struct Refusal {
+struct CheckRefusal {
   Place place;
   std::string message;  ///< what, and what to do
   bool slower_helps = false;
@@ -81,7 +81,7 @@ struct CheckReport {
   /// where no rate does, infinity where nothing moves.
   double highest_rate = 0;
   std::vector<CheckedStep> steps;
-  std::vector<Refusal> refusals;  ///< axis by axis, what slowing does not cure before what it does
+  std::vector<CheckRefusal> refusals;  ///< axis by axis, what slowing does not cure before what it does
   double speed_error = 0;         ///< the loop follows this motion within this share of its speed; 0: exactly
 
   [[nodiscard]] bool fits() const { return refusals.empty(); }

@@ -111,7 +111,7 @@ MoveFile with_frames(const MoveFile& move, std::int32_t frames) {
 
 SmallestFrames smallest_frames(const Plan& plan, const CheckReport& report,
                                const std::function<void(double share, std::int32_t frames)>& progress) {
-  for (const Refusal& refusal : report.refusals) {
+  for (const CheckRefusal& refusal : report.refusals) {
     if (!refusal.slower_helps) return {std::nullopt, refusal.message};
   }
   return FrameSearch(plan, report, progress).run();

@@ -22,8 +22,17 @@ bool OperatorKeys::press(TransportKey key) {
 }
 
 bool OperatorKeys::has_left() const {
-  const SupervisorState state = loop_.state();
-  return wants_to_leave_ && state != SupervisorState::running && state != SupervisorState::stopping;
+  switch (loop_.state()) {
+    case SupervisorState::running:
+    case SupervisorState::stopping:
+      return false;
+    case SupervisorState::latched:
+    case SupervisorState::faulted:
+    case SupervisorState::cut_off:
+      return wants_to_leave_ || !is_attended_;
+    default:
+      return wants_to_leave_;
+  }
 }
 
 }  // namespace inbetween

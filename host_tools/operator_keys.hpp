@@ -1,18 +1,16 @@
 // What an operator can do to any running move: stop it, acknowledge, leave.
 #pragma once
 
+#include "host_tools/run_loop.hpp"
 #include "host_tools/transport_keys.hpp"
-#include "inbetween/motion_loop.hpp"
-#include "sim/simulated_rig.hpp"
 
 namespace inbetween {
-
-using SimulatedLoop = MotionLoop<double, SimulatedRig, SimulatedLines>;
 
 /// Refers to the loop. Allocates nothing: it works in the loop's own thread.
 class OperatorKeys {
  public:
-  explicit OperatorKeys(SimulatedLoop& loop) : loop_(loop) {}
+  /// Where nobody attends, nobody can acknowledge a stop: it is the end.
+  OperatorKeys(RunLoop& loop, bool is_attended) : loop_(loop), is_attended_(is_attended) {}
 
   /// Whether it was one of stop, acknowledge and quit, which mean the same everywhere.
   bool press(TransportKey key);
@@ -32,7 +30,8 @@ class OperatorKeys {
   [[nodiscard]] const char* words() const { return words_; }
 
  private:
-  SimulatedLoop& loop_;
+  RunLoop& loop_;
+  bool is_attended_;
   bool wants_to_leave_ = false;
   bool was_stopped_ = false;
   const char* words_ = "";

@@ -4,14 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <utility>
 
 #include "host_tools/approach.hpp"
 #include "host_tools/json_writer.hpp"
-#include "host_tools/player.hpp"
+#include "host_tools/loop_preparations.hpp"
+#include "host_tools/loop_runner.hpp"
 #include "host_tools/staged_move.hpp"
 #include "host_tools/transport.hpp"
-#include "sim/simulated_rig.hpp"
-#include "sim/virtual_clock.hpp"
 
 namespace inbetween {
 namespace {
@@ -74,40 +75,24 @@ void refuse_positions_beyond_limits(const Plan& plan) {
   }
 }
 
-/// A simulated rig under the motion loop.
-class RigOnLoop {
- public:
-  explicit RigOnLoop(const std::vector<double>& positions)
-      : rig_(positions),
-        states_(positions.size()),
-        setpoints_(positions.size()),
-        positions_(positions.size()),
-        still_positions_(positions.size()),
-        loop_(rig_, lines_, {states_, setpoints_, positions_, still_positions_}) {}
-  RigOnLoop(const RigOnLoop&) = delete;
-  RigOnLoop& operator=(const RigOnLoop&) = delete;
+/// The motion loop with its memory.
+struct LoopOfRig {
+  std::unique_ptr<RigDrives> drives;
+  RigLines lines;
+  std::vector<DriveState<double>> states;
+  std::vector<double> setpoints, positions, still_positions;
+  RunLoop loop;
 
-  /// Switches the drives on.
-  void arm() {
-    loop_.post(SupervisorEvent::arm);
-    while (loop_.state() != SupervisorState::ready) loop_.tick(1, 0);
-  }
-  [[nodiscard]] SimulatedLoop& loop() { return loop_; }
-  [[nodiscard]] const std::vector<SimulatedAxis>& axes() const { return rig_.axes(); }
-
- private:
-  SimulatedRig rig_;
-  SimulatedLines lines_;
-  std::vector<DriveState<double>> states_;
-  std::vector<double> setpoints_;
-  std::vector<double> positions_;
-  std::vector<double> still_positions_;
-  SimulatedLoop loop_;
+  LoopOfRig(std::unique_ptr<RigDrives> of, std::size_t axes)
+      : drives(std::move(of)),
+        states(axes),
+        setpoints(axes),
+        positions(axes),
+        still_positions(axes),
+        loop(*drives, lines, {states, setpoints, positions, still_positions}) {}
+  LoopOfRig(const LoopOfRig&) = delete;
+  LoopOfRig& operator=(const LoopOfRig&) = delete;
 };
-
-void require(const Status& status) {
-  if (!status) throw SolverError(status.error());
-}
 
 /// The slow way to the start; nothing where the rig stands there. Throws InputError where nobody can agree.
 std::optional<Plan> allowed_approach(const Plan& plan, const std::vector<double>& actual,
@@ -123,46 +108,107 @@ std::optional<Plan> allowed_approach(const Plan& plan, const std::vector<double>
                   in_quotes(approach->move().tracks.front().axes.front())));
 }
 
-/// Plays one performance; whether it came to its end.
-template <class Clock, class Performance>
-bool perform(Player<Clock>& player, Performance& performance, std::optional<std::int64_t> last,
-             RunReport& report) {
-  report.ticks = player.play(performance, last);
-  if (performance.is_done()) return true;
-  report.ending = Ending::stopped;
-  report.reason = "the move was stopped before its end";
-  return false;
-}
+/// A run from the moment that the drives are switched on.
+template <class Runner>
+class Run {
+ public:
+  Run(Runner& runner, LoopOfRig& rig, StagedMove& staged, const RunOptions& options, RunReport& report)
+      : runner_(runner),
+        rig_(rig),
+        staged_(staged),
+        options_(options),
+        report_(report),
+        rate_hz_(staged.plan().rig()->rate_hz) {}
 
-template <class Clock>
-void run_on(RigOnLoop& rig, StagedMove& staged, const std::optional<Plan>& approach,
-            const RunOptions& options, RunReport& report) {
-  const std::int32_t rate_hz = staged.plan().rig()->rate_hz;
-  const std::int64_t last = staged.plan().played().last_tick_at(rate_hz);
-  Player<Clock> player(options, rate_hz, report);
-  SimulatedLoop& loop = rig.loop();
-  rig.arm();
-  if (approach) {
+  /// The drives are switched off again, whatever happens.
+  void play() {
+    try {
+      if (arm() && go_to_start()) perform_move();
+    } catch (...) {
+      disarm();
+      throw;
+    }
+    const std::string trouble = rig_.drives->trouble();
+    if (!trouble.empty() && report_.ending != Ending::finished) {
+      report_.ending = Ending::fault;
+      report_.reason = trouble;
+    }
+    disarm();
+  }
+
+ private:
+  [[nodiscard]] bool is_attended() const { return static_cast<bool>(options_.keys); }
+
+  bool arm() {
+    Arming arming(rig_.loop);
+    runner_.run(act_of(arming, true), std::nullopt);
+    positions_ = arming.positions();
+    if (rig_.loop.state() == SupervisorState::ready) return true;
+    report_.ending = Ending::stopped;
+    report_.reason = "the drives were not switched on";
+    return false;
+  }
+
+  bool go_to_start() {
+    const std::optional<Plan> approach = allowed_approach(staged_.plan(), positions_, options_);
+    if (!approach) return true;
+    if (!options_.confirm(describe_approach(*approach))) {
+      report_.ending = Ending::stopped;
+      report_.reason = "nobody agreed that the rig goes to the start of the move";
+      return false;
+    }
     StagedMove way(*approach);
-    require(loop.load(way.loop_spec()));
-    Transport transport(loop, way);
-    require(transport.begin());
-    if (!perform(player, transport, std::nullopt, report)) return;
+    Transport transport(rig_.loop, way, is_attended());
+    return perform(transport, std::nullopt);
   }
-  require(loop.load(staged.loop_spec()));
-  if (options.shoot) {
-    SimulatedCamera camera(!options.keys);
-    Shooting shooting(loop, staged, camera, shoot_spec(*options.shoot, rate_hz));
-    require(shooting.begin());
-    perform(player, shooting, std::nullopt, report);
-    report.exposures = shooting.exposures();
-  } else {
-    Transport transport(loop, staged);
-    require(transport.begin());
-    perform(player, transport, last, report);
+
+  void perform_move() {
+    const std::int64_t last = staged_.plan().played().last_tick_at(rate_hz_);
+    if (options_.shoot) {
+      SimulatedCamera camera(!is_attended());
+      Shooting shooting(rig_.loop, staged_, camera, shoot_spec(*options_.shoot, rate_hz_), is_attended());
+      perform(shooting, std::nullopt);
+      report_.exposures = shooting.exposures();
+    } else {
+      Transport transport(rig_.loop, staged_, is_attended());
+      perform(transport, last);
+    }
+    if (options_.progress) options_.progress(last, last);
   }
-  if (options.progress) options.progress(last, last);
-  report.wake_latency = player.latencies();
+
+  /// Whether it came to its end.
+  template <class Performance>
+  bool perform(Performance& performance, std::optional<std::int64_t> last) {
+    const ActEnd end = runner_.run(act_of(performance), last);
+    report_.ticks = end.ticks + 1;
+    Arriving arriving(rig_.loop, rate_hz_);
+    runner_.run(act_of(arriving, true), std::nullopt);
+    if (end.begun && performance.is_done()) return true;
+    report_.ending = end.begun ? Ending::stopped : Ending::fault;
+    report_.reason = end.begun ? "the move was stopped before its end" : end.begun.error().what;
+    return false;
+  }
+
+  void disarm() {
+    Disarming disarming(rig_.loop, rate_hz_);
+    runner_.run(act_of(disarming, true), std::nullopt);
+  }
+
+  Runner& runner_;
+  LoopOfRig& rig_;
+  StagedMove& staged_;
+  const RunOptions& options_;
+  RunReport& report_;
+  std::int32_t rate_hz_;
+  std::vector<double> positions_;
+};
+
+template <class Runner>
+void run_with(Runner& runner, LoopOfRig& rig, StagedMove& staged, const RunOptions& options,
+              RunReport& report) {
+  Run<Runner>(runner, rig, staged, options, report).play();
+  report.late_ticks = runner.late_ticks();
+  report.wake_latency = runner.latency();
 }
 
 const char* name_of(Ending ending) {
@@ -189,25 +235,29 @@ RunReport run_simulated(const Plan& plan, const RunOptions& options) {
   for (const std::string& axis : still) refuse_unknown_axis(plan, axis);
   StagedMove staged(plan, options.top_rate, still);
   staged.set_repeat(options.repeat);
-  if (options.shoot) refuse_exposures(staged, shoot_spec(*options.shoot, plan.rig()->rate_hz));
+  const std::int32_t rate_hz = plan.rig()->rate_hz;
+  if (options.shoot) refuse_exposures(staged, shoot_spec(*options.shoot, rate_hz));
   const std::vector<double> standing = standing_positions(plan, options.standing);
-  const std::optional<Plan> approach = allowed_approach(plan, standing, options);
+  // What nobody can agree to is refused before the drives are switched on.
+  static_cast<void>(allowed_approach(plan, standing, options));
+
   RunReport report;
   report.reason = options.shoot ? "every frame was shot" : "the move was played to its last frame";
-  RigOnLoop rig(standing);
-  if (approach && !options.confirm(describe_approach(*approach))) {
-    report.ending = Ending::stopped;
-    report.reason = "nobody agreed that the rig goes to the start of the move";
-  } else if (options.fast) {
-    run_on<VirtualClock>(rig, staged, approach, options, report);
+  LoopOfRig rig(RigDrives::simulated(*plan.rig(), standing), plan.axes().size());
+  LoopTrace trace(plan.axes().size());
+  const LoopAudience audience{options.keys, options.interrupted, options.status, options.progress};
+  if (options.fast) {
+    FastRunner runner(rig.loop, rate_hz, audience, trace);
+    run_with(runner, rig, staged, options, report);
   } else {
-    run_on<MonotonicClock>(rig, staged, approach, options, report);
+    TimedRunner runner(rig.loop, rate_hz, audience, trace, Lateness::time_stands_still, std::nullopt);
+    run_with(runner, rig, staged, options, report);
   }
-  const std::vector<SimulatedAxis>& axes = rig.axes();
-  for (std::size_t a = 0; a < axes.size(); ++a) {
+  for (std::size_t a = 0; a < trace.axes().size(); ++a) {
     const RigAxis& axis = plan.rig()->axes[a];
-    report.axes.push_back({axis.name, std::string(to_string(axis.unit)), axes[a].commanded(),
-                           axes[a].actual(), axes[a].following_error_peak()});
+    const AxisTrace& traced = trace.axes()[a];
+    report.axes.push_back({axis.name, std::string(to_string(axis.unit)), traced.commanded, traced.actual,
+                           traced.following_error_peak});
   }
   return report;
 }

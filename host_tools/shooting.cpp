@@ -27,6 +27,7 @@ void refuse_exposures(StagedMove& staged, const ShootSpec<double>& spec) {
 }
 
 Status Shooting::begin() {
+  if (const Status loaded = loop_.load(spec_); !loaded) return loaded;
   if (const Status begun = loop_.begin(); !begun) return begun;
   return shoot_.shoot(shoot_.frame());
 }
@@ -63,8 +64,8 @@ void Shooting::look(int by) {
   keys_.say(shoot_.look_at(shoot_.frame() + by));
 }
 
-void Shooting::tick(std::int64_t now_ns) {
-  const LoopTick result = loop_.tick(1, now_ns);
+void Shooting::tick(std::int32_t ticks, std::int64_t now_ns) {
+  const LoopTick result = loop_.tick(ticks, now_ns);
   if (result.state != SupervisorState::running) shoot_.interrupt();
   shoot_.tick(result.event);
   camera_.signal(shoot_.camera());

@@ -28,21 +28,24 @@ ShootSpec<double> shoot_spec(const ShootOptions& options, std::int32_t rate_hz);
 /// Throws LimitError, at the place of the number of frames, where a frame cannot be exposed as wanted.
 void refuse_exposures(StagedMove& staged, const ShootSpec<double>& spec);
 
-/// Shoots a move that is loaded into a loop. Refers to all of them. Allocates nothing.
+/// Shoots a move in a loop. Refers to all of them. Allocates nothing.
 class Shooting {
  public:
-  Shooting(SimulatedLoop& loop, StagedMove& staged, SimulatedCamera& camera, const ShootSpec<double>& spec)
+  Shooting(RunLoop& loop, StagedMove& staged, SimulatedCamera& camera, const ShootSpec<double>& spec,
+           bool is_attended)
       : loop_(loop),
+        spec_(staged.loop_spec()),
         camera_(camera),
         frames_(staged.plan().move().frames),
         shoot_(spec, frames_, staged.playhead(), staged.still()),
-        keys_(loop) {}
+        keys_(loop, is_attended) {}
 
   /// Goes to the frame that it was at and shoots it. Errors: those of MotionLoop::begin and
   /// FrameShoot::shoot.
   Status begin();
   void press(TransportKey key);
-  void tick(std::int64_t now_ns);
+  void tick(std::int32_t ticks, std::int64_t now_ns);
+  [[nodiscard]] bool is_over() const { return is_done() || keys_.has_left(); }
   [[nodiscard]] const OperatorKeys& keys() const { return keys_; }
   /// Every frame is shot, and the last was acknowledged.
   [[nodiscard]] bool is_done() const { return shoot_.phase() == ShootPhase::done; }
@@ -52,7 +55,8 @@ class Shooting {
  private:
   void look(int by);
 
-  SimulatedLoop& loop_;
+  RunLoop& loop_;
+  LoopSpec<double> spec_;
   SimulatedCamera& camera_;
   std::int32_t frames_;
   FrameShoot<double> shoot_;

@@ -240,7 +240,7 @@ std::string hopeless(const FittedTrack& fitted) {
     return "the track has timing = \"frames\" and no speed curve to change; give its keys other frames, or "
            "time it by speed";
   }
-  for (const Refusal& refusal : fitted.report().refusals) {
+  for (const CheckRefusal& refusal : fitted.report().refusals) {
     if (!refusal.slower_helps) return refusal.message;
   }
   for (const KeyLock& lock :

@@ -10,6 +10,11 @@ constexpr double least_override = 0.1;
 
 }  // namespace
 
+Status Transport::begin() {
+  if (const Status loaded = loop_.load(spec_); !loaded) return loaded;
+  return loop_.start(direction_);
+}
+
 void Transport::press(TransportKey key) {
   if (keys_.press(key)) return;
   switch (key) {

@@ -9,16 +9,22 @@
 
 namespace inbetween {
 
-/// Plays a move that is loaded into a loop. Refers to both. Allocates nothing.
+/// Plays a move in a loop. Refers to both. Allocates nothing.
 class Transport {
  public:
-  Transport(SimulatedLoop& loop, StagedMove& staged)
-      : loop_(loop), playhead_(staged.playhead()), move_(staged.plan().played()), keys_(loop) {}
+  /// With somebody who attends a stop can be acknowledged, and the move goes on.
+  Transport(RunLoop& loop, StagedMove& staged, bool is_attended)
+      : loop_(loop),
+        spec_(staged.loop_spec()),
+        playhead_(staged.playhead()),
+        move_(staged.plan().played()),
+        keys_(loop, is_attended) {}
 
-  /// Errors: those of MotionLoop::start.
-  Status begin() { return loop_.start(direction_); }
+  /// Errors: those of MotionLoop::load and start.
+  Status begin();
   void press(TransportKey key);
-  void tick(std::int64_t now_ns) { loop_.tick(1, now_ns); }
+  void tick(std::int32_t ticks, std::int64_t now_ns) { loop_.tick(ticks, now_ns); }
+  [[nodiscard]] bool is_over() const { return is_done() || keys_.has_left(); }
   [[nodiscard]] const OperatorKeys& keys() const { return keys_; }
   /// It was played to one of its ends.
   [[nodiscard]] bool is_done() const {
@@ -32,7 +38,8 @@ class Transport {
   void step(Direction direction);
   void change_override(double by);
 
-  SimulatedLoop& loop_;
+  RunLoop& loop_;
+  LoopSpec<double> spec_;
   Playhead<double>& playhead_;
   const Move<double>& move_;
   OperatorKeys keys_;

@@ -128,7 +128,7 @@ std::string limits_below(const std::string& move, int axes, bool smooth, double 
 }
 
 bool can_be_cured(const CheckReport& report) {
-  return !report.fits() && std::ranges::all_of(report.refusals, &Refusal::slower_helps);
+  return !report.fits() && std::ranges::all_of(report.refusals, &CheckRefusal::slower_helps);
 }
 
 double area_of(const std::vector<double>& speed) {

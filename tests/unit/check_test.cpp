@@ -148,7 +148,7 @@ TEST(Check, TheCornerOfALinearPathIsAStepThatNoSlownessCures) {
   ASSERT_THAT(report.steps, SizeIs(4)) << "two axes at two keys";
   ASSERT_THAT(report.refusals, SizeIs(2));
   EXPECT_EQ(report.steps[0].key, 1);
-  for (const Refusal& refusal : report.refusals) {
+  for (const CheckRefusal& refusal : report.refusals) {
     EXPECT_THAT(refusal.message, HasSubstr("which no drive can follow; use spline = \"smooth\""));
     EXPECT_EQ(refusal.place.line, 7U) << "the key";
   }

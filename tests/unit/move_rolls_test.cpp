@@ -153,7 +153,7 @@ TEST(Rolls, AnAxisWithLittleRoomFitsInMoreFramesAndNotInOneLess) {
 TEST(Rolls, ALimitThatTheMoveItselfBreaksIsSaidOnce) {
   const CheckReport report = check(plan_of(move_of("10", "[300], [500], [900]", 20)));
   ASSERT_FALSE(report.fits());
-  for (const Refusal& refusal : report.refusals) {
+  for (const CheckRefusal& refusal : report.refusals) {
     EXPECT_THAT(refusal.message, testing::Not(HasSubstr("roll"))) << refusal.message;
   }
 }

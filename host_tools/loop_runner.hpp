@@ -1,0 +1,132 @@
+// Runs a motion loop, act after act: on a virtual clock, or on the machine's in a thread of its own.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "drivers/linux/monotonic_clock.hpp"
+#include "drivers/linux/real_time.hpp"
+#include "drivers/linux/telemetry_ring.hpp"
+#include "host_tools/loop_act.hpp"
+#include "host_tools/run_loop.hpp"
+#include "host_tools/wake_latency.hpp"
+
+namespace inbetween {
+
+/// Whoever sits before the run: what is typed, what is shown.
+struct LoopAudience {
+  std::function<std::string()> keys = {};
+  std::function<bool()> interrupted = {};
+  std::function<void(const RunSnapshot&)> status = {};
+  std::function<void(std::int64_t tick, std::int64_t last)> progress = {};
+};
+
+/// How an act ended.
+struct ActEnd {
+  Status begun = Done{};   ///< why it did not begin
+  std::int64_t ticks = 0;  ///< that it had
+};
+
+/// How far an axis was from its setpoint, and where it was last.
+struct AxisTrace {
+  double commanded = 0;
+  double actual = 0;
+  double following_error_peak = 0;
+};
+
+/// The axes of a loop, tick by tick. Allocates only when it is made.
+class LoopTrace {
+ public:
+  explicit LoopTrace(std::size_t axes) : axes_(axes) {}
+  /// After a tick. While setpoints are sent, an axis is as far behind as its actual position is from them.
+  void take(const RunLoop& loop);
+  [[nodiscard]] const std::vector<AxisTrace>& axes() const { return axes_; }
+
+ private:
+  std::vector<AxisTrace> axes_;
+  bool commanded_ = false;  ///< in the tick before
+};
+
+/// On a clock that has the time that is waited for: as fast as it can be computed.
+class FastRunner {
+ public:
+  FastRunner(RunLoop& loop, std::int32_t rate_hz, const LoopAudience& audience, LoopTrace& trace)
+      : loop_(loop), rate_hz_(rate_hz), audience_(audience), trace_(trace) {}
+
+  /// Until it is over. Progress is told where the last tick is known.
+  ActEnd run(const LoopAct& act, std::optional<std::int64_t> last);
+  [[nodiscard]] WakeLatency latency() const { return {}; }
+  [[nodiscard]] std::int64_t late_ticks() const { return 0; }
+
+ private:
+  RunLoop& loop_;
+  std::int32_t rate_hz_;
+  const LoopAudience& audience_;
+  LoopTrace& trace_;
+  MonotonicClock wall_;
+  TransportKeys keys_;
+  std::int64_t tick_ = 0;
+  std::int64_t next_show_ns_ = 0;
+};
+
+/// What a late tick means for the rig.
+enum class Lateness {
+  time_stands_still,  ///< those after it are as much later: nothing is made up for
+  catches_up,         ///< the loop is told how many ticks have passed (MotionLoop, faults.md 36)
+};
+
+/// On the machine's clock, in a thread of its own, which ticks from construction on, between acts as well,
+/// until it is destroyed. In that thread nothing is allocated, locked, logged or written; keys come in and
+/// snapshots go out through rings, what does not fit is counted.
+class TimedRunner {
+ public:
+  /// With `wishes` the thread asks for real-time rights first.
+  TimedRunner(RunLoop& loop, std::int32_t rate_hz, const LoopAudience& audience, LoopTrace& trace,
+              Lateness lateness, const std::optional<RealTimeWishes>& wishes);
+  ~TimedRunner();
+  TimedRunner(const TimedRunner&) = delete;
+  TimedRunner& operator=(const TimedRunner&) = delete;
+
+  /// What the thread was refused of its rights; empty without wishes.
+  [[nodiscard]] const std::vector<RealTimeRight>& rights() const { return rights_; }
+  ActEnd run(const LoopAct& act, std::optional<std::int64_t> last);
+
+  // Once no act runs.
+  [[nodiscard]] WakeLatency latency() const { return latencies_.summary(); }
+  [[nodiscard]] std::int64_t late_ticks() const { return late_ticks_; }
+  /// Snapshots that nobody took in time, and keys that found no room.
+  [[nodiscard]] std::uint64_t dropped() const { return shown_.dropped() + typed_.dropped(); }
+
+ private:
+  void live(const std::optional<RealTimeWishes>& wishes);
+  void loop();
+  void tick(std::int32_t ticks, std::int64_t now_ns);
+
+  RunLoop& loop_;
+  std::int32_t rate_hz_;
+  const LoopAudience& audience_;
+  LoopTrace& trace_;
+  Lateness lateness_;
+  TransportKeys keys_;
+  TelemetryRing<TransportKey, 64> typed_;
+  TelemetryRing<RunSnapshot, 64> shown_;
+  std::atomic<const LoopAct*> next_{nullptr};
+  std::atomic<bool> is_over_{false};
+  std::atomic<bool> leaves_{false};
+  std::atomic<bool> has_rights_{false};
+  std::vector<RealTimeRight> rights_;
+  // of the loop's thread while an act runs
+  const LoopAct* act_ = nullptr;
+  ActEnd end_;
+  WakeLatencyCounter latencies_;
+  std::int64_t late_ticks_ = 0;
+  std::int64_t until_shown_ = 0;
+  std::thread thread_;
+};
+
+}  // namespace inbetween

@@ -1,0 +1,104 @@
+// The drives of a rig file under the motion loop: on its buses, or simulated.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "drivers/can/socket_can.hpp"
+#include "host_tools/rig_file.hpp"
+#include "inbetween/can/cia402_port.hpp"
+#include "inbetween/motion_loop.hpp"
+#include "sim/can_bus.hpp"
+#include "sim/cia402_drive.hpp"
+#include "sim/simulated_link.hpp"
+#include "sim/simulated_rig.hpp"
+
+namespace inbetween {
+
+/// A bus of the machine, or one in this process (can::FrameLink).
+class HostLink {
+ public:
+  explicit HostLink(SimulatedCanBus& bus) : simulated_(bus) {}
+  explicit HostLink(std::unique_ptr<can::SocketCan> socket) : socket_(std::move(socket)) {}
+
+  /// Once a link has gone or the controller was bus-off it stays down: nothing resumes by itself.
+  [[nodiscard]] bool is_up() const { return is_up_; }
+  std::size_t receive(std::span<can::Frame> in, std::int64_t now_ns);
+  std::size_t send(std::span<const can::Frame> out);
+  std::size_t drain();
+
+ private:
+  void look_at_socket();
+
+  // One of them.
+  std::optional<SimulatedLink> simulated_;
+  std::unique_ptr<can::SocketCan> socket_;
+  bool is_up_ = true;
+};
+
+/// The settings that a CiA 402 axis of a rig gets.
+can::Cia402Settings settings_of(const RigAxis& axis, std::int32_t rate_hz);
+/// Throws InputError at the place of a bus whose load would be above bus_load_limit_percent, or of an axis
+/// that cannot be set up.
+void refuse_overloaded_buses(const RigFile& rig);
+
+/// A DrivePort for every axis of a rig. In simulation CiA 402 axes are drives that speak their frames, the
+/// others ideal ones.
+class RigDrives {
+ public:
+  /// Standing at `positions`, in the order of the rig's axes.
+  static std::unique_ptr<RigDrives> simulated(const RigFile& rig, const std::vector<double>& positions);
+  /// Opens the buses. Throws InputError at the place of what is not there, or is no CiA 402 drive.
+  static std::unique_ptr<RigDrives> on_buses(const RigFile& rig);
+  RigDrives(const RigDrives&) = delete;
+  RigDrives& operator=(const RigDrives&) = delete;
+
+  void read(std::span<DriveState<double>> states, std::int64_t now_ns);
+  void write(std::span<const double> setpoints, std::int64_t now_ns);
+  void enable();
+  void disable();
+  void quick_stop();
+
+  /// What is wrong with a drive and what to do, the first found; "" for nothing. Not for the loop's thread.
+  [[nodiscard]] std::string trouble() const;
+
+ private:
+  struct BusOfRig {
+    std::string name;
+    std::vector<can::Cia402Drive> hosts;
+    std::optional<can::Cia402Bus> bus;
+    std::optional<HostLink> link;
+    std::vector<std::int32_t> targets;
+    std::vector<can::PortDrive> known;
+    std::vector<can::Frame> frames;
+    // in simulation
+    std::deque<SimulatedCia402Drive> drives;
+    SimulatedCanBus wire;
+  };
+
+  explicit RigDrives(const RigFile& rig) : rig_(rig) {}
+  /// All but the links.
+  void make_buses();
+  void make_port();
+  [[nodiscard]] BusOfRig& bus_named(const std::string& name);
+
+  const RigFile& rig_;
+  std::deque<BusOfRig> buses_;
+  std::vector<can::Cia402Lane<HostLink>> lanes_;
+  std::vector<can::Cia402Axis<double>> can_axes_;
+  std::optional<can::Cia402Port<double, HostLink>> port_;
+  std::optional<SimulatedRig> ideal_;
+  // Where the axes of either stand among those of the rig, and room for them.
+  std::vector<std::size_t> can_index_, ideal_index_;
+  std::vector<DriveState<double>> can_states_, ideal_states_;
+  std::vector<double> can_setpoints_, ideal_setpoints_;
+};
+
+}  // namespace inbetween
