@@ -82,7 +82,7 @@ struct CheckReport {
   double highest_rate = 0;
   std::vector<CheckedStep> steps;
   std::vector<CheckRefusal> refusals;  ///< axis by axis, what slowing does not cure before what it does
-  double speed_error = 0;         ///< the loop follows this motion within this share of its speed; 0: exactly
+  double speed_error = 0;  ///< the loop follows this motion within this share of its speed; 0: exactly
 
   [[nodiscard]] bool fits() const { return refusals.empty(); }
 };

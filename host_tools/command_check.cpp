@@ -83,7 +83,8 @@ int check_command(const CheckArguments& arguments) {
   print_check(plan, report, smallest, out);
   if (fit) print_fit(plan, *fit, *arguments.fit, out);
   if (fit && fit->found) return 0;
-  for (const CheckRefusal& refusal : report.refusals) complain(LimitError(refusal.place, refusal.message).what());
+  for (const CheckRefusal& refusal : report.refusals)
+    complain(LimitError(refusal.place, refusal.message).what());
   if (fit) complain_of_no_fit(plan, *fit, smallest);
   return report.fits() ? 0 : exit_limit;
 }

@@ -2,9 +2,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <charconv>
-#include <cmath>
-#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -14,6 +11,7 @@
 #include "drivers/linux/interrupt_watch.hpp"
 #include "drivers/linux/key_terminal.hpp"
 #include "drivers/linux/monotonic_clock.hpp"
+#include "host_tools/axis_positions.hpp"
 #include "host_tools/command.hpp"
 #include "host_tools/output_file.hpp"
 #include "host_tools/progress_bar.hpp"
@@ -33,6 +31,7 @@ struct RunArguments {
   bool loop = false;
   bool ping_pong = false;
   bool yes = false;
+  bool allow_jitter = false;
   double top_rate = 1;
   std::vector<std::string> from;
   bool step = false;
@@ -41,14 +40,6 @@ struct RunArguments {
   std::optional<std::string> shutter;
   std::vector<std::string> still;
 };
-
-/// The whole of `text` as a finite number.
-std::optional<double> number_of(std::string_view text) {
-  double number = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(number)) return std::nullopt;
-  return number;
-}
 
 /// "0..180", in degrees of a frame.
 Shutter<double> shutter_of(const std::string& text) {
@@ -63,24 +54,6 @@ Shutter<double> shutter_of(const std::string& text) {
                     in_quotes(text)));
   }
   return {*open / 360, *close / 360};
-}
-
-/// "pan=-20".
-std::map<std::string, double> positions_of(const std::vector<std::string>& texts) {
-  std::map<std::string, double> positions;
-  for (const std::string& text : texts) {
-    const std::size_t sign = text.rfind('=');
-    const auto position =
-        sign == std::string::npos ? std::nullopt : number_of(std::string_view(text).substr(sign + 1));
-    if (!position) {
-      throw UsageError(fmt::format("--from {}: not a position; write AXIS=POSITION, for example pan=-20",
-                                   in_quotes(text)));
-    }
-    if (!positions.emplace(text.substr(0, sign), *position).second) {
-      throw UsageError(fmt::format("--from {}: the axis has a position already", in_quotes(text)));
-    }
-  }
-  return positions;
 }
 
 std::optional<ShootOptions> shoot_options(const RunArguments& arguments) {
@@ -141,8 +114,10 @@ bool agrees(KeyTerminal& terminal, const std::string& question) {
 
 /// On a terminal with the keys of a tape recorder, elsewhere with nothing but a progress bar.
 RunReport run(const Plan& plan, const RunArguments& arguments) {
+  const auto play = arguments.simulated ? &run_simulated : &run_on_rig;
   const InterruptWatch interrupts;
   RunOptions options{.fast = arguments.fast,
+                     .allow_jitter = arguments.allow_jitter,
                      .top_rate = arguments.top_rate,
                      .shoot = shoot_options(arguments),
                      .standing = positions_of(arguments.from),
@@ -165,7 +140,7 @@ RunReport run(const Plan& plan, const RunArguments& arguments) {
              fmt::format("frame {}/{}  {:.1f} s", frame, plan.played().last_frame(),
                          static_cast<double>(tick) / rate_hz));
   };
-  if (arguments.fast || !KeyTerminal::is_there()) return run_simulated(plan, options);
+  if (arguments.fast || !KeyTerminal::is_there()) return play(plan, options);
   KeyTerminal terminal;
   if (!options.confirm) {
     options.confirm = [&](const std::string& question) { return agrees(terminal, question); };
@@ -173,14 +148,22 @@ RunReport run(const Plan& plan, const RunArguments& arguments) {
   options.progress = {};
   options.keys = [&] { return terminal.read(); };
   options.status = [&](const RunSnapshot& now) { bar.show(now.share, status_line(now)); };
-  return run_simulated(plan, options);
+  return play(plan, options);
 }
 
 int run_command(const RunArguments& arguments) {
   shoot_options(arguments);  // what is wrong with them is said before any file is read
   positions_of(arguments.from);
   if (!arguments.simulated) {
-    throw UsageError("this version moves a simulated rig only; add --sim");
+    if (arguments.fast) throw UsageError("--fast is for a simulated rig; add --sim");
+    if (!arguments.from.empty()) {
+      throw UsageError("--from is for a simulated rig: real drives tell where they stand; add --sim");
+    }
+    if (arguments.step || arguments.shutter) {
+      throw UsageError("this version signals a simulated camera only; add --sim");
+    }
+  } else if (arguments.allow_jitter) {
+    throw UsageError("--allow-jitter is for a real rig; leave out --sim");
   }
   if (arguments.fast && (arguments.loop || arguments.ping_pong)) {
     throw UsageError("--loop and --ping-pong go on until somebody stops them; leave out --fast");
@@ -210,6 +193,8 @@ void describe(CLI::App& app, RunArguments& arguments) {
       ->check(CLI::Range(1.0, 10.0))
       ->capture_default_str();
   app.add_flag("--yes", arguments.yes, "agree that the rig goes slowly to the start of the move");
+  app.add_flag("--allow-jitter", arguments.allow_jitter,
+               "move a real rig without real-time rights, at a tenth of the drawn speed at most");
   app.add_option("--from", arguments.from,
                  "AXIS=POSITION, where a simulated axis stands before (the start of the move)")
       ->expected(1)
@@ -250,7 +235,10 @@ void describe(CLI::App& app, RunArguments& arguments) {
       "the frame between the angles at a constant rate in --exposure seconds, and runs out, inside its "
       "limits.\n\n"
       "Exit status: 0 played to its end; 3 refused; 4 stopped before its end.\n\n"
+      "A real rig is refused without the rights of a real-time program (inbetween says which and how to get "
+      "them).\n\n"
       "Examples:\n"
+      "  inbetween run move.toml --rig rig.toml                     on the drives of the rig\n"
       "  inbetween run move.toml --rig rig.toml --sim               in real time\n"
       "  inbetween run move.toml --rig rig.toml --sim --fast        for scripts and tests\n"
       "  inbetween run move.toml --rig rig.toml --sim --from pan=10 from elsewhere, slowly to its start "

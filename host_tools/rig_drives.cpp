@@ -112,6 +112,16 @@ can::Cia402Settings settings_of(const RigAxis& axis, std::int32_t rate_hz) {
   return settings;
 }
 
+SimulatedCia402Settings simulated_settings_of(const RigAxis& axis, double position) {
+  const Cia402Drive& drive = std::get<Cia402Drive>(axis.drive);
+  SimulatedCia402Settings settings{
+      .node = value_or_refuse(can::NodeId::make(drive.node), axis),
+      .position = static_cast<std::int32_t>(std::floor(position * drive.counts_per_unit + 0.5))};
+  settings.motor.most_acceleration = std::max(settings.motor.most_acceleration,
+                                              4 * std::fabs(drive.counts_per_unit) * axis.max_acceleration);
+  return settings;
+}
+
 void refuse_overloaded_buses(const RigFile& rig) {
   for (const Bus& bus : rig.buses) {
     can::BusUse use{.bitrate = bus.bitrate, .rate_hz = rig.rate_hz, .drives = 0};
@@ -184,13 +194,7 @@ std::unique_ptr<RigDrives> RigDrives::simulated(const RigFile& rig, const std::v
     const std::size_t a = drives->can_index_[i];
     const can::Cia402Axis<double>& axis = drives->can_axes_[i];
     BusOfRig& bus = drives->buses_[axis.lane];
-    SimulatedCia402Settings settings{
-        .node = bus.hosts[axis.drive].node(),
-        .position = static_cast<std::int32_t>(std::floor(positions[a] * axis.counts_per_unit + 0.5))};
-    // A motor that was chosen for its axis.
-    settings.motor.most_acceleration = std::max(
-        settings.motor.most_acceleration, 4 * std::fabs(axis.counts_per_unit) * rig.axes[a].max_acceleration);
-    bus.drives.emplace_back(settings, 0);
+    bus.drives.emplace_back(simulated_settings_of(rig.axes[a], positions[a]), 0);
     bus.wire.attach(bus.drives.back());
   }
   for (BusOfRig& bus : drives->buses_) bus.link.emplace(bus.wire);

@@ -45,6 +45,8 @@ class HostLink {
 
 /// The settings that a CiA 402 axis of a rig gets.
 can::Cia402Settings settings_of(const RigAxis& axis, std::int32_t rate_hz);
+/// A simulated drive for it that stands at `position`, with a motor that was chosen for its axis.
+SimulatedCia402Settings simulated_settings_of(const RigAxis& axis, double position);
 /// Throws InputError at the place of a bus whose load would be above bus_load_limit_percent, or of an axis
 /// that cannot be set up.
 void refuse_overloaded_buses(const RigFile& rig);

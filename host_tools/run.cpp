@@ -17,6 +17,9 @@
 namespace inbetween {
 namespace {
 
+/// Without real-time rights a late tick makes the smaller a jump the slower the rig is.
+constexpr double jitter_rate = 0.1;
+
 /// Where a simulated axis stands before anything moves it: as near to 0 as its limits allow.
 double parked(const RigAxis& axis) {
   return std::clamp(0.0, axis.min, axis.max);
@@ -225,40 +228,81 @@ const char* name_of(Ending ending) {
 
 }  // namespace
 
-RunReport run_simulated(const Plan& plan, const RunOptions& options) {
+namespace {
+
+/// What is checked before anything is opened. Throws what run_simulated says.
+std::unique_ptr<StagedMove> staged_for_run(const Plan& plan, const RunOptions& options, double top_rate) {
   const CheckReport checked = check(plan);
   refuse_beyond_limits(checked);
   refuse_positions_beyond_limits(plan);
-  refuse_beyond_highest_rate(plan, checked, options.top_rate);
+  refuse_beyond_highest_rate(plan, checked, top_rate);
   std::vector<std::string> still;
   if (options.shoot) still = options.shoot->still;
   for (const std::string& axis : still) refuse_unknown_axis(plan, axis);
-  StagedMove staged(plan, options.top_rate, still);
-  staged.set_repeat(options.repeat);
-  const std::int32_t rate_hz = plan.rig()->rate_hz;
-  if (options.shoot) refuse_exposures(staged, shoot_spec(*options.shoot, rate_hz));
-  const std::vector<double> standing = standing_positions(plan, options.standing);
-  // What nobody can agree to is refused before the drives are switched on.
-  static_cast<void>(allowed_approach(plan, standing, options));
+  auto staged = std::make_unique<StagedMove>(plan, top_rate, still);
+  staged->set_repeat(options.repeat);
+  if (options.shoot) refuse_exposures(*staged, shoot_spec(*options.shoot, plan.rig()->rate_hz));
+  return staged;
+}
 
-  RunReport report;
-  report.reason = options.shoot ? "every frame was shot" : "the move was played to its last frame";
-  LoopOfRig rig(RigDrives::simulated(*plan.rig(), standing), plan.axes().size());
-  LoopTrace trace(plan.axes().size());
-  const LoopAudience audience{options.keys, options.interrupted, options.status, options.progress};
-  if (options.fast) {
-    FastRunner runner(rig.loop, rate_hz, audience, trace);
-    run_with(runner, rig, staged, options, report);
-  } else {
-    TimedRunner runner(rig.loop, rate_hz, audience, trace, Lateness::time_stands_still, std::nullopt);
-    run_with(runner, rig, staged, options, report);
-  }
+void list_axes(const Plan& plan, const LoopTrace& trace, RunReport& report) {
   for (std::size_t a = 0; a < trace.axes().size(); ++a) {
     const RigAxis& axis = plan.rig()->axes[a];
     const AxisTrace& traced = trace.axes()[a];
     report.axes.push_back({axis.name, std::string(to_string(axis.unit)), traced.commanded, traced.actual,
                            traced.following_error_peak});
   }
+}
+
+RunReport good_report(const RunOptions& options) {
+  RunReport report;
+  report.reason = options.shoot ? "every frame was shot" : "the move was played to its last frame";
+  return report;
+}
+
+void refuse_unfit_machine(const Plan& plan, const std::vector<RealTimeRight>& rights) {
+  for (const RealTimeRight& right : rights) {
+    if (!right.refusal || !right.is_needed) continue;
+    throw InputError({plan.rig()->path, 0, 0},
+                     fmt::format("{}; {}, or move at a tenth of the drawn speed with --allow-jitter",
+                                 right.refusal->what, right.refusal->remedy));
+  }
+}
+
+}  // namespace
+
+RunReport run_simulated(const Plan& plan, const RunOptions& options) {
+  const std::unique_ptr<StagedMove> staged = staged_for_run(plan, options, options.top_rate);
+  const std::vector<double> standing = standing_positions(plan, options.standing);
+  // What nobody can agree to is refused before the drives are switched on.
+  static_cast<void>(allowed_approach(plan, standing, options));
+  RunReport report = good_report(options);
+  LoopOfRig rig(RigDrives::simulated(*plan.rig(), standing), plan.axes().size());
+  LoopTrace trace(plan.axes().size());
+  const LoopAudience audience{options.keys, options.interrupted, options.status, options.progress};
+  const std::int32_t rate_hz = plan.rig()->rate_hz;
+  if (options.fast) {
+    FastRunner runner(rig.loop, rate_hz, audience, trace);
+    run_with(runner, rig, *staged, options, report);
+  } else {
+    TimedRunner runner(rig.loop, rate_hz, audience, trace, Lateness::time_stands_still, std::nullopt);
+    run_with(runner, rig, *staged, options, report);
+  }
+  list_axes(plan, trace, report);
+  return report;
+}
+
+RunReport run_on_rig(const Plan& plan, const RunOptions& options) {
+  const double top_rate = options.allow_jitter ? jitter_rate : options.top_rate;
+  const std::unique_ptr<StagedMove> staged = staged_for_run(plan, options, top_rate);
+  RunReport report = good_report(options);
+  LoopOfRig rig(RigDrives::on_buses(*plan.rig()), plan.axes().size());
+  LoopTrace trace(plan.axes().size());
+  const LoopAudience audience{options.keys, options.interrupted, options.status, options.progress};
+  TimedRunner runner(rig.loop, plan.rig()->rate_hz, audience, trace, Lateness::catches_up, RealTimeWishes{});
+  if (!options.allow_jitter) refuse_unfit_machine(plan, runner.rights());
+  run_with(runner, rig, *staged, options, report);
+  list_axes(plan, trace, report);
   return report;
 }
 

@@ -23,6 +23,8 @@ struct RunOptions {
   /// On a virtual clock, as fast as it can be computed.
   bool fast = false;
   Repeat repeat = Repeat::none;
+  /// A real rig: without the rights of a real-time program, at a tenth of the drawn speed at most.
+  bool allow_jitter = false;
   /// Up to how many times the drawn speed the override goes.
   double top_rate = 1;
   /// The move is shot frame by frame instead of played.
@@ -74,6 +76,11 @@ struct RunReport {
 /// Throws LimitError at the place of what is wrong, InputError where the rig stands elsewhere and nobody can
 /// confirm. The plan has a rig.
 RunReport run_simulated(const Plan& plan, const RunOptions& options);
+
+/// The same on the drives of the rig, in a real-time thread, where they stand being asked of the drives. A
+/// late tick is made up for while no axis would go beyond its velocity, otherwise it is a controlled stop.
+/// Throws InputError where a bus or a right is missing, with what to do.
+RunReport run_on_rig(const Plan& plan, const RunOptions& options);
 
 /// Version 1 of the format that docs/formats.md describes.
 void write_run_json(const RunReport& report, std::FILE* file);

@@ -53,8 +53,8 @@ struct SpeedFit {
 /// Method: SpeedDescent at sampled moments with a margin below every limit, judged by check(); then the
 /// margins are made as small as what check() is above the samples. It is a local minimum and not proven to be
 /// the least; that no curve is found does not prove that there is none, `least` does. Not found without a
-/// search: what slowing does not cure (CheckRefusal::slower_helps), a track with timing = "frames", fewer frames
-/// than `least`.
+/// search: what slowing does not cure (CheckRefusal::slower_helps), a track with timing = "frames", fewer
+/// frames than `least`.
 ///
 /// `report` is that of the plan. `progress` is told the share of the work, roughly. Cost: about a tenth of a
 /// second for a track of 10 control values, up to minutes for hundreds of them.

@@ -1,0 +1,29 @@
+// The drives of a rig as a process of their own: they speak their frames on the rig's buses.
+#pragma once
+
+#include <cstdio>
+#include <functional>
+#include <map>
+#include <string>
+
+#include "host_tools/rig_file.hpp"
+
+namespace inbetween {
+
+struct SimDrivesOptions {
+  /// Where axes stand, by name; the others at 0, or as near to it as their limits allow.
+  std::map<std::string, double> standing = {};
+  /// Whether somebody wants it to end.
+  std::function<bool()> interrupted = {};
+  /// Called once the buses are open and the drives have power.
+  std::function<void()> ready = {};
+  /// Receives a line per target that a drive applied: axis, nanoseconds of the monotonic clock, counts; and
+  /// at the end one per axis with what it does then. May be null.
+  std::FILE* record = nullptr;
+};
+
+/// Until it is interrupted. Throws InputError at the place of a bus that is not there, or of an axis that is
+/// no CiA 402 drive or unknown. Looks at its buses a thousand times a second.
+void run_sim_drives(const RigFile& rig, const SimDrivesOptions& options);
+
+}  // namespace inbetween
