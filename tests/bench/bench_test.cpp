@@ -109,14 +109,34 @@ TEST(Bench, WhoeverKillsTheScriptEndsTheGuest) {
   const TemporaryFolder folder;
   const std::string begun = (folder.path() / "begun").string();
   const std::string script =
-      bench_run + " --kernel --memory 207 -- /bin/sh -c 'echo >" + begun +
+      bench_run + " --kernel --memory 207 -- /bin/sh -c 'echo $INBETWEEN_BENCH_GPIO >" + begun +
       "; sleep 1000' & pid=$!\n"
-      "until [[ -e " +
+      "until [[ -s " +
       begun +
       " ]]; do sleep 0.01; done\n"
       "kill -KILL $pid\n"
-      "while grep --quiet --no-messages mem=[2]07M /proc/[0-9]*/cmdline; do sleep 0.01; done";
+      "while grep --quiet --no-messages mem=[2]07M /proc/[0-9]*/cmdline; do sleep 0.01; done\n"
+      "rm -r \"$(dirname \"$(<" +
+      begun + ")\")\"";
   EXPECT_EQ(run_command({"/usr/bin/timeout", "100", "/bin/bash", "-c", script}).status, 0);
+}
+
+TEST(Bench, AskedToEndItEndsTheGuestAndTakesItsFilesAway) {
+  const TemporaryFolder folder;
+  const std::string begun = (folder.path() / "begun").string();
+  const std::string script =
+      bench_run + " --kernel --memory 211 -- /bin/sh -c 'echo $INBETWEEN_BENCH_GPIO >" + begun +
+      "; sleep 1000' & pid=$!\n"
+      "until [[ -s " +
+      begun +
+      " ]]; do sleep 0.01; done\n"
+      "kill -TERM $pid; wait $pid; status=$?\n"
+      "while grep --quiet --no-messages mem=[2]11M /proc/[0-9]*/cmdline; do sleep 0.01; done\n"
+      "[[ -e $(<" +
+      begun + ") ]] && echo left; exit $status";
+  const ProgramRun run = run_command({"/usr/bin/timeout", "100", "/bin/bash", "-c", script});
+  EXPECT_EQ(run.status, 128 + 15);
+  EXPECT_EQ(run.out, "");
 }
 
 TEST(Bench, OptionsThatMakeNoSenseAreRefused) {
@@ -157,13 +177,14 @@ TEST(Bench, HelpNamesEveryOptionThatTheScriptKnows) {
 
 TEST(Bench, FramesGoFromProgramToProgramOnVcan) {
   const ProgramRun run = script_in_bench({"--vcan", "can0", "--vcan", "can1"}, R"(
-    candump -L -n 1 can1 >told & listener=$!
+    told=$(mktemp)
+    candump -L -n 1 can1 >$told & listener=$!
     until_true grep --quiet can1 /proc/net/can/rcvlist_all
     cansend can0 111#00     # the other bus
     cansend can1 123#DEADBEEF
     wait $listener
-    cut -d' ' -f2- told
-    rm told)");
+    cut -d' ' -f2- $told
+    rm $told)");
   EXPECT_EQ(run.status, 0) << run.err;
   EXPECT_EQ(run.out, "can1 123#DEADBEEF\n");
 }
@@ -192,24 +213,24 @@ TEST(Bench, AFullQueueRefusesFrames) {
 }
 
 TEST(Bench, LinesOfAGpioChipAreDrivenAndRead) {
-  const ProgramRun run = script_in_bench({"--gpio", "io:8", "--gpio", "more:3"}, R"(
+  const ProgramRun run = script_in_bench({"--gpio", "lines:8", "--gpio", "more:3"}, R"(
     gpiodetect | sed 's/^[^ ]* //'
-    io=$INBETWEEN_BENCH_GPIO/io
-    gpioset --mode=signal io 3=1 & setter=$!
+    io=$INBETWEEN_BENCH_GPIO/lines
+    gpioset --mode=signal lines 3=1 & setter=$!
     until_true grep --quiet 1 $io/sim_gpio3/value
     kill $setter
     echo pull-up >$io/sim_gpio5/pull
-    gpioget io 4 5)");
+    gpioget lines 4 5)");
   EXPECT_EQ(run.status, 0) << run.err;
-  EXPECT_THAT(run.out, HasSubstr("[io] (8 lines)\n"));
+  EXPECT_THAT(run.out, HasSubstr("[lines] (8 lines)\n"));
   EXPECT_THAT(run.out, HasSubstr("[more] (3 lines)\n"));
   EXPECT_THAT(run.out, HasSubstr("\n0 1\n"));
 }
 
 TEST(Bench, AHoggedLineIsBusyAndNamesItsConsumer) {
-  const ProgramRun run = script_in_bench({"--gpio", "io:4", "--hog", "io:2:lamp"}, R"(
-    gpioinfo io | grep 'line *2:'
-    gpioset io 2=1)");
+  const ProgramRun run = script_in_bench({"--gpio", "busy:4", "--hog", "busy:2:lamp"}, R"(
+    gpioinfo busy | grep 'line *2:'
+    gpioset busy 2=1)");
   EXPECT_NE(run.status, 0);
   EXPECT_THAT(run.out, HasSubstr("\"lamp\""));
   EXPECT_THAT(run.err, HasSubstr("Device or resource busy"));
@@ -246,6 +267,14 @@ TEST(Bench, TheTimeLimitHoldsOnAHostToo) {
                                          bench_run + R"( --host --timeout 1 -- sleep 1000 || echo status $?
     pgrep -c sleep || true)");
   EXPECT_EQ(run.out, "status 124\n0\n");
+}
+
+TEST(Bench, InsideItRefusesToStartAnotherKernel) {
+  const ProgramRun run = script_in_bench({"--kernel"}, bench_run + " -- true");
+  EXPECT_EQ(run.status, 125);
+  EXPECT_EQ(
+      run.err,
+      "sim/bench/run: error: this is the bench kernel already, and there is none inside it; use --host\n");
 }
 
 TEST(Bench, AHostWithoutWhatIsAskedForIsNamed) {

@@ -231,6 +231,13 @@ TEST(SocketCan, ADeletedInterfaceIsGoneThoughAnotherTakesItsName) {
   }
 }
 
+TEST(SocketCan, AnInterfaceThatWasReplacedBetweenTwoLooksIsGone) {
+  SocketCan bus;
+  open_can0(bus);
+  shell("ip link del can0 && ip link add can0 type vcan && ip link set can0 up");
+  EXPECT_EQ(bus.look_at_link(), LinkState::gone);
+}
+
 TEST(SocketCan, StaleFramesAreThrownAwayAndCounted) {
   SocketCan bus;
   open_can0(bus);
