@@ -283,6 +283,19 @@ TEST(Bench, AHostWithoutWhatIsAskedForIsNamed) {
   EXPECT_EQ(run.err, "sim/bench/run: error: --host is not possible: --virtual-time needs the bench kernel\n");
 }
 
+// As in containers: its default is 64 MB of shared memory, from which nothing may be executed.
+TEST(Bench, NeedsNoSharedMemoryOfTheHost) {
+  for (const std::string options : {"size=16m", "size=16m,noexec", "size=400m,noexec"}) {
+    const std::string script = "mount -t tmpfs -o " + options + " none /dev/shm || exit 77\n" + bench_run +
+                               " --kernel -- /usr/bin/perl -e 'print length(\"x\" x 100000000)'";
+    const ProgramRun run = run_command({"/usr/bin/unshare", "--mount", "/bin/bash", "-c", script});
+    if (run.err.find("unshare") != std::string::npos || run.status == 77)
+      GTEST_SKIP() << "nobody may mount here";
+    EXPECT_EQ(run.status, 0) << options << ": " << run.err;
+    EXPECT_EQ(run.out, "100000000") << options;
+  }
+}
+
 /// The kernel of the bench, where somebody without rights can read it.
 class BenchOfAnOrdinaryUser : public ::testing::Test {
  protected:
