@@ -89,12 +89,12 @@ TEST(Bench, TheCommandIsTheFileOfTheHost) {
 }
 
 TEST(Bench, TheTimeLimitEndsAHungGuestAndAllItsProcesses) {
-  const ProgramRun run = in_bench({"--kernel", "--timeout", "4", "--memory", "203"},
+  const ProgramRun run = in_bench({"--kernel", "--timeout", "12", "--memory", "203"},
                                   {"/bin/sh", "-c", "echo begun; sleep 1000"});
   EXPECT_EQ(run.status, 124);
   EXPECT_EQ(run.out, "begun\n");
   EXPECT_EQ(run.err,
-            "sim/bench/run: error: not done after 4 s, the time limit; ended with all that ran in it\n");
+            "sim/bench/run: error: not done after 12 s, the time limit; ended with all that ran in it\n");
   EXPECT_EQ(processes_with("mem=203M"), 0);
 }
 
