@@ -53,8 +53,14 @@ class DriveObjects {
   /// The object takes writes, but keeps what it has.
   void freeze(int index, int sub) { frozen_ = {index, sub}; }
 
+  /// Writing it is refused for this reason.
+  void refuse(int index, int sub, std::uint32_t abort_code) { refused_[{index, sub}] = abort_code; }
+
   SdoMessage answer(const SdoMessage& request) {
     const Key key{request.object.index, request.object.sub};
+    if (request.kind == SdoKind::download && refused_.contains(key)) {
+      return {.kind = SdoKind::abort, .object = request.object, .value = refused_.at(key)};
+    }
     if (!values_.contains(key)) {
       return {.kind = SdoKind::abort, .object = request.object, .value = abort_no_object};
     }
@@ -78,6 +84,7 @@ class DriveObjects {
  private:
   std::map<Key, std::pair<int, std::uint32_t>> values_;
   Key frozen_{-1, -1};
+  std::map<Key, std::uint32_t> refused_;
 };
 
 }  // namespace inbetween::can

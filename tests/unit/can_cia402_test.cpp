@@ -275,6 +275,36 @@ TEST_F(SetupOfNode5, DoesWithoutObjectsThatADriveNeedNotHave) {
   EXPECT_EQ(runner.state(), SetupState::done);
 }
 
+TEST_F(SetupOfNode5, DoesNotDoWithoutThemForAnotherReason) {
+  objects.refuse(0x1029, 1, abort_device_state);
+  expect_refused(DriveFinding::sdo_failed, 0x1029);
+  EXPECT_EQ(runner.refusal().abort_code, abort_device_state);
+}
+
+TEST_F(SetupOfNode5, DoesNotDoWithoutTheCounterThatTheHostSends) {
+  setup.sync_overflow = 10;
+  objects.remove(0x1019, 0);
+  expect_refused(DriveFinding::sdo_failed, 0x1019);
+}
+
+TEST_F(SetupOfNode5, ChangesTheCounterWhileSyncHasNoPeriodOnly) {
+  setup.sync_overflow = 10;
+  work();
+  using Key = DriveObjects::Key;
+  std::vector<std::pair<Key, std::uint32_t>> sync;
+  for (const auto& [key, value] : objects.written) {
+    if (key.first == 0x1006 || key.first == 0x1019) sync.emplace_back(key, value);
+  }
+  const std::vector<std::pair<Key, std::uint32_t>> expected{
+      {{0x1006, 0}, 0}, {{0x1019, 0}, 10}, {{0x1006, 0}, 4000}};
+  EXPECT_EQ(sync, expected);
+}
+
+TEST_F(SetupOfNode5, AWatchdogThatIsNotAnsweredForIsNotTakenForAbsent) {
+  objects.refuse(0x1016, 1, abort_timeout);
+  expect_refused(DriveFinding::sdo_failed, 0x1016);
+}
+
 TEST_F(SetupOfNode5, OneWatchdogOfTheDriveIsEnough) {  // faults.md 29
   objects.remove(0x1016, 1);
   work();
