@@ -137,13 +137,12 @@ void SimulatedCia402Drive::serve(const can::Frame& frame) {
       .kind = can::SdoKind::abort, .object = request->object, .value = can::abort_unknown_command};
   if (request->kind == can::SdoKind::upload) {
     show();
-    if (const auto why = objects_.refuses_read(request->object)) {
-      answer.value = *why;
-    } else {
-      const ObjectDictionary::Object& object = *objects_.find(request->object);
+    if (const ObjectDictionary::Object* const object = objects_.find(request->object)) {
       answer.kind = can::SdoKind::upload_value;
-      answer.size = object.size;
-      answer.value = object.value;
+      answer.size = object->size;
+      answer.value = object->value;
+    } else {
+      answer.value = *objects_.refuses_read(request->object);
     }
   } else if (request->kind == can::SdoKind::download) {
     if (const auto why = refuses_download(*request)) {

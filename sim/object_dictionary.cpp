@@ -46,12 +46,13 @@ std::optional<std::uint32_t> ObjectDictionary::refuses_read(can::ObjectAddress a
 
 std::optional<std::uint32_t> ObjectDictionary::refuses_write(can::ObjectAddress address, std::uint8_t size,
                                                              std::uint32_t value) const {
-  const Object* const object = find(address);
-  if (object == nullptr) return refuses_read(address);
-  if (object->access == Access::read_only) return can::abort_read_only;
-  if (size != 0 && size != object->size) return can::abort_wrong_length;
-  if (value > object->most) return can::abort_too_high;
-  if (value < object->least) return can::abort_too_low;
+  const Object* const found = find(address);
+  if (found == nullptr) return refuses_read(address);
+  const Object& object = *found;
+  if (object.access == Access::read_only) return can::abort_read_only;
+  if (size != 0 && size != object.size) return can::abort_wrong_length;
+  if (value > object.most) return can::abort_too_high;
+  if (value < object.least) return can::abort_too_low;
   return {};
 }
 

@@ -33,6 +33,7 @@ class SimulatedCanRig {
   /// Set up and switched on; false with the findings printed by the caller.
   bool bring_to_following();
 
+  [[nodiscard]] can::Cia402Bus& bus() { return bus_.front(); }
   [[nodiscard]] can::Cia402Drive& host_of(std::size_t axis) { return hosts[axis]; }
   [[nodiscard]] SimulatedCia402Drive& drive(std::size_t axis) { return drives[axis]; }
 

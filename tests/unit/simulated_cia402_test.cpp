@@ -253,6 +253,16 @@ TEST_F(SimulatedDrive, AppliesATargetWithTheNextSync) {
   EXPECT_EQ(drive.applied().back().at_ns, now);
 }
 
+TEST_F(SimulatedDrive, ForgetsTargetsThatWaitWhenItLeavesOperational) {
+  bring_to_operation();
+  EXPECT_EQ(write(0x6007, 0, 2, 0), 0U);
+  hear(can::command_frame(node(5), {.controlword = 0x000F, .target = 1234}));
+  obey(can::NmtCommand::enter_pre_operational);
+  obey(can::NmtCommand::start);
+  hear({.id = 0x080});
+  EXPECT_EQ(drive.applied().back().target, 1000);
+}
+
 TEST_F(SimulatedDrive, KeepsItsSoftLimitsAndSaysSo) {
   bring_to_operation();
   EXPECT_EQ(write(0x607D, 1, 4, 900), 0U);
