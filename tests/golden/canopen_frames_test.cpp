@@ -144,6 +144,8 @@ template <class... Functions>
 struct Overloaded : Functions... {
   using Functions::operator()...;
 };
+template <class... Functions>
+Overloaded(Functions...) -> Overloaded<Functions...>;
 
 Frame write_frame(const Meaning& meaning) {
   return std::visit(

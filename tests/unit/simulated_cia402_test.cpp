@@ -263,6 +263,40 @@ TEST_F(SimulatedDrive, ForgetsTargetsThatWaitWhenItLeavesOperational) {
   EXPECT_EQ(drive.applied().back().target, 1000);
 }
 
+TEST_F(SimulatedDrive, ANewHeartbeatPeriodBeginsAtOnce) {
+  boot();
+  write(0x1017, 0, 2, 1000);
+  EXPECT_EQ(pass(10 * ms).size(), 1U);
+  write(0x1017, 0, 2, 50);
+  EXPECT_EQ(pass(60 * ms).size(), 2U);
+}
+
+TEST_F(SimulatedDrive, TellsItsPositionAtEverySecondSyncIfItIsToldTo) {
+  boot();
+  map();
+  EXPECT_EQ(write(0x1800, 2, 1, 2), 0U);
+  obey(can::NmtCommand::start);
+  int told = 0;
+  for (int i = 0; i < 10; ++i) {
+    for (const Frame& frame : hear({.id = 0x080})) told += frame.id == 0x185 ? 1 : 0;
+  }
+  EXPECT_EQ(told, 5);
+}
+
+TEST_F(SimulatedDrive, AFollowingErrorMustLastAsLongAsItIsTold) {
+  bring_to_operation();
+  EXPECT_EQ(write(0x6065, 0, 4, 100), 0U);
+  EXPECT_EQ(write(0x6066, 0, 2, 200), 0U);
+  drive.add_trouble({.kind = DriveTrouble::Kind::stick, .at_ns = now});
+  EXPECT_TRUE(emergencies(command(0x000F, 1500)).empty());
+  std::vector<std::uint16_t> codes;
+  for (int i = 0; i < 45; ++i) EXPECT_TRUE(emergencies(command(0x000F, 1500)).empty()) << i;
+  for (int i = 0; i < 10; ++i) {
+    for (const std::uint16_t code : emergencies(command(0x000F, 1500))) codes.push_back(code);
+  }
+  EXPECT_EQ(codes, (std::vector<std::uint16_t>{0x8611}));
+}
+
 TEST_F(SimulatedDrive, KeepsItsSoftLimitsAndSaysSo) {
   bring_to_operation();
   EXPECT_EQ(write(0x607D, 1, 4, 900), 0U);
