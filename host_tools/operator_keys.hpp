@@ -24,6 +24,10 @@ class OperatorKeys {
   /// Nothing moves, and nothing will.
   [[nodiscard]] bool has_left() const;
 
+  /// What a tick brought about.
+  void note(const LoopTick& tick) { has_lost_time_ = has_lost_time_ || tick.lost_time; }
+  /// A tick came so late that an axis would have jumped: the rig was stopped.
+  [[nodiscard]] bool has_lost_time() const { return has_lost_time_; }
   /// What to tell about the last key, a literal; "" for nothing.
   void say(const char* words) { words_ = words; }
   void say(const Status& status) { words_ = status ? "" : status.error().what; }
@@ -34,6 +38,7 @@ class OperatorKeys {
   bool is_attended_;
   bool wants_to_leave_ = false;
   bool was_stopped_ = false;
+  bool has_lost_time_ = false;
   const char* words_ = "";
 };
 

@@ -217,7 +217,9 @@ std::unique_ptr<RigDrives> RigDrives::on_buses(const RigFile& rig) {
   }
   for (BusOfRig& bus : drives->buses_) {
     auto socket = std::make_unique<can::SocketCan>();
-    if (const std::optional<Refusal> refusal = socket->open(bus.name, filters_of(bus.hosts))) {
+    std::optional<Refusal> refusal = bus.lock.take("bus " + bus.name);
+    if (!refusal) refusal = socket->open(bus.name, filters_of(bus.hosts));
+    if (refusal) {
       const auto place = std::ranges::find(rig.buses, bus.name, &Bus::name);
       throw InputError(place != rig.buses.end() ? place->place : Place{rig.path, 0, 0},
                        refusal->what + "; " + refusal->remedy);
@@ -269,6 +271,11 @@ std::string RigDrives::trouble() const {
       return fmt::format("bus {} is down or off; look at its cable, supply and termination",
                          in_quotes(bus.name));
     }
+  }
+  for (std::size_t l = 0; l < lanes_.size(); ++l) {
+    if (!port_->is_unsent(l)) continue;
+    return fmt::format("bus {} does not take frames ({} lost); are its drives on and its cable plugged in?",
+                       in_quotes(buses_[l].name), port_->counters(l).unsent);
   }
   for (std::size_t i = 0; i < can_index_.size(); ++i) {
     const can::Cia402Drive& drive = port_->drive(i);

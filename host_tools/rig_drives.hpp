@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "drivers/can/socket_can.hpp"
+#include "drivers/linux/instance_lock.hpp"
 #include "host_tools/rig_file.hpp"
 #include "inbetween/can/cia402_port.hpp"
 #include "inbetween/motion_loop.hpp"
@@ -80,6 +81,7 @@ class RigDrives {
     std::vector<std::int32_t> targets;
     std::vector<can::PortDrive> known;
     std::vector<can::Frame> frames;
+    InstanceLock lock;
     // in simulation
     std::deque<SimulatedCia402Drive> drives;
     SimulatedCanBus wire;

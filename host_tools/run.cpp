@@ -189,6 +189,11 @@ class Run {
     if (end.begun && performance.is_done()) return true;
     report_.ending = end.begun ? Ending::stopped : Ending::fault;
     report_.reason = end.begun ? "the move was stopped before its end" : end.begun.error().what;
+    if (performance.keys().has_lost_time()) {
+      report_.ending = Ending::fault;
+      report_.reason =
+          "a tick came so late that an axis would have jumped, and the rig was stopped on its path";
+    }
     return false;
   }
 

@@ -66,6 +66,7 @@ void Shooting::look(int by) {
 
 void Shooting::tick(std::int32_t ticks, std::int64_t now_ns) {
   const LoopTick result = loop_.tick(ticks, now_ns);
+  keys_.note(result);
   if (result.state != SupervisorState::running) shoot_.interrupt();
   shoot_.tick(result.event);
   camera_.signal(shoot_.camera());

@@ -23,7 +23,7 @@ class Transport {
   /// Errors: those of MotionLoop::load and start.
   Status begin();
   void press(TransportKey key);
-  void tick(std::int32_t ticks, std::int64_t now_ns) { loop_.tick(ticks, now_ns); }
+  void tick(std::int32_t ticks, std::int64_t now_ns) { keys_.note(loop_.tick(ticks, now_ns)); }
   [[nodiscard]] bool is_over() const { return is_done() || keys_.has_left(); }
   [[nodiscard]] const OperatorKeys& keys() const { return keys_; }
   /// It was played to one of its ends.

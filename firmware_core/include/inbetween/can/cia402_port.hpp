@@ -145,6 +145,7 @@ class Cia402Port {
       const std::size_t sent = lane.link->send(lane.frames.first(*count));
       counters_[l].unsent += static_cast<std::uint32_t>(*count - sent);
       unsent_ticks_[l] = sent < *count ? unsent_ticks_[l] + 1 : 0;
+      if (unsent_ticks_[l] >= unsent_ticks_limit) was_unsent_[l] = true;
     }
   }
 
@@ -153,6 +154,7 @@ class Cia402Port {
       const Cia402Lane<Link>& lane = lanes_[l];
       counters_[l].drained += static_cast<std::uint32_t>(lane.link->drain());
       unsent_ticks_[l] = 0;
+      was_unsent_[l] = false;
       for (std::size_t d = 0; d < lane.drives.size(); ++d) {
         lane.bus->drives()[d].acknowledge();
         lane.drives[d] = {.seen = {}, .may_connect = true, .may_enable = true};
@@ -171,6 +173,8 @@ class Cia402Port {
   }
 
   [[nodiscard]] const LaneCounters& counters(std::size_t lane) const { return counters_[lane]; }
+  /// Several ticks in a row had frames that the link did not take, since the drives were switched on.
+  [[nodiscard]] bool is_unsent(std::size_t lane) const { return was_unsent_[lane]; }
   /// The drive of an axis, for whoever wants to know what is wrong.
   [[nodiscard]] const Cia402Drive& drive(std::size_t axis) const { return drive_of(axes_[axis]); }
 
@@ -272,6 +276,7 @@ class Cia402Port {
   std::span<const Cia402Axis<Real>> axes_;
   std::array<LaneCounters, most_lanes> counters_{};
   std::array<std::int32_t, most_lanes> unsent_ticks_{};
+  std::array<bool, most_lanes> was_unsent_{};
   std::int64_t now_ns_ = 0;
   bool wants_on_ = false;
   bool is_out_of_range_ = false;  ///< a setpoint was: setpoints cease

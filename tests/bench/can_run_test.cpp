@@ -1,0 +1,193 @@
+// A whole move over the kernel's CAN: `run` on one side, `sim-drives` as a process of its own on the other.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <sstream>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "tests/support/bench.hpp"
+#include "tests/support/run_program.hpp"
+#include "tests/support/temporary_file.hpp"
+
+namespace inbetween {
+namespace {
+
+using testing::HasSubstr;
+
+const std::string rig = INBETWEEN_SOURCE_DIR "/examples/camera_rig.toml";
+const std::string move = INBETWEEN_SOURCE_DIR "/examples/reveal.toml";
+
+/// The drives stand at the start of the move; `during` happens after some seconds of it. The clock of the
+/// kernel jumps, so that nothing depends on how loaded this machine is.
+struct Scene {
+  TemporaryFolder folder;
+  ProgramRun run;
+  std::string drives;  ///< what they recorded
+
+  explicit Scene(std::string_view during, const std::vector<std::string>& more = {},
+                 std::string_view who = "") {
+    const std::string record = (folder.path() / "record.csv").string();
+    const std::string err = (folder.path() / "drives.txt").string();
+    std::vector<std::string> options{"--vcan", "can0", "--virtual-time", "--timeout", "200"};
+    options.insert(options.end(), more.begin(), more.end());
+    const std::string program = INBETWEEN_PROGRAM;
+    run = script_in_bench(
+        options,
+        "echo -1 >/proc/sys/kernel/sched_rt_runtime_us\n" + program + " sim-drives --rig " + rig +
+            " --from slide=60 --from pan=-62 --from tilt=-4 --record " + record + " 2>" + err +
+            " & drives=$!\nuntil_true grep -q power " + err + "\n" + std::string(who) + program + " run " +
+            move + " --rig " + rig + " & run=$!\n" + std::string(during) +
+            "\nstatus=0; wait $run || status=$?\nsleep 3\nkill -TERM $drives; wait $drives; exit $status");
+    drives = file_contents(record);
+  }
+  /// "slide,end,switched on,1640000.056,-0.000"
+  [[nodiscard]] double last_velocity(const std::string& axis) const {
+    const std::size_t at = drives.find(axis + ",end,");
+    if (at == std::string::npos) return NAN;
+    const std::string line = drives.substr(at, drives.find('\n', at) - at);
+    return std::stod(line.substr(line.rfind(',') + 1));
+  }
+  /// The targets that an axis applied, in counts.
+  [[nodiscard]] std::vector<double> applied(const std::string& axis) const {
+    std::vector<double> targets;
+    std::istringstream lines(drives);
+    for (std::string line; std::getline(lines, line);) {
+      if (line.rfind(axis + ",", 0) != 0 || line.find(",end,") != std::string::npos) continue;
+      targets.push_back(std::stod(line.substr(line.rfind(',') + 1)));
+    }
+    return targets;
+  }
+  void expect_rest() const {
+    for (const char* axis : {"slide", "pan", "tilt"}) EXPECT_NEAR(last_velocity(axis), 0, 1) << axis;
+  }
+};
+
+/// Column `column` of CSV text without its first line.
+std::vector<double> column_of(const std::string& csv, int column) {
+  std::vector<double> values;
+  std::istringstream lines(csv);
+  std::string line;
+  std::getline(lines, line);
+  while (std::getline(lines, line)) {
+    std::istringstream cells(line);
+    std::string cell;
+    for (int i = 0; i <= column; ++i) std::getline(cells, cell, ',');
+    values.push_back(std::stod(cell));
+  }
+  return values;
+}
+
+TEST(CanRun, TheDrivesOwnRecordOfTheirTargetsIsThePlanAtEveryTick) {
+  const Scene scene("");
+  ASSERT_EQ(scene.run.status, 0) << scene.run.err;
+  const std::string plan = run_program({"plan", move, "--rig", rig, "--per", "tick", "--csv", "-"}).out;
+  const std::map<std::string, std::pair<int, double>> axes{
+      {"slide", {2, 1000}}, {"pan", {3, 4000}}, {"tilt", {4, 4000}}};
+  for (const auto& [axis, where] : axes) {
+    const std::vector<double> planned = column_of(plan, where.first);
+    const std::vector<double> applied = scene.applied(axis);
+    ASSERT_GT(applied.size(), planned.size()) << axis;
+    // It holds its place before the move, and the end after it: aligned by the first target that differs.
+    std::size_t first = 0;
+    while (first < applied.size() && applied[first] == applied.front()) ++first;
+    std::size_t first_planned = 0;
+    while (std::fabs(planned[first_planned] * where.second - applied.front()) <= 0.5) ++first_planned;
+    ASSERT_GE(first, first_planned) << axis;
+    for (std::size_t tick = 0; tick < planned.size(); ++tick) {
+      const std::size_t at = first - first_planned + tick;
+      ASSERT_LT(at, applied.size());
+      ASSERT_NEAR(applied[at], planned[tick] * where.second, 1) << axis << ", tick " << tick;
+    }
+  }
+}
+
+// faults.md 29
+TEST(CanRun, KilledInMotionTheDrivesStopByTheirOwnWatchdogs) {
+  const Scene scene("sleep 7; kill -KILL $run");
+  EXPECT_EQ(scene.run.status, 128 + 9);
+  EXPECT_THAT(scene.drives, HasSubstr("slide,"));
+  EXPECT_THAT(scene.drives, testing::Not(HasSubstr(",operation enabled,")));
+  scene.expect_rest();
+}
+
+// faults.md 16
+TEST(CanRun, ALinkThatGoesDownEndsTheRunAndTheDrivesStop) {
+  for (const char* what : {"ip link set can0 down", "ip link del can0"}) {
+    const Scene scene(std::string("sleep 7; ") + what);
+    EXPECT_EQ(scene.run.status, 4) << scene.run.err;
+    EXPECT_THAT(scene.run.out, HasSubstr("bus \"can0\" is down or off")) << what;
+    scene.expect_rest();
+  }
+}
+
+// faults.md 13
+TEST(CanRun, AQueueThatStaysFullIsAStop) {
+  const Scene scene("sleep 7; tc qdisc add dev can0 root netem delay 1s limit 10", {"--echo"});
+  EXPECT_EQ(scene.run.status, 4) << scene.run.err;
+  EXPECT_THAT(scene.run.out, HasSubstr("reveal: "));
+  scene.expect_rest();
+}
+
+// faults.md 17
+TEST(CanRun, AForeignSenderOnOurIdentifiersIsAStopOnThePath) {
+  const Scene scene("sleep 7; cansend can0 202#0F0000000000");
+  EXPECT_EQ(scene.run.status, 4) << scene.run.err;
+  EXPECT_THAT(scene.run.out, HasSubstr("axis \"pan\""));
+  scene.expect_rest();
+}
+
+// faults.md 36. The drives miss their SYNC meanwhile and say so, which is a stop as well.
+TEST(CanRun, AStallOfTheLoopIsAControlledStopAndNeverABurst) {
+  const Scene scene("sleep 7; kill -STOP $run; sleep 0.05; kill -CONT $run");
+  EXPECT_EQ(scene.run.status, 4) << scene.run.err;
+  EXPECT_THAT(scene.run.out, HasSubstr("late ticks 1;"));
+  scene.expect_rest();
+  const std::vector<double> targets = scene.applied("slide");
+  ASSERT_GT(targets.size(), 1000U);
+  for (std::size_t i = 1; i < targets.size(); ++i) {
+    ASSERT_LE(std::fabs(targets[i] - targets[i - 1]), 1.2 * 400 * 1000 / 250 + 1)
+        << "max_velocity is 400 mm/s";
+  }
+}
+
+// faults.md 37
+TEST(CanRun, WithoutTheRightsOfARealTimeProgramNothingIsArmed) {
+  const Scene scene("", {}, "setpriv --reuid 65534 --regid 65534 --clear-groups ");
+  EXPECT_EQ(scene.run.status, 1) << scene.run.err;
+  EXPECT_THAT(scene.run.err, HasSubstr("--allow-jitter"));
+  EXPECT_THAT(scene.drives, testing::Not(HasSubstr("slide,1"))) << "no target was applied";
+}
+
+// faults.md 42
+TEST(CanRun, ASecondInstanceIsRefused) {
+  const std::string second =
+      std::string("sleep 5; ") + INBETWEEN_PROGRAM + " run " + move + " --rig " + rig + " && exit 99 || true";
+  const Scene scene(second);
+  EXPECT_EQ(scene.run.status, 0) << scene.run.err;
+  EXPECT_THAT(scene.run.err, HasSubstr("another inbetween uses bus can0; end it first"));
+}
+
+// faults.md 22
+TEST(CanRun, DrivesThatAreNotThereAreNamedAndNothingIsSwitchedOn) {
+  const ProgramRun run =
+      script_in_bench({"--vcan", "can0", "--virtual-time", "--timeout", "200"},
+                      "echo -1 >/proc/sys/kernel/sched_rt_runtime_us\n" + std::string(INBETWEEN_PROGRAM) +
+                          " run " + move + " --rig " + rig);
+  EXPECT_EQ(run.status, 4) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("axis \"slide\""));
+}
+
+TEST(CanRun, ABusThatIsNotThereIsSaidAtItsPlaceInTheRig) {
+  const ProgramRun run =
+      script_in_bench({}, std::string(INBETWEEN_PROGRAM) + " run " + move + " --rig " + rig);
+  EXPECT_EQ(run.status, 1);
+  EXPECT_THAT(run.err, HasSubstr("camera_rig.toml:"));
+  EXPECT_THAT(run.err, HasSubstr("can0"));
+}
+
+}  // namespace
+}  // namespace inbetween
