@@ -149,8 +149,8 @@ TEST(CanRun, AStallOfTheLoopIsAControlledStopAndNeverABurst) {
   const std::vector<double> targets = scene.applied("slide");
   ASSERT_GT(targets.size(), 1000U);
   for (std::size_t i = 1; i < targets.size(); ++i) {
-    ASSERT_LE(std::fabs(targets[i] - targets[i - 1]), 1.2 * 400 * 1000 / 250 + 1)
-        << "max_velocity is 400 mm/s";
+    ASSERT_LE(std::fabs(targets[i] - targets[i - 1]), 1.2 * 500 * 1000 / 250 + 1)
+        << "max_velocity is 500 mm/s";
   }
 }
 
