@@ -235,6 +235,8 @@ void describe(CLI::App& app, RunArguments& arguments) {
       "the frame between the angles at a constant rate in --exposure seconds, and runs out, inside its "
       "limits.\n\n"
       "Exit status: 0 played to its end; 3 refused; 4 stopped before its end.\n\n"
+      "SIGUSR1 presses an emergency stop, SIGUSR2 releases it: setpoints cease, and whatever moved must be "
+      "acknowledged.\n"
       "A real rig is refused without the rights of a real-time program (inbetween says which and how to get "
       "them).\n\n"
       "Examples:\n"

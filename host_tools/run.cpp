@@ -131,7 +131,9 @@ class Run {
       disarm();
       throw;
     }
-    const std::string trouble = rig_.drives->trouble();
+    const std::string trouble = rig_.lines.emergency_stop()
+                                    ? "the emergency stop is pressed; remove the cause, release it"
+                                    : rig_.drives->trouble();
     if (!trouble.empty() && report_.ending != Ending::finished) {
       report_.ending = Ending::fault;
       report_.reason = trouble;

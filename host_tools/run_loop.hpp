@@ -1,22 +1,19 @@
 // The motion loop as this program runs it.
 #pragma once
 
-#include <atomic>
-#include <vector>
-
+#include "drivers/linux/emergency_signal.hpp"
 #include "host_tools/rig_drives.hpp"
 #include "inbetween/motion_loop.hpp"
 
 namespace inbetween {
 
-/// The lines of a rig: a simulated e-stop, which a signal or a test may press from another thread.
+/// The lines of a rig. Until there are some on GPIO, its emergency stop is a signal.
 class RigLines {
  public:
-  void press(bool is_pressed) { is_pressed_.store(is_pressed, std::memory_order_relaxed); }
-  [[nodiscard]] bool emergency_stop() const { return is_pressed_.load(std::memory_order_relaxed); }
+  [[nodiscard]] bool emergency_stop() const { return EmergencySignal::is_pressed(); }
 
  private:
-  std::atomic<bool> is_pressed_{false};
+  EmergencySignal signal_;
 };
 
 using RunLoop = MotionLoop<double, RigDrives, RigLines>;

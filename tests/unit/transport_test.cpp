@@ -124,6 +124,39 @@ TEST(Transport, ALostTerminalStopsTheMoveOnThePath) {
   }
 }
 
+// faults.md 28: setpoints cease, and nothing resumes by itself when it is released.
+TEST(Transport, AnEmergencyStopEndsAMoveThatNobodyAttends) {
+  const Plan plan(read_move_file(reveal), read_rig_file(camera_rig), {});
+  int tick = 0;
+  const auto asked = [&] {
+    if (++tick == 900) std::raise(SIGUSR1);
+    return false;
+  };
+  const RunReport report = run_simulated(plan, {.fast = true, .interrupted = asked, .progress = {}});
+  EXPECT_EQ(report.ending, Ending::fault);
+  EXPECT_THAT(report.reason, HasSubstr("the emergency stop is pressed"));
+  EXPECT_LT(report.axes[0].last_actual, 1640);
+}
+
+TEST(Transport, AfterAReleasedEmergencyStopTheRigIsAcknowledgedAndDoesNotJumpBack) {
+  const Plan plan(read_move_file(reveal), read_rig_file(camera_rig), {});
+  int tick = 0;
+  const auto keys = [&]() -> std::string {
+    ++tick;
+    if (tick == 900) std::raise(SIGUSR1);
+    if (tick == 1000) return "a\r";
+    if (tick == 1100) std::raise(SIGUSR2);
+    if (tick == 1200) return "\r";
+    if (tick == 1300) return "a";
+    if (tick == 3000) return "\r";
+    return tick == 3200 ? "q" : "";
+  };
+  const RunReport report = run_simulated(plan, {.fast = true, .keys = keys, .progress = {}});
+  EXPECT_NE(report.ending, Ending::finished);
+  EXPECT_GT(report.axes[0].last_actual, 60);
+  EXPECT_LT(report.axes[0].last_actual, 1640);
+}
+
 TEST(Transport, ToAndFroGoesOnUntilSomebodyLeaves) {
   const Session session({{9000, "q"}}, Repeat::ping_pong);
   EXPECT_EQ(session.report.ending, Ending::stopped);
