@@ -21,6 +21,20 @@ bool OperatorKeys::press(TransportKey key) {
   }
 }
 
+void OperatorKeys::note(const LoopTick& tick) {
+  has_lost_time_ = has_lost_time_ || tick.lost_time;
+  switch (tick.state) {
+    case SupervisorState::stopping:
+    case SupervisorState::latched:
+    case SupervisorState::faulted:
+    case SupervisorState::cut_off:
+      was_stopped_ = true;
+      return;
+    default:
+      return;
+  }
+}
+
 bool OperatorKeys::has_left() const {
   switch (loop_.state()) {
     case SupervisorState::running:

@@ -18,14 +18,15 @@ class OperatorKeys {
   void begun() { was_stopped_ = false; }
   /// Somebody wants to leave: the rig is stopped, and left when it rests.
   [[nodiscard]] bool wants_to_leave() const { return wants_to_leave_; }
-  /// The move was stopped on its way and has not been begun again: being ready is not being finished.
+  /// The move was stopped on its way, by whatever, and has not been begun again: being ready is not being
+  /// finished.
   [[nodiscard]] bool was_stopped() const { return was_stopped_; }
   [[nodiscard]] bool is_running() const { return loop_.state() == SupervisorState::running; }
   /// Nothing moves, and nothing will.
   [[nodiscard]] bool has_left() const;
 
   /// What a tick brought about.
-  void note(const LoopTick& tick) { has_lost_time_ = has_lost_time_ || tick.lost_time; }
+  void note(const LoopTick& tick);
   /// A tick came so late that an axis would have jumped: the rig was stopped.
   [[nodiscard]] bool has_lost_time() const { return has_lost_time_; }
   /// What to tell about the last key, a literal; "" for nothing.

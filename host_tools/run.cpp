@@ -85,6 +85,9 @@ struct LoopOfRig {
   std::vector<DriveState<double>> states;
   std::vector<double> setpoints, positions, still_positions;
   RunLoop loop;
+  // The loop refers to what it has played last.
+  std::optional<Plan> approach;
+  std::unique_ptr<StagedMove> way;
 
   LoopOfRig(std::unique_ptr<RigDrives> of, std::size_t axes)
       : drives(std::move(of)),
@@ -155,15 +158,15 @@ class Run {
   }
 
   bool go_to_start() {
-    const std::optional<Plan> approach = allowed_approach(staged_.plan(), positions_, options_);
-    if (!approach) return true;
-    if (!options_.confirm(describe_approach(*approach))) {
+    rig_.approach = allowed_approach(staged_.plan(), positions_, options_);
+    if (!rig_.approach) return true;
+    if (!options_.confirm(describe_approach(*rig_.approach))) {
       report_.ending = Ending::stopped;
       report_.reason = "nobody agreed that the rig goes to the start of the move";
       return false;
     }
-    StagedMove way(*approach);
-    Transport transport(rig_.loop, way, is_attended());
+    rig_.way = std::make_unique<StagedMove>(*rig_.approach);
+    Transport transport(rig_.loop, *rig_.way, is_attended());
     return perform(transport, std::nullopt);
   }
 

@@ -51,9 +51,9 @@ void expect_help(const std::vector<std::string>& arguments, std::initializer_lis
 }
 
 TEST(CommandLine, ItsHelpNamesEveryCommandAndEveryExitStatus) {
-  expect_help({"--help"},
-              {"\n  plan ", "\n  check ", "\n  run ", "--version", "--help", "0 done", "1 bad input",
-               "2 wrong usage", "3 a limit would be exceeded", "4 stopped by a fault", "docs/formats.md"});
+  expect_help({"--help"}, {"\n  plan ", "\n  check ", "\n  run ", "\n  sim-drives ", "--version", "--help",
+                           "0 done", "1 bad input", "2 wrong usage", "3 a limit would be exceeded",
+                           "4 stopped by a fault", "docs/formats.md"});
 }
 
 TEST(CommandLine, TheHelpOfPlanNamesEveryOption) {
@@ -91,7 +91,9 @@ TEST(CommandLine, OptionsThatDoNotGoTogetherAreRefused) {
   expect_wrong_usage({"plan", move, "--rig", rig, "--per", "tick", "--solver", "runge-kutta"},
                      {"--solver runge-kutta", "frames only"});
   expect_wrong_usage({"plan", move, "--csv", "-", "--json", "-"}, {"--csv and --json", "standard output"});
-  expect_wrong_usage({"run", move, "--rig", rig}, {"add --sim"});
+  expect_wrong_usage({"run", move, "--rig", rig, "--from", "pan=1"}, {"add --sim"});
+  expect_wrong_usage({"run", move, "--rig", rig, "--step"}, {"add --sim"});
+  expect_wrong_usage({"run", move, "--rig", rig, "--sim", "--allow-jitter"}, {"leave out --sim"});
   expect_wrong_usage({"run", move, "--rig", rig, "--fast"}, {"add --sim"});
 }
 
