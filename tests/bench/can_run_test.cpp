@@ -114,6 +114,25 @@ TEST(CanRun, KilledInMotionTheDrivesStopByTheirOwnWatchdogs) {
   scene.expect_rest();
 }
 
+// faults.md 14. Error frames as a controller would send them.
+TEST(CanRun, BusOffCeasesSetpointsAndErrorPassiveDoesNot) {
+  const Scene passive("sleep 7; cansend can0 20000004#0010000000000000");
+  EXPECT_EQ(passive.run.status, 0) << passive.run.err;
+  const Scene off("sleep 7; cansend can0 20000040#0000000000000000");
+  EXPECT_EQ(off.run.status, 4) << off.run.err;
+  EXPECT_THAT(off.run.out, HasSubstr("bus \"can0\" is down or off"));
+  off.expect_rest();
+}
+
+// faults.md 15
+TEST(CanRun, AfterAKilledRunTheNextOneSetsEverythingUpAnewAndGoesToTheStartSlowly) {
+  const Scene scene("sleep 7; kill -KILL $run; sleep 3; " + std::string(INBETWEEN_PROGRAM) + " run " + move +
+                    " --rig " + rig + " --yes && echo played again");
+  EXPECT_THAT(scene.run.out, HasSubstr("played again")) << scene.run.err;
+  EXPECT_THAT(scene.run.err, HasSubstr("the rig is not where the move starts"));
+  EXPECT_THAT(scene.drives, HasSubstr(",1640000."));
+}
+
 // faults.md 16
 TEST(CanRun, ALinkThatGoesDownEndsTheRunAndTheDrivesStop) {
   for (const char* what : {"ip link set can0 down", "ip link del can0"}) {

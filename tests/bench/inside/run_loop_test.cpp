@@ -1,0 +1,149 @@
+// The whole loop of `run` on a bus with drives in another process: which system calls it makes, and that its
+// memory is there.
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "drivers/linux/interrupt_watch.hpp"
+#include "drivers/linux/monotonic_clock.hpp"
+#include "drivers/linux/real_time.hpp"
+#include "drivers/linux/telemetry_ring.hpp"
+#include "host_tools/loop_preparations.hpp"
+#include "host_tools/loop_runner.hpp"
+#include "host_tools/plan.hpp"
+#include "host_tools/sim_drives.hpp"
+#include "host_tools/staged_move.hpp"
+#include "host_tools/transport.hpp"
+#include "tests/bench/inside/allowed_calls.hpp"
+
+namespace inbetween {
+namespace {
+
+const std::string there = R"(name = "there"
+fps = 25
+frames = 100
+[[track]]
+axes = ["x", "y"]
+keys = [ { at = [0, 0] }, { at = [50, 20] } ]
+speed = [0, 0, 10, 10, 0, 0]
+)";
+
+// Slow enough for drives that are a process of a machine with other work to hear every SYNC in time.
+const std::string bench = R"(name = "bench"
+rate_hz = 50
+[bus.can0]
+bitrate = 1000000
+[[axis]]
+name = "x"
+unit = "mm"
+min = -1
+max = 60
+max_velocity = 100
+max_acceleration = 1000
+drive = { type = "cia402", bus = "can0", node = 1, counts_per_unit = 1000 }
+[[axis]]
+name = "y"
+unit = "mm"
+min = -1
+max = 60
+max_velocity = 100
+max_acceleration = 1000
+drive = { type = "cia402", bus = "can0", node = 2, counts_per_unit = 1000 }
+)";
+
+/// The drives of the rig, for as long as this lives.
+class DrivesProcess {
+ public:
+  explicit DrivesProcess(const RigFile& rig) : child_(::fork()) {
+    if (child_ != 0) return;
+    const InterruptWatch watch;
+    run_sim_drives(rig, {.interrupted = &InterruptWatch::asked});
+    ::_exit(0);
+  }
+  ~DrivesProcess() {
+    ::kill(child_, SIGTERM);
+    ::waitpid(child_, nullptr, 0);
+  }
+  DrivesProcess(const DrivesProcess&) = delete;
+  DrivesProcess& operator=(const DrivesProcess&) = delete;
+
+ private:
+  pid_t child_;
+};
+
+/// What a run consists of, without its audience.
+struct LoopOnBus {
+  Plan plan{parse_move(there, "move.toml"), parse_rig(bench, "rig.toml"), {}};
+  StagedMove staged{plan};
+  std::unique_ptr<RigDrives> drives = RigDrives::on_buses(*plan.rig());
+  RigLines lines;
+  std::vector<DriveState<double>> states{2};
+  std::vector<double> setpoints = std::vector<double>(2);
+  std::vector<double> positions = std::vector<double>(2);
+  RunLoop loop{*drives, lines, {states, setpoints, positions}};
+  LoopTrace trace{2};
+  Arming arming{loop};
+  Transport transport{loop, staged, true};
+  TelemetryRing<RunSnapshot, 64> shown;
+  MonotonicClock clock;
+  std::int64_t deadline_ns = 0;
+
+  template <class Act>
+  void tick(Act& act) {
+    deadline_ns += 20'000'000;
+    clock.sleep_until_ns(deadline_ns);
+    act.tick(1, clock.now_ns());
+    trace.take(loop);
+    shown.push(act.snapshot());
+  }
+  /// Switches the drives on and starts. False: they could not be.
+  bool start() {
+    deadline_ns = clock.now_ns();
+    if (!arming.begin()) return false;
+    for (int i = 0; i < 1000 && !arming.is_over(); ++i) tick(arming);
+    return loop.state() == SupervisorState::ready && transport.begin().has_value();
+  }
+};
+
+TEST(RunLoopOnBus, MakesNoOtherSystemCallsThanToSleepToSendAndToReceive) {
+  std::unique_ptr<DrivesProcess> drives;
+  std::unique_ptr<LoopOnBus> rig;
+  const auto prepare = [&] {
+    drives = std::make_unique<DrivesProcess>(parse_rig(bench, "rig.toml"));
+    rig = std::make_unique<LoopOnBus>();
+  };
+  const auto loop = [&] {
+    if (!rig->start()) ::_exit(1);
+    for (int i = 0; i < 150; ++i) rig->tick(rig->transport);
+    if (rig->loop.state() != SupervisorState::running) ::_exit(2);
+    rig->transport.press(TransportKey::stop);
+    for (int i = 0; i < 50; ++i) rig->tick(rig->transport);
+    if (rig->loop.state() != SupervisorState::latched) ::_exit(3);
+  };
+  EXPECT_EQ(only_loop_calls(prepare, loop), "");
+}
+
+TEST(RunLoopOnBus, NoPageFaultsAfterTheFirstSecond) {
+  const DrivesProcess drives(parse_rig(bench, "rig.toml"));
+  LoopOnBus rig;
+  const RealTimeThread rights({});
+  ASSERT_TRUE(rig.start()) << rig.drives->trouble();
+  for (int i = 0; i < 50; ++i) rig.tick(rig.transport);
+  rusage before{};
+  rusage after{};
+  ASSERT_EQ(::getrusage(RUSAGE_THREAD, &before), 0);
+  for (int i = 0; i < 100; ++i) rig.tick(rig.transport);
+  ASSERT_EQ(::getrusage(RUSAGE_THREAD, &after), 0);
+  EXPECT_EQ(after.ru_majflt, before.ru_majflt);
+  EXPECT_EQ(after.ru_minflt, before.ru_minflt);
+  EXPECT_EQ(rig.loop.state(), SupervisorState::running);
+}
+
+}  // namespace
+}  // namespace inbetween
