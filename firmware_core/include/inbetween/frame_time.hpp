@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cmath>
-#include <compare>
 #include <cstdint>
 
 #include "inbetween/precision.hpp"
@@ -26,7 +25,11 @@ struct FrameTime {
   std::int32_t frame = 0;
   Real fraction = 0;
 
-  friend constexpr auto operator<=>(const FrameTime&, const FrameTime&) = default;
+  friend constexpr bool operator==(const FrameTime&, const FrameTime&) = default;
+  friend constexpr bool operator<(const FrameTime& a, const FrameTime& b) {
+    return a.frame < b.frame || (a.frame == b.frame && a.fraction < b.fraction);
+  }
+  friend constexpr bool operator<=(const FrameTime& a, const FrameTime& b) { return !(b < a); }
 };
 
 /// `time` moved by so many frames, forward or backward.
