@@ -1,5 +1,7 @@
 // The bench itself: sim/bench/run gives back what a command did in a kernel with CAN and GPIO, and always
 // ends.
+#include "tests/support/bench.hpp"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -22,20 +24,6 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
 const std::string bench_run = INBETWEEN_SOURCE_DIR "/sim/bench/run";
-
-ProgramRun in_bench(const std::vector<std::string>& options, const std::vector<std::string>& command) {
-  std::vector<std::string> words = {bench_run, "--timeout", "120"};
-  words.insert(words.end(), options.begin(), options.end());
-  words.emplace_back("--");
-  words.insert(words.end(), command.begin(), command.end());
-  return run_command(words);
-}
-
-ProgramRun script_in_bench(const std::vector<std::string>& options, std::string_view script) {
-  // `until_true COMMAND...` waits for a condition; the time limit of the bench is its bound.
-  const std::string whole = "until_true() { until \"$@\"; do sleep 0.01; done; }\n" + std::string(script);
-  return in_bench(options, {"/bin/bash", "-euc", whole});
-}
 
 /// Processes whose arguments hold a text.
 int processes_with(std::string_view text) {

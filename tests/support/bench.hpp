@@ -9,15 +9,20 @@
 
 namespace inbetween {
 
-/// A bash script in the bench with these options. `until_true COMMAND...` waits for a condition; the time
-/// limit of the bench is its bound.
-inline ProgramRun script_in_bench(const std::vector<std::string>& options, std::string_view script) {
+/// A command in the bench with these options.
+inline ProgramRun in_bench(const std::vector<std::string>& options, const std::vector<std::string>& command) {
   std::vector<std::string> words = {INBETWEEN_SOURCE_DIR "/sim/bench/run"};
   words.insert(words.end(), options.begin(), options.end());
-  const std::string whole = "until_true() { until \"$@\"; do sleep 0.01; done; }\n" + std::string(script);
-  for (const char* word : {"--", "/bin/bash", "-euc"}) words.emplace_back(word);
-  words.push_back(whole);
+  words.emplace_back("--");
+  words.insert(words.end(), command.begin(), command.end());
   return run_command(words);
+}
+
+/// A bash script there. `until_true COMMAND...` waits for a condition; the time limit of the bench is its
+/// bound.
+inline ProgramRun script_in_bench(const std::vector<std::string>& options, std::string_view script) {
+  const std::string whole = "until_true() { until \"$@\"; do sleep 0.01; done; }\n" + std::string(script);
+  return in_bench(options, {"/bin/bash", "-euc", whole});
 }
 
 }  // namespace inbetween
