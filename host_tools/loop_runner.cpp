@@ -100,7 +100,8 @@ void TimedRunner::loop() {
       }
     }
     if (act_ != nullptr) latencies_.add(latency_ns);
-    tick(ticks, now_ns);
+    // Where time stands still it does so for the simulated drives as well.
+    tick(ticks, lateness_ == Lateness::time_stands_still ? time_of_tick(number, rate_hz_) : now_ns);
   }
 }
 
