@@ -112,6 +112,9 @@ machine_with() { # machine_with PACKAGE..., as dpkg-query reports them
 
 run_bootstrap() { PATH=$stand_ins:$PATH bash "$bootstrap" "$@" 2>&1 || true; }
 bootstrap=$1
+# A machine of today, unless a test says otherwise.
+export OS_RELEASE=$scratch/os-release
+printf 'VERSION_CODENAME=trixie\n' >"$OS_RELEASE"
 
 machine_with "${test_packages[@]}"
 expect "a machine that has everything is left alone, in silence" "" "$(run_bootstrap test)$(cat "$scratch/calls")"
@@ -129,6 +132,31 @@ apt-get --quiet --quiet --option DPkg::Lock::Timeout=300 --option Dpkg::Use-Pty=
 machine_with bash
 expect "a package that was removed again counts as missing" \
   "ninja-build" "$(PATH=$stand_ins:$PATH missing_of bash ninja-build)"
+
+machine_with "libgpiod-dev 1.6.3-1+b3" "gpiod 2.1.3-1~bpo12+1"
+expect "version 1 of libgpiod is another library" \
+  "libgpiod-dev" "$(PATH=$stand_ins:$PATH missing_of libgpiod-dev gpiod)"
+
+printf 'VERSION_CODENAME=bookworm\n' >"$OS_RELEASE"
+new_apt_machine
+printf 'deb http://mirror.example/debian bookworm main\n' >"$scratch/apt/etc/sources.list"
+downloaded mirror.example_debian bookworm "Debian"
+without=("${test_packages[@]}")
+for i in "${!without[@]}"; do [[ ${without[i]} != libgpiod-dev ]] || unset 'without[i]'; done
+machine_with "${without[@]}"
+# The stand-in is asked where packages come from, too: the real one answers that.
+# shellcheck disable=SC2016
+printf '#!/bin/sh\nif [ "$1" = indextargets ]; then exec %s "$@"; fi\necho "apt-get $*" >>"%s/calls"\n' \
+  "$(type -P apt-get)" "$scratch" >"$stand_ins/apt-get"
+run_bootstrap test >/dev/null
+expect "on Debian 12 it comes from the backports, whose list is fetched once they are added" \
+  "apt-get --quiet --quiet update
+apt-get --quiet --quiet update
+apt-get --quiet --quiet --option DPkg::Lock::Timeout=300 --option Dpkg::Use-Pty=0 install --yes --no-install-recommends libgpiod-dev/bookworm-backports" \
+  "$(cat "$scratch/calls")"
+expect "which are added once" \
+  "deb [$signed] http://mirror.example/debian/ bookworm-backports main" "$(added)"
+unset APT_CONFIG
 
 expect "an unknown set is refused" \
   "scripts/bootstrap: error: unknown set of packages 'dmeo'; say demo or test" "$(run_bootstrap dmeo)"
