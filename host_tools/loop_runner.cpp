@@ -29,7 +29,7 @@ void LoopTrace::take(const RunLoop& loop) {
       axis.following_error_peak =
           std::max(axis.following_error_peak, std::fabs(axis.commanded - axis.actual));
     }
-    if (commands) axis.commanded = loop.setpoints()[i];
+    if (commands) axis.commanded = loop.setpoints()[i].position;
   }
   commanded_ = commands;
 }

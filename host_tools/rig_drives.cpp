@@ -237,14 +237,14 @@ void RigDrives::read(std::span<DriveState<double>> states, std::int64_t now_ns) 
   for (std::size_t i = 0; i < ideal_index_.size(); ++i) states[ideal_index_[i]] = ideal_states_[i];
 }
 
-void RigDrives::write(std::span<const double> setpoints, std::int64_t now_ns) {
+void RigDrives::write(std::span<const Setpoint<double>> setpoints, std::int64_t now_ns) {
   const bool has_any = !setpoints.empty();
   for (std::size_t i = 0; has_any && i < can_index_.size(); ++i) can_setpoints_[i] = setpoints[can_index_[i]];
   for (std::size_t i = 0; has_any && i < ideal_index_.size(); ++i) {
     ideal_setpoints_[i] = setpoints[ideal_index_[i]];
   }
-  const auto those = [&](const std::vector<double>& all) {
-    return has_any ? std::span<const double>(all) : std::span<const double>();
+  const auto those = [&](const std::vector<Setpoint<double>>& all) {
+    return has_any ? std::span<const Setpoint<double>>(all) : std::span<const Setpoint<double>>();
   };
   if (port_) port_->write(those(can_setpoints_), now_ns);
   if (ideal_) ideal_->write(those(ideal_setpoints_), now_ns);

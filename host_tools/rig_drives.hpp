@@ -64,7 +64,7 @@ class RigDrives {
   RigDrives& operator=(const RigDrives&) = delete;
 
   void read(std::span<DriveState<double>> states, std::int64_t now_ns);
-  void write(std::span<const double> setpoints, std::int64_t now_ns);
+  void write(std::span<const Setpoint<double>> setpoints, std::int64_t now_ns);
   void enable();
   void disable();
   void quick_stop();
@@ -102,7 +102,7 @@ class RigDrives {
   // Where the axes of either stand among those of the rig, and room for them.
   std::vector<std::size_t> can_index_, ideal_index_;
   std::vector<DriveState<double>> can_states_, ideal_states_;
-  std::vector<double> can_setpoints_, ideal_setpoints_;
+  std::vector<Setpoint<double>> can_setpoints_, ideal_setpoints_;
 };
 
 }  // namespace inbetween

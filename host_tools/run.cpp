@@ -10,6 +10,7 @@
 #include "host_tools/approach.hpp"
 #include "host_tools/json_writer.hpp"
 #include "host_tools/loop_preparations.hpp"
+#include "host_tools/loop_room.hpp"
 #include "host_tools/loop_runner.hpp"
 #include "host_tools/staged_move.hpp"
 #include "host_tools/transport.hpp"
@@ -82,20 +83,14 @@ void refuse_positions_beyond_limits(const Plan& plan) {
 struct LoopOfRig {
   std::unique_ptr<RigDrives> drives;
   RigLines lines;
-  std::vector<DriveState<double>> states;
-  std::vector<double> setpoints, positions, still_positions;
+  LoopRoom room;
   RunLoop loop;
   // The loop refers to what it has played last.
   std::optional<Plan> approach;
   std::unique_ptr<StagedMove> way;
 
   LoopOfRig(std::unique_ptr<RigDrives> of, std::size_t axes)
-      : drives(std::move(of)),
-        states(axes),
-        setpoints(axes),
-        positions(axes),
-        still_positions(axes),
-        loop(*drives, lines, {states, setpoints, positions, still_positions}) {}
+      : drives(std::move(of)), room(axes, axes), loop(*drives, lines, room.memory()) {}
   LoopOfRig(const LoopOfRig&) = delete;
   LoopOfRig& operator=(const LoopOfRig&) = delete;
 };

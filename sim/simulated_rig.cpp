@@ -14,12 +14,12 @@ void SimulatedRig::read(std::span<DriveState<double>> states, std::int64_t /*now
   }
 }
 
-void SimulatedRig::write(std::span<const double> setpoints, std::int64_t /*now_ns*/) {
+void SimulatedRig::write(std::span<const Setpoint<double>> setpoints, std::int64_t /*now_ns*/) {
   if (setpoints.empty()) return;
   ++writes_;
   if (!connected_ || !is_switched_on_) return;
   for (std::size_t i = 0; i < axes_.size(); ++i) {
-    if (!faults_[i]) axes_[i].tick(setpoints[i]);
+    if (!faults_[i]) axes_[i].tick(setpoints[i].position);
   }
 }
 

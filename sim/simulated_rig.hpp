@@ -18,7 +18,7 @@ class SimulatedRig {
   explicit SimulatedRig(std::span<const double> positions);
 
   void read(std::span<DriveState<double>> states, std::int64_t now_ns);
-  void write(std::span<const double> setpoints, std::int64_t now_ns);
+  void write(std::span<const Setpoint<double>> setpoints, std::int64_t now_ns);
   void enable() { is_switched_on_ = true; }
   void disable() { is_switched_on_ = false; }
   /// An ideal drive stands where it was told last.

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "host_tools/loop_room.hpp"
 #include "host_tools/plan.hpp"
 #include "host_tools/planned_stops.hpp"
 #include "inbetween/can/cia402_port.hpp"
@@ -75,9 +76,7 @@ struct Crane {
   std::array<can::Cia402Axis<double>, 2> axes{{{0, 0, counts_per_unit}, {0, 1, counts_per_unit}}};
   std::vector<can::Cia402Port<double, SimulatedLink>> port;
   SimulatedLines lines;
-  std::array<DriveState<double>, 2> states{};
-  std::array<double, 2> setpoints{};
-  std::array<double, 2> positions{};
+  LoopRoom room{2, 2};
   std::vector<MotionLoop<double, can::Cia402Port<double, SimulatedLink>, SimulatedLines>> loops;
   std::int64_t now_ns = 0;
 
@@ -94,7 +93,7 @@ struct Crane {
     bus.push_back(*can::Cia402Bus::make(hosts, {.host = *can::NodeId::make(127)}));
     lanes.push_back({&bus.front(), &link, targets, known, frames});
     port.push_back(*can::Cia402Port<double, SimulatedLink>::make(lanes, axes));
-    loops.emplace_back(port.front(), lines, LoopMemory<double>{states, setpoints, positions});
+    loops.emplace_back(port.front(), lines, room.memory());
     EXPECT_TRUE(loop().load({&plan.played(), &playhead, drive_of, plan.limits(), 1.0 / 250}));
   }
   Crane(const Crane&) = delete;
@@ -120,9 +119,9 @@ struct Crane {
   }
   /// Both axes are where the playhead has them, to a count of the setpoint: on the path.
   [[nodiscard]] bool is_on_path() const {
-    std::array<double, 2> at{};
+    std::vector<double> at(2);
     plan.played().positions(playhead.time(), at);
-    return at == positions;
+    return at == room.targets();
   }
   /// A controlled stop of all axes along the path, which ends in `last`.
   void expect_controlled_stop(State last) {
@@ -132,9 +131,9 @@ struct Crane {
       tick();
     }
     ASSERT_TRUE(tick_until(last, 100)) << name_of(loop().state());
-    const std::array<double, 2> rest = setpoints;
+    const std::vector<double> rest = room.targets();
     tick(200);
-    EXPECT_EQ(setpoints, rest) << "no motion after a stop";
+    EXPECT_EQ(room.targets(), rest) << "no motion after a stop";
     EXPECT_FALSE(loop().post(SupervisorEvent::start)) << "nothing resumes by itself";
   }
   /// Setpoints cease at once, and the drives stop by themselves.
@@ -334,7 +333,7 @@ TEST(CanLoop, AnEmergencyStopIsNotUndoneByItsRelease) {
   EXPECT_EQ(crane.loop().state(), State::cut_off);
   ASSERT_TRUE(crane.loop().post(SupervisorEvent::acknowledge));
   ASSERT_TRUE(crane.tick_until(State::ready)) << name_of(crane.loop().state());
-  EXPECT_NEAR(crane.setpoints[0] * counts_per_unit, crane.drives[0].position(), 3)
+  EXPECT_NEAR(crane.room.targets()[0] * counts_per_unit, crane.drives[0].position(), 3)
       << "positions were read again";
   EXPECT_FALSE(crane.loop().start(Direction::forward)) << "it has been moved";
   crane.tick(100);

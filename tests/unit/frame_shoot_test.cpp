@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "host_tools/loop_room.hpp"
 #include "host_tools/plan.hpp"
 #include "host_tools/planned_stops.hpp"
 #include "inbetween/motion_loop.hpp"
@@ -62,12 +63,8 @@ struct Set {
   std::vector<std::size_t> drive_of{0, 1};
   SimulatedRig rig{std::vector<double>{10, 100}};
   SimulatedLines lines;
-  std::vector<DriveState<double>> states{2};
-  std::vector<double> setpoints = std::vector<double>(2);
-  std::vector<double> positions = std::vector<double>(2);
-  std::vector<double> still_positions = std::vector<double>(2);
-  MotionLoop<double, SimulatedRig, SimulatedLines> loop{
-      rig, lines, {states, setpoints, positions, still_positions}};
+  LoopRoom room{2, 2};
+  MotionLoop<double, SimulatedRig, SimulatedLines> loop{rig, lines, room.memory()};
   FrameShoot<double> shoot;
 
   explicit Set(const ShootSpec<double>& spec, bool second_stands_still = false)
@@ -114,14 +111,14 @@ TEST(FrameShoot, GoesSettlesSignalsAndWaitsOnEveryFrame) {
     EXPECT_EQ(set.tick_until(ShootPhase::exposing), 5);
     for (int i = 0; i < 3; ++i) {
       EXPECT_TRUE(set.shoot.camera());
-      EXPECT_EQ(set.setpoints, set.planned({frame, 0}));
+      EXPECT_EQ(set.room.targets(), set.planned({frame, 0}));
       EXPECT_FALSE(set.shoot.trigger()) << "nothing moves while the camera exposes";
       set.tick();
     }
     EXPECT_FALSE(set.shoot.camera());
     EXPECT_EQ(set.shoot.phase(), ShootPhase::waiting);
     for (int i = 0; i < 50; ++i) set.tick();
-    EXPECT_EQ(set.setpoints, set.planned({frame, 0})) << "it waits";
+    EXPECT_EQ(set.room.targets(), set.planned({frame, 0})) << "it waits";
     EXPECT_EQ(set.shoot.exposures(), frame + 1);
     ASSERT_TRUE(set.shoot.trigger());
   }
@@ -136,7 +133,7 @@ TEST(FrameShoot, LooksAtAFrameWithoutExposingIt) {
   set.tick_until(ShootPhase::waiting);
   ASSERT_TRUE(set.shoot.look_at(3));
   set.tick_until(ShootPhase::standing);
-  EXPECT_EQ(set.setpoints, set.planned({3, 0}));
+  EXPECT_EQ(set.room.targets(), set.planned({3, 0}));
   EXPECT_EQ(set.shoot.exposures(), 1);
   ASSERT_TRUE(set.shoot.trigger());
   set.tick_until(ShootPhase::waiting);
@@ -153,15 +150,15 @@ TEST(FrameShoot, InMotionTheSignalLastsFromOpenToClose) {
     int ticks = 0;
     while (set.shoot.phase() != ShootPhase::waiting) {
       const bool was_open = set.shoot.camera();
-      const std::vector<double> before = set.setpoints;
+      const std::vector<double> before = set.room.targets();
       set.tick();
       if (set.shoot.camera() && !was_open) {
         const std::vector<double> open = set.planned({frame, 0});
-        for (std::size_t d = 0; d < 2; ++d) EXPECT_NEAR(set.setpoints[d], open[d], 1e-6);
+        for (std::size_t d = 0; d < 2; ++d) EXPECT_NEAR(set.room.targets()[d], open[d], 1e-6);
       }
       if (!set.shoot.camera() && was_open) {
         const std::vector<double> close = set.planned({frame, 0.5});
-        for (std::size_t d = 0; d < 2; ++d) EXPECT_NEAR(set.setpoints[d], close[d], 1e-6);
+        for (std::size_t d = 0; d < 2; ++d) EXPECT_NEAR(set.room.targets()[d], close[d], 1e-6);
       }
       if (was_open) ++ticks;
     }
@@ -178,13 +175,13 @@ TEST(FrameShoot, AnAxisThatIsLeftOutStandsOnTheFrameWhileTheOtherMoves) {
   while (set.shoot.phase() != ShootPhase::waiting) {
     set.tick();
     if (!set.shoot.camera()) continue;
-    EXPECT_EQ(set.setpoints[1], set.planned({2, 0})[1]);
-    moved.push_back(set.setpoints[0]);
+    EXPECT_EQ(set.room.targets()[1], set.planned({2, 0})[1]);
+    moved.push_back(set.room.targets()[0]);
   }
   EXPECT_GT(std::abs(moved.back() - moved.front()), 0.1);
   ASSERT_TRUE(set.shoot.trigger());
   set.tick_until(ShootPhase::exposing);
-  EXPECT_EQ(set.setpoints[1], set.planned({3, 0})[1]);
+  EXPECT_EQ(set.room.targets()[1], set.planned({3, 0})[1]);
 }
 
 TEST(FrameShoot, AStopEndsTheSignalAndTheFrameIsShotAgain) {

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "host_tools/loop_room.hpp"
 #include "host_tools/plan.hpp"
 #include "host_tools/planned_stops.hpp"
 #include "sim/simulated_rig.hpp"
@@ -68,10 +69,8 @@ struct Crane {
   std::vector<std::size_t> drive_of{2, 0};
   SimulatedRig rig;
   SimulatedLines lines;
-  std::vector<DriveState<double>> states{3};
-  std::vector<double> setpoints = std::vector<double>(3);
-  std::vector<double> positions = std::vector<double>(2);
-  MotionLoop<double, SimulatedRig, SimulatedLines> loop{rig, lines, {states, setpoints, positions}};
+  LoopRoom room{3, 2};
+  MotionLoop<double, SimulatedRig, SimulatedLines> loop{rig, lines, room.memory()};
 
   explicit Crane(const std::vector<double>& at = {100, 0.25, 10}) : rig(at) {
     EXPECT_TRUE(loop.load({&plan.played(), &playhead, drive_of, plan.limits(), tick_s}));
@@ -91,7 +90,10 @@ struct Crane {
       loop.tick(1, 0);
     }
   }
-  [[nodiscard]] std::vector<double> at() const { return {setpoints.begin(), setpoints.end()}; }
+  [[nodiscard]] std::vector<Setpoint<double>> moving() const {
+    return {loop.setpoints().begin(), loop.setpoints().end()};
+  }
+  [[nodiscard]] std::vector<double> at() const { return room.targets(); }
 };
 
 TEST(MotionLoop, RunsAMoveFromArmingToItsLastFrame) {
@@ -292,6 +294,37 @@ TEST(MotionLoop, ALongStallIsAControlledStopAndNeverABurst) {
     crane.loop.tick(1, 0);
   }
   EXPECT_EQ(crane.loop.state(), SupervisorState::latched);
+}
+
+// A jerk of J takes velocities J tick^2 / 12 from the mean of both ends of a tick, and accelerations J tick.
+TEST(MotionLoop, ItsSetpointsTellHowTheAxesMove) {
+  Crane crane;
+  crane.arm();
+  ASSERT_TRUE(crane.playhead.set_override(0.8));
+  ASSERT_TRUE(crane.loop.post(SupervisorEvent::start));
+  constexpr double jerk = 1.5 * 40'000;
+  double fastest = 0;
+  for (int tick = 0; tick < 400; ++tick) {
+    const std::vector<Setpoint<double>> before = crane.moving();
+    const bool stops = tick == 250 && crane.loop.post(SupervisorEvent::stop);
+    ASSERT_EQ(stops, tick == 250);
+    crane.tick(1);
+    const std::vector<Setpoint<double>> after = crane.moving();
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Setpoint<double>& from = before[i];
+      const Setpoint<double>& to = after[i];
+      ASSERT_NEAR((to.position - from.position) / tick_s, (from.velocity + to.velocity) / 2,
+                  jerk * tick_s * tick_s / 12)
+          << tick;
+      ASSERT_NEAR((to.velocity - from.velocity) / tick_s, (from.acceleration + to.acceleration) / 2,
+                  jerk * tick_s)
+          << tick;
+      fastest = std::max(fastest, std::abs(to.velocity));
+    }
+  }
+  EXPECT_GT(fastest, 100);
+  EXPECT_EQ(crane.loop.state(), SupervisorState::latched);
+  EXPECT_EQ(crane.moving()[2].velocity, 0);
 }
 
 TEST(MotionLoop, DisarmingStopsFirst) {

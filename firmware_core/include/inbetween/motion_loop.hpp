@@ -35,10 +35,11 @@ struct LoopSpec {
 /// The memory of a motion loop, owned by the caller.
 template <Precise Real>
 struct LoopMemory {
-  std::span<DriveState<Real>> states;    ///< drives
-  std::span<Real> setpoints;             ///< drives
-  std::span<Real> positions;             ///< axes of the move
-  std::span<Real> still_positions = {};  ///< axes of the move, where some have a playhead of their own
+  std::span<DriveState<Real>> states;   ///< drives
+  std::span<Setpoint<Real>> setpoints;  ///< drives
+  std::span<Setpoint<Real>> next;       ///< axes of the move
+  std::span<Real> positions;            ///< axes of the move
+  std::span<AxisMotion<Real>> motions;  ///< axes of the move
 };
 
 /// What a tick brought about.
@@ -69,7 +70,7 @@ class MotionLoop {
     }
     const std::size_t axes = spec.move->axis_count();
     if (spec.drive_of.size() != axes || spec.limits.size() != axes || memory_.positions.size() < axes ||
-        (spec.still != nullptr && memory_.still_positions.size() < axes) ||
+        memory_.motions.size() < axes || memory_.next.size() < axes ||
         spec.is_still.size() != (spec.still != nullptr ? axes : 0)) {
       return Error{.code = ErrorCode::wrong_count,
                    .what = "the loop has not a drive, limits and memory for every axis of the move",
@@ -125,7 +126,8 @@ class MotionLoop {
     LoopTick result;
     read(now_ns);
     if (is_moving()) advance(ticks, result);
-    drives_->write(sends_setpoints() ? std::span<const Real>(memory_.setpoints) : std::span<const Real>(),
+    drives_->write(sends_setpoints() ? std::span<const Setpoint<Real>>(memory_.setpoints)
+                                     : std::span<const Setpoint<Real>>(),
                    now_ns);
     result.state = state_;
     return result;
@@ -133,7 +135,7 @@ class MotionLoop {
 
   [[nodiscard]] SupervisorState state() const { return state_; }
   /// The setpoints of the last tick, a drive each.
-  [[nodiscard]] std::span<const Real> setpoints() const { return memory_.setpoints; }
+  [[nodiscard]] std::span<const Setpoint<Real>> setpoints() const { return memory_.setpoints; }
   [[nodiscard]] std::span<const DriveState<Real>> drive_states() const { return memory_.states; }
 
  private:
@@ -147,7 +149,7 @@ class MotionLoop {
   [[nodiscard]] bool is_resting() const {
     return spec_.playhead->is_resting() && (spec_.still == nullptr || spec_.still->is_resting());
   }
-  [[nodiscard]] Real& setpoint(std::size_t axis) { return memory_.setpoints[spec_.drive_of[axis]]; }
+  [[nodiscard]] Setpoint<Real>& setpoint(std::size_t axis) { return memory_.setpoints[spec_.drive_of[axis]]; }
 
   void read(std::int64_t now_ns) {
     drives_->read(memory_.states, now_ns);
@@ -173,9 +175,9 @@ class MotionLoop {
                    .what = "the rig is not ready for a move",
                    .remedy = "load one, arm the rig and wait until its drives are on"};
     }
-    move_positions(*spec_.playhead, spec_.still);
+    look_ahead(*spec_.playhead, spec_.still);
     for (std::size_t d = 0; d < spec_.move->axis_count(); ++d) {
-      const Real off = std::fabs(memory_.positions[d] - setpoint(d));
+      const Real off = std::fabs(memory_.next[d].position - setpoint(d).position);
       if (off <= spec_.limits[d].max_acceleration() * spec_.tick_seconds * spec_.tick_seconds) continue;
       return Error{.code = ErrorCode::no_solution,
                    .what = "the axis is not where the move starts",
@@ -193,34 +195,45 @@ class MotionLoop {
       result.event = ahead.tick();
       if (still_ahead) still_ahead->tick();
     }
-    move_positions(ahead, still_ahead ? &*still_ahead : nullptr);
+    look_ahead(ahead, still_ahead ? &*still_ahead : nullptr);
     if (ticks > 1 && jumps()) {
       result.lost_time = true;
       apply(SupervisorEvent::stop);
       result.event = spec_.playhead->tick();
       if (spec_.still != nullptr) spec_.still->tick();
-      move_positions(*spec_.playhead, spec_.still);
+      look_ahead(*spec_.playhead, spec_.still);
     } else {
       *spec_.playhead = ahead;
       if (still_ahead) *spec_.still = *still_ahead;
     }
-    for (std::size_t d = 0; d < spec_.move->axis_count(); ++d) setpoint(d) = memory_.positions[d];
+    for (std::size_t d = 0; d < spec_.move->axis_count(); ++d) setpoint(d) = memory_.next[d];
     if (result.event == PlayheadEvent::finished) apply(SupervisorEvent::finished);
     if (state_ == SupervisorState::stopping && is_resting()) apply(SupervisorEvent::rested);
   }
-  /// The axes that stand still are where they have a time of their own.
-  void move_positions(const Playhead<Real>& playhead, const Playhead<Real>* still) {
+  /// The setpoints where the playheads are: the axes that stand still are where they have a time of their
+  /// own.
+  void look_ahead(const Playhead<Real>& playhead, const Playhead<Real>* still) {
+    look_at(playhead, still == nullptr ? std::span<const bool>() : spec_.is_still, false);
+    if (still != nullptr) look_at(*still, spec_.is_still, true);
+  }
+  /// Of all axes, or of those that are still or are not.
+  void look_at(const Playhead<Real>& playhead, std::span<const bool> is_still, bool wanted) {
     spec_.move->positions(playhead.time(), memory_.positions);
-    if (still == nullptr) return;
-    spec_.move->positions(still->time(), memory_.still_positions);
-    for (std::size_t d = 0; d < spec_.is_still.size(); ++d) {
-      if (spec_.is_still[d]) memory_.positions[d] = memory_.still_positions[d];
+    spec_.move->motion(playhead.time(), memory_.motions);
+    const Real rate = playhead.rate();
+    for (std::size_t d = 0; d < spec_.move->axis_count(); ++d) {
+      if (!is_still.empty() && is_still[d] != wanted) continue;
+      const AxisMotion<Real>& motion = memory_.motions[d];
+      memory_.next[d] = {
+          .position = memory_.positions[d],
+          .velocity = motion.velocity * rate,
+          .acceleration = motion.acceleration * rate * rate + motion.velocity * playhead.rate_change()};
     }
   }
   /// Whether an axis would go further in this tick than its max_velocity allows.
   [[nodiscard]] bool jumps() {
     for (std::size_t d = 0; d < spec_.move->axis_count(); ++d) {
-      const Real way = std::fabs(memory_.positions[d] - setpoint(d));
+      const Real way = std::fabs(memory_.next[d].position - setpoint(d).position);
       if (way > spec_.limits[d].max_velocity() * spec_.tick_seconds) return true;
     }
     return false;
@@ -246,7 +259,7 @@ class MotionLoop {
         break;
       case SupervisorAction::hold_actual:
         for (std::size_t i = 0; i < memory_.states.size(); ++i) {
-          memory_.setpoints[i] = memory_.states[i].actual;
+          memory_.setpoints[i] = {.position = memory_.states[i].actual};
         }
         break;
       case SupervisorAction::slow_down:

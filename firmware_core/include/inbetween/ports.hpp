@@ -5,6 +5,7 @@
 #include <span>
 
 #include "inbetween/precision.hpp"
+#include "inbetween/setpoint.hpp"
 
 /// What the motion loop needs of a rig: hardware and simulation offer the same.
 
@@ -27,8 +28,9 @@ struct DriveState {
 
 /// The drives of a rig, one for each axis, in its order. Nothing waits. `now_ns` is a monotonic time.
 template <class Drives, class Real>
-concept DrivePort = Precise<Real> && requires(Drives& drives, std::span<DriveState<Real>> states,
-                                              std::span<const Real> setpoints, std::int64_t now_ns) {
+concept DrivePort = Precise<Real> &&
+    requires(Drives& drives, std::span<DriveState<Real>> states, std::span<const Setpoint<Real>> setpoints,
+             std::int64_t now_ns) {
   /// Takes what has arrived, a bounded amount. Once a tick, before anything else.
   drives.read(states, now_ns);
   /// The setpoints that the drives shall have reached one tick from now; or none, and then nothing may be

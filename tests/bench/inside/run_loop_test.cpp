@@ -17,6 +17,7 @@
 #include "drivers/linux/real_time.hpp"
 #include "drivers/linux/telemetry_ring.hpp"
 #include "host_tools/loop_preparations.hpp"
+#include "host_tools/loop_room.hpp"
 #include "host_tools/loop_runner.hpp"
 #include "host_tools/plan.hpp"
 #include "host_tools/sim_drives.hpp"
@@ -95,10 +96,8 @@ struct LoopOnBus {
   StagedMove staged{plan};
   std::unique_ptr<RigDrives> drives = RigDrives::on_buses(*plan.rig());
   RigLines lines;
-  std::vector<DriveState<double>> states{2};
-  std::vector<double> setpoints = std::vector<double>(2);
-  std::vector<double> positions = std::vector<double>(2);
-  RunLoop loop{*drives, lines, {states, setpoints, positions}};
+  LoopRoom room{2, 2};
+  RunLoop loop{*drives, lines, room.memory()};
   LoopTrace trace{2};
   Arming arming{loop};
   Transport transport{loop, staged, true};

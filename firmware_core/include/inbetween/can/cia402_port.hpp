@@ -131,7 +131,7 @@ class Cia402Port {
     for (std::size_t i = 0; i < axes_.size(); ++i) states[i] = state_of_axis(i);
   }
 
-  void write(std::span<const Real> setpoints, std::int64_t now_ns) {
+  void write(std::span<const Setpoint<Real>> setpoints, std::int64_t now_ns) {
     now_ns_ = now_ns;
     const bool has_targets = !setpoints.empty() && take_targets(setpoints);
     if (wants_on_ && all_are_set_up()) switch_on();
@@ -231,9 +231,9 @@ class Cia402Port {
   }
 
   /// In counts, to the nearest. False, and nothing is sent, where one is beyond what a drive can count to.
-  bool take_targets(std::span<const Real> setpoints) {
+  bool take_targets(std::span<const Setpoint<Real>> setpoints) {
     for (std::size_t i = 0; i < axes_.size(); ++i) {
-      const Real counts = std::floor(setpoints[i] * axes_[i].counts_per_unit + Real(0.5));
+      const Real counts = std::floor(setpoints[i].position * axes_[i].counts_per_unit + Real(0.5));
       constexpr auto most = static_cast<Real>(std::numeric_limits<std::int32_t>::max() - 128);
       if (!(std::fabs(counts) <= most)) {
         is_out_of_range_ = true;
