@@ -15,6 +15,7 @@
 #include "host_tools/command.hpp"
 #include "host_tools/output_file.hpp"
 #include "host_tools/progress_bar.hpp"
+#include "host_tools/rig_watch.hpp"
 #include "host_tools/run.hpp"
 
 namespace inbetween {
@@ -25,7 +26,7 @@ constexpr std::int64_t ns_between_looks = 20'000'000;
 
 struct RunArguments {
   std::string move, rig;
-  std::optional<std::string> json;
+  std::optional<std::string> json, record;
   bool simulated = false;
   bool fast = false;
   bool loop = false;
@@ -79,21 +80,46 @@ std::optional<ShootOptions> shoot_options(const RunArguments& arguments) {
   return options;
 }
 
+/// A line an octave, with a bar where there are any.
+void print_wake_latency(const RunReport& report, std::FILE* out) {
+  const WakeLatency& latency = report.wake_latency;
+  fmt::print(out,
+             "  late ticks {}; woken after {:.0f} us (median), {:.0f} us (99 %), {:.0f} us (worst, {:.1f} s "
+             "after the first)\n",
+             report.late_ticks, latency.p50_us, latency.p99_us, latency.max_us, latency.max_at_s);
+  std::int64_t most = 1;
+  for (const WakeLatency::Bucket& bucket : latency.histogram) most = std::max(most, bucket.ticks);
+  constexpr std::int64_t bar_width = 40;
+  for (const WakeLatency::Bucket& bucket : latency.histogram) {
+    const auto width = static_cast<std::size_t>((bucket.ticks * bar_width + most - 1) / most);
+    fmt::print(out, "  {:>12.0f} us{:>10} {}\n", bucket.below_us, bucket.ticks, std::string(width, '#'));
+  }
+}
+
+void print_record(const RunReport& report, const std::string& file, std::FILE* out) {
+  if (report.record->lost == 0) {
+    fmt::print(out, "  {}: {} ticks\n", file, report.record->written);
+    return;
+  }
+  complain(fmt::format("{}: warning: {} of {} ticks are not in it: {}; the rig was not held up", file,
+                       report.record->lost, report.record->written + report.record->lost,
+                       report.record->why));
+}
+
 void print_run_summary(const RunReport& report, const Plan& plan, const RunArguments& arguments,
                        std::FILE* out) {
   fmt::print(out, "{}: {}; {} ticks at {} Hz{}\n", plan.move().name, report.reason, report.ticks,
              plan.rig()->rate_hz, arguments.fast ? " on a virtual clock" : "");
   if (report.exposures) fmt::print(out, "  {} frames exposed\n", *report.exposures);
   if (!arguments.fast) {
-    fmt::print(out, "  late ticks {}; woken after {:.0f} us (median), {:.0f} us (99 %), {:.0f} us (worst)\n",
-               report.late_ticks, report.wake_latency.p50_us, report.wake_latency.p99_us,
-               report.wake_latency.max_us);
+    print_wake_latency(report, out);
   }
   fmt::print(out, "  {:<16}{:>14}{:>14}{:>24}\n", "axis", "commanded", "actual", "following error, peak");
   for (const RunAxis& axis : report.axes) {
     fmt::print(out, "  {:<16}{:>14.4f}{:>14.4f}{:>24.4f}  {}\n", axis.name, axis.last_commanded,
                axis.last_actual, axis.following_error_peak, axis.unit);
   }
+  if (report.record) print_record(report, *arguments.record, out);
 }
 
 /// Puts the question, and waits for Enter or for anything that means no.
@@ -113,7 +139,7 @@ bool agrees(KeyTerminal& terminal, const std::string& question) {
 }
 
 /// On a terminal with the keys of a tape recorder, elsewhere with nothing but a progress bar.
-RunReport run(const Plan& plan, const RunArguments& arguments) {
+RunReport run(const Plan& plan, const RunArguments& arguments, const RigWatch& watch) {
   const auto play = arguments.simulated ? &run_simulated : &run_on_rig;
   const InterruptWatch interrupts;
   RunOptions options{.fast = arguments.fast,
@@ -121,6 +147,8 @@ RunReport run(const Plan& plan, const RunArguments& arguments) {
                      .top_rate = arguments.top_rate,
                      .shoot = shoot_options(arguments),
                      .standing = positions_of(arguments.from),
+                     .record = arguments.record,
+                     .rig_has_changed = [&] { return watch.has_changed(); },
                      .interrupted = &InterruptWatch::asked,
                      .progress = {}};
   if (arguments.loop) options.repeat = Repeat::loop;
@@ -169,10 +197,11 @@ int run_command(const RunArguments& arguments) {
     throw UsageError("--loop and --ping-pong go on until somebody stops them; leave out --fast");
   }
   refuse_outputs_in_one_place({{"MOVE", arguments.move}, {"--rig", arguments.rig}},
-                              {{"--json", arguments.json}});
+                              {{"--json", arguments.json}, {"--record", arguments.record}});
   if (arguments.json) check_output(*arguments.json);
+  const RigWatch watch(arguments.rig);
   const Plan plan = make_plan(arguments.move, arguments.rig, Solver::closed_form);
-  const RunReport report = run(plan, arguments);
+  const RunReport report = run(plan, arguments, watch);
   if (arguments.json) {
     write_output(*arguments.json, [&](std::FILE* file) { write_run_json(report, file); });
   }
@@ -211,6 +240,8 @@ void describe(CLI::App& app, RunArguments& arguments) {
       ->expected(1)
       ->take_all();
   app.add_option("--json", arguments.json, "write a report (- is standard output)");
+  app.add_option("--record", arguments.record,
+                 "write what every axis was told and where it was, a line a tick (CSV)");
   app.footer(
       "Before the first setpoint is sent, the move is held against the limits of the rig as inbetween check "
       "does,\n"

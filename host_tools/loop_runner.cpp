@@ -16,11 +16,16 @@ std::int64_t time_of_tick(std::int64_t tick, std::int32_t rate_hz) {
   return tick / rate_hz * ns_per_s + tick % rate_hz * ns_per_s / rate_hz;
 }
 
+/// Nothing is begun with a rig file that has changed.
+TransportKey allowed(TransportKey key, const LoopAudience& audience) {
+  const bool begins = key == TransportKey::acknowledge || key == TransportKey::start;
+  return begins && audience.rig_has_changed && audience.rig_has_changed() ? TransportKey::refused : key;
+}
+
 }  // namespace
 
 void LoopTrace::take(const RunLoop& loop) {
-  const bool commands = loop.state() == SupervisorState::ready || loop.state() == SupervisorState::running ||
-                        loop.state() == SupervisorState::stopping || loop.state() == SupervisorState::latched;
+  const bool commands = loop.sends_setpoints();
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     AxisTrace& axis = axes_[i];
     axis.actual = loop.drive_states()[i].actual;
@@ -32,6 +37,7 @@ void LoopTrace::take(const RunLoop& loop) {
     if (commands) axis.commanded = loop.setpoints()[i].position;
   }
   commanded_ = commands;
+  if (record_ != nullptr) record_->take(loop);
 }
 
 // --- as fast as it can be computed
@@ -43,7 +49,7 @@ ActEnd FastRunner::run(const LoopAct& act, std::optional<std::int64_t> last) {
   if (!end.begun) return end;
   while (!act.is_over(act.of)) {
     if (audience_.keys && !act.is_preparation) keys_.feed(audience_.keys());
-    while (const std::optional<TransportKey> key = keys_.next()) act.press(act.of, *key);
+    while (const std::optional<TransportKey> key = keys_.next()) act.press(act.of, allowed(*key, audience_));
     if (audience_.interrupted && audience_.interrupted()) act.press(act.of, TransportKey::quit);
     act.tick(act.of, 1, time_of_tick(++tick_, rate_hz_));
     trace_.take(loop_);
@@ -99,7 +105,7 @@ void TimedRunner::loop() {
         number += latency_ns / period_ns;
       }
     }
-    if (act_ != nullptr) latencies_.add(latency_ns);
+    if (act_ != nullptr) latencies_.add(latency_ns, now_ns);
     // Where time stands still it does so for the simulated drives as well.
     tick(ticks, lateness_ == Lateness::time_stands_still ? time_of_tick(number, rate_hz_) : now_ns);
   }
@@ -141,7 +147,7 @@ ActEnd TimedRunner::run(const LoopAct& act, std::optional<std::int64_t> last) {
   if (audience_.progress && last) audience_.progress(0, *last);
   while (!is_over_.load(std::memory_order_acquire)) {
     if (audience_.keys) keys_.feed(audience_.keys());
-    while (const std::optional<TransportKey> key = keys_.next()) typed_.push(*key);
+    while (const std::optional<TransportKey> key = keys_.next()) typed_.push(allowed(*key, audience_));
     if (audience_.interrupted && audience_.interrupted()) typed_.push(TransportKey::quit);
     std::optional<RunSnapshot> newest;
     while (const std::optional<RunSnapshot> one = shown_.pop()) newest = one;

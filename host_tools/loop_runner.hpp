@@ -14,6 +14,7 @@
 #include "drivers/linux/telemetry_ring.hpp"
 #include "host_tools/loop_act.hpp"
 #include "host_tools/run_loop.hpp"
+#include "host_tools/run_record.hpp"
 #include "host_tools/wake_latency.hpp"
 
 namespace inbetween {
@@ -24,6 +25,8 @@ struct LoopAudience {
   std::function<bool()> interrupted = {};
   std::function<void(const RunSnapshot&)> status = {};
   std::function<void(std::int64_t tick, std::int64_t last)> progress = {};
+  /// Whether nothing may be begun any more, because the rig is not what was read (RigWatch).
+  std::function<bool()> rig_has_changed = {};
 };
 
 /// How an act ended.
@@ -42,13 +45,15 @@ struct AxisTrace {
 /// The axes of a loop, tick by tick. Allocates only when it is made.
 class LoopTrace {
  public:
-  explicit LoopTrace(std::size_t axes) : axes_(axes) {}
+  /// Every tick goes to `record` as well, if there is one.
+  explicit LoopTrace(std::size_t axes, RunRecord* record = nullptr) : axes_(axes), record_(record) {}
   /// After a tick. While setpoints are sent, an axis is as far behind as its actual position is from them.
   void take(const RunLoop& loop);
   [[nodiscard]] const std::vector<AxisTrace>& axes() const { return axes_; }
 
  private:
   std::vector<AxisTrace> axes_;
+  RunRecord* record_;
   bool commanded_ = false;  ///< in the tick before
 };
 

@@ -16,6 +16,9 @@ bool OperatorKeys::press(TransportKey key) {
       if (!wants_to_leave_) loop_.post(SupervisorEvent::stop);
       wants_to_leave_ = true;
       return true;
+    case TransportKey::refused:
+      words_ = "the rig file was changed; leave with q, and run again";
+      return true;
     default:
       return false;
   }

@@ -12,7 +12,7 @@ class OperatorKeys {
   /// Where nobody attends, nobody can acknowledge a stop: it is the end.
   OperatorKeys(RunLoop& loop, bool is_attended) : loop_(loop), is_attended_(is_attended) {}
 
-  /// Whether it was one of stop, acknowledge and quit, which mean the same everywhere.
+  /// Whether it was one of stop, acknowledge, quit and refused, which mean the same everywhere.
   bool press(TransportKey key);
   /// After a stop the move was begun again.
   void begun() { was_stopped_ = false; }

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "host_tools/csv_field.hpp"
 #include "host_tools/json_writer.hpp"
 #include "inbetween/frame_time.hpp"
 #include "inbetween/hash.hpp"
@@ -263,14 +264,6 @@ void write_roll(const Plan& plan, const char* name, const Rows& frames, JsonWrit
 
 std::string unit_of(const PlanAxis& axis) {
   return axis.unit ? std::string(to_string(*axis.unit)) : "";
-}
-
-/// A field with a comma or a quote is quoted as RFC 4180 says.
-std::string csv_field(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + "\"";
 }
 
 }  // namespace

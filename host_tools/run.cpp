@@ -160,12 +160,21 @@ class Run {
       report_.reason = "nobody agreed that the rig goes to the start of the move";
       return false;
     }
+    refuse_changed_rig();
     rig_.way = std::make_unique<StagedMove>(*rig_.approach);
     Transport transport(rig_.loop, *rig_.way, is_attended());
     return perform(transport, std::nullopt);
   }
 
+  /// What is begun is begun with the rig that was read.
+  void refuse_changed_rig() const {
+    if (!options_.rig_has_changed || !options_.rig_has_changed()) return;
+    throw InputError({staged_.plan().rig()->path, 0, 0},
+                     "the file was changed since it was read, and nothing is begun; run again");
+  }
+
   void perform_move() {
+    refuse_changed_rig();
     const std::int64_t last = staged_.plan().played().last_tick_at(rate_hz_);
     if (options_.shoot) {
       SimulatedCamera camera(!is_attended());
@@ -265,6 +274,11 @@ RunReport good_report(const RunOptions& options) {
   return report;
 }
 
+std::unique_ptr<RunRecord> record_of(const Plan& plan, const RunOptions& options) {
+  if (!options.record) return nullptr;
+  return std::make_unique<RunRecord>(*options.record, *plan.rig(), options.fast);
+}
+
 void refuse_unfit_machine(const Plan& plan, const std::vector<RealTimeRight>& rights) {
   for (const RealTimeRight& right : rights) {
     if (!right.refusal || !right.is_needed) continue;
@@ -283,8 +297,10 @@ RunReport run_simulated(const Plan& plan, const RunOptions& options) {
   static_cast<void>(allowed_approach(plan, standing, options));
   RunReport report = good_report(options);
   LoopOfRig rig(RigDrives::simulated(*plan.rig(), standing), plan.axes().size());
-  LoopTrace trace(plan.axes().size());
-  const LoopAudience audience{options.keys, options.interrupted, options.status, options.progress};
+  const std::unique_ptr<RunRecord> record = record_of(plan, options);
+  LoopTrace trace(plan.axes().size(), record.get());
+  const LoopAudience audience{options.keys, options.interrupted, options.status, options.progress,
+                              options.rig_has_changed};
   const std::int32_t rate_hz = plan.rig()->rate_hz;
   if (options.fast) {
     FastRunner runner(rig.loop, rate_hz, audience, trace);
@@ -294,6 +310,7 @@ RunReport run_simulated(const Plan& plan, const RunOptions& options) {
     run_with(runner, rig, *staged, options, report);
   }
   list_axes(plan, trace, report);
+  if (record) report.record = record->finish();
   return report;
 }
 
@@ -302,12 +319,15 @@ RunReport run_on_rig(const Plan& plan, const RunOptions& options) {
   const std::unique_ptr<StagedMove> staged = staged_for_run(plan, options, top_rate);
   RunReport report = good_report(options);
   LoopOfRig rig(RigDrives::on_buses(*plan.rig()), plan.axes().size());
-  LoopTrace trace(plan.axes().size());
-  const LoopAudience audience{options.keys, options.interrupted, options.status, options.progress};
+  const std::unique_ptr<RunRecord> record = record_of(plan, options);
+  LoopTrace trace(plan.axes().size(), record.get());
+  const LoopAudience audience{options.keys, options.interrupted, options.status, options.progress,
+                              options.rig_has_changed};
   TimedRunner runner(rig.loop, plan.rig()->rate_hz, audience, trace, Lateness::catches_up, RealTimeWishes{});
   if (!options.allow_jitter) refuse_unfit_machine(plan, runner.rights());
   run_with(runner, rig, *staged, options, report);
   list_axes(plan, trace, report);
+  if (record) report.record = record->finish();
   return report;
 }
 
@@ -320,6 +340,14 @@ void write_run_json(const RunReport& report, std::FILE* file) {
   json.member("ticks", report.ticks);
   json.member("late_ticks", report.late_ticks);
   if (report.exposures) json.member("exposures", *report.exposures);
+  if (report.record) {
+    json.key("record");
+    json.begin_object();
+    json.member("ticks", report.record->written);
+    json.member("lost", report.record->lost);
+    json.member("why", report.record->why);
+    json.end_object();
+  }
   json.line();
   json.key("axes");
   json.begin_array();
@@ -340,6 +368,16 @@ void write_run_json(const RunReport& report, std::FILE* file) {
   json.member("p99", report.wake_latency.p99_us);
   json.member("p99_9", report.wake_latency.p99_9_us);
   json.member("max", report.wake_latency.max_us);
+  json.member("max_at_s", report.wake_latency.max_at_s);
+  json.key("histogram");
+  json.begin_array();
+  for (const WakeLatency::Bucket& bucket : report.wake_latency.histogram) {
+    json.begin_object();
+    json.member("below_us", bucket.below_us);
+    json.member("ticks", bucket.ticks);
+    json.end_object();
+  }
+  json.end_array();
   json.end_object();
   json.end_object();
   json.finish();

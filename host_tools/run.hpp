@@ -12,6 +12,7 @@
 #include "host_tools/check.hpp"
 #include "host_tools/diagnostics.hpp"
 #include "host_tools/plan.hpp"
+#include "host_tools/run_record.hpp"
 #include "host_tools/run_snapshot.hpp"
 #include "host_tools/shooting.hpp"
 #include "host_tools/wake_latency.hpp"
@@ -33,6 +34,10 @@ struct RunOptions {
   std::map<std::string, double> standing = {};
   /// Asked before the rig goes slowly from where it stands to where the move starts. Without it, it does not.
   std::function<bool(const std::string& question)> confirm = {};
+  /// A line a tick goes there (run_record.hpp).
+  std::optional<std::string> record = {};
+  /// Whether the rig file is another than was read: nothing is begun then.
+  std::function<bool()> rig_has_changed = {};
   /// What has been typed since the last call (TransportKeys); without it nothing can be typed.
   std::function<std::string()> keys = {};
   /// Whether somebody wants the run to end: it is stopped on the path.
@@ -61,6 +66,7 @@ struct RunReport {
   std::optional<std::int64_t> exposures = {};  ///< of a move that is shot frame by frame
   std::vector<RunAxis> axes;                   ///< every axis of the rig
   WakeLatency wake_latency;                    ///< all 0 on a virtual clock
+  std::optional<RunRecordEnd> record = {};
 };
 
 /// Plays the plan on simulated axes at the rig's rate: tick k at k / rate_hz seconds from the beginning

@@ -18,6 +18,7 @@ enum class TransportKey {
   acknowledge,    ///< a
   start,          ///< Enter: after an acknowledged stop
   quit,           ///< q: stop, and leave
+  refused,        ///< what would begin something, after the rig file was changed
 };
 
 /// From the bytes that a terminal sends. Other keys are ignored. An Esc that begins no arrow key is a stop:

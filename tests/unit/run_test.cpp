@@ -181,7 +181,8 @@ TEST(Run, ItsReportHasTheFieldsOfItsFormatInTheirOrder) {
   EXPECT_EQ(json["axes"][0]["last_commanded"], 1640);
   EXPECT_EQ(json["axes"][1]["last_actual"], 32);
   EXPECT_GT(json["axes"][2]["following_error_peak"], 0);
-  EXPECT_THAT(fields(json["wake_latency_us"]), ElementsAre("p50", "p99", "p99_9", "max"));
+  EXPECT_THAT(fields(json["wake_latency_us"]),
+              ElementsAre("p50", "p99", "p99_9", "max", "max_at_s", "histogram"));
 }
 
 TEST(Run, ItsSummaryShowsEveryAxisAndMakesWayForTheReport) {

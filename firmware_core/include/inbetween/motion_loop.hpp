@@ -134,6 +134,10 @@ class MotionLoop {
   }
 
   [[nodiscard]] SupervisorState state() const { return state_; }
+  /// Whether drives are told setpoints: not before they are on, nor after power was lost.
+  [[nodiscard]] bool sends_setpoints() const {
+    return is_moving() || state_ == SupervisorState::ready || state_ == SupervisorState::latched;
+  }
   /// The setpoints of the last tick, a drive each.
   [[nodiscard]] std::span<const Setpoint<Real>> setpoints() const { return memory_.setpoints; }
   [[nodiscard]] std::span<const DriveState<Real>> drive_states() const { return memory_.states; }
@@ -141,10 +145,6 @@ class MotionLoop {
  private:
   [[nodiscard]] bool is_moving() const {
     return state_ == SupervisorState::running || state_ == SupervisorState::stopping;
-  }
-  /// Nothing is sent before the drives are on, nor after power was lost.
-  [[nodiscard]] bool sends_setpoints() const {
-    return is_moving() || state_ == SupervisorState::ready || state_ == SupervisorState::latched;
   }
   [[nodiscard]] bool is_resting() const {
     return spec_.playhead->is_resting() && (spec_.still == nullptr || spec_.still->is_resting());
