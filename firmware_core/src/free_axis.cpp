@@ -64,7 +64,8 @@ Real FreeAxis<Real>::way_over(Real velocity) const {
 /// a stop is not. Above the speed that remains when the acceleration is released the way grows with the
 /// speed. Below it the slowing down is interrupted and the way may be longer than over that speed itself;
 /// there the root that is found need not be the only one, and any is good. While the speed rises, the way
-/// over the released speed is that of the stop, so that only rounding can say that there is not the room.
+/// over the released speed is that of the stop, so that only rounding can say that there is not the room;
+/// then it stops.
 template <Precise Real>
 Real FreeAxis<Real>::top_speed(Real direction, Real speed, Real room) const {
   const auto fits = [&](Real tried) { return direction * way_over(direction * tried) <= room; };
@@ -81,7 +82,7 @@ Real FreeAxis<Real>::top_speed(Real direction, Real speed, Real room) const {
     if (!(low < middle && middle < high)) break;
     (fits(middle) ? low : high) = middle;
   }
-  return low;
+  return low == 0 || fits(low) ? low : Real{0};
 }
 
 template <Precise Real>

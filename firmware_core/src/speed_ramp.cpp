@@ -14,7 +14,8 @@ template <Precise Real>
 SpeedRamp<Real> SpeedRamp<Real>::between(Real from_velocity, Real acceleration, Real to_velocity,
                                          const RampLimits<Real>& limits) {
   const Real most = limits.acceleration;
-  const Real sign = released(from_velocity, acceleration, limits.jerk) <= to_velocity ? Real{1} : Real{-1};
+  const Real missing = to_velocity - released(from_velocity, acceleration, limits.jerk);
+  const Real sign = std::copysign(Real{1}, missing == 0 ? acceleration : missing);
   const Real a = sign * acceleration;
   const Real gain = sign * (to_velocity - from_velocity);
   SpeedRamp ramp;
