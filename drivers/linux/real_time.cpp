@@ -57,8 +57,8 @@ std::optional<long> kernel_number(const char* path) {
 }  // namespace
 
 RealTimeThread::RealTimeThread(const RealTimeWishes& wishes) {
-  lock_memory();
-  touch_stack(wishes.stack_bytes);
+  if (wishes.locks_memory) lock_memory();
+  touch_stack(wishes.stack_bytes, !wishes.locks_memory || has_locked_memory_);
   if (wishes.cpu) bind_to(*wishes.cpu);
   keep_awake();
   take_priority(wishes.priority);
@@ -95,7 +95,7 @@ void RealTimeThread::lock_memory() {
                          "\"USER - memlock unlimited\" and log in again"});
 }
 
-void RealTimeThread::touch_stack(std::size_t bytes) {
+void RealTimeThread::touch_stack(std::size_t bytes, bool is_memory_locked) {
   constexpr const char* name = "stack in memory";
   const std::size_t left = stack_left();
   if (left < bytes + stack_reserve_bytes) {
@@ -106,7 +106,7 @@ void RealTimeThread::touch_stack(std::size_t bytes) {
   }
   touch_pages((bytes + page_bytes - 1) / page_bytes);
   // Without the lock the pages may go again.
-  if (has_locked_memory_) return note(name, true, std::nullopt);
+  if (is_memory_locked) return note(name, true, std::nullopt);
   note(name, true,
        Refusal{.what = "the stack does not stay in memory, for memory cannot be locked",
                .remedy = "what helps for locked memory"});

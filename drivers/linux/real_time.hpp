@@ -15,6 +15,7 @@ struct RealTimeWishes {
   int priority = 80;                      ///< SCHED_FIFO, 1 to 99
   std::optional<int> cpu = std::nullopt;  ///< the only processor to run on; none: any
   std::size_t stack_bytes = 256 * 1024;   ///< below the caller's frame, in memory before it is needed
+  bool locks_memory = true;  ///< false where another thread of the process holds the lock, and for longer
 };
 
 /// One thing that was asked for, and whether it was given.
@@ -25,8 +26,8 @@ struct RealTimeRight {
 };
 
 /// Makes the thread that constructs it a real-time thread, as far as the machine allows, until it is
-/// destroyed by the same thread, which gives everything back. One in a process: locked memory is the
-/// process's.
+/// destroyed by the same thread, which gives everything back. Locked memory is the process's: of several in a
+/// process one locks it, and outlives the others.
 ///
 /// It locks all memory of the process, now and later (mlockall), touches the stack, binds the thread to its
 /// processor, keeps processors from sleeping deeply (/dev/cpu_dma_latency at 0 us), makes the thread
@@ -40,14 +41,14 @@ class RealTimeThread {
   RealTimeThread(const RealTimeThread&) = delete;
   RealTimeThread& operator=(const RealTimeThread&) = delete;
 
-  /// In the order in which they were asked for; the processor only if one was wished for.
+  /// In the order in which they were asked for; the processor and locked memory only if wished for.
   [[nodiscard]] const std::vector<RealTimeRight>& rights() const { return rights_; }
   /// Whether everything was obtained that a loop which drives motors needs.
   [[nodiscard]] bool is_fit() const;
 
  private:
   void lock_memory();
-  void touch_stack(std::size_t bytes);
+  void touch_stack(std::size_t bytes, bool is_memory_locked);
   void bind_to(int cpu);
   void keep_awake();
   void take_priority(int priority);
