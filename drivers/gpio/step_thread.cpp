@@ -1,0 +1,26 @@
+#include "drivers/gpio/step_thread.hpp"
+
+namespace inbetween::gpio {
+
+StepThread::StepThread(StepPlayer& player, const std::optional<RealTimeWishes>& wishes)
+    : player_(player), thread_([this, wishes] { play(wishes); }) {
+  is_ready_.wait();
+}
+
+StepThread::~StepThread() {
+  player_.end();
+  thread_.join();
+}
+
+void StepThread::play(const std::optional<RealTimeWishes>& wishes) {
+  std::optional<RealTimeThread> real_time;
+  if (wishes) {
+    real_time.emplace(*wishes);
+    rights_ = real_time->rights();
+    is_fit_ = real_time->is_fit();
+  }
+  is_ready_.count_down();
+  player_.run();
+}
+
+}  // namespace inbetween::gpio

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <latch>
+#include <optional>
+#include <thread>
+#include <vector>
+
+#include "drivers/gpio/step_player.hpp"
+#include "drivers/linux/real_time.hpp"
+
+namespace inbetween::gpio {
+
+/// The thread that a StepPlayer runs in, from construction to destruction, which ends the player: with the
+/// safe levels set.
+///
+/// It watches the clock before every instant. On the only processor, or on that of the loop, it therefore
+/// takes away what it watches for; wish it a processor of its own.
+class StepThread {
+ public:
+  /// With the wishes it is a real-time thread as far as the machine allows: see `rights`. The process's loop
+  /// has locked the memory already, so `locks_memory` is to be false in them if there is one. Without wishes
+  /// it is an ordinary thread. Returns when it runs; throws std::system_error if there can be no thread.
+  StepThread(StepPlayer& player, const std::optional<RealTimeWishes>& wishes);
+  ~StepThread();
+  StepThread(const StepThread&) = delete;
+  StepThread& operator=(const StepThread&) = delete;
+
+  /// As RealTimeThread has them; none without wishes.
+  [[nodiscard]] const std::vector<RealTimeRight>& rights() const { return rights_; }
+  /// Whether everything was obtained that a thread which drives motors needs.
+  [[nodiscard]] bool is_fit() const { return is_fit_; }
+
+ private:
+  void play(const std::optional<RealTimeWishes>& wishes);
+
+  StepPlayer& player_;
+  std::vector<RealTimeRight> rights_;
+  bool is_fit_ = false;
+  std::latch is_ready_{1};
+  std::thread thread_;
+};
+
+}  // namespace inbetween::gpio
