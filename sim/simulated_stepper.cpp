@@ -53,9 +53,9 @@ Status SimulatedStepper::take(const StepInstant& instant) {
   const bool step = level_after(settings_.lines.step, step_level_);
   const bool dir = level_after(settings_.lines.dir, dir_level_);
 
-  // The order of two lines that change at once is not known, so DIR counts as moving at the edge of STEP.
+  // Which of two lines that change at once is first is not known: DIR is not settled at a rising edge then.
   if (dir != dir_level_) {
-    if (step_level_ || step || at_ns - fall_ns_ < timing.dir_hold_ns) ++violations_.dir_hold;
+    if (step_level_ || at_ns - fall_ns_ < timing.dir_hold_ns) ++violations_.dir_hold;
     dir_level_ = dir;
     dir_ns_ = at_ns;
   }
@@ -81,10 +81,10 @@ void SimulatedStepper::step(std::int64_t at_ns) {
   run_ = std::min(run_ + 1, run_ns_.size());
 
   count_ += way;
-  const bool is_slow = run_ < 2 || rate(0, 1) <= settings_.start_rate;
+  const bool is_slow = run_ >= 2 && rate(0, 1) <= settings_.start_rate;
   if (is_stalled_) {
     is_stalled_ = !is_slow;
-  } else if (!settings_.torque.empty() && !is_slow && !follows()) {
+  } else if (!settings_.torque.empty() && run_ >= 2 && !is_slow && !follows()) {
     is_stalled_ = true;
     ++stalls_;
   }
