@@ -9,13 +9,15 @@
 #include <map>
 #include <utility>
 
+#include "host_tools/move_cue_reader.hpp"
 #include "host_tools/toml_source.hpp"
 #include "host_tools/toml_value.hpp"
 
 namespace inbetween {
 namespace {
 
-constexpr std::array<std::string_view, 4> move_fields = {"name", "fps", "frames", "track"};
+constexpr std::array<std::string_view, 7> move_fields = {"name", "fps",     "frames", "track",
+                                                         "cue",  "clapper", "start"};
 constexpr std::array<std::string_view, 8> track_fields = {"axes",  "spline",  "closed", "keys",
                                                           "speed", "weights", "timing", "kinetic"};
 constexpr std::array<std::string_view, 7> key_fields = {"at",    "tension", "continuity", "bias",
@@ -236,6 +238,7 @@ MoveFile parse_move(std::string_view text, const std::string& file_name) {
        table.required("track", "a [[track]] with axes, keys and speed").tables(max_tracks)) {
     move.tracks.push_back(read_track(track, move.frames, taken_axes));
   }
+  read_cues(table, move);
   return move;
 }
 

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "host_tools/diagnostics.hpp"
+#include "host_tools/move_cue.hpp"
 #include "inbetween/frame_time.hpp"
 #include "inbetween/path.hpp"
 #include "inbetween/track.hpp"
@@ -71,8 +72,12 @@ struct MoveFile {
   WrittenFrameRate fps;
   std::int32_t frames = 0;  // N: frames 0..N are N + 1 positions
   std::vector<MoveTrack> tracks;
+  std::vector<MoveCue> cues;  // pulses of a line neither overlap nor touch
+  std::optional<Clapper> clapper;
+  Start start = Start::command;
   Place frames_place;
   Place fps_place;
+  Place start_place;  // of `start`, if the move has it
 };
 
 /// Reads and checks a move. Throws InputError at the first thing that is wrong.

@@ -7,18 +7,20 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <span>
 #include <utility>
 
+#include "host_tools/rig_drive_reader.hpp"
+#include "host_tools/rig_line_reader.hpp"
 #include "host_tools/toml_source.hpp"
 #include "host_tools/toml_value.hpp"
 
 namespace inbetween {
 namespace {
 
-constexpr std::array<std::string_view, 4> rig_fields = {"name", "rate_hz", "bus", "axis"};
+constexpr std::array<std::string_view, 8> rig_fields = {
+    "name", "rate_hz", "bus", "axis", "emergency_stop", "start_trigger", "camera", "output"};
 constexpr std::array<std::string_view, 1> bus_fields = {"bitrate"};
-constexpr std::array<std::string_view, 11> axis_fields = {"name",
+constexpr std::array<std::string_view, 15> axis_fields = {"name",
                                                           "unit",
                                                           "min",
                                                           "max",
@@ -28,23 +30,21 @@ constexpr std::array<std::string_view, 11> axis_fields = {"name",
                                                           "max_acceleration_step",
                                                           "stop_acceleration",
                                                           "stop_jerk",
-                                                          "drive"};
-constexpr std::array<std::string_view, 4> cia402_fields = {"type", "bus", "node", "counts_per_unit"};
-constexpr std::array<std::string_view, 4> turns_fields = {"type", "bus", "node", "turns_per_unit"};
-constexpr std::array<std::string_view, 6> step_dir_fields = {"type", "chip",   "step",
-                                                             "dir",  "enable", "steps_per_unit"};
-constexpr std::array<std::string_view, 3> pipe_fields = {"type", "path", "counts_per_unit"};
+                                                          "drive",
+                                                          "reference",
+                                                          "home",
+                                                          "limit_min",
+                                                          "limit_max"};
+constexpr std::array<std::string_view, 10> home_fields = {"chip", "line", "active",   "bias",   "direction",
+                                                          "fast", "slow", "back_off", "search", "at"};
+constexpr std::array<std::string_view, 4> input_fields = {"chip", "line", "active", "bias"};
+constexpr std::array<std::string_view, 4> emergency_stop_fields = {"chip", "line", "stops_at", "bias"};
+constexpr std::array<std::string_view, 4> camera_fields = {"chip", "line", "idle", "asks"};
+constexpr std::array<std::string_view, 3> output_fields = {"chip", "line", "idle"};
 
 constexpr std::array<std::string_view, 6> unit_names = {"mm", "m", "deg", "rad", "turn", "unit"};
-
-/// Who has taken what: axis names, nodes of a bus, lines of a chip. The text says which.
-using Taken = std::map<std::string, Place>;
-
-void take(Taken& taken, const TomlValue& value, const std::string& what, std::string_view remedy) {
-  const auto [earlier, is_new] = taken.emplace(what, value.place());
-  if (!is_new)
-    value.refuse(fmt::format("is {}, which line {} has already; {}", what, earlier->second.line, remedy));
-}
+/// What cues call the shutter of the camera.
+constexpr std::string_view camera_name = "camera";
 
 std::vector<Bus> read_buses(const TomlTable& rig) {
   std::vector<Bus> buses;
@@ -65,127 +65,6 @@ std::vector<Bus> read_buses(const TomlTable& rig) {
                      table.place()});
   }
   return buses;
-}
-
-/// What reading one drive needs to know about the rig so far.
-struct RigContext {
-  std::span<const Bus> buses;
-  Taken& taken;
-};
-
-struct CanAddress {
-  std::string bus;
-  int node;
-};
-
-struct NodeRange {
-  int least;
-  int most;
-};
-
-CanAddress read_can_address(const TomlTable& table, NodeRange range, const RigContext& rig) {
-  const TomlValue bus = table.required("bus", R"(the CAN bus, bus = "can0")");
-  CanAddress address{bus.text(), 0};
-  const auto is_the_bus = [&](const Bus& known) { return known.name == address.bus; };
-  if (std::none_of(rig.buses.begin(), rig.buses.end(), is_the_bus)) {
-    bus.refuse(fmt::format("is {}, which the rig does not have; add a [bus.NAME] for it with its bitrate",
-                           in_quotes(address.bus)));
-  }
-  const TomlValue node = table.required("node", "the node id of the drive, node = 1");
-  address.node = static_cast<int>(node.integer(range.least, range.most));
-  take(rig.taken, node, fmt::format("node {} of bus {}", address.node, address.bus),
-       "give each drive its own");
-  return address;
-}
-
-/// A scale in drive units per axis unit; both ends of the axis must stay within `most` drive units of 0.
-double read_scale(const TomlTable& table, std::string_view field, const RigAxis& axis, double most) {
-  const TomlValue value = table.required(field, fmt::format("{} = 1000.0, say", field));
-  const double scale = value.number();
-  if (scale == 0) value.refuse("is 0; write a positive number, or a negative one to reverse the motor");
-  const std::string_view counted = field.substr(0, field.find('_'));
-  for (const double end : {axis.min, axis.max}) {
-    const double position = end * scale;
-    if (std::abs(std::round(position)) > most) {
-      value.refuse(
-          fmt::format("is {}, so that {} {} is {:.15g} {}, beyond {:.15g}; lower the scale or the range",
-                      scale, end, to_string(axis.unit), position, counted, most));
-    }
-  }
-  return scale;
-}
-
-double read_count_scale(const TomlTable& table, std::string_view field, const RigAxis& axis) {
-  return read_scale(table, field, axis, std::numeric_limits<std::int32_t>::max());
-}
-
-GpioLine read_line(const TomlValue& value, const std::string& chip, Taken& taken) {
-  constexpr std::string_view remedy = "use each line once";
-  if (value.node().is_string()) {
-    std::string name = value.text();
-    take(taken, value, fmt::format("line {} of chip {}", in_quotes(name), in_quotes(chip)), remedy);
-    return name;
-  }
-  const auto offset = static_cast<int>(value.integer(0, max_line_offset));
-  take(taken, value, fmt::format("line {} of chip {}", offset, in_quotes(chip)), remedy);
-  return offset;
-}
-
-std::string read_chip(const TomlTable& table) {
-  const TomlValue value = table.required("chip", R"(the label of the GPIO chip, chip = "pinctrl-bcm2711")");
-  std::string chip = value.text();
-  std::string_view number = chip;
-  for (const std::string_view prefix : {"/dev/", "gpiochip"}) {
-    if (number.starts_with(prefix)) number.remove_prefix(prefix.size());
-  }
-  if (number.find_first_not_of("0123456789") == number.npos) {
-    value.refuse(fmt::format("is {}, a number that may change at every start; write the chip's label",
-                             in_quotes(chip)));
-  }
-  return chip;
-}
-
-StepDirDrive read_step_dir(const TomlTable& table, const RigAxis& axis, const RigContext& rig) {
-  StepDirDrive drive;
-  drive.chip = read_chip(table);
-  drive.step = read_line(table.required("step", "the step line, by offset or name"), drive.chip, rig.taken);
-  drive.dir =
-      read_line(table.required("dir", "the direction line, by offset or name"), drive.chip, rig.taken);
-  if (const auto enable = table.optional("enable")) drive.enable = read_line(*enable, drive.chip, rig.taken);
-  drive.steps_per_unit = read_count_scale(table, "steps_per_unit", axis);
-  return drive;
-}
-
-Drive read_drive(const TomlValue& value, const RigAxis& axis, const RigContext& rig) {
-  const toml::table& fields = value.table();
-  const toml::node* type = fields.get("type");
-  if (type == nullptr) {
-    value.refuse(R"(has no type; add type = "cia402", "odrive", "moteus", "step-dir" or "pipe")");
-  }
-  switch (TomlValue(*type, "type").choice({"cia402", "odrive", "moteus", "step-dir", "pipe"})) {
-    case 0: {
-      const TomlTable table(fields, "a cia402 drive", cia402_fields);
-      const auto [bus, node] = read_can_address(table, {1, 127}, rig);
-      return Cia402Drive{bus, node, read_count_scale(table, "counts_per_unit", axis)};
-    }
-    case 1: {
-      const TomlTable table(fields, "an odrive drive", turns_fields);
-      const auto [bus, node] = read_can_address(table, {0, 63}, rig);
-      return OdriveDrive{bus, node, read_scale(table, "turns_per_unit", axis, max_turns)};
-    }
-    case 2: {
-      const TomlTable table(fields, "a moteus drive", turns_fields);
-      const auto [bus, node] = read_can_address(table, {1, 127}, rig);
-      return MoteusDrive{bus, node, read_scale(table, "turns_per_unit", axis, max_turns)};
-    }
-    case 3:
-      return read_step_dir(TomlTable(fields, "a step-dir drive", step_dir_fields), axis, rig);
-    default:
-      break;
-  }
-  const TomlTable table(fields, "a pipe drive", pipe_fields);
-  const TomlValue path = table.required("path", "the FIFO or serial port, path = \"...\"");
-  return PipeDrive{path.text(), read_count_scale(table, "counts_per_unit", axis)};
 }
 
 void read_limits(const TomlTable& table, RigAxis& axis) {
@@ -218,6 +97,74 @@ void read_limits(const TomlTable& table, RigAxis& axis) {
   axis.stop_jerk = stop_limit("stop_jerk", "max_jerk", axis.max_jerk);
 }
 
+/// A position that the drive of an open-loop axis cannot count to.
+void refuse_uncountable(const TomlValue& value, double position, const RigAxis& axis) {
+  const auto* stepper = std::get_if<StepDirDrive>(&axis.drive);
+  const double scale =
+      stepper != nullptr ? stepper->steps_per_unit : std::get<PipeDrive>(axis.drive).counts_per_unit;
+  if (std::abs(std::round(position * scale)) <= std::numeric_limits<std::int32_t>::max()) return;
+  value.refuse(fmt::format("is {} {}, which the drive cannot count to in 32 bits; write where the switch is",
+                           position, to_string(axis.unit)));
+}
+
+Home read_home(const TomlValue& value, const RigAxis& axis, TakenLines& lines) {
+  const TomlTable table(value.table(), "a home", home_fields);
+  if (!is_open_loop(axis.drive)) {
+    value.refuse("has no meaning for a drive that knows where it is; remove it, the drive homes itself");
+  }
+  Home home;
+  home.place = value.place();
+  home.input = read_input(table, BrokenWire::preferably_active, lines);
+  home.direction = table.required("direction", R"(direction = "negative" or "positive", towards the switch)")
+                               .choice({"negative", "positive"}) == 0
+                       ? -1
+                       : 1;
+  const TomlValue fast = table.required("fast", "fast = 20.0 (unit/s), say, to find the switch");
+  home.fast = fast.positive_number();
+  if (home.fast > axis.max_velocity) {
+    fast.refuse(fmt::format("is {}, above max_velocity = {}; lower it", home.fast, axis.max_velocity));
+  }
+  const TomlValue slow = table.required("slow", "slow = 2.0 (unit/s), say, to meet its edge");
+  home.slow = slow.positive_number();
+  if (home.slow >= home.fast) {
+    slow.refuse(fmt::format("is {}, not below fast = {}; lower it", home.slow, home.fast));
+  }
+  home.back_off =
+      table.required("back_off", "back_off = 5.0 (unit), say, to leave the switch").positive_number();
+  const auto search = table.optional("search");
+  home.search = search ? search->positive_number() : axis.max - axis.min;
+  if (const auto at = table.optional("at")) {
+    home.at = at->number();
+    refuse_uncountable(*at, home.at, axis);
+  }
+  return home;
+}
+
+void read_reference(const TomlTable& table, RigAxis& axis) {
+  const bool open_loop = is_open_loop(axis.drive);
+  axis.reference = axis.home ? Reference::home : open_loop ? Reference::operator_ : Reference::drive;
+  const auto value = table.optional("reference");
+  if (!value) return;
+  constexpr std::array kinds = {Reference::drive, Reference::operator_, Reference::home};
+  const Reference reference = kinds.at(value->choice({"drive", "operator", "home"}));
+  if (reference == Reference::drive && open_loop) {
+    value->refuse(R"(is "drive", but nothing reports where this axis is; write "operator", or add a home)");
+  }
+  if ((reference == Reference::home) != axis.home.has_value()) {
+    value->refuse(axis.home ? fmt::format(R"(is "{}", but the axis has a home; remove one of the two)",
+                                          to_string(reference))
+                            : R"(is "home", but the axis has none; add home = { ... } or write "operator")");
+  }
+  axis.reference = reference;
+}
+
+std::optional<InputLine> read_switch(const TomlTable& parent, std::string_view field, BrokenWire broken,
+                                     TakenLines& lines) {
+  const auto value = parent.optional(field);
+  if (!value) return std::nullopt;
+  return read_input(TomlTable(value->table(), std::string(field), input_fields), broken, lines);
+}
+
 RigAxis read_axis(const TomlValue& value, const RigContext& rig) {
   const TomlTable table(value.table(), "an axis", axis_fields);
   RigAxis axis;
@@ -231,7 +178,69 @@ RigAxis read_axis(const TomlValue& value, const RigContext& rig) {
                                          unit_names[4], unit_names[5]}));
   read_limits(table, axis);
   axis.drive = read_drive(table.required("drive", R"(drive = { type = ... })"), axis, rig);
+  if (const auto home = table.optional("home")) axis.home = read_home(*home, axis, rig.lines);
+  read_reference(table, axis);
+  axis.limit_min = read_switch(table, "limit_min", BrokenWire::preferably_active, rig.lines);
+  axis.limit_max = read_switch(table, "limit_max", BrokenWire::preferably_active, rig.lines);
   return axis;
+}
+
+std::optional<InputLine> read_emergency_stop(const TomlTable& rig, TakenLines& lines) {
+  const auto value = rig.optional("emergency_stop");
+  if (!value) return std::nullopt;
+  const TomlTable table(value->table(), "the emergency stop", emergency_stop_fields);
+  const Level stops_at =
+      read_level(table.required("stops_at", R"(stops_at = "high" or "low", the level that stops)"));
+  return read_input(table, stops_at, BrokenWire::reads_active, lines);
+}
+
+std::optional<Camera> read_camera(const TomlTable& rig, TakenLines& lines) {
+  const auto value = rig.optional(camera_name);
+  if (!value) return std::nullopt;
+  const TomlTable table(value->table(), "the camera", camera_fields);
+  Camera camera;
+  camera.place = value->place();
+  camera.shutter = read_output(table, lines);
+  camera.asks = read_switch(table, "asks", BrokenWire::reads_inactive, lines);
+  return camera;
+}
+
+std::vector<Output> read_outputs(const TomlTable& rig, TakenLines& lines) {
+  std::vector<Output> outputs;
+  const auto section = rig.optional("output");
+  if (!section) return outputs;
+  const toml::table& tables = section->table();
+  if (tables.size() > max_rig_outputs) {
+    section->refuse(fmt::format("has {} lines; write at most {}", tables.size(), max_rig_outputs));
+  }
+  for (const auto& [key, node] : tables) {
+    const std::string_view name = key.str();
+    const TomlValue value(node, fmt::format("output {}", in_quotes(name)));
+    const TomlTable table(value.table(), value.name(), output_fields);
+    const bool is_plain =
+        !name.empty() && name.size() <= max_text_bytes && std::all_of(name.begin(), name.end(), [](char c) {
+          return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ||
+                 c == '_';
+        });
+    if (!is_plain) value.refuse("is not a plain name; write letters, digits, - and _");
+    if (name == camera_name)
+      value.refuse("has the name of the shutter line; write [camera], or another name");
+    outputs.push_back({std::string(name), read_output(table, lines), value.place()});
+  }
+  return outputs;
+}
+
+/// STEP and DIR of a chip change in one call.
+void refuse_too_many_step_dir_drives(const RigFile& rig) {
+  std::map<std::string, std::size_t> drives;
+  for (const RigAxis& axis : rig.axes) {
+    const auto* drive = std::get_if<StepDirDrive>(&axis.drive);
+    if (drive == nullptr || ++drives[drive->chip] <= max_step_dir_drives_of_chip) continue;
+    throw InputError(axis.place,
+                     fmt::format("axis {} is one more step-dir drive than the {} that chip {} can "
+                                 "step at once; move it to another chip",
+                                 in_quotes(axis.name), max_step_dir_drives_of_chip, in_quotes(drive->chip)));
+  }
 }
 
 void refuse_inexact_cia402_rate(const RigFile& rig, const TomlValue& rate) {
@@ -251,6 +260,22 @@ void refuse_inexact_cia402_rate(const RigFile& rig, const TomlValue& rate) {
 
 std::string_view to_string(AxisUnit unit) {
   return unit_names.at(static_cast<std::size_t>(unit));
+}
+
+bool is_open_loop(const Drive& drive) {
+  return std::holds_alternative<StepDirDrive>(drive) || std::holds_alternative<PipeDrive>(drive);
+}
+
+std::string_view to_string(Reference reference) {
+  switch (reference) {
+    case Reference::operator_:
+      return "operator";
+    case Reference::home:
+      return "home";
+    case Reference::drive:
+      break;
+  }
+  return "drive";
 }
 
 bool is_cia402_rate(std::int32_t rate_hz) {
@@ -273,11 +298,17 @@ RigFile parse_rig(std::string_view text, const std::string& file_name) {
   rig.rate_hz = static_cast<std::int32_t>(rate.integer(1, max_rate_hz));
   rig.buses = read_buses(table);
   Taken taken;
+  TakenLines lines;
   for (const TomlValue& axis :
        table.required("axis", "an [[axis]] with its limits and drive").tables(max_rig_axes)) {
-    rig.axes.push_back(read_axis(axis, {rig.buses, taken}));
+    rig.axes.push_back(read_axis(axis, {rig.buses, taken, lines}));
   }
   refuse_inexact_cia402_rate(rig, rate);
+  refuse_too_many_step_dir_drives(rig);
+  rig.emergency_stop = read_emergency_stop(table, lines);
+  rig.start_trigger = read_switch(table, "start_trigger", BrokenWire::reads_inactive, lines);
+  rig.camera = read_camera(table, lines);
+  rig.outputs = read_outputs(table, lines);
   return rig;
 }
 

@@ -1,8 +1,8 @@
 // A rig: the machine, its axes, limits and drives. docs/formats.md is the manual of the file.
 //
 // Reading checks everything that can be seen in the file alone: types, ranges, names and addresses taken
-// twice, positions that a drive cannot count to, a tick that CiA 402 cannot state. It opens no bus and no
-// chip.
+// twice, positions that a drive cannot count to, steps faster than it may take them, a tick that CiA 402
+// cannot state, an emergency stop that a broken wire would silence. It opens no bus and no chip.
 #pragma once
 
 #include <cstddef>
@@ -15,12 +15,16 @@
 #include <vector>
 
 #include "host_tools/diagnostics.hpp"
+#include "host_tools/rig_line.hpp"
 
 namespace inbetween {
 
 inline constexpr std::int32_t max_rate_hz = 20'000;
 inline constexpr std::size_t max_rig_axes = 64;
-inline constexpr std::int64_t max_line_offset = 65'535;
+inline constexpr std::size_t max_rig_outputs = 64;
+/// libgpiod takes 64 lines in a request, and a drive has a STEP and a DIR line in one.
+inline constexpr std::size_t max_step_dir_drives_of_chip = 32;
+inline constexpr std::int32_t most_step_rate = 1'000'000;  // steps/s
 /// ODrive and moteus take positions as float32 turns. Up to here they are at most 1/1024 turn apart.
 inline constexpr double max_turns = 16'384;
 
@@ -51,20 +55,50 @@ struct MoteusDrive {
   double turns_per_unit = 0;
 };
 
-/// A GPIO line by its offset on the chip, or by its name.
-using GpioLine = std::variant<int, std::string>;
+/// A stepper driver that takes a step at each rising edge of STEP. Times are rounded up to nanoseconds;
+/// pulse and pause together permit max_step_rate, and the axis at max_velocity does not exceed it.
 struct StepDirDrive {
   std::string chip;  // label, never "gpiochipN"
   GpioLine step;
   GpioLine dir;
   std::optional<GpioLine> enable;
   double steps_per_unit = 0;
+  double max_step_rate = 10'000;      // steps/s
+  std::int64_t pulse_ns = 5'000;      // STEP high
+  std::int64_t pause_ns = 5'000;      // STEP low
+  std::int64_t dir_setup_ns = 5'000;  // from a change of DIR to the next rise of STEP
+  std::int64_t dir_hold_ns = 5'000;   // from a rise of STEP to the next change of DIR
+  Level enable_active = Level::low;
+  std::int64_t latest_ns = 500'000;  // an edge later than this means a controlled stop
 };
 struct PipeDrive {
   std::string path;
   double counts_per_unit = 0;
 };
 using Drive = std::variant<Cia402Drive, OdriveDrive, MoteusDrive, StepDirDrive, PipeDrive>;
+
+/// Whether nothing reports where the axis really is: steps and servo pulses are only counted.
+bool is_open_loop(const Drive& drive);
+
+/// Who says where an axis is when a run begins.
+enum class Reference {
+  operator_,  // `goto --set-zero`; the position file keeps it
+  home,       // its home switch; the position file keeps it
+  drive       // the drive knows
+};
+std::string_view to_string(Reference reference);
+
+/// The search for the switch: at `fast` towards it, `back_off` away from its edge, at `slow` onto it again.
+struct Home {
+  InputLine input;
+  int direction = -1;   // towards the switch, in axis units: -1 or 1
+  double fast = 0;      // unit/s, at most max_velocity
+  double slow = 0;      // unit/s, below fast
+  double back_off = 0;  // unit, above 0
+  double search = 0;    // unit, above 0: the longest way to the switch
+  double at = 0;        // position of the edge, unit
+  Place place;
+};
 
 /// Limits are magnitudes in unit, unit/s, unit/s^2, unit/s^3, all above 0.
 struct RigAxis {
@@ -79,6 +113,23 @@ struct RigAxis {
   std::optional<double> stop_acceleration;      // absent: 1.5 * max_acceleration
   std::optional<double> stop_jerk;              // absent: 1.5 * max_jerk
   Drive drive;
+  Reference reference = Reference::operator_;  // home exactly if there is a `home`
+  std::optional<Home> home;                    // of open-loop axes only
+  std::optional<InputLine> limit_min;          // switches at the ends of travel; they stop the rig
+  std::optional<InputLine> limit_max;
+  Place place;
+};
+
+struct Camera {
+  OutputLine shutter;
+  std::optional<InputLine> asks;  // the camera, or whoever triggers it, asks for the next frame
+  Place place;
+};
+
+/// A line for the cues of moves.
+struct Output {
+  std::string name;  // letters, digits, - and _; never "camera"
+  OutputLine line;
   Place place;
 };
 
@@ -88,6 +139,10 @@ struct RigFile {
   std::int32_t rate_hz = 0;
   std::vector<Bus> buses;  // in alphabetical order
   std::vector<RigAxis> axes;
+  std::optional<InputLine> emergency_stop;  // active: the level that stops
+  std::optional<InputLine> start_trigger;
+  std::optional<Camera> camera;
+  std::vector<Output> outputs;  // in alphabetical order
 };
 
 /// Whether CiA 402 can state the tick exactly: the period is a whole number of microseconds (SYNC, object

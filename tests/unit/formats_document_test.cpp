@@ -90,9 +90,23 @@ std::map<std::string, Fields> reader_fields() {
   fields["Move"] = accepted_fields(parse_move, "unknown_field = 1");
   fields["`[[track]]`"] = accepted_fields(parse_move, move + "unknown_field = 1");
   fields["`keys`"] = accepted_fields(parse_move, move + "keys = [ { at = [1], unknown_field = 1 } ]");
+  const std::string cue = "keys = [ { at = [1] } ]\n[[cue]]\nunknown_field = 1";
+  fields["`[[cue]]`"] = accepted_fields(parse_move, move + cue);
+  fields["`clapper`"] =
+      accepted_fields(parse_move, "clapper = { unknown_field = 1 }\n" + move + "keys = [ { at = [1] } ]");
   fields["Rig"] = accepted_fields(parse_rig, "unknown_field = 1");
   fields["`[bus.NAME]`"] = accepted_fields(parse_rig, with(rig, "bitrate = 500000", "unknown_field = 1"));
   fields["`[[axis]]`"] = accepted_fields(parse_rig, rig + "unknown_field = 1");
+  const std::string pipe = "drive = { type = \"pipe\", path = \"p\", counts_per_unit = 1 }\n";
+  fields["`home`"] = accepted_fields(parse_rig, rig + pipe + "home = { unknown_field = 1 }");
+  fields["`limit_min` and `limit_max`"] =
+      accepted_fields(parse_rig, rig + pipe + "limit_min = { unknown_field = 1 }");
+  for (const char* section : {"emergency_stop", "start_trigger", "camera", "output.NAME"}) {
+    fields[fmt::format("`[{}]`", section)] =
+        accepted_fields(parse_rig, fmt::format("{}{}[{}]\nunknown_field = 1", rig, pipe, section));
+  }
+  fields["`asks`"] = accepted_fields(
+      parse_rig, rig + pipe + "[camera]\nchip = \"c\"\nline = 1\nasks = { unknown_field = 1 }");
   for (const char* type : {"cia402", "odrive", "moteus", "step-dir", "pipe"}) {
     const std::string drive = fmt::format("drive = {{ type = \"{}\", unknown_field = 1 }}", type);
     fields[fmt::format("`drive = {{ type = \"{}\" }}`", type)] = accepted_fields(parse_rig, rig + drive);
@@ -121,7 +135,8 @@ TEST(FormatsDocument, ItsExamplesHaveEveryField) {
   const std::vector<std::string> examples = documented_examples();
   ASSERT_EQ(examples.size(), 2U);
   for (const auto& [heading, fields] : documented_fields()) {
-    const bool of_move = heading == "Move" || heading == "`[[track]]`" || heading == "`keys`";
+    const bool of_move = heading == "Move" || heading == "`[[track]]`" || heading == "`keys`" ||
+                         heading == "`[[cue]]`" || heading == "`clapper`";
     for (const std::string& field : fields) {
       EXPECT_THAT(examples[of_move ? 0 : 1], testing::ContainsRegex("(^|[^a-z_])" + field + "( |\\]|\\.)"))
           << heading << " " << field;
@@ -156,7 +171,15 @@ TEST(FormatsDocument, HasEveryWordThatAFieldMayBe) {
       {"spline", words_after(parse_move, with(move, "\"tcb\"", "\"?\""))},
       {"timing", words_after(parse_move, with(move, "\"speed\"", "\"?\""))},
       {"kinetic", words_after(parse_move, with(move, "kinetic = \"linear\"", "kinetic = \"?\""))},
+      {"start", words_after(parse_move, with(move, "\"trigger\"", "\"?\""))},
       {"unit", words_after(parse_rig, with(rig, "\"unit\"", "\"?\""))},
+      {"reference", words_after(parse_rig, with(rig, "reference = \"drive\"", "reference = \"?\""))},
+      {"direction", words_after(parse_rig, with(rig, "\"negative\"", "\"?\""))},
+      {"stops_at", words_after(parse_rig, with(rig, "stops_at = \"high\"", "stops_at = \"?\""))},
+      {"enable_active",
+       words_after(parse_rig, with(rig, "enable_active = \"low\"", "enable_active = \"?\""))},
+      {"bias", words_after(parse_rig, with(rig, "stops_at = \"high\"\nbias = \"pull-up\"",
+                                           "stops_at = \"high\"\nbias = \"?\""))},
   };
   for (const auto& [field, accepted] : words) {
     ASSERT_GE(accepted.size(), 2U) << field;
