@@ -148,7 +148,8 @@ TEST(FormatsDocument, ItsExamplesHaveEveryField) {
 TEST(FormatsDocument, HasEveryWordThatAFieldMayBe) {
   const auto row_of = [](std::string_view field) {
     for (const std::string& line : lines_of_document()) {
-      if (line.starts_with(fmt::format("| `{}` |", field))) return line;
+      // `bias` is a number in a key and a word in an input.
+      if (line.starts_with(fmt::format("| `{}` | `\"", field))) return line;
     }
     return std::string();
   };

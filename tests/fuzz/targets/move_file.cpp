@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <string_view>
 
 #include "tests/fuzz/targets/refusal.hpp"
@@ -45,6 +46,28 @@ void require_track(const MoveTrack& track, std::int32_t frames) {
   fuzz_require(!track.kinetic || track.timing == Timing::frames, "a kinetic goes with frame times");
 }
 
+void require_cues(const MoveFile& move) {
+  fuzz_require(move.cues.size() <= max_cues, "cues fit");
+  for (const MoveCue& cue : move.cues) {
+    fuzz_require(!cue.line.empty(), "a cue has a line");
+    fuzz_require(cue.frames.empty() == (cue.every > 0) && cue.every <= move.frames,
+                 "a cue has frames or every");
+    fuzz_require(cue.frame_places.size() == cue.frames.size(), "a frame has a place");
+    fuzz_require(cue.phase >= 0 && cue.phase < 1, "a pulse begins in its frame");
+  }
+  const double frame_ns = 1e9 / move.fps.rate.frames_per_second();
+  std::map<std::string_view, double> ends;  // of the latest pulse of a line
+  for (const CuePulse& pulse : cue_pulses(move)) {
+    fuzz_require(pulse.frame >= 0 && pulse.frame <= move.frames, "a pulse is in the move");
+    fuzz_require(pulse.width_ns >= 1 && pulse.width_ns <= 60'000'000'000, "a pulse has a width");
+    fuzz_require(pulse.place != nullptr && pulse.place->line > 0, "a pulse has a place");
+    const double begin = (pulse.frame + pulse.phase) * frame_ns;
+    const auto [end, is_first] = ends.emplace(pulse.line, 0);
+    fuzz_require(is_first || begin > end->second - 1 - 1e-9 * begin, "pulses of a line are apart");
+    end->second = begin + static_cast<double>(pulse.width_ns);
+  }
+}
+
 void require_move(const MoveFile& move) {
   fuzz_require(!move.name.empty(), "a move has a name");
   fuzz_require(move.frames >= 1 && move.frames <= max_frames, "a move has frames");
@@ -52,6 +75,7 @@ void require_move(const MoveFile& move) {
   fuzz_require(move.fps.rate.frames_per_second() <= 1000, "a frame rate is at most 1000");
   fuzz_require(!move.tracks.empty() && move.tracks.size() <= max_tracks, "a move has tracks");
   for (const MoveTrack& track : move.tracks) require_track(track, move.frames);
+  require_cues(move);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <limits>
 #include <set>
 #include <string_view>
+#include <vector>
 
 #include "tests/fuzz/targets/refusal.hpp"
 
@@ -24,6 +25,85 @@ void require_scale(const RigAxis& axis, double scale, double most) {
   fuzz_require(std::fabs(std::round(axis.max * scale)) <= most, "a drive can count to max");
 }
 
+void require_step_times(const RigAxis& axis, const StepDirDrive& drive) {
+  fuzz_require(drive.max_step_rate > 0 && drive.max_step_rate <= most_step_rate,
+               "a step rate is in its range");
+  fuzz_require(std::fabs(drive.steps_per_unit) * axis.max_velocity <= drive.max_step_rate,
+               "an axis is no faster than its drive may step");
+  for (const std::int64_t time_ns :
+       {drive.pulse_ns, drive.pause_ns, drive.dir_setup_ns, drive.dir_hold_ns, drive.latest_ns}) {
+    fuzz_require(time_ns >= 1 && time_ns <= 1'000'000'000, "a time is in its range");
+  }
+  fuzz_require(static_cast<double>(drive.pulse_ns + drive.pause_ns) <= 1e9 / drive.max_step_rate,
+               "pulse and pause permit the step rate");
+}
+
+/// The lines of a rig, and that none is used twice.
+class Lines {
+ public:
+  void add(const LineAddress& address) {
+    const auto* offset = std::get_if<int>(&address.line);
+    fuzz_require(offset == nullptr || (*offset >= 0 && !address.chip.empty()), "an offset has a chip");
+    for (const LineAddress& other : lines_) {
+      fuzz_require(!is_same_line(address, other), "a line is used once");
+    }
+    lines_.push_back(address);
+  }
+  void add(const std::optional<InputLine>& input) {
+    if (input) add(input->address);
+  }
+
+ private:
+  std::vector<LineAddress> lines_;
+};
+
+/// Whether a broken wire would leave the input at `level`.
+bool is_pulled_to(const InputLine& input, Level level) {
+  return input.bias == (level == Level::high ? Bias::pull_up : Bias::pull_down);
+}
+
+void require_home(const RigAxis& axis) {
+  fuzz_require((axis.reference == Reference::home) == axis.home.has_value(), "a home is used");
+  fuzz_require(axis.reference != Reference::drive || !is_open_loop(axis.drive),
+               "a drive that is asked knows");
+  if (!axis.home) return;
+  const Home& home = *axis.home;
+  fuzz_require(is_open_loop(axis.drive), "a drive that knows is not homed");
+  fuzz_require(home.direction == 1 || home.direction == -1, "a switch is on one side");
+  fuzz_require(home.slow > 0 && home.slow < home.fast && home.fast <= axis.max_velocity,
+               "slow is below fast");
+  fuzz_require(home.back_off > 0 && home.search > 0 && std::isfinite(home.at), "a search has a length");
+}
+
+void require_lines(const RigFile& rig) {
+  Lines lines;
+  for (const RigAxis& axis : rig.axes) {
+    if (const auto* drive = std::get_if<StepDirDrive>(&axis.drive)) {
+      lines.add({drive->chip, drive->step, {}});
+      lines.add({drive->chip, drive->dir, {}});
+      if (drive->enable) lines.add({drive->chip, *drive->enable, {}});
+    }
+    if (axis.home) lines.add(axis.home->input.address);
+    lines.add(axis.limit_min);
+    lines.add(axis.limit_max);
+  }
+  lines.add(rig.emergency_stop);
+  lines.add(rig.start_trigger);
+  if (rig.camera) {
+    lines.add(rig.camera->shutter.address);
+    lines.add(rig.camera->asks);
+  }
+  fuzz_require(rig.outputs.size() <= max_rig_outputs, "outputs fit");
+  for (const Output& output : rig.outputs) {
+    fuzz_require(!output.name.empty() && output.name != "camera", "an output has a name of its own");
+    lines.add(output.line.address);
+  }
+  const auto& stop = rig.emergency_stop;
+  fuzz_require(!stop || !is_pulled_to(*stop, opposite(stop->active)), "a broken wire stops");
+  const auto& start = rig.start_trigger;
+  fuzz_require(!start || !is_pulled_to(*start, start->active), "a broken wire does not start");
+}
+
 void require_drive(const RigAxis& axis) {
   const double most_counts = std::numeric_limits<std::int32_t>::max();
   if (const auto* cia402 = std::get_if<Cia402Drive>(&axis.drive)) {
@@ -38,6 +118,7 @@ void require_drive(const RigAxis& axis) {
   } else if (const auto* step_dir = std::get_if<StepDirDrive>(&axis.drive)) {
     fuzz_require(!step_dir->chip.empty() && step_dir->step != step_dir->dir, "step and dir are two lines");
     require_scale(axis, step_dir->steps_per_unit, most_counts);
+    require_step_times(axis, *step_dir);
   } else if (const auto* pipe = std::get_if<PipeDrive>(&axis.drive)) {
     fuzz_require(!pipe->path.empty(), "a pipe has a path");
     require_scale(axis, pipe->counts_per_unit, most_counts);
@@ -54,6 +135,7 @@ void require_axis(const RigAxis& axis) {
   require_positive(axis.stop_acceleration);
   require_positive(axis.stop_jerk);
   require_drive(axis);
+  require_home(axis);
 }
 
 void require_rig(const RigFile& rig) {
@@ -67,6 +149,7 @@ void require_rig(const RigFile& rig) {
     const bool counts_time = std::holds_alternative<Cia402Drive>(axis.drive);
     fuzz_require(!counts_time || is_cia402_rate(rig.rate_hz), "CiA 402 can state the rate");
   }
+  require_lines(rig);
 }
 
 }  // namespace
