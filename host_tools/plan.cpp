@@ -119,6 +119,7 @@ Plan::Plan(MoveFile move, std::optional<RigFile> rig, const PlanOptions& options
     : move_(std::move(move)), rig_(std::move(rig)) {
   list_axes();
   warn_of_mixed_units();
+  if (rig_) check_cues(move_, *rig_);
   solve(options);
   put_together();
   refuse_too_many_ticks();

@@ -35,8 +35,8 @@ struct PlanAxis {
 class Plan {
  public:
   /// Solves every track and checks every frame table (check_invariants). Throws InputError at the place
-  /// in the move's file where a track cannot be solved, where an axis is not one of the rig's, or where the
-  /// move, rolls included, has more than most_ticks ticks of the rig.
+  /// in the move's file where a track cannot be solved, where an axis or the line of a cue is not one of the
+  /// rig's, or where the move, rolls included, has more than most_ticks ticks of the rig.
   Plan(MoveFile move, std::optional<RigFile> rig, const PlanOptions& options);
 
   [[nodiscard]] const MoveFile& move() const { return move_; }
