@@ -25,6 +25,10 @@ unsigned bits_of(const std::vector<can::PdoEntry>& objects) {
 
 }  // namespace
 
+void SimulatedCia402Drive::send(const can::Frame& frame) {
+  if (!takes_frame(Kind::lose_sent)) frames_.push_back(frame);
+}
+
 void SimulatedCia402Drive::boot() {
   is_booting_ = false;
   send(can::heartbeat_frame(node(), NmtState::boot_up));
@@ -108,6 +112,7 @@ void SimulatedCia402Drive::lose_communication(std::uint16_t code) {
 
 void SimulatedCia402Drive::receive(const can::Frame& frame) {
   if (is_booting_ || !can::is_canopen(frame)) return;
+  if (is_meant_for_it(frame) && takes_frame(Kind::lose_heard)) return;
   if (const auto order = can::read_nmt(frame)) return obey(*order);
   hear_host(frame);
   if (nmt_ == NmtState::stopped) return;
@@ -307,7 +312,9 @@ void SimulatedCia402Drive::send_pdos() {
         frame.data.at(frame.length++) = static_cast<std::uint8_t>(value >> (8 * i));
       }
     }
+    if (takes_frame(Kind::shorten)) --frame.length;
     send(frame);
+    if (takes_frame(Kind::duplicate)) send(frame);
   }
 }
 

@@ -53,7 +53,8 @@ SimulatedCia402Drive::SimulatedCia402Drive(const SimulatedCia402Settings& settin
       defaults_(objects_),
       motor_(settings.motor, settings.position),
       now_ns_(now_ns),
-      boot_ns_(now_ns + settings.boot_delay_ns) {
+      boot_ns_(now_ns + settings.boot_delay_ns),
+      met_(settings.troubles.size()) {
   show();
 }
 
@@ -77,6 +78,7 @@ void SimulatedCia402Drive::advance(std::int64_t now_ns) {
     meet_troubles();
     if (is_booting_ && now_ns_ >= boot_ns_) boot();
     watch_communication();
+    babble();
     step(static_cast<double>(ns) * 1e-9);
   }
   show();
@@ -122,7 +124,9 @@ void SimulatedCia402Drive::follow(double seconds) {
     target = clipped;
   }
   if (has_trouble(Kind::ignore_target)) {
-    from_ = target = demand_;
+    slow_demand_down(seconds);
+    from_ = demand_;
+    return;
   }
   const double part = std::min(1.0, since_sync_s_ / period);
   demand_ = from_ + (target - from_) * part;
@@ -140,14 +144,19 @@ void SimulatedCia402Drive::watch_following_error(double seconds) {
   if (is_following_error_) fail(0x8611);
 }
 
-/// By the ramp of 6085, the same for a quick stop and for the reaction to a fault.
-void SimulatedCia402Drive::slow_down(double seconds) {
+/// By the ramp of 6085, the same for a quick stop, for the reaction to a fault and where targets are ignored.
+/// Whether it rests.
+bool SimulatedCia402Drive::slow_demand_down(double seconds) {
   const double lost = objects_.value(0x6085) * seconds;
   const bool rests = std::fabs(demand_velocity_) <= lost;
   demand_velocity_ = rests ? 0 : demand_velocity_ - std::copysign(lost, demand_velocity_);
   demand_ += demand_velocity_ * seconds;
   motor_.follow({.position = demand_, .velocity = demand_velocity_}, seconds);
-  if (!rests) return;
+  return rests;
+}
+
+void SimulatedCia402Drive::slow_down(double seconds) {
+  if (!slow_demand_down(seconds)) return;
   if (state_ == Cia402State::fault_reaction_active) {
     enter(Cia402State::fault);
   } else if (objects_.value(0x605A) < 5) {
@@ -235,31 +244,6 @@ void SimulatedCia402Drive::react_to_lost_communication() {
       break;
     default:
       break;
-  }
-}
-
-bool SimulatedCia402Drive::has_trouble(Kind kind) const {
-  return std::ranges::any_of(settings_.troubles, [&](const DriveTrouble& trouble) {
-    return trouble.kind == kind && now_ns_ >= trouble.at_ns && now_ns_ - trouble.at_ns < trouble.for_ns;
-  });
-}
-
-std::int32_t SimulatedCia402Drive::trouble_value(Kind kind) const {
-  for (const DriveTrouble& trouble : settings_.troubles) {
-    if (trouble.kind == kind && now_ns_ >= trouble.at_ns) return trouble.value;
-  }
-  return 0;
-}
-
-void SimulatedCia402Drive::meet_troubles() {
-  is_met_.resize(settings_.troubles.size());
-  for (std::size_t i = 0; i < is_met_.size(); ++i) {
-    const DriveTrouble& trouble = settings_.troubles[i];
-    if (is_met_[i] || now_ns_ < trouble.at_ns) continue;
-    is_met_[i] = true;
-    if (trouble.kind == Kind::emergency) fail(static_cast<std::uint16_t>(trouble.value));
-    if (trouble.kind == Kind::move_by_hand) motor_.put(motor_.position() + trouble.value);
-    if (trouble.kind == Kind::reboot) start_anew();
   }
 }
 

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -27,13 +28,24 @@ struct DriveTrouble {
     stick,           ///< the motor is held
     reboot,          ///< at `at_ns`: the drive starts anew
     move_by_hand,    ///< at `at_ns`: the axis is moved by `value` counts
+    put_by_hand,     ///< at `at_ns`: the axis is moved to `value` counts from where 0 was at power-on
     wrong_mode,      ///< 6061 shows mode `value`
-    ignore_target,   ///< statusword bit 12 is clear, and the axis stays
+    ignore_target,   ///< statusword bit 12 is clear, and the axis comes to rest
+    lose_sent,       ///< nothing that it sends arrives
+    lose_heard,      ///< nothing that is sent to it arrives
+    shorten,         ///< its process data lack their last byte
+    duplicate,       ///< its process data come twice
+    foreign_sender,  ///< at `at_ns`: a target for it that is not from the host: where it stands
+    flood,           ///< it sends `value` SDO answers a second that nobody has asked for
+    no_window,       ///< at `at_ns`: it is one that does not watch its following error
+    no_watchdog,     ///< at `at_ns`: it is one with neither heartbeat consumer nor setpoint timer
   };
   Kind kind = Kind::lose_feedback;
   std::int64_t at_ns = 0;
   std::int64_t for_ns = std::int64_t{1} << 62;
   std::int32_t value = 0;
+  /// How many frames are lost, shortened or doubled at most; of those meant for it, where it hears nothing.
+  std::int32_t frames = std::numeric_limits<std::int32_t>::max();
 };
 
 struct SimulatedCia402Settings {
@@ -81,7 +93,7 @@ class SimulatedCia402Drive {
   void add_object(can::ObjectAddress address, const ObjectDictionary::Object& object);
   void remove_object(can::ObjectAddress address);
   void change_access(can::ObjectAddress address, ObjectDictionary::Access access);
-  void add_trouble(const DriveTrouble& trouble) { settings_.troubles.push_back(trouble); }
+  void add_trouble(const DriveTrouble& trouble);
 
  private:
   struct Pdo {
@@ -90,7 +102,7 @@ class SimulatedCia402Drive {
   };
   void boot();
   void start_anew();
-  void send(const can::Frame& frame) { frames_.push_back(frame); }
+  void send(const can::Frame& frame);
   void raise_error(std::uint16_t code, std::uint8_t error_register);
 
   // communication
@@ -120,11 +132,18 @@ class SimulatedCia402Drive {
   void stop_quickly();
   void fail(std::uint16_t code);
   void enter(can::Cia402State state);
+  bool slow_demand_down(double seconds);
   void slow_down(double seconds);
   void follow(double seconds);
   void watch_following_error(double seconds);
   void meet_troubles();
+  void meet(const DriveTrouble& trouble);
+  [[nodiscard]] bool is_there(const DriveTrouble& trouble) const;
   [[nodiscard]] bool has_trouble(DriveTrouble::Kind kind) const;
+  /// Whether such a trouble takes this frame; it is one of those that it may take.
+  bool takes_frame(DriveTrouble::Kind kind);
+  [[nodiscard]] bool is_meant_for_it(const can::Frame& frame) const;
+  void babble();
   [[nodiscard]] std::int32_t trouble_value(DriveTrouble::Kind kind) const;
   void show();
   [[nodiscard]] std::uint16_t statusword() const;
@@ -161,7 +180,12 @@ class SimulatedCia402Drive {
   bool is_following_error_ = false;
   bool is_limited_ = false;
   double zero_ = 0;  ///< the position of the motor that is reported as 0
-  std::vector<bool> is_met_;
+  /// Of each trouble.
+  struct Met {
+    bool is_begun = false;
+    std::int64_t frames = 0;  ///< that it has taken or, in a flood, sent
+  };
+  std::vector<Met> met_;
 };
 
 }  // namespace inbetween

@@ -1,0 +1,122 @@
+// What goes wrong with a simulated drive.
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include "sim/cia402_drive.hpp"
+
+namespace inbetween {
+namespace {
+
+using Kind = DriveTrouble::Kind;
+
+constexpr std::int64_t ns_per_s = 1'000'000'000;
+constexpr std::uint32_t watches_nothing = 0xFFFFFFFF;
+constexpr std::uint32_t function_bits = 0x780;  // of an identifier; the others are the node
+
+}  // namespace
+
+void SimulatedCia402Drive::add_trouble(const DriveTrouble& trouble) {
+  settings_.troubles.push_back(trouble);
+  met_.emplace_back();
+}
+
+bool SimulatedCia402Drive::is_there(const DriveTrouble& trouble) const {
+  return now_ns_ >= trouble.at_ns && now_ns_ - trouble.at_ns < trouble.for_ns;
+}
+
+bool SimulatedCia402Drive::has_trouble(Kind kind) const {
+  return std::ranges::any_of(settings_.troubles, [&](const DriveTrouble& trouble) {
+    return trouble.kind == kind && is_there(trouble);
+  });
+}
+
+std::int32_t SimulatedCia402Drive::trouble_value(Kind kind) const {
+  for (const DriveTrouble& trouble : settings_.troubles) {
+    if (trouble.kind == kind && is_there(trouble)) return trouble.value;
+  }
+  return 0;
+}
+
+bool SimulatedCia402Drive::takes_frame(Kind kind) {
+  for (std::size_t i = 0; i < met_.size(); ++i) {
+    const DriveTrouble& trouble = settings_.troubles[i];
+    if (trouble.kind != kind || !is_there(trouble) || met_[i].frames >= trouble.frames) continue;
+    ++met_[i].frames;
+    return true;
+  }
+  return false;
+}
+
+void SimulatedCia402Drive::meet_troubles() {
+  for (std::size_t i = 0; i < met_.size(); ++i) {
+    if (met_[i].is_begun || now_ns_ < settings_.troubles[i].at_ns) continue;
+    met_[i].is_begun = true;
+    meet(settings_.troubles[i]);
+  }
+}
+
+void SimulatedCia402Drive::meet(const DriveTrouble& trouble) {
+  switch (trouble.kind) {
+    case Kind::emergency:
+      return fail(static_cast<std::uint16_t>(trouble.value));
+    case Kind::move_by_hand:
+      return motor_.put(motor_.position() + trouble.value);
+    case Kind::put_by_hand:
+      return motor_.put(trouble.value);
+    case Kind::reboot:
+      return start_anew();
+    case Kind::foreign_sender: {
+      const auto here = static_cast<std::int32_t>(std::lround(motor_.position() - zero_));
+      const can::Frame frame =
+          can::command_frame(node(), {.controlword = can::control_enable_operation, .target = here});
+      send(frame);
+      return receive(frame);
+    }
+    case Kind::no_window:
+      return add_object({.index = 0x6065}, {.value = watches_nothing});
+    case Kind::no_watchdog:
+      remove_object({.index = 0x1016, .sub = 1});
+      return remove_object({.index = 0x1400, .sub = can::pdo_sub_event_timer});
+    case Kind::lose_feedback:
+    case Kind::lose_heartbeat:
+    case Kind::stick:
+    case Kind::wrong_mode:
+    case Kind::ignore_target:
+    case Kind::lose_sent:
+    case Kind::lose_heard:
+    case Kind::shorten:
+    case Kind::duplicate:
+    case Kind::flood:
+      return;  // while they last, something else is done where it would be
+  }
+}
+
+/// A wire has every frame; the drive takes these.
+bool SimulatedCia402Drive::is_meant_for_it(const can::Frame& frame) const {
+  if (frame.id == can::nmt_id || frame.id == can::sync_id) return true;
+  const std::uint32_t host = objects_.value(0x1016, 1) >> 16;
+  const std::uint32_t function = frame.id & function_bits;
+  if (function == (can::heartbeat_id(node()) & function_bits)) return (frame.id & ~function_bits) == host;
+  const bool is_of_host = function == (can::sdo_request_id(node()) & function_bits) ||
+                          function == (can::rpdo1_id(node()) & function_bits);
+  return is_of_host && (frame.id & ~function_bits) == node().value();
+}
+
+/// As many as are due by now.
+void SimulatedCia402Drive::babble() {
+  if (is_booting_) return;
+  for (std::size_t i = 0; i < met_.size(); ++i) {
+    const DriveTrouble& trouble = settings_.troubles[i];
+    if (trouble.kind != Kind::flood || !is_there(trouble)) continue;
+    const std::int64_t due = (now_ns_ - trouble.at_ns) / 1000 * trouble.value / (ns_per_s / 1000);
+    for (; met_[i].frames < due; ++met_[i].frames) {
+      send(can::sdo_frame(can::sdo_answer_id(node()), {.kind = can::SdoKind::upload_value,
+                                                       .object = {.index = 0x1000},
+                                                       .size = 4,
+                                                       .value = objects_.value(0x1000)}));
+    }
+  }
+}
+
+}  // namespace inbetween
