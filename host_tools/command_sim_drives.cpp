@@ -9,6 +9,7 @@
 #include "drivers/linux/interrupt_watch.hpp"
 #include "host_tools/axis_positions.hpp"
 #include "host_tools/command.hpp"
+#include "host_tools/fault_script.hpp"
 #include "host_tools/output_file.hpp"
 #include "host_tools/sim_drives.hpp"
 
@@ -18,15 +19,18 @@ namespace {
 struct SimDrivesArguments {
   std::string rig;
   std::vector<std::string> from;
+  std::optional<std::string> faults;
   std::optional<std::string> record;
 };
 
 int sim_drives_command(const SimDrivesArguments& arguments) {
-  refuse_outputs_in_one_place({{"--rig", arguments.rig}}, {{"--record", arguments.record}});
+  refuse_outputs_in_one_place({{"--rig", arguments.rig}, {"--faults", arguments.faults}},
+                              {{"--record", arguments.record}});
   const InterruptWatch interrupts;
   SimDrivesOptions options{.standing = positions_of(arguments.from), .interrupted = &InterruptWatch::asked};
   options.ready = [] { fmt::print(stderr, "the drives have power; Ctrl-C ends them\n"); };
   const RigFile rig = read_rig_file(arguments.rig);
+  if (arguments.faults) options.faults = read_fault_script(*arguments.faults, rig);
   if (!arguments.record) {
     run_sim_drives(rig, options);
     return 0;
@@ -52,6 +56,7 @@ void add_sim_drives_command(CLI::App& program, Command& chosen) {
                    "AXIS=POSITION, where an axis stands (0, or as near as its limits allow)")
       ->expected(1)
       ->take_all();
+  command->add_option("--faults", arguments->faults, "a script of what goes wrong with them, and when");
   command->add_option("--record", arguments->record,
                       "at the end write the targets that the drives applied: axis, nanoseconds, counts");
   command->footer(

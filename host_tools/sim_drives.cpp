@@ -8,11 +8,13 @@
 #include <deque>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "drivers/can/socket_can.hpp"
 #include "drivers/linux/monotonic_clock.hpp"
 #include "host_tools/diagnostics.hpp"
+#include "host_tools/fault_schedule.hpp"
 #include "host_tools/rig_drives.hpp"
 #include "inbetween/can/canopen_id.hpp"
 #include "sim/cia402_drive.hpp"
@@ -61,16 +63,25 @@ void serve(BusOfDrives& bus, std::int64_t now_ns) {
     for (std::size_t i = 0; i < count; ++i) one.drive.receive(frames[i]);
     for (const can::Frame& frame : one.drive.take_frames()) answers.push_back(frame);
   }
-  if (!answers.empty()) bus.socket.send(answers);
+  std::span<const can::Frame> left = answers;
+  while (!left.empty()) {
+    const auto part = left.first(std::min(left.size(), can::SocketCan::most_frames));
+    bus.socket.send(part);
+    left = left.subspan(part.size());
+  }
 }
 
-void write_record(const std::deque<BusOfDrives>& buses, std::FILE* file) {
+void write_record(const std::deque<BusOfDrives>& buses, const FaultSchedule& faults, const RigFile& rig,
+                  std::FILE* file) {
   for (const BusOfDrives& bus : buses) {
     for (const DriveOnBus& one : bus.drives) {
       for (const SimulatedCia402Drive::Applied& applied : one.drive.applied()) {
         fmt::print(file, "{},{},{}\n", one.axis, applied.at_ns, applied.target);
       }
     }
+  }
+  for (const FaultSchedule::Begun& fault : faults.begun()) {
+    fmt::print(file, "{},fault,{},{}\n", rig.axes[fault.axis].name, fault.at_ns, fault.what);
   }
   for (const BusOfDrives& bus : buses) {
     for (const DriveOnBus& one : bus.drives) {
@@ -86,8 +97,10 @@ void run_sim_drives(const RigFile& rig, const SimDrivesOptions& options) {
   const MonotonicClock clock;
   std::map<std::string, double> standing = options.standing;
   std::deque<BusOfDrives> buses;
+  FaultSchedule faults(options.faults, clock.now_ns());
   std::optional<can::NodeId> host;
-  for (const RigAxis& axis : rig.axes) {
+  for (std::size_t a = 0; a < rig.axes.size(); ++a) {
+    const RigAxis& axis = rig.axes[a];
     const Cia402Drive* const drive = std::get_if<Cia402Drive>(&axis.drive);
     if (drive == nullptr) {
       throw InputError(axis.place,
@@ -105,6 +118,7 @@ void run_sim_drives(const RigFile& rig, const SimDrivesOptions& options) {
     host = settings_of(axis, rig.rate_hz).setup.host;
     bus->drives.push_back(
         {axis.name, SimulatedCia402Drive(simulated_settings_of(axis, position), clock.now_ns())});
+    faults.attach(a, bus->drives.back().drive);
   }
   if (!standing.empty()) {
     throw InputError({rig.path, 0, 0}, fmt::format("the rig {} has no axis {}; name one of its axes",
@@ -114,9 +128,10 @@ void run_sim_drives(const RigFile& rig, const SimDrivesOptions& options) {
   if (options.ready) options.ready();
   while (!options.interrupted()) {
     clock.sleep_until_ns(clock.now_ns() + ns_between_looks);
+    faults.advance(clock.now_ns());
     for (BusOfDrives& bus : buses) serve(bus, clock.now_ns());
   }
-  if (options.record != nullptr) write_record(buses, options.record);
+  if (options.record != nullptr) write_record(buses, faults, rig, options.record);
 }
 
 }  // namespace inbetween

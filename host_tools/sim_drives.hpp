@@ -6,6 +6,7 @@
 #include <map>
 #include <string>
 
+#include "host_tools/fault_script.hpp"
 #include "host_tools/rig_file.hpp"
 
 namespace inbetween {
@@ -17,8 +18,10 @@ struct SimDrivesOptions {
   std::function<bool()> interrupted = {};
   /// Called once the buses are open and the drives have power.
   std::function<void()> ready = {};
-  /// Receives a line per target that a drive applied: axis, nanoseconds of the monotonic clock, counts; and
-  /// at the end one per axis with what it does then. May be null.
+  /// What goes wrong with them; of the same rig.
+  FaultScript faults = {};
+  /// Receives a line per target that a drive applied: axis, nanoseconds of the monotonic clock, counts; one
+  /// per fault that has begun; and one per axis with what it does at the end. May be null.
   std::FILE* record = nullptr;
 };
 

@@ -96,15 +96,15 @@ std::string TomlValue::text() const {
   return text;
 }
 
-std::size_t TomlValue::choice(std::initializer_list<std::string_view> choices) const {
+std::size_t TomlValue::choice(std::span<const std::string_view> choices) const {
   std::string listed;
   for (const std::string_view word : choices) {
-    if (!listed.empty()) listed += word == *(choices.end() - 1) ? " or " : ", ";
+    if (!listed.empty()) listed += word == choices.back() ? " or " : ", ";
     listed += fmt::format("\"{}\"", word);
   }
   const auto* value = node_->as_string();
   if (value == nullptr) refuse_type(listed);
-  const auto* found = std::find(choices.begin(), choices.end(), value->get());
+  const auto found = std::find(choices.begin(), choices.end(), value->get());
   if (found == choices.end()) refuse(fmt::format("is {}; write {}", in_quotes(value->get()), listed));
   return static_cast<std::size_t>(found - choices.begin());
 }

@@ -36,7 +36,10 @@ class TomlValue {
   /// Text of 1 to max_text_bytes bytes, no control characters.
   std::string text() const;
   /// The one of `choices` that the text is, as an index.
-  std::size_t choice(std::initializer_list<std::string_view> choices) const;
+  std::size_t choice(std::span<const std::string_view> choices) const;
+  std::size_t choice(std::initializer_list<std::string_view> choices) const {
+    return choice(std::span(choices.begin(), choices.size()));
+  }
   bool boolean() const;
   /// A whole number written as one (240, not 240.0), from `least` to `most`.
   std::int64_t integer(std::int64_t least, std::int64_t most) const;

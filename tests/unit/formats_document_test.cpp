@@ -12,6 +12,7 @@
 #include <string_view>
 #include <vector>
 
+#include "host_tools/fault_script.hpp"
 #include "host_tools/move_file.hpp"
 #include "host_tools/rig_file.hpp"
 #include "tests/support/refused_text.hpp"
@@ -53,6 +54,11 @@ std::vector<std::string> documented_examples() {
     }
   }
   return examples;
+}
+
+/// The document's script of faults is for the document's rig.
+FaultScript parse_faults(std::string_view text, const std::string& file) {
+  return parse_fault_script(text, file, parse_rig(documented_examples().at(1), "rig.toml"));
 }
 
 /// The fields that `parse` lists when it refuses `text`, which has an unknown field.
@@ -111,6 +117,8 @@ std::map<std::string, Fields> reader_fields() {
     const std::string drive = fmt::format("drive = {{ type = \"{}\", unknown_field = 1 }}", type);
     fields[fmt::format("`drive = {{ type = \"{}\" }}`", type)] = accepted_fields(parse_rig, rig + drive);
   }
+  fields["Faults"] = accepted_fields(parse_faults, "unknown_field = 1");
+  fields["`[[fault]]`"] = accepted_fields(parse_faults, "[[fault]]\nunknown_field = 1");
   return fields;
 }
 
@@ -126,28 +134,59 @@ TEST(FormatsDocument, HasEveryFieldThatTheReadersAcceptAndNoOther) {
 
 TEST(FormatsDocument, ItsExamplesAreAccepted) {
   const std::vector<std::string> examples = documented_examples();
-  ASSERT_EQ(examples.size(), 2U);
+  ASSERT_EQ(examples.size(), 3U);
   EXPECT_EQ(parse_move(examples[0], "docs/formats.md").tracks.size(), 2U);
   EXPECT_EQ(parse_rig(examples[1], "docs/formats.md").axes.size(), 5U);
+  EXPECT_EQ(parse_faults(examples[2], "docs/formats.md").faults.size(), 6U);
 }
 
 TEST(FormatsDocument, ItsExamplesHaveEveryField) {
   const std::vector<std::string> examples = documented_examples();
-  ASSERT_EQ(examples.size(), 2U);
+  ASSERT_EQ(examples.size(), 3U);
   for (const auto& [heading, fields] : documented_fields()) {
     const bool of_move = heading == "Move" || heading == "`[[track]]`" || heading == "`keys`" ||
                          heading == "`[[cue]]`" || heading == "`clapper`";
+    const bool of_faults = heading == "Faults" || heading == "`[[fault]]`";
     for (const std::string& field : fields) {
-      EXPECT_THAT(examples[of_move ? 0 : 1], testing::ContainsRegex("(^|[^a-z_])" + field + "( |\\]|\\.)"))
+      EXPECT_THAT(examples[of_move     ? 0
+                           : of_faults ? 2
+                                       : 1],
+                  testing::ContainsRegex("(^|[^a-z_])" + field + "( |\\]|\\.)"))
           << heading << " " << field;
     }
   }
 }
 
+/// The rows of the table that says what each fault is begin with the word in quotes.
+TEST(FormatsDocument, HasEveryFaultThatThereIs) {
+  std::set<std::string> documented;
+  for (const std::string& line : lines_of_document()) {
+    if (line.starts_with("| \"")) documented.insert(line.substr(2, line.find('"', 3) - 1));
+  }
+  std::set<std::string> accepted;
+  try {
+    parse_faults("[[fault]]\naxis = \"track\"\nwhat = \"?\"", "file.toml");
+  } catch (const InputError& error) {
+    std::istringstream words(error.message().substr(error.message().find("; write ") + 8));
+    for (std::string word; words >> word;) {
+      if (word.back() == ',') word.pop_back();
+      if (word != "or") accepted.insert(word);
+    }
+  }
+  EXPECT_GE(accepted.size(), 14U);
+  EXPECT_EQ(documented, accepted);
+}
+
 /// Words in quotes in the type column of a field are the words that the reader names when it refuses another.
 TEST(FormatsDocument, HasEveryWordThatAFieldMayBe) {
-  const auto row_of = [](std::string_view field) {
+  // "direction" is the first of that name, "[[fault]] direction" that under this heading.
+  const auto row_of = [](std::string_view name) {
+    const std::size_t blank = name.rfind(' ');
+    const std::string_view field = name.substr(blank == std::string_view::npos ? 0 : blank + 1);
+    bool is_under = blank == std::string_view::npos;
     for (const std::string& line : lines_of_document()) {
+      is_under = is_under || line == fmt::format("### `{}`", name.substr(0, blank));
+      if (!is_under) continue;
       // `bias` is a number in a key and a word in an input.
       if (line.starts_with(fmt::format("| `{}` | `\"", field))) return line;
     }
@@ -155,6 +194,7 @@ TEST(FormatsDocument, HasEveryWordThatAFieldMayBe) {
   };
   const std::string move = documented_examples().at(0);
   const std::string rig = documented_examples().at(1);
+  const std::string faults = documented_examples().at(2);
   const auto words_after = [](auto parse, const std::string& text) {
     std::set<std::string> words;
     try {
@@ -181,6 +221,7 @@ TEST(FormatsDocument, HasEveryWordThatAFieldMayBe) {
        words_after(parse_rig, with(rig, "enable_active = \"low\"", "enable_active = \"?\""))},
       {"bias", words_after(parse_rig, with(rig, "stops_at = \"high\"\nbias = \"pull-up\"",
                                            "stops_at = \"high\"\nbias = \"?\""))},
+      {"[[fault]] direction", words_after(parse_faults, with(faults, "\"from-drive\"", "\"?\""))},
   };
   for (const auto& [field, accepted] : words) {
     ASSERT_GE(accepted.size(), 2U) << field;
