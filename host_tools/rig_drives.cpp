@@ -279,8 +279,11 @@ std::string RigDrives::trouble() const {
   }
   for (std::size_t i = 0; i < can_index_.size(); ++i) {
     const can::Cia402Drive& drive = port_->drive(i);
-    const std::optional<can::DriveFinding> finding = drive.first_finding();
+    std::optional<can::DriveFinding> finding = drive.first_finding();
     if (!finding) continue;
+    // A drive that starts anew is silent first; what it has lost by that is what must be known.
+    constexpr can::DriveFinding boot = can::DriveFinding::unexpected_boot;
+    if (drive.findings().has(boot)) finding = boot;
     const can::DriveFindingWords words = can::words_of(*finding);
     std::string text = fmt::format("axis {}: {}", in_quotes(rig_.axes[can_index_[i]].name), words.what);
     if (drive.last_emergency().code != 0) {
