@@ -13,6 +13,7 @@
 #include "drivers/linux/monotonic_clock.hpp"
 #include "host_tools/axis_positions.hpp"
 #include "host_tools/command.hpp"
+#include "host_tools/fault_script.hpp"
 #include "host_tools/output_file.hpp"
 #include "host_tools/progress_bar.hpp"
 #include "host_tools/rig_watch.hpp"
@@ -35,6 +36,7 @@ struct RunArguments {
   bool allow_jitter = false;
   double top_rate = 1;
   std::vector<std::string> from;
+  std::optional<std::string> faults;
   bool step = false;
   std::optional<double> settle;
   std::optional<double> exposure;
@@ -151,6 +153,7 @@ RunReport run(const Plan& plan, const RunArguments& arguments, const RigWatch& w
                      .rig_has_changed = [&] { return watch.has_changed(); },
                      .interrupted = &InterruptWatch::asked,
                      .progress = {}};
+  if (arguments.faults) options.faults = read_fault_script(*arguments.faults, *plan.rig());
   if (arguments.loop) options.repeat = Repeat::loop;
   if (arguments.ping_pong) options.repeat = Repeat::ping_pong;
   if (arguments.yes) {
@@ -187,6 +190,9 @@ int run_command(const RunArguments& arguments) {
     if (!arguments.from.empty()) {
       throw UsageError("--from is for a simulated rig: real drives tell where they stand; add --sim");
     }
+    if (arguments.faults) {
+      throw UsageError("--faults is for simulated drives; add --sim, or give it to inbetween sim-drives");
+    }
     if (arguments.step || arguments.shutter) {
       throw UsageError("this version signals a simulated camera only; add --sim");
     }
@@ -196,8 +202,9 @@ int run_command(const RunArguments& arguments) {
   if (arguments.fast && (arguments.loop || arguments.ping_pong)) {
     throw UsageError("--loop and --ping-pong go on until somebody stops them; leave out --fast");
   }
-  refuse_outputs_in_one_place({{"MOVE", arguments.move}, {"--rig", arguments.rig}},
-                              {{"--json", arguments.json}, {"--record", arguments.record}});
+  refuse_outputs_in_one_place(
+      {{"MOVE", arguments.move}, {"--rig", arguments.rig}, {"--faults", arguments.faults}},
+      {{"--json", arguments.json}, {"--record", arguments.record}});
   if (arguments.json) check_output(*arguments.json);
   const RigWatch watch(arguments.rig);
   const Plan plan = make_plan(arguments.move, arguments.rig, Solver::closed_form);
@@ -228,6 +235,8 @@ void describe(CLI::App& app, RunArguments& arguments) {
                  "AXIS=POSITION, where a simulated axis stands before (the start of the move)")
       ->expected(1)
       ->take_all();
+  app.add_option("--faults", arguments.faults,
+                 "a script of what goes wrong with simulated CiA 402 drives, and when");
   app.add_flag("--step", arguments.step,
                "stop motion: on every frame go there, settle, signal the camera and wait");
   app.add_option("--shutter", arguments.shutter,

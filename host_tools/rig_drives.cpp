@@ -230,7 +230,15 @@ std::unique_ptr<RigDrives> RigDrives::on_buses(const RigFile& rig) {
   return drives;
 }
 
+void RigDrives::set_faults(const FaultScript& faults) {
+  faults_.emplace(faults, 0);
+  for (std::size_t i = 0; i < can_index_.size(); ++i) {
+    faults_->attach(can_index_[i], buses_[can_axes_[i].lane].drives[can_axes_[i].drive]);
+  }
+}
+
 void RigDrives::read(std::span<DriveState<double>> states, std::int64_t now_ns) {
+  if (faults_) faults_->advance(now_ns);
   if (port_) port_->read(can_states_, now_ns);
   if (ideal_) ideal_->read(ideal_states_, now_ns);
   for (std::size_t i = 0; i < can_index_.size(); ++i) states[can_index_[i]] = can_states_[i];

@@ -13,6 +13,8 @@
 
 #include "drivers/can/socket_can.hpp"
 #include "drivers/linux/instance_lock.hpp"
+#include "host_tools/fault_schedule.hpp"
+#include "host_tools/fault_script.hpp"
 #include "host_tools/rig_file.hpp"
 #include "inbetween/can/cia402_port.hpp"
 #include "inbetween/motion_loop.hpp"
@@ -63,6 +65,9 @@ class RigDrives {
   RigDrives(const RigDrives&) = delete;
   RigDrives& operator=(const RigDrives&) = delete;
 
+  /// In simulation: what goes wrong with them, from power-on on. Of the same rig.
+  void set_faults(const FaultScript& faults);
+
   void read(std::span<DriveState<double>> states, std::int64_t now_ns);
   void write(std::span<const Setpoint<double>> setpoints, std::int64_t now_ns);
   void enable();
@@ -99,6 +104,7 @@ class RigDrives {
   std::vector<can::Cia402Axis<double>> can_axes_;
   std::optional<can::Cia402Port<double, HostLink>> port_;
   std::optional<SimulatedRig> ideal_;
+  std::optional<FaultSchedule> faults_;
   // Where the axes of either stand among those of the rig, and room for them.
   std::vector<std::size_t> can_index_, ideal_index_;
   std::vector<DriveState<double>> can_states_, ideal_states_;

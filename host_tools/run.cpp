@@ -297,6 +297,7 @@ RunReport run_simulated(const Plan& plan, const RunOptions& options) {
   static_cast<void>(allowed_approach(plan, standing, options));
   RunReport report = good_report(options);
   LoopOfRig rig(RigDrives::simulated(*plan.rig(), standing), plan.axes().size());
+  rig.drives->set_faults(options.faults);
   const std::unique_ptr<RunRecord> record = record_of(plan, options);
   LoopTrace trace(plan.axes().size(), record.get());
   const LoopAudience audience{options.keys, options.interrupted, options.status, options.progress,

@@ -11,6 +11,7 @@
 
 #include "host_tools/check.hpp"
 #include "host_tools/diagnostics.hpp"
+#include "host_tools/fault_script.hpp"
 #include "host_tools/plan.hpp"
 #include "host_tools/run_record.hpp"
 #include "host_tools/run_snapshot.hpp"
@@ -32,6 +33,8 @@ struct RunOptions {
   std::optional<ShootOptions> shoot = {};
   /// Where axes stand before anything moves, by name; the others stand where the move starts.
   std::map<std::string, double> standing = {};
+  /// What goes wrong with simulated drives; of the same rig.
+  FaultScript faults = {};
   /// Asked before the rig goes slowly from where it stands to where the move starts. Without it, it does not.
   std::function<bool(const std::string& question)> confirm = {};
   /// A line a tick goes there (run_record.hpp).
