@@ -3,104 +3,39 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <map>
-#include <sstream>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "tests/support/bench.hpp"
+#include "tests/support/bus_scene.hpp"
 #include "tests/support/run_program.hpp"
-#include "tests/support/temporary_file.hpp"
 
 namespace inbetween {
 namespace {
 
 using testing::HasSubstr;
 
-const std::string rig = INBETWEEN_SOURCE_DIR "/examples/camera_rig.toml";
-const std::string move = INBETWEEN_SOURCE_DIR "/examples/reveal.toml";
-
-/// The drives stand at the start of the move; `during` happens after some seconds of it. The clock of the
-/// kernel jumps, so that nothing depends on how loaded this machine is.
-struct Scene {
-  TemporaryFolder folder;
-  ProgramRun run;
-  std::string drives;  ///< what they recorded
-
-  explicit Scene(std::string_view during, const std::vector<std::string>& more = {},
-                 std::string_view who = "") {
-    const std::string record = (folder.path() / "record.csv").string();
-    const std::string err = (folder.path() / "drives.txt").string();
-    std::vector<std::string> options{"--vcan", "can0", "--virtual-time", "--timeout", "200"};
-    options.insert(options.end(), more.begin(), more.end());
-    const std::string program = INBETWEEN_PROGRAM;
-    run = script_in_bench(
-        options,
-        "echo -1 >/proc/sys/kernel/sched_rt_runtime_us\n" + program + " sim-drives --rig " + rig +
-            " --from slide=60 --from pan=-62 --from tilt=-4 --record " + record + " 2>" + err +
-            " & drives=$!\nuntil_true grep -q power " + err + "\n" + std::string(who) + program + " run " +
-            move + " --rig " + rig + " & run=$!\n" + std::string(during) +
-            "\nstatus=0; wait $run || status=$?\nsleep 3\nkill -TERM $drives; wait $drives; exit $status");
-    drives = file_contents(record);
-  }
-  /// "slide,end,switched on,1640000.056,-0.000"
-  [[nodiscard]] double last_velocity(const std::string& axis) const {
-    const std::size_t at = drives.find(axis + ",end,");
-    if (at == std::string::npos) return NAN;
-    const std::string line = drives.substr(at, drives.find('\n', at) - at);
-    return std::stod(line.substr(line.rfind(',') + 1));
-  }
-  /// The targets that an axis applied, in counts.
-  [[nodiscard]] std::vector<double> applied(const std::string& axis) const {
-    std::vector<double> targets;
-    std::istringstream lines(drives);
-    for (std::string line; std::getline(lines, line);) {
-      if (line.rfind(axis + ",", 0) != 0 || line.find(",end,") != std::string::npos) continue;
-      targets.push_back(std::stod(line.substr(line.rfind(',') + 1)));
-    }
-    return targets;
-  }
-  void expect_rest() const {
-    for (const char* axis : {"slide", "pan", "tilt"}) EXPECT_NEAR(last_velocity(axis), 0, 1) << axis;
-  }
-};
-
-/// Column `column` of CSV text without its first line.
-std::vector<double> column_of(const std::string& csv, int column) {
-  std::vector<double> values;
-  std::istringstream lines(csv);
-  std::string line;
-  std::getline(lines, line);
-  while (std::getline(lines, line)) {
-    std::istringstream cells(line);
-    std::string cell;
-    for (int i = 0; i <= column; ++i) std::getline(cells, cell, ',');
-    values.push_back(std::stod(cell));
-  }
-  return values;
-}
+const std::string rig = BusScene::rig();
+const std::string move = BusScene::move();
+using Scene = BusScene;
 
 TEST(CanRun, TheDrivesOwnRecordOfTheirTargetsIsThePlanAtEveryTick) {
   const Scene scene("");
   ASSERT_EQ(scene.run.status, 0) << scene.run.err;
-  const std::string plan = run_program({"plan", move, "--rig", rig, "--per", "tick", "--csv", "-"}).out;
-  const std::map<std::string, std::pair<int, double>> axes{
-      {"slide", {2, 1000}}, {"pan", {3, 4000}}, {"tilt", {4, 4000}}};
-  for (const auto& [axis, where] : axes) {
-    const std::vector<double> planned = column_of(plan, where.first);
+  for (const char* axis : {"slide", "pan", "tilt"}) {
+    const std::vector<double>& planned = planned_counts(axis);
     const std::vector<double> applied = scene.applied(axis);
     ASSERT_GT(applied.size(), planned.size()) << axis;
     // It holds its place before the move, and the end after it: aligned by the first target that differs.
     std::size_t first = 0;
     while (first < applied.size() && applied[first] == applied.front()) ++first;
     std::size_t first_planned = 0;
-    while (std::fabs(planned[first_planned] * where.second - applied.front()) <= 0.5) ++first_planned;
+    while (std::fabs(planned[first_planned] - applied.front()) <= 0.5) ++first_planned;
     ASSERT_GE(first, first_planned) << axis;
     for (std::size_t tick = 0; tick < planned.size(); ++tick) {
       const std::size_t at = first - first_planned + tick;
       ASSERT_LT(at, applied.size());
-      ASSERT_NEAR(applied[at], planned[tick] * where.second, 1) << axis << ", tick " << tick;
+      ASSERT_NEAR(applied[at], planned[tick], 1) << axis << ", tick " << tick;
     }
   }
 }

@@ -1,0 +1,75 @@
+// A move over the bench's CAN, `run` on one side and `sim-drives` on the other, and what the drives recorded.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "tests/support/run_program.hpp"
+#include "tests/support/temporary_file.hpp"
+
+namespace inbetween {
+
+struct BusSceneOptions {
+  std::string during = "";  ///< bash; $run and $drives are the two processes
+  std::vector<std::string> bench = {};
+  std::string who = "";  ///< stands before `run`: who it is
+  std::string faults = "";
+  std::map<std::string, double> standing = {{"slide", 60}, {"pan", -62}, {"tilt", -4}};
+};
+
+/// The move reveal.toml on camera_rig.toml. The drives stand at its start; `during` happens beside it, and
+/// three seconds after `run` the drives are ended. The clock of the kernel jumps, so that nothing depends on
+/// how loaded this machine is.
+struct BusScene {
+  ProgramRun run;
+  std::string drives;  ///< what they recorded, as it is written
+
+  explicit BusScene(const BusSceneOptions& options);
+  explicit BusScene(std::string_view during, const std::vector<std::string>& bench = {},
+                    std::string_view who = "")
+      : BusScene(BusSceneOptions{.during = std::string(during), .bench = bench, .who = std::string(who)}) {}
+
+  static std::string rig();
+  static std::string move();
+  /// run with the move and the rig, for `during`.
+  static std::string run_command();
+
+  struct Target {
+    std::int64_t at_ns = 0;
+    double counts = 0;
+  };
+  /// The targets that an axis applied.
+  [[nodiscard]] const std::vector<Target>& targets(const std::string& axis) const;
+  [[nodiscard]] std::vector<double> applied(const std::string& axis) const;
+  /// Not a number where there is none.
+  [[nodiscard]] double last_velocity(const std::string& axis) const;
+  /// The CiA 402 state in which it was at the end.
+  [[nodiscard]] std::string last_state(const std::string& axis) const;
+  /// When the first fault of the script began; 0 where none has.
+  [[nodiscard]] std::int64_t fault_ns() const { return fault_ns_; }
+
+  void expect_rest() const;
+  /// No target but the place where each axis was switched on, or none at all.
+  void expect_no_motion() const;
+  /// From the fault on, these axes leave the path of the plan at no tick, brake no harder than the rig's stop
+  /// limits, come to rest within `seconds` and before the end of the move, and stay there.
+  void expect_stop_on_path(const std::vector<std::string>& axes, double seconds = 1.5) const;
+
+ private:
+  void read_record();
+
+  TemporaryFolder folder_;
+  std::map<std::string, std::vector<Target>> targets_;
+  std::map<std::string, std::vector<std::string>> ends_;
+  std::int64_t fault_ns_ = 0;
+};
+
+/// Column `column` of CSV text without its first line.
+std::vector<double> column_of(const std::string& csv, int column);
+/// The positions of an axis of the scene at every tick of the plan, in counts of its drive.
+const std::vector<double>& planned_counts(const std::string& axis);
+
+}  // namespace inbetween
