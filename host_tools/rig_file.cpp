@@ -142,15 +142,15 @@ Home read_home(const TomlValue& value, const RigAxis& axis, TakenLines& lines) {
 
 void read_reference(const TomlTable& table, RigAxis& axis) {
   const bool open_loop = is_open_loop(axis.drive);
-  axis.reference = axis.home ? Reference::home : open_loop ? Reference::operator_ : Reference::drive;
+  axis.reference = axis.home ? Reference::by_home : open_loop ? Reference::by_operator : Reference::by_drive;
   const auto value = table.optional("reference");
   if (!value) return;
-  constexpr std::array kinds = {Reference::drive, Reference::operator_, Reference::home};
+  constexpr std::array kinds = {Reference::by_drive, Reference::by_operator, Reference::by_home};
   const Reference reference = kinds.at(value->choice({"drive", "operator", "home"}));
-  if (reference == Reference::drive && open_loop) {
+  if (reference == Reference::by_drive && open_loop) {
     value->refuse(R"(is "drive", but nothing reports where this axis is; write "operator", or add a home)");
   }
-  if ((reference == Reference::home) != axis.home.has_value()) {
+  if ((reference == Reference::by_home) != axis.home.has_value()) {
     value->refuse(axis.home ? fmt::format(R"(is "{}", but the axis has a home; remove one of the two)",
                                           to_string(reference))
                             : R"(is "home", but the axis has none; add home = { ... } or write "operator")");
@@ -268,11 +268,11 @@ bool is_open_loop(const Drive& drive) {
 
 std::string_view to_string(Reference reference) {
   switch (reference) {
-    case Reference::operator_:
+    case Reference::by_operator:
       return "operator";
-    case Reference::home:
+    case Reference::by_home:
       return "home";
-    case Reference::drive:
+    case Reference::by_drive:
       break;
   }
   return "drive";

@@ -82,9 +82,9 @@ bool is_open_loop(const Drive& drive);
 
 /// Who says where an axis is when a run begins.
 enum class Reference {
-  operator_,  // `goto --set-zero`; the position file keeps it
-  home,       // its home switch; the position file keeps it
-  drive       // the drive knows
+  by_operator,  // who says so at a known place; the position file keeps it
+  by_home,      // its home switch; the position file keeps it
+  by_drive      // the drive knows
 };
 std::string_view to_string(Reference reference);
 
@@ -113,9 +113,9 @@ struct RigAxis {
   std::optional<double> stop_acceleration;      // absent: 1.5 * max_acceleration
   std::optional<double> stop_jerk;              // absent: 1.5 * max_jerk
   Drive drive;
-  Reference reference = Reference::operator_;  // home exactly if there is a `home`
-  std::optional<Home> home;                    // of open-loop axes only
-  std::optional<InputLine> limit_min;          // switches at the ends of travel; they stop the rig
+  Reference reference = Reference::by_operator;  // by_home exactly if there is a `home`
+  std::optional<Home> home;                      // of open-loop axes only
+  std::optional<InputLine> limit_min;            // switches at the ends of travel; they stop the rig
   std::optional<InputLine> limit_max;
   Place place;
 };

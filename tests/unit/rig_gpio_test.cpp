@@ -311,9 +311,9 @@ TEST(RigGpio, ADriveThatKnowsWhereItIsHomesItself) {
 
 TEST(RigGpio, WhoKnowsWhereAnAxisIsHasADefault) {
   const RigFile rig = parse_rig(slider, "r");
-  EXPECT_EQ(rig.axes.at(0).reference, Reference::home);
-  EXPECT_EQ(rig.axes.at(1).reference, Reference::operator_);
-  EXPECT_EQ(parse_rig(can_rig, "r").axes.at(0).reference, Reference::drive);
+  EXPECT_EQ(rig.axes.at(0).reference, Reference::by_home);
+  EXPECT_EQ(rig.axes.at(1).reference, Reference::by_operator);
+  EXPECT_EQ(parse_rig(can_rig, "r").axes.at(0).reference, Reference::by_drive);
   EXPECT_TRUE(is_open_loop(rig.axes.at(0).drive) && is_open_loop(rig.axes.at(1).drive));
   EXPECT_FALSE(is_open_loop(parse_rig(can_rig, "r").axes.at(0).drive));
 }
@@ -322,11 +322,11 @@ TEST(RigGpio, WhoKnowsWhereAnAxisIsCanBeSaid) {
   const auto of_can_axis = [](const char* reference) {
     return parse_rig(fmt::format("{}reference = \"{}\"\n", can_rig, reference), "r").axes.at(0).reference;
   };
-  EXPECT_EQ(of_can_axis("operator"), Reference::operator_);
-  for (const Reference reference : {Reference::operator_, Reference::drive}) {
+  EXPECT_EQ(of_can_axis("operator"), Reference::by_operator);
+  for (const Reference reference : {Reference::by_operator, Reference::by_drive}) {
     EXPECT_EQ(of_can_axis(std::string(to_string(reference)).c_str()), reference);
   }
-  EXPECT_EQ(changed("home = {", "reference = \"home\"\nhome = {").axes.at(0).reference, Reference::home);
+  EXPECT_EQ(changed("home = {", "reference = \"home\"\nhome = {").axes.at(0).reference, Reference::by_home);
 }
 
 TEST(RigGpio, AReferenceGoesWithTheAxis) {

@@ -63,8 +63,8 @@ bool is_pulled_to(const InputLine& input, Level level) {
 }
 
 void require_home(const RigAxis& axis) {
-  fuzz_require((axis.reference == Reference::home) == axis.home.has_value(), "a home is used");
-  fuzz_require(axis.reference != Reference::drive || !is_open_loop(axis.drive),
+  fuzz_require((axis.reference == Reference::by_home) == axis.home.has_value(), "a home is used");
+  fuzz_require(axis.reference != Reference::by_drive || !is_open_loop(axis.drive),
                "a drive that is asked knows");
   if (!axis.home) return;
   const Home& home = *axis.home;
