@@ -144,16 +144,18 @@ bool agrees(KeyTerminal& terminal, const std::string& question) {
 RunReport run(const Plan& plan, const RunArguments& arguments, const RigWatch& watch) {
   const auto play = arguments.simulated ? &run_simulated : &run_on_rig;
   const InterruptWatch interrupts;
+  FaultScript faults;
+  if (arguments.faults) faults = read_fault_script(*arguments.faults, *plan.rig());
   RunOptions options{.fast = arguments.fast,
                      .allow_jitter = arguments.allow_jitter,
                      .top_rate = arguments.top_rate,
                      .shoot = shoot_options(arguments),
                      .standing = positions_of(arguments.from),
+                     .faults = std::move(faults),
                      .record = arguments.record,
                      .rig_has_changed = [&] { return watch.has_changed(); },
                      .interrupted = &InterruptWatch::asked,
                      .progress = {}};
-  if (arguments.faults) options.faults = read_fault_script(*arguments.faults, *plan.rig());
   if (arguments.loop) options.repeat = Repeat::loop;
   if (arguments.ping_pong) options.repeat = Repeat::ping_pong;
   if (arguments.yes) {

@@ -98,7 +98,7 @@ void TimedRunner::loop() {
     std::int32_t ticks = 1;
     if (latency_ns >= period_ns) {
       if (act_ != nullptr) ++late_ticks_;
-      if (lateness_ == Lateness::time_stands_still) {
+      if (lateness_ != Lateness::catches_up) {
         start_ns += latency_ns;
       } else {
         ticks += static_cast<std::int32_t>(std::min<std::int64_t>(latency_ns / period_ns, rate_hz_));

@@ -81,7 +81,8 @@ class FastRunner {
 
 /// What a late tick means for the rig.
 enum class Lateness {
-  time_stands_still,  ///< those after it are as much later: nothing is made up for
+  time_stands_still,  ///< those after it are as much later, also for the drives, which are simulated
+  falls_behind,       ///< those after it are as much later: steps that were not made cannot be made up for
   catches_up,         ///< the loop is told how many ticks have passed (MotionLoop, faults.md 36)
 };
 

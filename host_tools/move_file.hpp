@@ -72,12 +72,12 @@ struct MoveFile {
   WrittenFrameRate fps;
   std::int32_t frames = 0;  // N: frames 0..N are N + 1 positions
   std::vector<MoveTrack> tracks;
-  std::vector<MoveCue> cues;  // pulses of a line neither overlap nor touch
-  std::optional<Clapper> clapper;
+  std::vector<MoveCue> cues = {};  // pulses of a line neither overlap nor touch
+  std::optional<Clapper> clapper = {};
   Start start = Start::command;
   Place frames_place;
   Place fps_place;
-  Place start_place;  // of `start`, if the move has it
+  Place start_place = {};  // of `start`, if the move has it
 };
 
 /// Reads and checks a move. Throws InputError at the first thing that is wrong.

@@ -154,13 +154,13 @@ void RigDrives::make_buses() {
     const RigAxis& axis = rig_.axes[a];
     const Cia402Drive* const drive = cia402_of(axis);
     if (drive == nullptr) {
-      ideal_index_.push_back(a);
+      if (!std::holds_alternative<StepDirDrive>(axis.drive)) are_ideal_.axes.push_back(a);
       continue;
     }
     BusOfRig& bus = bus_named(drive->bus);
     const auto lane =
         static_cast<std::size_t>(std::ranges::find(buses_, drive->bus, &BusOfRig::name) - buses_.begin());
-    can_index_.push_back(a);
+    on_can_.axes.push_back(a);
     can_axes_.push_back({lane, bus.hosts.size(), drive->counts_per_unit});
     bus.hosts.push_back(value_or_refuse(can::Cia402Drive::make(settings_of(axis, rig_.rate_hz)), axis));
   }
@@ -168,7 +168,7 @@ void RigDrives::make_buses() {
 
 void RigDrives::make_port() {
   for (BusOfRig& bus : buses_) {
-    const RigAxis& first = rig_.axes[can_index_.front()];
+    const RigAxis& first = rig_.axes[on_can_.axes.front()];
     bus.bus = value_or_refuse(
         can::Cia402Bus::make(bus.hosts, {.host = *can::NodeId::make(host_node),
                                          .heartbeat_period_ns = heartbeat_period_ns(rig_.rate_hz)}),
@@ -178,20 +178,20 @@ void RigDrives::make_port() {
     bus.frames.resize(can::frames_per_read(bus.hosts.size()));
     lanes_.push_back({&*bus.bus, &*bus.link, bus.targets, bus.known, bus.frames});
   }
-  can_states_.resize(can_index_.size());
-  can_setpoints_.resize(can_index_.size());
-  ideal_states_.resize(ideal_index_.size());
-  ideal_setpoints_.resize(ideal_index_.size());
-  if (can_index_.empty()) return;
+  if (steps_) on_steps_.axes.assign(steps_->indices().begin(), steps_->indices().end());
+  on_can_.make_room();
+  on_steps_.make_room();
+  are_ideal_.make_room();
+  if (on_can_.axes.empty()) return;
   port_ = value_or_refuse(can::Cia402Port<double, HostLink>::make(lanes_, can_axes_),
-                          rig_.axes[can_index_.front()]);
+                          rig_.axes[on_can_.axes.front()]);
 }
 
 std::unique_ptr<RigDrives> RigDrives::simulated(const RigFile& rig, const std::vector<double>& positions) {
   std::unique_ptr<RigDrives> drives(new RigDrives(rig));
   drives->make_buses();
-  for (std::size_t i = 0; i < drives->can_index_.size(); ++i) {
-    const std::size_t a = drives->can_index_[i];
+  for (std::size_t i = 0; i < drives->on_can_.axes.size(); ++i) {
+    const std::size_t a = drives->on_can_.axes[i];
     const can::Cia402Axis<double>& axis = drives->can_axes_[i];
     BusOfRig& bus = drives->buses_[axis.lane];
     bus.drives.emplace_back(simulated_settings_of(rig.axes[a], positions[a]), 0);
@@ -199,19 +199,20 @@ std::unique_ptr<RigDrives> RigDrives::simulated(const RigFile& rig, const std::v
   }
   for (BusOfRig& bus : drives->buses_) bus.link.emplace(bus.wire);
   std::vector<double> ideal;
-  for (const std::size_t a : drives->ideal_index_) ideal.push_back(positions[a]);
+  for (const std::size_t a : drives->are_ideal_.axes) ideal.push_back(positions[a]);
   drives->ideal_.emplace(ideal);
+  drives->steps_ = RigSteps::simulated(rig, positions);
   drives->make_port();
   return drives;
 }
 
-std::unique_ptr<RigDrives> RigDrives::on_buses(const RigFile& rig) {
+std::unique_ptr<RigDrives> RigDrives::on_rig(const RigFile& rig, bool in_real_time) {
   std::unique_ptr<RigDrives> drives(new RigDrives(rig));
   drives->make_buses();
-  if (!drives->ideal_index_.empty()) {
-    const RigAxis& axis = rig.axes[drives->ideal_index_.front()];
+  if (!drives->are_ideal_.axes.empty()) {
+    const RigAxis& axis = rig.axes[drives->are_ideal_.axes.front()];
     throw InputError(axis.place,
-                     fmt::format("axis {}: this version moves CiA 402 drives only; simulate the rig "
+                     fmt::format("axis {}: this version moves CiA 402 and step-dir drives; simulate the rig "
                                  "with --sim",
                                  in_quotes(axis.name)));
   }
@@ -226,51 +227,72 @@ std::unique_ptr<RigDrives> RigDrives::on_buses(const RigFile& rig) {
     }
     bus.link.emplace(std::move(socket));
   }
+  drives->steps_ = RigSteps::on_chips(rig, in_real_time);
   drives->make_port();
   return drives;
 }
 
 void RigDrives::set_faults(const FaultScript& faults) {
   faults_.emplace(faults, 0);
-  for (std::size_t i = 0; i < can_index_.size(); ++i) {
-    faults_->attach(can_index_[i], buses_[can_axes_[i].lane].drives[can_axes_[i].drive]);
+  for (std::size_t i = 0; i < on_can_.axes.size(); ++i) {
+    faults_->attach(on_can_.axes[i], buses_[can_axes_[i].lane].drives[can_axes_[i].drive]);
   }
 }
 
 void RigDrives::read(std::span<DriveState<double>> states, std::int64_t now_ns) {
   if (faults_) faults_->advance(now_ns);
-  if (port_) port_->read(can_states_, now_ns);
-  if (ideal_) ideal_->read(ideal_states_, now_ns);
-  for (std::size_t i = 0; i < can_index_.size(); ++i) states[can_index_[i]] = can_states_[i];
-  for (std::size_t i = 0; i < ideal_index_.size(); ++i) states[ideal_index_[i]] = ideal_states_[i];
+  if (port_) on_can_.read(*port_, states, now_ns);
+  if (steps_) on_steps_.read(*steps_, states, now_ns);
+  if (ideal_) are_ideal_.read(*ideal_, states, now_ns);
 }
 
 void RigDrives::write(std::span<const Setpoint<double>> setpoints, std::int64_t now_ns) {
-  const bool has_any = !setpoints.empty();
-  for (std::size_t i = 0; has_any && i < can_index_.size(); ++i) can_setpoints_[i] = setpoints[can_index_[i]];
-  for (std::size_t i = 0; has_any && i < ideal_index_.size(); ++i) {
-    ideal_setpoints_[i] = setpoints[ideal_index_[i]];
-  }
-  const auto those = [&](const std::vector<Setpoint<double>>& all) {
-    return has_any ? std::span<const Setpoint<double>>(all) : std::span<const Setpoint<double>>();
-  };
-  if (port_) port_->write(those(can_setpoints_), now_ns);
-  if (ideal_) ideal_->write(those(ideal_setpoints_), now_ns);
+  if (port_) on_can_.write(*port_, setpoints, now_ns);
+  if (steps_) on_steps_.write(*steps_, setpoints, now_ns);
+  if (ideal_) are_ideal_.write(*ideal_, setpoints, now_ns);
 }
 
 void RigDrives::enable() {
   if (port_) port_->enable();
+  if (steps_) steps_->enable();
   if (ideal_) ideal_->enable();
 }
 
 void RigDrives::disable() {
   if (port_) port_->disable();
+  if (steps_) steps_->disable();
   if (ideal_) ideal_->disable();
 }
 
 void RigDrives::quick_stop() {
   if (port_) port_->quick_stop();
+  if (steps_) steps_->quick_stop();
   if (ideal_) ideal_->quick_stop();
+}
+
+void RigDrives::place(std::size_t axis, double position) {
+  for (std::size_t i = 0; i < on_can_.axes.size(); ++i) {
+    if (on_can_.axes[i] != axis) continue;
+    if (port_->drive(i).phase() == can::DrivePhase::following) {
+      port_->place(i, position);
+    } else {
+      can_axes_[i].stands_at = position;
+    }
+  }
+  for (std::size_t i = 0; i < on_steps_.axes.size(); ++i) {
+    if (on_steps_.axes[i] == axis) steps_->place(i, position);
+  }
+}
+
+bool RigDrives::has_lost_position(std::size_t axis) const {
+  for (std::size_t i = 0; i < on_can_.axes.size(); ++i) {
+    if (on_can_.axes[i] != axis) continue;
+    if (port_->drive(i).findings().has(can::DriveFinding::unexpected_boot)) return true;
+  }
+  for (std::size_t i = 0; i < on_steps_.axes.size(); ++i) {
+    if (on_steps_.axes[i] == axis && steps_->has_lost_steps(i)) return true;
+  }
+  return false;
 }
 
 std::string RigDrives::trouble() const {
@@ -285,7 +307,8 @@ std::string RigDrives::trouble() const {
     return fmt::format("bus {} does not take frames ({} lost); are its drives on and its cable plugged in?",
                        in_quotes(buses_[l].name), port_->counters(l).unsent);
   }
-  for (std::size_t i = 0; i < can_index_.size(); ++i) {
+  if (steps_ && !steps_->trouble().empty()) return steps_->trouble();
+  for (std::size_t i = 0; i < on_can_.axes.size(); ++i) {
     const can::Cia402Drive& drive = port_->drive(i);
     std::optional<can::DriveFinding> finding = drive.first_finding();
     if (!finding) continue;
@@ -293,7 +316,7 @@ std::string RigDrives::trouble() const {
     constexpr can::DriveFinding boot = can::DriveFinding::unexpected_boot;
     if (drive.findings().has(boot)) finding = boot;
     const can::DriveFindingWords words = can::words_of(*finding);
-    std::string text = fmt::format("axis {}: {}", in_quotes(rig_.axes[can_index_[i]].name), words.what);
+    std::string text = fmt::format("axis {}: {}", in_quotes(rig_.axes[on_can_.axes[i]].name), words.what);
     if (drive.last_emergency().code != 0) {
       text += fmt::format(" (EMCY {:04X}, {})", drive.last_emergency().code,
                           can::words_of_emergency(drive.last_emergency().code));

@@ -16,6 +16,7 @@
 #include "host_tools/fault_schedule.hpp"
 #include "host_tools/fault_script.hpp"
 #include "host_tools/rig_file.hpp"
+#include "host_tools/rig_steps.hpp"
 #include "inbetween/can/cia402_port.hpp"
 #include "inbetween/motion_loop.hpp"
 #include "sim/can_bus.hpp"
@@ -54,14 +55,15 @@ SimulatedCia402Settings simulated_settings_of(const RigAxis& axis, double positi
 /// that cannot be set up.
 void refuse_overloaded_buses(const RigFile& rig);
 
-/// A DrivePort for every axis of a rig. In simulation CiA 402 axes are drives that speak their frames, the
-/// others ideal ones.
+/// A DrivePort for every axis of a rig. In simulation CiA 402 axes are drives that speak their frames,
+/// step-dir axes motors that turn by the edges on their lines, the others ideal ones.
 class RigDrives {
  public:
   /// Standing at `positions`, in the order of the rig's axes.
   static std::unique_ptr<RigDrives> simulated(const RigFile& rig, const std::vector<double>& positions);
-  /// Opens the buses. Throws InputError at the place of what is not there, or is no CiA 402 drive.
-  static std::unique_ptr<RigDrives> on_buses(const RigFile& rig);
+  /// Opens the buses and chips; what plays steps is in real time if asked for. Throws InputError at the place
+  /// of what is not there, or of a drive that this program cannot move.
+  static std::unique_ptr<RigDrives> on_rig(const RigFile& rig, bool in_real_time = true);
   RigDrives(const RigDrives&) = delete;
   RigDrives& operator=(const RigDrives&) = delete;
 
@@ -73,6 +75,13 @@ class RigDrives {
   void enable();
   void disable();
   void quick_stop();
+
+  /// Axis `axis` of the rig stands at `position`, whatever its drive says. Only before the drives are
+  /// switched on, or while nothing is sent to them.
+  void place(std::size_t axis, double position);
+  /// Steps were lost, so that nobody knows where the axis is.
+  [[nodiscard]] bool has_lost_position(std::size_t axis) const;
+  [[nodiscard]] bool has_steps() const { return steps_ != nullptr; }
 
   /// What is wrong with a drive and what to do, the first found; "" for nothing. Not for the loop's thread.
   [[nodiscard]] std::string trouble() const;
@@ -92,6 +101,32 @@ class RigDrives {
     SimulatedCanBus wire;
   };
 
+  /// Some axes of the rig, and what passes between them and their drives.
+  struct Part {
+    std::vector<std::size_t> axes;
+    std::vector<DriveState<double>> states;
+    std::vector<Setpoint<double>> setpoints;
+
+    void make_room() {
+      states.resize(axes.size());
+      setpoints.resize(axes.size());
+    }
+    template <class Drives>
+    void read(Drives& drives, std::span<DriveState<double>> all, std::int64_t now_ns) {
+      drives.read(states, now_ns);
+      for (std::size_t i = 0; i < axes.size(); ++i) all[axes[i]] = states[i];
+    }
+    template <class Drives>
+    void write(Drives& drives, std::span<const Setpoint<double>> all, std::int64_t now_ns) {
+      if (all.empty()) {
+        drives.write({}, now_ns);
+        return;
+      }
+      for (std::size_t i = 0; i < axes.size(); ++i) setpoints[i] = all[axes[i]];
+      drives.write(setpoints, now_ns);
+    }
+  };
+
   explicit RigDrives(const RigFile& rig) : rig_(rig) {}
   /// All but the links.
   void make_buses();
@@ -105,10 +140,8 @@ class RigDrives {
   std::optional<can::Cia402Port<double, HostLink>> port_;
   std::optional<SimulatedRig> ideal_;
   std::optional<FaultSchedule> faults_;
-  // Where the axes of either stand among those of the rig, and room for them.
-  std::vector<std::size_t> can_index_, ideal_index_;
-  std::vector<DriveState<double>> can_states_, ideal_states_;
-  std::vector<Setpoint<double>> can_setpoints_, ideal_setpoints_;
+  std::unique_ptr<RigSteps> steps_;
+  Part on_can_, on_steps_, are_ideal_;
 };
 
 }  // namespace inbetween

@@ -319,12 +319,13 @@ RunReport run_on_rig(const Plan& plan, const RunOptions& options) {
   const double top_rate = options.allow_jitter ? jitter_rate : options.top_rate;
   const std::unique_ptr<StagedMove> staged = staged_for_run(plan, options, top_rate);
   RunReport report = good_report(options);
-  LoopOfRig rig(RigDrives::on_buses(*plan.rig()), plan.axes().size());
+  LoopOfRig rig(RigDrives::on_rig(*plan.rig(), !options.allow_jitter), plan.axes().size());
   const std::unique_ptr<RunRecord> record = record_of(plan, options);
   LoopTrace trace(plan.axes().size(), record.get());
   const LoopAudience audience{options.keys, options.interrupted, options.status, options.progress,
                               options.rig_has_changed};
-  TimedRunner runner(rig.loop, plan.rig()->rate_hz, audience, trace, Lateness::catches_up, RealTimeWishes{});
+  const Lateness lateness = rig.drives->has_steps() ? Lateness::falls_behind : Lateness::catches_up;
+  TimedRunner runner(rig.loop, plan.rig()->rate_hz, audience, trace, lateness, RealTimeWishes{});
   if (!options.allow_jitter) refuse_unfit_machine(plan, runner.rights());
   run_with(runner, rig, *staged, options, report);
   list_axes(plan, trace, report);

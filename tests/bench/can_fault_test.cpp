@@ -39,9 +39,9 @@ void expect_refused_at_arming(const BusScene& scene, std::string_view axis, std:
   scene.expect_rest();
 }
 
-// faults.md 18. First more than a bus of 1 Mbit/s carries that is meant for nobody, then as much as it carries
-// that is for us. Work takes no time on this clock: the loop waits for none of it, and what it takes in a tick
-// is bounded; can_loop_test counts.
+// faults.md 18. First more than a bus of 1 Mbit/s carries that is meant for nobody, then as much as it
+// carries that is for us. Work takes no time on this clock: the loop waits for none of it, and what it takes
+// in a tick is bounded; can_loop_test counts.
 TEST(CanFault, AFloodDoesNotMakeTheLoopLate) {
   const BusScene noise("sleep 5; cangen can0 -g 0.1 -I 123 -L 8 -n 20000 || true");
   EXPECT_EQ(noise.run.status, 0) << noise.run.err;

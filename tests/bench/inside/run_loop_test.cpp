@@ -94,7 +94,7 @@ class DrivesProcess {
 struct LoopOnBus {
   Plan plan{parse_move(there, "move.toml"), parse_rig(bench, "rig.toml"), {}};
   StagedMove staged{plan};
-  std::unique_ptr<RigDrives> drives = RigDrives::on_buses(*plan.rig());
+  std::unique_ptr<RigDrives> drives = RigDrives::on_rig(*plan.rig());
   RigLines lines;
   LoopRoom room{2, 2};
   RunLoop loop{*drives, lines, room.memory()};

@@ -65,6 +65,10 @@ struct Cia402Axis {
   std::size_t lane = 0;
   std::size_t drive = 0;     ///< on its bus
   Real counts_per_unit = 1;  ///< not 0; negative turns the direction round
+  /// Where the axis stands, for a drive that counts from wherever it is switched on. Taken when it first
+  /// follows; none: its count 0 is position 0.
+  std::optional<Real> stands_at = {};
+  std::int64_t zero_counts = 0;  ///< the count of position 0, kept by the port
 };
 
 /// What the operator may see of a lane. They only grow.
@@ -89,8 +93,7 @@ class Cia402Port {
 
   /// Errors: wrong_count (no lane, more than most_lanes, memory that does not fit a bus), out_of_range with
   /// axis (no such lane or drive, a scale of 0).
-  static Result<Cia402Port> make(std::span<const Cia402Lane<Link>> lanes,
-                                 std::span<const Cia402Axis<Real>> axes) {
+  static Result<Cia402Port> make(std::span<const Cia402Lane<Link>> lanes, std::span<Cia402Axis<Real>> axes) {
     if (lanes.empty() || lanes.size() > most_lanes) {
       return Error{.code = ErrorCode::wrong_count,
                    .what = "a rig has no bus, or more than its port can serve",
@@ -172,6 +175,13 @@ class Cia402Port {
     for_each_drive([&](Cia402Drive& drive) { drive.quick_stop(now_ns_); });
   }
 
+  /// The axis is at `position`, whatever its drive counts, from now on. Only while no setpoint follows: the
+  /// next would be a jump by the difference. O(1).
+  void place(std::size_t axis, Real position) {
+    const Real counts = std::floor(position * axes_[axis].counts_per_unit + Real(0.5));
+    axes_[axis].zero_counts = drive_of(axes_[axis]).feedback().actual - static_cast<std::int64_t>(counts);
+  }
+
   [[nodiscard]] const LaneCounters& counters(std::size_t lane) const { return counters_[lane]; }
   /// Several ticks in a row had frames that the link did not take, since the drives were switched on.
   [[nodiscard]] bool is_unsent(std::size_t lane) const { return was_unsent_[lane]; }
@@ -179,7 +189,7 @@ class Cia402Port {
   [[nodiscard]] const Cia402Drive& drive(std::size_t axis) const { return drive_of(axes_[axis]); }
 
  private:
-  Cia402Port(std::span<const Cia402Lane<Link>> lanes, std::span<const Cia402Axis<Real>> axes)
+  Cia402Port(std::span<const Cia402Lane<Link>> lanes, std::span<Cia402Axis<Real>> axes)
       : lanes_(lanes), axes_(axes) {}
 
   [[nodiscard]] Cia402Drive& drive_of(const Cia402Axis<Real>& axis) const {
@@ -193,9 +203,13 @@ class Cia402Port {
   }
 
   [[nodiscard]] DriveState<Real> state_of_axis(std::size_t i) {
-    const Cia402Axis<Real>& axis = axes_[i];
+    Cia402Axis<Real>& axis = axes_[i];
     const Cia402Drive& drive = drive_of(axis);
-    return {.actual = static_cast<Real>(drive.feedback().actual) / axis.counts_per_unit,
+    if (drive.phase() == DrivePhase::following && axis.stands_at) {
+      place(i, *axis.stands_at);
+      axis.stands_at.reset();
+    }
+    return {.actual = static_cast<Real>(drive.feedback().actual - axis.zero_counts) / axis.counts_per_unit,
             .is_on = drive.phase() == DrivePhase::following,
             .condition = condition_of(axis)};
   }
@@ -233,7 +247,8 @@ class Cia402Port {
   /// In counts, to the nearest. False, and nothing is sent, where one is beyond what a drive can count to.
   bool take_targets(std::span<const Setpoint<Real>> setpoints) {
     for (std::size_t i = 0; i < axes_.size(); ++i) {
-      const Real counts = std::floor(setpoints[i].position * axes_[i].counts_per_unit + Real(0.5));
+      const Real counts = std::floor(setpoints[i].position * axes_[i].counts_per_unit + Real(0.5)) +
+                          static_cast<Real>(axes_[i].zero_counts);
       constexpr auto most = static_cast<Real>(std::numeric_limits<std::int32_t>::max() - 128);
       if (!(std::fabs(counts) <= most)) {
         is_out_of_range_ = true;
@@ -273,7 +288,7 @@ class Cia402Port {
   }
 
   std::span<const Cia402Lane<Link>> lanes_;
-  std::span<const Cia402Axis<Real>> axes_;
+  std::span<Cia402Axis<Real>> axes_;
   std::array<LaneCounters, most_lanes> counters_{};
   std::array<std::int32_t, most_lanes> unsent_ticks_{};
   std::array<bool, most_lanes> was_unsent_{};

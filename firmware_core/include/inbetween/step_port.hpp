@@ -1,0 +1,256 @@
+#pragma once
+
+#include <algorithm>
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "inbetween/ports.hpp"
+#include "inbetween/precision.hpp"
+#include "inbetween/result.hpp"
+#include "inbetween/setpoint.hpp"
+#include "inbetween/step_generator.hpp"
+#include "inbetween/step_instant.hpp"
+#include "inbetween/step_merge.hpp"
+
+/// Stepper drives behind STEP, DIR and ENABLE lines as the motion loop sees them.
+
+namespace inbetween {
+
+/// Plays the instants of one chip at their times, on hardware or in simulation. Nothing waits.
+template <class Sink>
+concept StepSink = requires(Sink& sink, const Sink& seen, const StepInstant& instant) {
+  /// False: it will not be played.
+  { sink.push(instant) } -> std::convertible_to<bool>;
+  /// What has not been played is not played any more.
+  sink.discard();
+  { seen.waiting() } -> std::convertible_to<std::uint64_t>;
+  /// An instant was later than the rig allows.
+  { seen.is_too_late() } -> std::convertible_to<bool>;
+  /// The chip has gone.
+  { seen.has_ended() } -> std::convertible_to<bool>;
+};
+
+/// One axis on a chip. Owned by the caller, as the room for its edges is: StepGenerator::most_edges().
+template <Precise Real>
+struct StepLane {
+  StepGenerator<Real> generator;
+  std::span<StepEdge> edges;
+};
+
+/// The axes of one chip: lanes first_lane .. first_lane + lanes of the port, in the order of `merge`.
+template <StepSink Sink>
+struct StepChip {
+  Sink* sink = nullptr;
+  StepMerge merge;
+  std::size_t first_lane = 0;
+  std::size_t lanes = 0;
+  std::uint64_t enable_mask = 0;    ///< the ENABLE lines
+  std::uint64_t enable_levels = 0;  ///< of those lines, while the drives are on
+  std::span<StepInstant> instants;  ///< room for as many as the lanes have edges
+};
+
+struct StepPortTiming {
+  std::int64_t tick_ns = 0;
+  /// From a tick of the loop to the first moment of the motion that it has written. One tick: the axes are
+  /// then in step with CAN drives that interpolate over a tick (CiA 402, cyclic synchronous position).
+  std::int64_t lead_ns = 0;
+  /// A tick of the loop that comes so much later than that leaves a gap in the steps that no motor follows.
+  std::int64_t most_late_ns = 0;
+};
+
+/// What went wrong for good with a lane's steps, until it is placed anew.
+struct StepLaneState {
+  bool has_failed = false;      ///< more steps than the rate permits: it gets none any more
+  bool has_lost_steps = false;  ///< steps were counted that the motor was not given: it stands elsewhere
+};
+
+/// A DrivePort: axis i is lane i. It counts open loop: what a drive tells is what was put out.
+///
+/// The motion from a setpoint to the next begins `lead_ns` after the tick in which it is written, tick after
+/// tick without a gap. Without setpoints whatever waits is discarded at once, within a pulse; if there was
+/// any, the position is lost with it. There is no ramp in such a drive: quick_stop() does the same.
+template <Precise Real, StepSink Sink>
+class StepPort {
+ public:
+  /// Refers to the caller's memory. Errors: wrong_count (the chips do not have all lanes, each once and in
+  /// order; `states` or `lists` has not one for each), out_of_range (a time that is not above 0),
+  /// capacity with axis (room for edges or instants).
+  static Result<StepPort> make(std::span<StepLane<Real>> lanes, std::span<StepChip<Sink>> chips,
+                               std::span<StepLaneState> states, std::span<std::span<const StepEdge>> lists,
+                               const StepPortTiming& timing) {
+    std::size_t next = 0;
+    for (const StepChip<Sink>& chip : chips) {
+      if (chip.first_lane != next || chip.sink == nullptr) return wrong_lanes();
+      std::size_t edges = 0;
+      for (; next < std::min(chip.first_lane + chip.lanes, lanes.size()); ++next) {
+        edges += lanes[next].edges.size();
+        if (lanes[next].edges.size() >= lanes[next].generator.most_edges()) continue;
+        return Error{.code = ErrorCode::capacity,
+                     .what = "too little room for the edges of a tick",
+                     .remedy = "give as much as StepGenerator::most_edges says",
+                     .axis = static_cast<std::int32_t>(next)};
+      }
+      if (chip.instants.size() < edges) {
+        return Error{.code = ErrorCode::capacity,
+                     .what = "too little room for the instants of a chip",
+                     .remedy = "give one for each edge of its axes",
+                     .needed = static_cast<std::int64_t>(edges)};
+      }
+    }
+    if (next != lanes.size() || states.size() != lanes.size() || lists.size() != lanes.size()) {
+      return wrong_lanes();
+    }
+    if (timing.tick_ns <= 0 || timing.lead_ns <= 0 || timing.most_late_ns <= 0) {
+      return Error{.code = ErrorCode::out_of_range,
+                   .what = "a time of the step port is not above 0",
+                   .remedy = "give the tick of the loop, a lead and the latest edge"};
+    }
+    return StepPort(lanes, chips, states, lists, timing);
+  }
+
+  void read(std::span<DriveState<Real>> states, std::int64_t now_ns) {
+    now_ns_ = now_ns;
+    bool is_there = true;
+    bool is_in_time = !is_late_;
+    for (const StepChip<Sink>& chip : chips_) {
+      is_there = is_there && !chip.sink->has_ended() && !has_refused_;
+      is_in_time = is_in_time && !chip.sink->is_too_late();
+    }
+    for (std::size_t i = 0; i < lanes_.size(); ++i) {
+      states[i].actual = position(i);
+      states[i].is_on = is_enabled_ && now_ns >= enabled_at_ns_;
+      states[i].condition = DriveCondition::fine;
+      if (!is_in_time || states_[i].has_failed) states[i].condition = DriveCondition::cannot_follow;
+      if (!is_there) states[i].condition = DriveCondition::unreachable;
+    }
+  }
+
+  void write(std::span<const Setpoint<Real>> setpoints, std::int64_t now_ns) {
+    if (setpoints.empty() || !is_enabled_) {
+      cease();
+      return;
+    }
+    const std::int64_t start_ns = next_start(now_ns);
+    for (std::size_t i = 0; i < lanes_.size(); ++i) lists_[i] = edges_to(i, setpoints[i]);
+    for (const StepChip<Sink>& chip : chips_) {
+      const Result<std::size_t> count =
+          chip.merge.merge(start_ns, lists_.subspan(chip.first_lane, chip.lanes), chip.instants);
+      // The generators keep to what the merge asks of edges, and the room is enough: it does not refuse.
+      if (!count) has_refused_ = true;
+      for (std::size_t i = 0; count && i < *count; ++i) push(chip, chip.instants[i]);
+    }
+    is_stepping_ = true;
+  }
+
+  void enable() {
+    for (std::size_t i = 0; i < lanes_.size(); ++i) {
+      // Where a lane stands is a setpoint of it, to the step.
+      static_cast<void>(lanes_[i].generator.place(position(i)));
+      states_[i].has_failed = false;
+    }
+    is_late_ = false;
+    is_enabled_ = true;
+    is_stepping_ = false;
+    enabled_at_ns_ = now_ns_ + timing_.lead_ns;
+    set_enable_lines(true);
+  }
+  void disable() {
+    cease();
+    is_enabled_ = false;
+    set_enable_lines(false);
+  }
+  void quick_stop() { cease(); }
+
+  /// In axis units, as the steps that were put out say.
+  [[nodiscard]] Real position(std::size_t lane) const {
+    const StepGenerator<Real>& generator = lanes_[lane].generator;
+    return static_cast<Real>(generator.count()) / generator.spec().steps_per_unit;
+  }
+  /// The axis is at `position`, whatever was counted: it was homed, or somebody said so. Only while it rests.
+  /// Errors: those of StepGenerator::place.
+  Status place(std::size_t lane, Real position) {
+    if (const Status placed = lanes_[lane].generator.place(position); !placed) return placed;
+    states_[lane] = {};
+    return Done{};
+  }
+  [[nodiscard]] std::span<const StepLaneState> lane_states() const { return states_; }
+  /// Ticks of the loop that came so late that steps were missing at their time.
+  [[nodiscard]] std::uint64_t gaps() const { return gaps_; }
+
+ private:
+  StepPort(std::span<StepLane<Real>> lanes, std::span<StepChip<Sink>> chips, std::span<StepLaneState> states,
+           std::span<std::span<const StepEdge>> lists, const StepPortTiming& timing)
+      : lanes_(lanes), chips_(chips), states_(states), lists_(lists), timing_(timing) {}
+
+  static Error wrong_lanes() {
+    return {.code = ErrorCode::wrong_count,
+            .what = "the chips do not have every axis once, in order",
+            .remedy = "list the axes chip by chip, with a state and a list of edges for each"};
+  }
+
+  /// Where the motion of this tick begins in time.
+  std::int64_t next_start(std::int64_t now_ns) {
+    std::int64_t start_ns = next_start_ns_;
+    if (!is_stepping_) {
+      start_ns = std::max(now_ns + timing_.lead_ns, enabled_at_ns_);
+    } else if (start_ns < now_ns) {
+      ++gaps_;
+      if (now_ns - start_ns > timing_.most_late_ns) is_late_ = true;
+      start_ns = now_ns + timing_.lead_ns;
+    }
+    next_start_ns_ = start_ns + timing_.tick_ns;
+    return start_ns;
+  }
+
+  std::span<const StepEdge> edges_to(std::size_t i, const Setpoint<Real>& setpoint) {
+    if (states_[i].has_failed) return {};
+    const Result<std::size_t> count = lanes_[i].generator.advance(setpoint, lanes_[i].edges);
+    if (!count) {
+      states_[i] = {.has_failed = true, .has_lost_steps = true};
+      return {};
+    }
+    return lanes_[i].edges.first(*count);
+  }
+
+  void push(const StepChip<Sink>& chip, const StepInstant& instant) {
+    if (!chip.sink->push(instant)) has_refused_ = true;
+  }
+
+  /// No step from now on; those that waited were counted.
+  void cease() {
+    if (!is_stepping_) return;
+    for (const StepChip<Sink>& chip : chips_) {
+      const bool loses = chip.sink->waiting() > 0;
+      chip.sink->discard();
+      for (std::size_t i = 0; loses && i < chip.lanes; ++i)
+        states_[chip.first_lane + i].has_lost_steps = true;
+    }
+    is_stepping_ = false;
+  }
+
+  void set_enable_lines(bool on) {
+    for (const StepChip<Sink>& chip : chips_) {
+      if (chip.enable_mask == 0) continue;
+      const std::uint64_t levels = on ? chip.enable_levels : ~chip.enable_levels & chip.enable_mask;
+      push(chip, {.at_ns = now_ns_ + timing_.lead_ns, .levels = levels, .mask = chip.enable_mask});
+    }
+  }
+
+  std::span<StepLane<Real>> lanes_;
+  std::span<StepChip<Sink>> chips_;
+  std::span<StepLaneState> states_;
+  std::span<std::span<const StepEdge>> lists_;
+  StepPortTiming timing_;
+  std::int64_t now_ns_ = 0;
+  std::int64_t enabled_at_ns_ = 0;
+  std::int64_t next_start_ns_ = 0;
+  std::uint64_t gaps_ = 0;
+  bool is_enabled_ = false;
+  bool is_stepping_ = false;
+  bool is_late_ = false;      ///< a gap was longer than allowed
+  bool has_refused_ = false;  ///< an instant found no room or no chip
+};
+
+}  // namespace inbetween
