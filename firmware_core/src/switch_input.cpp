@@ -1,0 +1,73 @@
+#include "inbetween/switch_input.hpp"
+
+#include <algorithm>
+
+namespace inbetween {
+
+Result<SwitchInput> SwitchInput::make(const SwitchSettings& settings) {
+  if (settings.quiet_ns < 1'000'000 || settings.quiet_ns > 3'000'000) {
+    return Error{.code = ErrorCode::out_of_range,
+                 .what = "the time after which the level of a switch counts is not 1 to 3 ms",
+                 .remedy = "give one from 1 to 3 ms"};
+  }
+  return SwitchInput(settings);
+}
+
+void SwitchInput::start(bool level) {
+  *this = SwitchInput(settings_);
+  is_active_ = level == settings_.active_level;
+  was_read_active_ = is_active_;
+}
+
+SwitchChange SwitchInput::update(std::int64_t now_ns, bool level, std::span<const LineEvent> events) {
+  const bool was_changing = is_changing_;
+  bool had_event = false;
+  for (const LineEvent& event : events) {
+    has_lost_events_ = has_lost_events_ || event.lost_before;
+    if (event.line != settings_.line) continue;
+    take_edge(event.at_ns, true);
+    had_event = true;
+  }
+  const bool is_active = level == settings_.active_level;
+  // The event of an edge may be read a tick after the level that it made.
+  if (is_active != was_read_active_ && !had_event) take_edge(now_ns, false);
+  was_read_active_ = is_active;
+  if (is_changing_ && now_ns - last_edge_ns_ >= settings_.quiet_ns) return settle(is_active);
+  return is_changing_ && !was_changing ? SwitchChange::edge : SwitchChange::none;
+}
+
+void SwitchInput::take_edge(std::int64_t at_ns, bool is_timed) {
+  if (is_changing_ && !is_timed_ && is_timed && at_ns <= edge_ns_) {
+    edge_ns_ = at_ns;
+    is_timed_ = true;
+    return;
+  }
+  if (!is_changing_) {
+    edge_ns_ = at_ns;
+    is_timed_ = is_timed;
+    is_changing_ = true;
+  }
+  last_edge_ns_ = std::max(last_edge_ns_, at_ns);
+  std::int64_t& oldest_ns = edges_ns_[edge_count_ % most_edges];
+  if (edge_count_ >= most_edges && at_ns - oldest_ns <= window_ns) is_chattering_ = true;
+  oldest_ns = at_ns;
+  ++edge_count_;
+}
+
+SwitchChange SwitchInput::settle(bool is_active) {
+  is_changing_ = false;
+  if (is_active == is_active_) {
+    ++noise_count_;
+    return SwitchChange::noise;
+  }
+  is_active_ = is_active;
+  return is_active ? SwitchChange::activated : SwitchChange::released;
+}
+
+bool EmergencyInput::asks_to_stop(bool level, std::span<const LineEvent> events) const {
+  return level != healthy_level || std::ranges::any_of(events, [&](const LineEvent& event) {
+           return event.line == line || event.lost_before;
+         });
+}
+
+}  // namespace inbetween
