@@ -12,7 +12,7 @@ constexpr double second_ns = 1e9;
 /// them has not been there.
 constexpr int parts = 16;
 
-std::int64_t to_ns(double seconds) {
+std::int64_t nanoseconds(double seconds) {
   return std::llround(seconds * second_ns);
 }
 
@@ -59,16 +59,15 @@ void SimulatedSwitch::move(std::int64_t from_ns, const Setpoint<double>& from, s
     add_change(from_ns + std::llround(high * static_cast<double>(to_ns - from_ns)));
   }
   if (settings_.noise_hz > 0) {
-    if (next_noise_ns_ < 0) next_noise_ns_ = from_ns + ::inbetween::to_ns(random(0, 2 / settings_.noise_hz));
-    for (; next_noise_ns_ < to_ns;
-         next_noise_ns_ += ::inbetween::to_ns(random(0, 2 / settings_.noise_hz)) + 1) {
-      add_pulse(next_noise_ns_, ::inbetween::to_ns(random(1e-6, settings_.longest_noise_s)));
+    if (next_noise_ns_ < 0) next_noise_ns_ = from_ns + nanoseconds(random(0, 2 / settings_.noise_hz));
+    for (; next_noise_ns_ < to_ns; next_noise_ns_ += nanoseconds(random(0, 2 / settings_.noise_hz)) + 1) {
+      add_pulse(next_noise_ns_, nanoseconds(random(1e-6, settings_.longest_noise_s)));
     }
   }
   if (settings_.fault == Fault::chatter && is_on_) {
     for (next_chatter_ns_ = std::max(next_chatter_ns_, from_ns); next_chatter_ns_ < to_ns;
-         next_chatter_ns_ += ::inbetween::to_ns(random(2e-4, 1.5e-3))) {
-      toggles_ns_.push_back(next_chatter_ns_);
+         next_chatter_ns_ += nanoseconds(random(2e-4, 1.5e-3))) {
+      add_pulse(next_chatter_ns_, nanoseconds(random(1e-4, 1e-3)));
     }
   }
   std::ranges::sort(toggles_ns_);
@@ -84,9 +83,9 @@ void SimulatedSwitch::move(std::int64_t from_ns, const Setpoint<double>& from, s
 void SimulatedSwitch::add_change(std::int64_t at_ns) {
   toggles_ns_.push_back(at_ns);
   if (settings_.most_bounces == 0) return;
-  for (std::uint32_t i = random_() % (settings_.most_bounces + 1); i > 0; --i) {
+  for (auto i = random_() % (settings_.most_bounces + 1); i > 0; --i) {
     for (int edge = 0; edge < 2; ++edge)
-      toggles_ns_.push_back(at_ns + 1 + to_ns(random(0, settings_.bounce_s)));
+      toggles_ns_.push_back(at_ns + 1 + nanoseconds(random(0, settings_.bounce_s)));
   }
 }
 

@@ -18,7 +18,7 @@ class SimulatedSwitch {
     none,
     stuck,    ///< actuated from the first time that it was on
     open,     ///< never actuated: a broken wire
-    chatter,  ///< while actuated it opens and closes every 0.2 to 1.5 ms
+    chatter,  ///< while actuated it opens every 0.2 to 1.5 ms for a moment
   };
   /// Positions in axis units.
   struct Settings {
