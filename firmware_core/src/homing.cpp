@@ -90,9 +90,9 @@ void AxisHoming<Real>::begin(std::int64_t now_ns, const HomingInput& input) {
   shift_ = 0;
   trail_.clear();
   trail_.push(now_ns, axis_->state());
-  switch_.start(input.level);
+  switch_.start(now_ns, input.level);
   if (!axis_->set_range(start_ - reach(), start_ + reach())) __builtin_trap();
-  apply(switch_.is_active() ? HomingSignal::begin_on : HomingSignal::begin_off);
+  apply(HomingSignal::begin);
 }
 
 template <Precise Real>

@@ -38,8 +38,10 @@ constexpr std::array<Row, homing_phases> make_table() {
     table[index_of(from)][index_of(signal)] = {.phase = stopping, .action = Action::stop, .failure = failure};
   };
   using enum HomingSignal;
-  on(waiting, begin_off, searching, Action::search);
-  on(waiting, begin_on, leaving, Action::leave);
+  on(waiting, begin, sensing, Action::none);
+
+  on(sensing, rested_off, searching, Action::search);
+  on(sensing, rested_on, leaving, Action::leave);
 
   on(leaving, released, clearing, Action::clear);
   fail(leaving, rested_on, Failure::stuck);
@@ -80,8 +82,8 @@ constexpr std::array<Row, homing_phases> make_table() {
 constexpr std::array<Row, homing_phases> table = make_table();
 
 constexpr std::array<const char*, homing_phases> phase_names{
-    "waiting",     "leaving",  "clearing", "searching",  "overrunning", "turning", "backing",
-    "approaching", "settling", "latching", "referenced", "stopping",    "failed"};
+    "waiting", "sensing",     "leaving",  "clearing", "searching",  "overrunning", "turning",
+    "backing", "approaching", "settling", "latching", "referenced", "stopping",    "failed"};
 
 struct Words {
   const char* what;

@@ -13,16 +13,22 @@ Result<SwitchInput> SwitchInput::make(const SwitchSettings& settings) {
   return SwitchInput(settings);
 }
 
-void SwitchInput::start(bool level) {
+void SwitchInput::start(std::int64_t now_ns, bool level) {
   *this = SwitchInput(settings_);
   is_active_ = level == settings_.active_level;
   was_read_active_ = is_active_;
+  is_changing_ = true;
+  is_starting_ = true;
+  started_ns_ = now_ns;
+  edge_ns_ = now_ns;
+  last_edge_ns_ = now_ns;
 }
 
 SwitchChange SwitchInput::update(std::int64_t now_ns, bool level, std::span<const LineEvent> events) {
   const bool was_changing = is_changing_;
   bool had_event = false;
   for (const LineEvent& event : events) {
+    if (event.at_ns < started_ns_) continue;
     has_lost_events_ = has_lost_events_ || event.lost_before;
     if (event.line != settings_.line) continue;
     take_edge(event.at_ns, true);
@@ -55,13 +61,15 @@ void SwitchInput::take_edge(std::int64_t at_ns, bool is_timed) {
 }
 
 SwitchChange SwitchInput::settle(bool is_active) {
+  const bool was_starting = is_starting_;
+  const bool has_changed = is_active != is_active_;
   is_changing_ = false;
-  if (is_active == is_active_) {
-    ++noise_count_;
-    return SwitchChange::noise;
-  }
+  is_starting_ = false;
   is_active_ = is_active;
-  return is_active ? SwitchChange::activated : SwitchChange::released;
+  if (was_starting) return SwitchChange::none;
+  if (has_changed) return is_active ? SwitchChange::activated : SwitchChange::released;
+  ++noise_count_;
+  return SwitchChange::noise;
 }
 
 bool EmergencyInput::asks_to_stop(bool level, std::span<const LineEvent> events) const {

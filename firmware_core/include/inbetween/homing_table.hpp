@@ -9,6 +9,7 @@ namespace inbetween {
 
 enum class HomingPhase : std::uint8_t {
   waiting,      ///< not begun
+  sensing,      ///< finds out whether it stands on its switch
   leaving,      ///< away from the switch, on which it stood at the start
   clearing,     ///< it opened: further, by the way to back off
   searching,    ///< towards the switch, fast
@@ -22,12 +23,11 @@ enum class HomingPhase : std::uint8_t {
   stopping,     ///< failed, or another axis has: slows down
   failed,       ///< rests, and does not know where
 };
-inline constexpr std::size_t homing_phases = 13;
+inline constexpr std::size_t homing_phases = 14;
 
 enum class HomingSignal : std::uint8_t {
-  begin_off,  ///< the start, and the switch is not actuated
-  begin_on,   ///< the start, and it is
-  edge,       ///< those of SwitchChange
+  begin,
+  edge,  ///< those of SwitchChange
   noise,
   activated,
   released,
@@ -36,7 +36,7 @@ enum class HomingSignal : std::uint8_t {
   abort,       ///< something that ends the homing of every axis
   cut,         ///< no setpoints are sent any more, and the axis rests
 };
-inline constexpr std::size_t homing_signals = 10;
+inline constexpr std::size_t homing_signals = 9;
 
 /// What has to be done on a transition.
 enum class HomingAction : std::uint8_t {

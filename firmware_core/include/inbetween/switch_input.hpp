@@ -44,8 +44,9 @@ class SwitchInput {
   /// Errors: out_of_range (quiet_ns is not 1 to 3 ms).
   static Result<SwitchInput> make(const SwitchSettings& settings);
 
-  /// From now on, with the level as it is; what was before is forgotten.
-  void start(bool level);
+  /// From now on, with the level that is read at `now_ns`; what was before is forgotten, also events that are
+  /// told later. It is changing until that level has stayed, which is no change that is told.
+  void start(std::int64_t now_ns, bool level);
   /// Once a tick: the level that was read at `now_ns`, after the events that have been read since the last
   /// tick. They come in the order of their times; those of other lines are passed over. O(events).
   SwitchChange update(std::int64_t now_ns, bool level, std::span<const LineEvent> events);
@@ -73,10 +74,12 @@ class SwitchInput {
   bool is_active_ = false;
   bool was_read_active_ = false;
   bool is_changing_ = false;
+  bool is_starting_ = false;
   bool is_timed_ = false;
   bool is_chattering_ = false;
   bool has_lost_events_ = false;
   std::uint32_t noise_count_ = 0;
+  std::int64_t started_ns_ = std::numeric_limits<std::int64_t>::min();
   std::int64_t edge_ns_ = 0;
   std::int64_t last_edge_ns_ = std::numeric_limits<std::int64_t>::min();
   std::array<std::int64_t, most_edges> edges_ns_{};
