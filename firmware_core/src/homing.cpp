@@ -56,7 +56,14 @@ template <Precise Real>
 Real AxisHoming<Real>::reach() const {
   const FreeAxisLimits<Real>& limits = axis_->limits();
   const Real stop = spec_.fast * (spec_.fast / limits.acceleration + limits.acceleration / limits.jerk);
-  return spec_.search + spec_.leave + 4 * (spec_.back_off + stop);
+  return spec_.search + spec_.leave + 4 * (spec_.back_off + spike_way() + stop);
+}
+
+/// A spike and a bounce that were taken for the first edge of the fast search made it early by no more.
+template <Precise Real>
+Real AxisHoming<Real>::spike_way() const {
+  constexpr Real second = 1'000'000'000;
+  return spec_.fast * 4 * (static_cast<Real>(spec_.home.quiet_ns) / second);
 }
 
 template <Precise Real>
@@ -169,7 +176,7 @@ void AxisHoming<Real>::act(HomingAction action) {
       go_to(mark_ - towards(spec_.back_off), spec_.fast);
       break;
     case HomingAction::approach:
-      go_to(mark_ + towards(spec_.back_off), spec_.slow);
+      go_to(mark_ + towards(spec_.back_off + spike_way()), spec_.slow);
       break;
     case HomingAction::refer:
       shift_ = spec_.at - mark_;

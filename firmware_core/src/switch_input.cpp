@@ -19,6 +19,7 @@ void SwitchInput::start(std::int64_t now_ns, bool level) {
   was_read_active_ = is_active_;
   is_changing_ = true;
   is_starting_ = true;
+  was_active_ = is_active_;
   started_ns_ = now_ns;
   edge_ns_ = now_ns;
   last_edge_ns_ = now_ns;
@@ -31,29 +32,33 @@ SwitchChange SwitchInput::update(std::int64_t now_ns, bool level, std::span<cons
     if (event.at_ns < started_ns_) continue;
     has_lost_events_ = has_lost_events_ || event.lost_before;
     if (event.line != settings_.line) continue;
-    take_edge(event.at_ns, true);
+    take_edge(event.at_ns, event.level == settings_.active_level, true);
     had_event = true;
   }
   const bool is_active = level == settings_.active_level;
   // The event of an edge may be read a tick after the level that it made.
-  if (is_active != was_read_active_ && !had_event) take_edge(now_ns, false);
+  if (is_active != was_read_active_ && !had_event) take_edge(now_ns, is_active, false);
   was_read_active_ = is_active;
   if (is_changing_ && now_ns - last_edge_ns_ >= settings_.quiet_ns) return settle(is_active);
   return is_changing_ && !was_changing ? SwitchChange::edge : SwitchChange::none;
 }
 
-void SwitchInput::take_edge(std::int64_t at_ns, bool is_timed) {
+void SwitchInput::take_edge(std::int64_t at_ns, bool is_active, bool is_timed) {
   if (is_changing_ && !is_timed_ && is_timed && at_ns <= edge_ns_) {
     edge_ns_ = at_ns;
     is_timed_ = true;
     return;
   }
+  // A spike that was over long before this edge, although no tick came in between.
+  const bool was_quiet = at_ns - last_edge_ns_ >= settings_.quiet_ns;
+  if (is_changing_ && was_quiet && was_active_ == is_active_) settle(is_active_);
   if (!is_changing_) {
     edge_ns_ = at_ns;
     is_timed_ = is_timed;
     is_changing_ = true;
   }
   last_edge_ns_ = std::max(last_edge_ns_, at_ns);
+  was_active_ = is_active;
   std::int64_t& oldest_ns = edges_ns_[edge_count_ % most_edges];
   if (edge_count_ >= most_edges && at_ns - oldest_ns <= window_ns) is_chattering_ = true;
   oldest_ns = at_ns;

@@ -77,6 +77,15 @@ TEST(SwitchInput, ASpikeIsNoEdgeButCounted) {
   EXPECT_EQ(watched.input.noise_count(), 1U);
 }
 
+TEST(SwitchInput, ASpikeLongBeforeTheEdgeIsNotItsFirstBounceOnASlowTick) {
+  Watched watched;
+  EXPECT_EQ(watched.tick(20, true, {edge(1.3), edge(1.4, false), edge(12.5)}), SwitchChange::activated);
+  EXPECT_EQ(watched.input.edge_ns(), ms(12.5));
+  EXPECT_EQ(watched.input.noise_count(), 1U);
+  EXPECT_EQ(watched.tick(40, false, {edge(21, false), edge(30), edge(30.1, false)}), SwitchChange::released);
+  EXPECT_EQ(watched.input.edge_ns(), ms(21)) << "the spike came after the change";
+}
+
 /// The kernel may tell the level of later for both edges of a short pulse.
 TEST(SwitchInput, LevelsInEventsAreNotTrusted) {
   Watched watched;

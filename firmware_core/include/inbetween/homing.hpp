@@ -67,6 +67,7 @@ class AxisHoming {
 
   [[nodiscard]] Status can_begin(const HomingInput& input) const;
   [[nodiscard]] Real reach() const;
+  [[nodiscard]] Real spike_way() const;
   void begin(std::int64_t now_ns, const HomingInput& input);
   void observe(std::int64_t now_ns, const HomingInput& input, std::span<const LineEvent> events);
   [[nodiscard]] HomingFailure fault(const HomingInput& input) const;

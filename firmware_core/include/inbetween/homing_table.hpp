@@ -48,7 +48,7 @@ enum class HomingAction : std::uint8_t {
   mark,       ///< note where the edge was that has just turned out to be one
   mark_stop,  ///< both
   back_off,   ///< to the way to back off before the noted edge
-  approach,   ///< towards the switch, slowly, as far beyond the noted edge
+  approach,   ///< towards the switch, slowly, at least as far beyond the noted edge
   refer,      ///< the noted edge is where the rig says
 };
 

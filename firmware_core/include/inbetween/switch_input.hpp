@@ -30,10 +30,11 @@ enum class SwitchChange : std::uint8_t {
 };
 
 /// An edge has the time of the first event; whether there was one is said by the level, read again after
-/// quiet_ns without any other. Levels in events are not trusted: the kernel reads them late, so that a short
-/// pulse may tell the same level twice. The kernel's own debouncing is not to be used: it stamps its
-/// decision, not the edge (linux/gpio.h; gpiolib-cdev). A noise spike less than quiet_ns before a change is
-/// taken for its first bounce, so that its edge is early by no more than that.
+/// quiet_ns without any other. Levels in events are not trusted where another edge follows before that: the
+/// kernel reads them late, so that a short pulse may tell the same level twice. The kernel's own debouncing
+/// is not to be used: it stamps its decision, not the edge (linux/gpio.h; gpiolib-cdev). A noise spike that
+/// ends less than quiet_ns before a change is taken for its first bounce, so that its edge is early by no
+/// more than that and the spike.
 class SwitchInput {
  public:
   /// A switch that bounces has fewer edges than this in the window. What never is quiet for 3 ms has more, so
@@ -67,12 +68,13 @@ class SwitchInput {
 
  private:
   explicit SwitchInput(const SwitchSettings& settings) : settings_(settings) {}
-  void take_edge(std::int64_t at_ns, bool is_timed);
+  void take_edge(std::int64_t at_ns, bool is_active, bool is_timed);
   SwitchChange settle(bool is_active);
 
   SwitchSettings settings_;
   bool is_active_ = false;
-  bool was_read_active_ = false;
+  bool was_read_active_ = false;  ///< by the last tick
+  bool was_active_ = false;       ///< after the last edge
   bool is_changing_ = false;
   bool is_starting_ = false;
   bool is_timed_ = false;
@@ -81,7 +83,7 @@ class SwitchInput {
   std::uint32_t noise_count_ = 0;
   std::int64_t started_ns_ = std::numeric_limits<std::int64_t>::min();
   std::int64_t edge_ns_ = 0;
-  std::int64_t last_edge_ns_ = std::numeric_limits<std::int64_t>::min();
+  std::int64_t last_edge_ns_ = 0;
   std::array<std::int64_t, most_edges> edges_ns_{};
   std::size_t edge_count_ = 0;
 };

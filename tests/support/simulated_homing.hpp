@@ -1,0 +1,125 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "inbetween/free_axis.hpp"
+#include "inbetween/homing.hpp"
+#include "sim/simulated_switch.hpp"
+
+namespace inbetween {
+
+/// An axis of a rig that does not know where it is, and its switch, whose place is in true positions.
+struct LostAxis {
+  FreeAxisLimits<double> limits;
+  HomingSpec<double> spec;
+  SimulatedSwitch::Settings there;
+  double true_position = 0;  ///< where it is ...
+  double position = 0;       ///< ... and where it takes itself to be
+};
+
+/// Axes that are exactly where they were commanded to be a tick ago, and home. What they did is kept.
+class SimulatedHoming {
+ public:
+  SimulatedHoming(const std::vector<LostAxis>& lost, int rate_hz, std::uint32_t seed)
+      : lost_(lost), tick_ns_(1'000'000'000 / rate_hz) {
+    axes_.reserve(lost.size());
+    for (const LostAxis& each : lost_) {
+      axes_.push_back(*FreeAxis<double>::make(each.limits, each.position, tick_s()));
+      switches_.emplace_back(each.there, each.true_position,
+                             seed + static_cast<std::uint32_t>(switches_.size()));
+      homings_.push_back(*AxisHoming<double>::make(each.spec, axes_.back()));
+    }
+    at_.resize(lost.size());
+    for (std::size_t i = 0; i < lost.size(); ++i) at_[i] = axes_[i].state();
+    inputs.resize(lost.size());
+    read_levels();
+    homing_ = Homing<double>(homings_, tick_ns_);
+  }
+  SimulatedHoming(const SimulatedHoming&) = delete;
+  SimulatedHoming& operator=(const SimulatedHoming&) = delete;
+
+  Status start() { return homing_.start(now_ns_, inputs); }
+
+  /// One tick: what the lines have told is read, the setpoints are written, and the axes move to them.
+  HomingState tick() {
+    read_levels();
+    if (loses_events && !events_.empty()) {
+      events_.erase(events_.begin());
+      if (!events_.empty()) events_.front().lost_before = true;
+    }
+    std::vector<Setpoint<double>> out(axes_.size());
+    const HomingState state = homing_.tick(now_ns_, inputs, events_, out);
+    events_.clear();
+    for (std::size_t i = 0; i < axes_.size(); ++i) {
+      switches_[i].move(now_ns_, truly(i, at_[i]), now_ns_ + tick_ns_, truly(i, out[i]), events_);
+      fastest_ = std::max(fastest_, std::fabs(out[i].velocity) / lost_[i].spec.fast);
+      sharpest_ = std::max(sharpest_, std::fabs(out[i].acceleration) / lost_[i].limits.acceleration);
+    }
+    std::ranges::sort(events_, {}, &LineEvent::at_ns);
+    at_ = out;
+    now_ns_ += tick_ns_;
+    return state;
+  }
+  /// Until nothing moves any more; at most ten minutes.
+  HomingState run() {
+    HomingState state = homing_.state();
+    for (std::int64_t i = 600'000'000'000 / tick_ns_; i > 0 && state == HomingState::moving; --i)
+      state = tick();
+    return state;
+  }
+  /// Until an axis is in a phase; false: it never was.
+  bool run_to(std::size_t axis, HomingPhase phase) {
+    while (homings_[axis].phase() != phase) {
+      if (tick() != HomingState::moving) return homings_[axis].phase() == phase;
+    }
+    return true;
+  }
+
+  [[nodiscard]] Homing<double>& homing() { return homing_; }
+  [[nodiscard]] const AxisHoming<double>& axis(std::size_t i) const { return homings_[i]; }
+  [[nodiscard]] FreeAxis<double>& free_axis(std::size_t i) { return axes_[i]; }
+  [[nodiscard]] SimulatedSwitch& home_switch(std::size_t i) { return switches_[i]; }
+  [[nodiscard]] const Setpoint<double>& setpoint(std::size_t i) const { return at_[i]; }
+  [[nodiscard]] std::int64_t now_ns() const { return now_ns_; }
+  [[nodiscard]] double tick_s() const { return static_cast<double>(tick_ns_) / 1e9; }
+  /// By how much an axis is wrong about where it is, once it is referenced.
+  [[nodiscard]] double error(std::size_t i) const {
+    const double says = at_[i].position + homings_[i].shift();
+    return says - (lost_[i].spec.at + truly(i, at_[i]).position - lost_[i].there.closes);
+  }
+  /// Shares of `fast` and of the acceleration that no tick went beyond.
+  [[nodiscard]] double fastest() const { return fastest_; }
+  [[nodiscard]] double sharpest() const { return sharpest_; }
+
+  /// What the lines will tell on the next tick; the levels of the home switches are read by tick().
+  std::vector<HomingInput> inputs;
+  /// The first event of every tick is lost, and the next one says so.
+  bool loses_events = false;
+
+ private:
+  [[nodiscard]] Setpoint<double> truly(std::size_t i, Setpoint<double> setpoint) const {
+    setpoint.position += lost_[i].true_position - lost_[i].position;
+    return setpoint;
+  }
+  void read_levels() {
+    for (std::size_t i = 0; i < switches_.size(); ++i) inputs[i].level = switches_[i].level();
+  }
+
+  std::vector<LostAxis> lost_;
+  std::int64_t tick_ns_;
+  std::int64_t now_ns_ = 5'000'000'000;
+  std::vector<FreeAxis<double>> axes_;
+  std::vector<SimulatedSwitch> switches_;
+  std::vector<AxisHoming<double>> homings_;
+  Homing<double> homing_{{}, 0};
+  std::vector<Setpoint<double>> at_;
+  std::vector<LineEvent> events_;
+  double fastest_ = 0;
+  double sharpest_ = 0;
+};
+
+}  // namespace inbetween
