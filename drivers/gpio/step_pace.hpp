@@ -5,9 +5,10 @@
 
 namespace inbetween::gpio {
 
-/// What a played instant may differ from its plan by.
+/// How far what is played may differ from its plan.
 struct StepPaceLimits {
   std::int64_t tolerated_late_ns = 50'000;  ///< what is later counts as late
+  std::int64_t rest_ns = 50'000'000;        ///< a motor that has made no step for so long stands
   std::int64_t least_spacing_ns = 5'000;    ///< on the wire, between instants planned at least that far apart
 };
 
@@ -17,8 +18,10 @@ struct StepPaceLimits {
 /// - One that is late by more than is tolerated moves all that follow by its lateness. That shift grows with
 ///   every such instant and ends only where the series does (`end_series`): a motor that is behind would
 ///   otherwise be hurried.
-/// - One that is late by less shifts nothing, or the little that every call is late by would add up. The time
-///   is made good by shortening what follows, each spacing by at most a 16th.
+/// - One that is late by less shifts nothing, or the little that every call is late by would add up. Such
+/// time,
+///   and what is left of a shift when its series has ended, is made good by shortening what follows: each
+///   spacing by at most a 16th, or to a time of rest, after which no motor is in motion.
 /// - Never is a spacing shorter than the least one, from the end of one call to the beginning of the next,
 ///   unless it was planned shorter.
 ///
@@ -31,7 +34,8 @@ class StepPace {
   [[nodiscard]] std::int64_t due_ns(std::int64_t at_ns) const {
     if (!has_before_) return at_ns + shift_ns_;
     const std::int64_t spacing = std::max<std::int64_t>(at_ns - at_before_ns_, 0);
-    const std::int64_t most_hurried = begun_before_ns_ + spacing - spacing / made_good_by;
+    const std::int64_t most_hurried =
+        begun_before_ns_ + std::min(spacing - spacing / made_good_by, limits_.rest_ns);
     const std::int64_t apart = ended_before_ns_ + std::min(spacing, limits_.least_spacing_ns);
     return std::max({at_ns + shift_ns_, most_hurried, apart});
   }

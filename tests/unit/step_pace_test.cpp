@@ -46,7 +46,18 @@ TEST(StepPace, TheShiftEndsWhereTheSeriesDoesAndSpacingsHoldEvenSo) {
   play(pace, 1 * ms, 10 * ms);
   pace.end_series();
   EXPECT_EQ(pace.due_ns(200 * ms), 200 * ms) << "stood still for long enough";
+  EXPECT_EQ(pace.due_ns(65 * ms), 65 * ms) << "that, too";
+  EXPECT_EQ(pace.due_ns(50 * ms), 11 * ms + 49 * ms - 49 * ms / 16) << "does not stand still yet";
   EXPECT_EQ(pace.due_ns(2 * ms), 11 * ms + ms - ms / 16) << "goes on at once";
+}
+
+TEST(StepPace, AfterAShiftAPauseIsShortenedToATimeOfRestAndNoFurther) {
+  StepPace pace(limits);
+  play(pace, 1 * ms, 100 * ms);
+  pace.end_series();
+  EXPECT_EQ(pace.due_ns(120 * ms), 151 * ms);
+  EXPECT_EQ(pace.due_ns(151 * ms), 151 * ms);
+  EXPECT_EQ(pace.due_ns(152 * ms), 152 * ms);
 }
 
 TEST(StepPace, ALatenessThatIsToleratedIsMadeGoodByASixteenthOfWhatFollows) {
