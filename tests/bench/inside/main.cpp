@@ -1,4 +1,6 @@
 // Every test of this program runs in the bench: started outside, the program starts itself again inside.
+// Tests whose suite is named ...OnVirtualTime need its other clock: they run if they alone are asked for, as
+// ctest does.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -10,6 +12,15 @@
 
 namespace {
 
+bool asks_for_virtual_time(int count, char** arguments) {
+  for (int i = 1; i < count; ++i) {
+    const std::string_view argument = arguments[i];
+    if (argument.starts_with("--gtest_filter=") && argument.find("OnVirtualTime.") != argument.npos)
+      return true;
+  }
+  return false;
+}
+
 [[noreturn]] void start_again_in_bench(int count, char** arguments) {
   std::vector<std::string> words = {INBETWEEN_SOURCE_DIR "/sim/bench/run",
                                     "--kernel",
@@ -19,8 +30,9 @@ namespace {
                                     "--vcan",
                                     "can0",
                                     "--vcan",
-                                    "can1",
-                                    "--"};
+                                    "can1"};
+  if (asks_for_virtual_time(count, arguments)) words.emplace_back("--virtual-time");
+  words.emplace_back("--");
   words.insert(words.end(), arguments, arguments + count);
   std::vector<char*> pointers;
   for (std::string& word : words) pointers.push_back(word.data());
