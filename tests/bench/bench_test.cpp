@@ -205,11 +205,12 @@ TEST(Bench, LinesOfAGpioChipAreDrivenAndRead) {
   const ProgramRun run = script_in_bench({"--gpio", "lines:8", "--gpio", "more:3"}, R"(
     gpiodetect | sed 's/^[^ ]* //'
     io=$INBETWEEN_BENCH_GPIO/lines
-    gpioset --mode=signal lines 3=1 & setter=$!
+    chip=$(basename $(readlink $io))
+    gpioset --chip $chip 3=1 & setter=$!
     until_true grep --quiet 1 $io/sim_gpio3/value
     kill $setter
     echo pull-up >$io/sim_gpio5/pull
-    gpioget lines 4 5)");
+    gpioget --numeric --chip $chip 4 5)");
   EXPECT_EQ(run.status, 0) << run.err;
   EXPECT_THAT(run.out, HasSubstr("[lines] (8 lines)\n"));
   EXPECT_THAT(run.out, HasSubstr("[more] (3 lines)\n"));
@@ -218,11 +219,24 @@ TEST(Bench, LinesOfAGpioChipAreDrivenAndRead) {
 
 TEST(Bench, AHoggedLineIsBusyAndNamesItsConsumer) {
   const ProgramRun run = script_in_bench({"--gpio", "busy:4", "--hog", "busy:2:lamp"}, R"(
-    gpioinfo busy | grep 'line *2:'
-    gpioset busy 2=1)");
+    chip=$(basename $(readlink $INBETWEEN_BENCH_GPIO/busy))
+    gpioinfo --chip $chip | grep 'line *2:'
+    gpioset --chip $chip 2=1)");
   EXPECT_NE(run.status, 0);
   EXPECT_THAT(run.out, HasSubstr("\"lamp\""));
   EXPECT_THAT(run.err, HasSubstr("Device or resource busy"));
+}
+
+TEST(Bench, AnEdgeOfALineIsHeard) {
+  const ProgramRun run = script_in_bench({"--gpio", "edges:4"}, R"(
+    io=$INBETWEEN_BENCH_GPIO/edges
+    gpiomon --num-events 1 --format '%o %E' --chip $(basename $(readlink $io)) 2 & listener=$!
+    listens() { gpioinfo | grep --quiet gpiomon; }
+    until_true listens
+    echo pull-up >$io/sim_gpio2/pull
+    wait $listener)");
+  EXPECT_EQ(run.status, 0) << run.err;
+  EXPECT_EQ(run.out, "2 rising\n");
 }
 
 TEST(Bench, OnVirtualTimeAnHourOfWaitingPassesAtOnce) {
@@ -241,9 +255,9 @@ TEST(Bench, OnAHostWithCanAndGpioItNeedsNoKernelOfItsOwn) {
       {"--kernel"}, bench_run + R"( --vcan can5 --gpio io:2 --hog io:1:lamp -- /bin/bash -euc '
       echo $INBETWEEN_IN_BENCH
       ip -brief link show type vcan | cut -d" " -f1
-      gpioinfo io | grep -c lamp
+      gpioinfo | grep -c lamp
       echo pull-up >$INBETWEEN_BENCH_GPIO/io/sim_gpio0/pull
-      gpioget io 0
+      gpioget --numeric --chip $(basename $(readlink $INBETWEEN_BENCH_GPIO/io)) 0
       exit 3' || echo status $?
     ip -brief link show type vcan
     ls /sys/kernel/config/gpio-sim)");
@@ -315,9 +329,9 @@ class BenchOfAnOrdinaryUser : public ::testing::Test {
 };
 
 TEST_F(BenchOfAnOrdinaryUser, HasEverythingThatRootHas) {
-  const ProgramRun run =
-      run_command(as_nobody({bench_run, "--vcan", "can0", "--gpio", "io:2", "--", "/bin/bash", "-euc",
-                             "id -u; cansend can0 123#00; gpioget io 0; chrt -f 80 true"}));
+  const ProgramRun run = run_command(
+      as_nobody({bench_run, "--vcan", "can0", "--gpio", "io:2", "--", "/bin/bash", "-euc",
+                 "id -u; cansend can0 123#00; gpioget --numeric --chip gpiochip0 0; chrt -f 80 true"}));
   EXPECT_EQ(run.status, 0) << run.err;
   EXPECT_EQ(run.out, "0\n0\n");
 }
