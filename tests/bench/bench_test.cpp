@@ -223,7 +223,7 @@ TEST(Bench, AHoggedLineIsBusyAndNamesItsConsumer) {
     gpioinfo --chip $chip | grep 'line *2:'
     gpioset --chip $chip 2=1)");
   EXPECT_NE(run.status, 0);
-  EXPECT_THAT(run.out, HasSubstr("\"lamp\""));
+  EXPECT_THAT(run.out, HasSubstr("lamp"));
   EXPECT_THAT(run.err, HasSubstr("Device or resource busy"));
 }
 

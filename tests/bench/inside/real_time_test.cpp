@@ -11,6 +11,7 @@
 #include <array>
 #include <fstream>
 #include <string>
+#include <thread>
 
 #include "tests/bench/inside/raw_bus.hpp"
 
@@ -72,6 +73,17 @@ TEST(RealTimeThread, RootObtainsAllThatTheLoopNeedsAndGivesItBack) {
   }
   EXPECT_EQ(::sched_getscheduler(0), SCHED_OTHER);
   EXPECT_EQ(status_line("VmLck"), "0 kB");
+}
+
+TEST(RealTimeThread, ASecondOneLeavesTheMemoryLockedThatTheFirstHasLocked) {
+  give_real_time_threads("-1");
+  const RealTimeThread first({});
+  std::thread([] {
+    const RealTimeThread second({.priority = 85, .locks_memory = false});
+    EXPECT_TRUE(second.is_fit()) << refusals(second);
+    EXPECT_EQ(second.rights().size(), 4U) << "neither a processor nor locked memory";
+  }).join();
+  EXPECT_NE(status_line("VmLck"), "0 kB");
 }
 
 TEST(RealTimeThread, TheStackThatWasAskedForTakesNoPageFault) {

@@ -2,6 +2,7 @@
 // nothing here fails for being slow.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <cstdio>
@@ -61,18 +62,22 @@ TEST(StepRate, TheHighestAsAShareOfTheBareSystemCallIsReported) {
   const std::array<OutputLine, 4> lines = {OutputLine{.line = 0U}, OutputLine{.line = 1U},
                                            OutputLine{.line = 2U}, OutputLine{.line = 3U}};
   GpioOutputs outputs;
-  for (int round = 0; round < 3; ++round) {
+  // The best of several: what is slower was held up by something else.
+  double call_ns = 1e9;
+  double play_ns = 1e9;
+  double reading_ns = 1e9;
+  for (int round = 0; round < 5; ++round) {
     ASSERT_FALSE(outputs.open(chip, lines));
-    const double call_ns = bare_call_ns(outputs);
-    const double play_ns = played_ns(outputs);
-    const double reading_ns = clock_ns();
-    std::printf(
-        "%.1f kHz of instants, %.0f %% of the bare call's %.1f kHz; a call takes %.2f us, an instant %.2f "
-        "us, "
-        "of which reading the clock takes %.2f us; without that it is %.0f %%\n",
-        1e6 / play_ns, 100 * call_ns / play_ns, 1e6 / call_ns, call_ns / 1e3, play_ns / 1e3, reading_ns / 1e3,
-        100 * call_ns / (play_ns - reading_ns));
+    call_ns = std::min(call_ns, bare_call_ns(outputs));
+    play_ns = std::min(play_ns, played_ns(outputs));
+    reading_ns = std::min(reading_ns, clock_ns());
   }
+  std::printf(
+      "highest step rate: %.1f kHz, %.0f %% of the bare call's %.1f kHz; a call takes %.2f us, an instant "
+      "%.2f "
+      "us, of which reading the clock takes %.2f us (without that: %.0f %%)\n",
+      1e6 / play_ns, 100 * call_ns / play_ns, 1e6 / call_ns, call_ns / 1e3, play_ns / 1e3, reading_ns / 1e3,
+      100 * call_ns / (play_ns - reading_ns));
 }
 
 }  // namespace
