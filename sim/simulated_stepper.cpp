@@ -14,7 +14,8 @@ bool is_curve(const SimulatedStepper::Settings& settings) {
     if (!std::isfinite(point.torque_nm) || point.torque_nm < 0) return false;
     last = point.steps_per_s;
   }
-  return settings.torque.empty() || settings.torque[0].steps_per_s <= settings.start_rate;
+  if (settings.torque.empty()) return true;
+  return settings.start_rate > 0 && settings.torque[0].steps_per_s <= settings.start_rate;
 }
 
 bool is_amount(double number) {
@@ -28,7 +29,8 @@ Result<SimulatedStepper> SimulatedStepper::make(const Settings& settings, double
                          std::isfinite(settings.steps_per_turn) && settings.steps_per_turn > 0;
   const bool is_body = is_amount(settings.inertia_kg_m2) && is_amount(settings.friction_nm) &&
                        is_amount(settings.start_rate) && std::isfinite(position);
-  if (!is_scaled || !is_body || !is_curve(settings)) {
+  const bool has_lines = StepMerge::make({&settings.lines, 1}).has_value();
+  if (!is_scaled || !is_body || !has_lines || !is_curve(settings)) {
     return Error{.code = ErrorCode::out_of_range,
                  .what = "the figures are not those of a stepper motor",
                  .remedy =
@@ -74,17 +76,20 @@ Status SimulatedStepper::take(const StepInstant& instant) {
 
 void SimulatedStepper::step(std::int64_t at_ns) {
   const std::int64_t way = dir_level_ ? 1 : -1;
-  if (run_up_ != dir_level_) run_ = 0;
+  count_ += way;
+
+  const double period_ns = static_cast<double>(at_ns - step_ns_);
+  step_ns_ = at_ns;
+  const bool is_slow = period_ns * settings_.start_rate >= 1e9;
+  if (is_slow || run_up_ != dir_level_) run_ = 0;
   run_up_ = dir_level_;
   std::shift_right(run_ns_.begin(), run_ns_.end(), 1);
   run_ns_[0] = at_ns;
   run_ = std::min(run_ + 1, run_ns_.size());
 
-  count_ += way;
-  const bool is_slow = run_ >= 2 && rate(0, 1) <= settings_.start_rate;
   if (is_stalled_) {
     is_stalled_ = !is_slow;
-  } else if (!settings_.torque.empty() && run_ >= 2 && !is_slow && !follows()) {
+  } else if (!follows()) {
     is_stalled_ = true;
     ++stalls_;
   }
@@ -95,15 +100,21 @@ void SimulatedStepper::step(std::int64_t at_ns) {
   }
 }
 
-/// Whether the motor has the torque for the last steps, above its start rate.
+/// Whether the motor has the torque for the last steps.
 bool SimulatedStepper::follows() const {
-  if (run_ < run_ns_.size()) return false;
-  const double newer = rate(0, 2);
-  const double older = rate(2, 4);
-  const double seconds = static_cast<double>(run_ns_[0] - run_ns_[4]) / 2e9;
+  if (settings_.torque.empty() || run_ < 2) return true;
+  const auto seconds = [&](std::size_t newer, std::size_t older) {
+    return static_cast<double>(std::max<std::int64_t>(1, run_ns_.at(newer) - run_ns_.at(older))) * 1e-9;
+  };
+  double rate = 1 / seconds(0, 1);
+  double acceleration = (rate - settings_.start_rate) / (seconds(0, run_ - 1) - seconds(0, 1) / 2);
+  if (run_ == run_ns_.size()) {
+    rate = 2 / seconds(0, 2);
+    acceleration = (rate - 2 / seconds(2, 4)) / (seconds(0, 4) / 2);
+  }
   const double radians_per_step = 2 * std::numbers::pi / settings_.steps_per_turn;
-  const double acceleration = (newer - older) / seconds * radians_per_step;
-  return std::fabs(settings_.inertia_kg_m2 * acceleration + settings_.friction_nm) <= available_nm(newer);
+  return std::fabs(settings_.inertia_kg_m2 * acceleration * radians_per_step + settings_.friction_nm) <=
+         available_nm(rate);
 }
 
 double SimulatedStepper::available_nm(double steps_per_s) const {
@@ -116,12 +127,6 @@ double SimulatedStepper::available_nm(double steps_per_s) const {
     return std::lerp(curve[i - 1].torque_nm, curve[i].torque_nm, share);
   }
   return 0;
-}
-
-/// Steps/s between two of the last steps. Two edges at once are as fast as two a nanosecond apart.
-double SimulatedStepper::rate(std::size_t newer, std::size_t older) const {
-  const std::int64_t ns = std::max<std::int64_t>(1, run_ns_.at(newer) - run_ns_.at(older));
-  return static_cast<double>(older - newer) * 1e9 / static_cast<double>(ns);
 }
 
 }  // namespace inbetween

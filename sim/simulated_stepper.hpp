@@ -34,10 +34,10 @@ struct StepViolations {
 /// The motor follows any steps up to `start_rate`. Above it, it must have the torque for what the steps ask:
 /// inertia * acceleration + friction, friction against the motion, at most what the curve gives at this rate
 /// (straight between its points, none behind the last). Rate and acceleration are those of the last four
-/// periods in one direction, two against two, because the periods of steps made by a program vary a little.
-/// Otherwise it stalls, and so it does if it goes above start_rate within four periods of rest or of a turn.
-/// A stalled motor stands still, and loses steps until they come at start_rate or more slowly again. Not
-/// modelled: resonance, and that a real one slips by whole electrical turns.
+/// periods, two against two, because the periods of steps made by a program vary a little; after a turn, or
+/// a period of start_rate or slower, those since then, as if it had been at start_rate. Otherwise it stalls:
+/// it stands still, and loses steps until they come at start_rate or more slowly again. Not modelled:
+/// resonance, and that a real one slips by whole electrical turns.
 class SimulatedStepper {
  public:
   static constexpr std::size_t most_points = 16;
@@ -53,8 +53,9 @@ class SimulatedStepper {
   };
 
   /// At `position`, in units, both lines low.
-  /// Errors: out_of_range (steps_per_unit 0, steps_per_turn not above 0, something negative or not finite, a
-  /// curve that does not begin at or below start_rate or whose rates do not grow).
+  /// Errors: out_of_range (lines that StepMerge refuses, steps_per_unit 0, steps_per_turn not above 0,
+  /// something negative or not finite, a curve without a start_rate above 0 at or behind its beginning, or
+  /// whose rates do not grow).
   static Result<SimulatedStepper> make(const Settings& settings, double position);
 
   /// The lines change. Instants come in the order of time; lines that are not its own do not concern it.
@@ -77,7 +78,6 @@ class SimulatedStepper {
   void step(std::int64_t at_ns);
   [[nodiscard]] bool follows() const;
   [[nodiscard]] double available_nm(double steps_per_s) const;
-  [[nodiscard]] double rate(std::size_t newer, std::size_t older) const;
 
   static constexpr std::int64_t long_ago_ns = -4'000'000'000'000'000'000;
   Settings settings_;
@@ -95,7 +95,8 @@ class SimulatedStepper {
   std::int64_t rise_ns_ = long_ago_ns;
   std::int64_t fall_ns_ = long_ago_ns;
   std::int64_t dir_ns_ = long_ago_ns;
-  std::array<std::int64_t, 5> run_ns_{};  ///< the last steps in one direction, newest first
+  std::int64_t step_ns_ = long_ago_ns;
+  std::array<std::int64_t, 5> run_ns_{};  ///< the last fast steps in one direction, newest first
   std::size_t run_ = 0;                   ///< how many of them
 };
 

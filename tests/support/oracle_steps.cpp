@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <functional>
 
 namespace inbetween {
 namespace {
@@ -53,6 +55,7 @@ std::vector<OracleCrossing> oracle_crossings(const Function& x, long double begi
     places.push_back(i == cells ? end : begin + width * i);
     values.push_back(x(places.back()));
   }
+  if (std::adjacent_find(values.begin(), values.end(), std::not_equal_to<>()) == values.end()) return {};
   std::vector<long double> looked_at = places;
   for (std::size_t i = 1; i + 1 < places.size(); ++i) {
     const long double before = values[i] - values[i - 1];
@@ -83,8 +86,7 @@ std::vector<OracleCrossing> oracle_crossings(const Function& x, long double begi
   return crossings;
 }
 
-long double oracle_quintic(const Setpoint<long double>& start, const Setpoint<long double>& end,
-                           long double u) {
+long double oracle_quintic(const OracleMotion& start, const OracleMotion& end, long double u) {
   const long double w = 1 - u;
   // x^3 (10 - 15 x + 6 x^2) and its companions, written for either end by symmetry.
   const auto position = [](long double x) { return x * x * x * (10 + x * (-15 + 6 * x)); };

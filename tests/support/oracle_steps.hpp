@@ -3,12 +3,17 @@
 #include <functional>
 #include <vector>
 
-#include "inbetween/setpoint.hpp"
-
 /// The times at which a motion crosses the half steps, found the slow and sure way: by looking everywhere.
 /// Shares no code and no method with the step generator.
 
 namespace inbetween {
+
+/// A place, its speed and acceleration, in whatever units.
+struct OracleMotion {
+  long double position = 0;
+  long double velocity = 0;
+  long double acceleration = 0;
+};
 
 struct OracleCrossing {
   long double at = 0;     ///< on the axis of the function
@@ -21,9 +26,8 @@ struct OracleCrossing {
 std::vector<OracleCrossing> oracle_crossings(const std::function<long double(long double)>& x,
                                              long double begin, long double end, int cells);
 
-/// The position in steps at the share u of a tick, from the six basis functions of quintic Hermite
-/// interpolation.
-long double oracle_quintic(const Setpoint<long double>& start, const Setpoint<long double>& end,
-                           long double u);
+/// The position at the share u of a tick, from the six basis functions of quintic Hermite interpolation.
+/// Speed and acceleration per tick.
+long double oracle_quintic(const OracleMotion& start, const OracleMotion& end, long double u);
 
 }  // namespace inbetween
