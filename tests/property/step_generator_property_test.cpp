@@ -189,7 +189,7 @@ TEST(StepGeneratorProperties, EveryEdgeIsAtItsCrossingOrAsLateAsTheMinimaAsk) {
             << cancelled << " runs with cancelled steps\n";
   if (counts_mean_something()) {
     EXPECT_GT(compared, 10'000);
-    EXPECT_GT(late, 100);
+    EXPECT_GT(late, 50);
     EXPECT_LT(cancelled, 100);
   }
 }
@@ -244,7 +244,7 @@ TEST(StepGeneratorProperties, AMotionThatTremblesAboutAHalfStepKeepsTheMinimaAnd
   });
   std::cout << cancelled << " pairs of steps cancelled\n";
   if (counts_mean_something()) {
-    EXPECT_GT(cancelled, 100);
+    EXPECT_GT(cancelled, 20);
   }
 }
 
@@ -316,7 +316,7 @@ TEST(StepGeneratorProperties, MergedEdgesKeepTheMinimaOfEveryAxisAndAreAtMostAGr
   });
   std::cout << edge_count << " edges in " << instant_count << " instants\n";
   if (counts_mean_something()) {
-    EXPECT_LT(instant_count * 100, edge_count * 97);
+    EXPECT_LT(instant_count * 100, edge_count * 99);
   }
 }
 
@@ -359,7 +359,7 @@ Deviation deviation(std::span<const Swing> swings, long double fast_steps_per_s)
                       .max_step_rate = 40'000,
                       .tick_ns = 1'000'000};
   StepRun<Real> run(spec);
-  constexpr int ticks = 10'000;
+  constexpr int ticks = sanitized ? 1000 : 10'000;
   for (int i = 1; i <= ticks; ++i) {
     EXPECT_TRUE(run.tick(rounded<Real>(swung(swings, i * 1e-3L))));
   }
@@ -383,7 +383,7 @@ Deviation deviation(std::span<const Swing> swings, long double fast_steps_per_s)
 TEST(StepGeneratorProperties, StepsOfASmoothMotionAreWithinAMicrosecondOfIt) {
   const std::vector<Swing> swings{{800, 2}, {300, 3.1}, {50, 7.3}};
   const Deviation found = deviation<double>(swings, 0.25L);
-  EXPECT_GT(found.steps, 50'000U);
+  EXPECT_GT(found.steps, sanitized ? 5000U : 50'000U);
   EXPECT_LE(found.fast_ns, 2);
   EXPECT_LE(found.any_ns, 1000);
 }
@@ -391,7 +391,7 @@ TEST(StepGeneratorProperties, StepsOfASmoothMotionAreWithinAMicrosecondOfIt) {
 TEST(StepGeneratorProperties, StepsOfASmoothMotionAreWithinAMicrosecondInSinglePrecisionWhereItIsFast) {
   const std::vector<Swing> swings{{800, 2}, {300, 3.1}, {50, 7.3}};
   const Deviation found = deviation<float>(swings, 250);
-  EXPECT_GT(found.steps, 50'000U);
+  EXPECT_GT(found.steps, sanitized ? 5000U : 50'000U);
   EXPECT_LE(found.fast_ns, 1000);
 }
 

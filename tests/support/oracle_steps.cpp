@@ -17,7 +17,7 @@ long double extremum(const Function& x, long double low, long double high, long 
   long double b = low + golden * (high - low);
   long double at_a = sign * x(a);
   long double at_b = sign * x(b);
-  for (int i = 0; i < 60; ++i) {
+  for (int i = 0; i < 45; ++i) {
     if (at_a < at_b) {
       low = a;
       a = b;
@@ -36,7 +36,7 @@ long double extremum(const Function& x, long double low, long double high, long 
 }
 
 long double bisected(const Function& x, long double level, bool up, long double low, long double high) {
-  for (int i = 0; i < 70; ++i) {
+  for (int i = 0; i < 48; ++i) {
     const long double middle = (low + high) / 2;
     const bool is_past = up ? x(middle) >= level : x(middle) < level;
     (is_past ? high : low) = middle;
