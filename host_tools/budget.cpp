@@ -93,7 +93,7 @@ constexpr std::array<std::string_view, budget_object_count> object_names{
     "playhead",
     "Runge-Kutta solver, more"};
 
-constexpr std::array<FunctionBudget, 49> stack{{
+constexpr std::array<FunctionBudget, 55> stack{{
     {"Path::make", {608, 576}, {736, 576}},
     {"Path::position", {32, 32}, {128, 32}},
     {"Path::parametric_speed", {256, 256}, {256, 224}},
@@ -143,6 +143,12 @@ constexpr std::array<FunctionBudget, 49> stack{{
     {"Playhead::set_repeat", {1760, 1024}, {2112, 1024}},
     {"Playhead::tick", {768, 576}, {832, 576}},
     {"supervise", {32, 32}, {32, 32}},
+    {"check_step_rate", {288, 288}, {288, 288}},
+    {"StepGenerator::make", {1024, 992}, {1024, 992}},
+    {"StepGenerator::place", {256, 256}, {288, 256}},
+    {"StepGenerator::advance", {1344, 960}, {1472, 960}},
+    {"StepMerge::make", {2848, 2848}, {2848, 2848}},
+    {"StepMerge::merge", {2240, 2240}, {2240, 2240}},
 }};
 
 // In the first line stands what is asked for: 140 in double on a Cortex-M7, 130 in single precision on a
