@@ -271,6 +271,8 @@ TEST(PositionFile, OnlyItsOwnTextIsBelieved) {
         std::string("inbetween positions 1\n")}) {
     why_unreferenced(opened(with_sum(bad)));
   }
+  EXPECT_EQ(why_unreferenced(opened(with(text, "5600", "5601"))),
+            path + " is damaged: its check sum is not that of its text");
   EXPECT_EQ(why_unreferenced(opened("")), path + " is empty");
   EXPECT_EQ(why_unreferenced(opened("0\n")), path + " is no position file");
 }
@@ -502,6 +504,29 @@ TEST(PositionFile, NothingMayMoveWhereTheMotionCannotBeWrittenDown) {
     }
     EXPECT_THAT(positions_of(file), ElementsAre(5600.0, -20.5)) << "it has not moved";
   }
+}
+
+TEST(PositionFile, AnyOperationThatFailsIsTold) {
+  const auto is_told = [](std::size_t operation, bool for_good) {
+    SimulatedDisk disk;
+    PositionFile file(path, rig(), disk.layer());
+    disk.fail_at(operation, EIO, for_good);
+    try {
+      file.about_to_move(std::vector<std::size_t>{slide});
+    } catch (const std::runtime_error&) {
+      return true;
+    }
+    return false;
+  };
+  SimulatedDisk good;
+  PositionFile(path, rig(), good.layer()).about_to_move(std::vector<std::size_t>{slide});
+  std::size_t passed_over = 0;
+  for (std::size_t operation = 0; operation < good.operations(); ++operation) {
+    EXPECT_TRUE(is_told(operation, true)) << operation;
+    if (!is_told(operation, false)) ++passed_over;
+  }
+  // A write that stops in the midst is gone on with.
+  EXPECT_EQ(passed_over, good.content().at(path).size() - 1);
 }
 
 TEST(PositionFile, AFolderThatIsReadOnlyOrNoFolderIsRefused) {
