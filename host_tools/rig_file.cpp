@@ -131,12 +131,21 @@ Home read_home(const TomlValue& value, const RigAxis& axis, TakenLines& lines) {
   }
   home.back_off =
       table.required("back_off", "back_off = 5.0 (unit), say, to leave the switch").positive_number();
-  const auto search = table.optional("search");
-  home.search = search ? search->positive_number() : axis.max - axis.min;
   if (const auto at = table.optional("at")) {
     home.at = at->number();
     refuse_uncountable(*at, home.at, axis);
   }
+  const double far_end = home.direction < 0 ? axis.max : axis.min;
+  if ((home.at - far_end) * home.direction <= 0) {
+    table.optional("at").value_or(value).refuse(fmt::format(
+        "puts the switch at {} {}, where no way {} leads from {} = {}; write where it is, or the other "
+        "direction",
+        home.at, to_string(axis.unit), home.direction < 0 ? "down" : "up", home.direction < 0 ? "max" : "min",
+        far_end));
+  }
+  const auto search = table.optional("search");
+  home.search = search ? search->positive_number()
+                       : std::max(axis.max - axis.min, std::abs(far_end - home.at)) + home.back_off;
   return home;
 }
 

@@ -107,7 +107,7 @@ TEST(RigGpio, ReadsTheSwitchesOfAnAxis) {
   EXPECT_EQ(slide.home->fast, 20);
   EXPECT_EQ(slide.home->slow, 2);
   EXPECT_EQ(slide.home->back_off, 5);
-  EXPECT_EQ(slide.home->search, 800) << "the whole axis";
+  EXPECT_EQ(slide.home->search, 805) << "the whole axis and the way back off";
   EXPECT_EQ(slide.home->at, 0);
   ASSERT_TRUE(slide.limit_min && slide.limit_max);
   EXPECT_EQ(slide.limit_min->address.line, GpioLine(24));
@@ -119,10 +119,13 @@ TEST(RigGpio, ReadsTheSwitchesOfAnAxis) {
 }
 
 TEST(RigGpio, ReadsTheSearchForTheSwitch) {
-  const RigFile rig = changed("\"negative\", fast = 20", "\"positive\", search = 30, at = -1.5, fast = 100");
+  const RigFile rig = changed("\"negative\", fast = 20", "\"positive\", search = 30, at = 801.5, fast = 100");
   EXPECT_EQ(rig.axes.at(0).home->direction, 1);
   EXPECT_EQ(rig.axes.at(0).home->search, 30);
-  EXPECT_EQ(rig.axes.at(0).home->at, -1.5);
+  EXPECT_EQ(rig.axes.at(0).home->at, 801.5);
+  EXPECT_EQ(changed("back_off = 5", "back_off = 5, at = -20").axes.at(0).home->search, 825);
+  EXPECT_EQ(changed("\"negative\", fast = 20", "\"positive\", at = 500, fast = 20").axes.at(0).home->search,
+            805);
 }
 
 TEST(RigGpio, ReadsTheLinesOfTheRig) {
@@ -302,6 +305,11 @@ TEST(RigGpio, AHomeSaysWhereAndHowFast) {
   expect_change_refused("back_off = 5", "back_off = 5, search = @0", {"search is 0"});
   expect_change_refused("back_off = 5", "back_off = 5, at = @1e9",
                         {"at is 1000000000 mm, which the drive cannot count to"});
+  expect_change_refused("back_off = 5", "back_off = 5, at = @800",
+                        {"at puts the switch at 800 mm, where no way down leads from max = 800"});
+  expect_change_refused("home = { chip = \"head\", line = 23, direction = \"negative\"",
+                        "home = @{ chip = \"head\", line = 23, direction = \"positive\"",
+                        {"home puts the switch at 0 mm, where no way up leads from min = 0"});
   expect_change_refused("back_off", "@backoff", {"did you mean \"back_off\"?"});
 }
 
