@@ -124,8 +124,9 @@ std::vector<GoldenRow> read_golden_csv(const std::filesystem::path& file) {
 }
 
 const std::vector<std::string>& golden_examples() {
-  static const std::vector<std::string> names = {"paper_figure_4", "paper_figure_5", "paper_figure_6",
-                                                 "reveal", "nod"};
+  static const std::vector<std::string> names = {
+      "paper_figure_4", "paper_figure_5", "paper_figure_6", "reveal", "nod",
+      "slide_and_pan",  "track_and_focus"};
   return names;
 }
 

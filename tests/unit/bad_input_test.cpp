@@ -245,5 +245,88 @@ TEST(BadInput, AMoveThatWouldTickForYears) {
                       {"--rig", machine.path().string(), "--per", "tick"});
 }
 
+/// The table's `x` as a stepper, with lines.
+const std::string stepper_rig = R"(name = "table"
+rate_hz = 100
+[emergency_stop]
+chip = "head"
+line = 5
+stops_at = "high"
+[output.lamp]
+chip = "head"
+line = 6
+[[axis]]
+name = "x"
+unit = "mm"
+min = -1
+max = 100
+max_velocity = 100
+max_acceleration = 100
+drive = { type = "step-dir", chip = "head", step = 17, dir = 27, steps_per_unit = 80 }
+)";
+
+/// Plans the arc's x on the rig in which the place is marked.
+void expect_rig_refused(const std::string& marked, std::initializer_list<std::string_view> words) {
+  const MarkedText text = without_mark(marked);
+  const TemporaryFile move("move.toml", arc);
+  const TemporaryFile machine("rig.toml", text.text);
+  const std::string file = machine.path().string();
+  expect_plan_refused(move.path(), fmt::format("{}:{}:{}", file, text.line, text.column), words,
+                      {"--rig", file});
+}
+
+TEST(BadInput, ALineThatIsUsedTwice) {
+  expect_rig_refused(with(stepper_rig, "dir = 27", "dir = @5"),
+                     {"line 5 of chip \"head\"", "use each line once"});
+}
+
+TEST(BadInput, AnEmergencyStopThatABrokenWireWouldSilence) {
+  expect_rig_refused(with(stepper_rig, "\"high\"", "\"high\"\nbias = @\"pull-down\""),
+                     {"a broken wire would"});
+}
+
+TEST(BadInput, AnEmergencyStopWithoutItsLevel) {
+  expect_rig_refused(with(with(stepper_rig, "stops_at = \"high\"\n", ""), "[emerg", "@[emerg"),
+                     {"no stops_at"});
+}
+
+TEST(BadInput, StepsThatAreTooFast) {
+  expect_rig_refused(with(stepper_rig, "= 80", "= @101"), {"is 10100 steps/s", "max_step_rate = 10000"});
+}
+
+TEST(BadInput, StepsThatAreTooShort) {
+  expect_rig_refused(with(stepper_rig, "= 80", "= 80, pulse_us = @96"), {"lower one of the three"});
+}
+
+TEST(BadInput, AHomeThatCannotBeFound) {
+  expect_rig_refused(stepper_rig +
+                         "home = { chip = \"head\", line = 7, direction = \"positive\", at = @-2, fast = 2, "
+                         "slow = 1, back_off = 1 }",
+                     {"no way up leads", "or the other direction"});
+}
+
+TEST(BadInput, ACueBeyondTheEnd) {
+  expect_move_refused(arc + "[[cue]]\nline = \"lamp\"\nframes = [1, @49]\nwidth_ms = 5\n",
+                      {"frames[1] is 49"});
+}
+
+TEST(BadInput, CuesThatOverlap) {
+  expect_move_refused(arc + "[[cue]]\nline = \"lamp\"\nframes = [1, @2]\nwidth_ms = 50\n",
+                      {"41.6667 ms after that of frame 1", "make that narrower"});
+}
+
+TEST(BadInput, ACueOnALineThatTheRigDoesNotHave) {
+  std::string text = with(with(arc, "[\"x\", \"y\"]", "[\"x\"]"), "weights = [1, 2]\n", "");
+  text = with(with(with(text, "[0, 0]", "[0]"), "[30, 40]", "[30]"), "[60, 7]", "[60]");
+  const MarkedText move_text = without_mark(text + "[[cue]]\nline = @\"lump\"\nframes = [1]\nwidth_ms = 5\n");
+  const TemporaryFile move("move.toml", move_text.text);
+  const TemporaryFile machine("rig.toml", stepper_rig);
+  const std::string file = move.path().string();
+  EXPECT_EQ(run_program({"plan", file}).status, 0) << "no rig, no lines";
+  expect_plan_refused(file, fmt::format("{}:{}:{}", file, move_text.line, move_text.column),
+                      {"the rig \"table\" has no output \"lump\"; it has lamp"},
+                      {"--rig", machine.path().string()});
+}
+
 }  // namespace
 }  // namespace inbetween

@@ -2,9 +2,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "host_tools/plan.hpp"
@@ -21,14 +23,18 @@ const fs::path examples = INBETWEEN_SOURCE_DIR "/examples";
 struct ForARig {
   std::string move, rig;
 };
-const std::vector<ForARig> for_rigs = {{"reveal", "camera_rig"}, {"nod", "puppet_head"}};
+const std::vector<ForARig> for_rigs = {{"reveal", "camera_rig"},
+                                       {"nod", "puppet_head"},
+                                       {"slide_and_pan", "slider_rig"},
+                                       {"track_and_focus", "mixed_rig"}};
 
 fs::path file(const std::string& name) {
   return examples / (name + ".toml");
 }
 
 bool is_rig(const fs::path& path) {
-  return path == file("camera_rig") || path == file("puppet_head");
+  return std::any_of(for_rigs.begin(), for_rigs.end(),
+                     [&](const ForARig& example) { return path == file(example.rig); });
 }
 
 std::vector<std::string> names(bool of_rigs) {
@@ -60,7 +66,7 @@ TEST(Examples, EveryMoveIsSolvedByBothSolversAndKeepsTheInvariants) {
 
 TEST(Examples, EveryRigIsRead) {
   const std::vector<std::string> rigs = names(true);
-  EXPECT_EQ(rigs.size(), 2U);
+  EXPECT_EQ(rigs.size(), for_rigs.size());
   for (const std::string& name : rigs) EXPECT_FALSE(read_rig_file(file(name)).axes.empty()) << name;
 }
 
@@ -74,6 +80,19 @@ TEST(Examples, MovesForRigsAreSmooth) {
       EXPECT_EQ(track.spline, Spline::smooth) << example.move;
     }
   }
+}
+
+TEST(Examples, ARigOnStepperDriversHasAllThatItNeedsToBeFoundAndStopped) {
+  const RigFile slider = read_rig_file(file("slider_rig"));
+  ASSERT_EQ(slider.axes.size(), 2U);
+  for (const RigAxis& axis : slider.axes) {
+    EXPECT_TRUE(std::holds_alternative<StepDirDrive>(axis.drive) && axis.home) << axis.name;
+  }
+  EXPECT_TRUE(slider.emergency_stop && slider.camera);
+  const RigFile mixed = read_rig_file(file("mixed_rig"));
+  ASSERT_EQ(mixed.axes.size(), 2U);
+  EXPECT_TRUE(std::holds_alternative<Cia402Drive>(mixed.axes[0].drive));
+  EXPECT_TRUE(std::holds_alternative<StepDirDrive>(mixed.axes[1].drive));
 }
 
 TEST(Examples, MovesForRigsStartAndEndAtRest) {
