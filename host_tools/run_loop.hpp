@@ -10,6 +10,8 @@ namespace inbetween {
 /// The lines of a rig. Until there are some on GPIO, its emergency stop is a signal.
 class RigLines {
  public:
+  void read(std::int64_t /*now_ns*/) {}
+  [[nodiscard]] bool limit_hit() const { return false; }
   [[nodiscard]] bool emergency_stop() const { return EmergencySignal::is_pressed(); }
 
  private:

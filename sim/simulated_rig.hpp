@@ -46,6 +46,9 @@ class SimulatedRig {
 /// Lines that are released.
 struct SimulatedLines {
   bool is_pressed = false;
+  bool is_at_limit = false;
+  void read(std::int64_t /*now_ns*/) {}
+  [[nodiscard]] bool limit_hit() const { return is_at_limit; }
   [[nodiscard]] bool emergency_stop() const { return is_pressed; }
 };
 

@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 
+#include "inbetween/free_source.hpp"
 #include "inbetween/limits.hpp"
 #include "inbetween/move.hpp"
 #include "inbetween/playhead.hpp"
@@ -30,6 +31,15 @@ struct LoopSpec {
   /// without it `is_still` is empty. The loop plays and stops both.
   Playhead<Real>* still = nullptr;
   std::span<const bool> is_still = {};
+};
+
+/// Axes that move without a move, to set the rig up. Refers to the caller's memory.
+template <Precise Real>
+struct FreeSpec {
+  FreeSource<Real> source;
+  std::span<const std::size_t> drive_of;     ///< for every axis of the source
+  std::span<const AxisLimits<Real>> limits;  ///< for every axis of the source
+  Real tick_seconds = Real(1) / 250;
 };
 
 /// The memory of a motion loop, owned by the caller.
@@ -65,19 +75,31 @@ class MotionLoop {
   /// The move that `start` will begin. Errors: out_of_range (a move is running), wrong_count (drive_of,
   /// limits or memory are not as many as the axes).
   Status load(const LoopSpec<Real>& spec) {
-    if (state_ == SupervisorState::running || state_ == SupervisorState::stopping) {
-      return Error{.code = ErrorCode::out_of_range, .what = "a move is running", .remedy = "stop it first"};
-    }
     const std::size_t axes = spec.move->axis_count();
-    if (spec.drive_of.size() != axes || spec.limits.size() != axes || memory_.positions.size() < axes ||
-        memory_.motions.size() < axes || memory_.next.size() < axes ||
-        spec.is_still.size() != (spec.still != nullptr ? axes : 0)) {
-      return Error{.code = ErrorCode::wrong_count,
-                   .what = "the loop has not a drive, limits and memory for every axis of the move",
-                   .remedy = "give as many as the move has axes",
-                   .needed = static_cast<std::int64_t>(axes)};
+    const std::size_t still = spec.still != nullptr ? axes : 0;
+    if (const Status possible = can_load(spec.drive_of.size(), spec.limits.size(), axes); !possible) {
+      return possible;
     }
+    if (spec.is_still.size() != still || memory_.positions.size() < axes || memory_.motions.size() < axes) {
+      return too_few(axes);
+    }
+    free_ = {};
     spec_ = spec;
+    return Done{};
+  }
+
+  /// Axes that move without a move: after `begin` the loop asks their source for setpoints, once a tick
+  /// however late it is, until `finish`. Errors: those for a move.
+  Status load(const FreeSpec<Real>& spec) {
+    if (const Status possible = can_load(spec.drive_of.size(), spec.limits.size(), spec.drive_of.size());
+        !possible) {
+      return possible;
+    }
+    spec_ = {};
+    spec_.drive_of = spec.drive_of;
+    spec_.limits = spec.limits;
+    spec_.tick_seconds = spec.tick_seconds;
+    free_ = spec.source;
     return Done{};
   }
 
@@ -91,6 +113,10 @@ class MotionLoop {
   /// (nothing more to play).
   Status start(Direction direction) {
     if (const Status possible = can_begin(); !possible) return possible;
+    if (has_free()) {
+      return Error{
+          .code = ErrorCode::out_of_range, .what = "there is no move to start", .remedy = "load one"};
+    }
     if (const Status can_play = spec_.playhead->play(direction); !can_play) return can_play;
     if (spec_.still != nullptr) {
       if (const Status can_play = spec_.still->play(direction); !can_play) return can_play;
@@ -125,7 +151,7 @@ class MotionLoop {
   LoopTick tick(std::int32_t ticks, std::int64_t now_ns) {
     LoopTick result;
     read(now_ns);
-    if (is_moving()) advance(ticks, result);
+    if (is_moving()) has_free() ? advance_free(now_ns, result) : advance(ticks, result);
     drives_->write(sends_setpoints() ? std::span<const Setpoint<Real>>(memory_.setpoints)
                                      : std::span<const Setpoint<Real>>(),
                    now_ns);
@@ -146,13 +172,16 @@ class MotionLoop {
   [[nodiscard]] bool is_moving() const {
     return state_ == SupervisorState::running || state_ == SupervisorState::stopping;
   }
+  [[nodiscard]] bool has_free() const { return free_.of != nullptr; }
   [[nodiscard]] bool is_resting() const {
+    if (has_free()) return free_.is_resting(free_.of);
     return spec_.playhead->is_resting() && (spec_.still == nullptr || spec_.still->is_resting());
   }
   [[nodiscard]] Setpoint<Real>& setpoint(std::size_t axis) { return memory_.setpoints[spec_.drive_of[axis]]; }
 
   void read(std::int64_t now_ns) {
     drives_->read(memory_.states, now_ns);
+    lines_->read(now_ns);
     const auto any = [&](DriveCondition condition) {
       return std::ranges::any_of(memory_.states,
                                  [&](const DriveState<Real>& drive) { return drive.condition == condition; });
@@ -161,6 +190,8 @@ class MotionLoop {
       apply(SupervisorEvent::power_lost);
     } else if (any(DriveCondition::cannot_follow)) {
       apply(SupervisorEvent::drive_fault);
+    } else if (is_moving() && lines_->limit_hit()) {
+      apply(SupervisorEvent::stop);
     } else if (state_ == SupervisorState::faulted) {
       apply(SupervisorEvent::cleared);
     } else if (state_ == SupervisorState::enabling &&
@@ -169,12 +200,29 @@ class MotionLoop {
     }
   }
 
+  static Error too_few(std::size_t axes) {
+    return {.code = ErrorCode::wrong_count,
+            .what = "the loop has not a drive, limits and memory for every axis of the move",
+            .remedy = "give as many as the move has axes",
+            .needed = static_cast<std::int64_t>(axes)};
+  }
+  [[nodiscard]] Status can_load(std::size_t drives, std::size_t limits, std::size_t axes) const {
+    if (is_moving()) {
+      return Error{.code = ErrorCode::out_of_range, .what = "a move is running", .remedy = "stop it first"};
+    }
+    if (drives != axes || limits != axes || memory_.next.size() < axes) return too_few(axes);
+    return Done{};
+  }
+
   [[nodiscard]] Status can_begin() {
-    if (spec_.move == nullptr || state_ != SupervisorState::ready) {
+    if ((spec_.move == nullptr && !has_free()) || state_ != SupervisorState::ready) {
       return Error{.code = ErrorCode::out_of_range,
                    .what = "the rig is not ready for a move",
                    .remedy = "load one, arm the rig and wait until its drives are on"};
     }
+    // A source tells where it is when it is asked to go on: the first setpoint is held against the drives
+    // then.
+    if (has_free()) return Done{};
     look_ahead(*spec_.playhead, spec_.still);
     for (std::size_t d = 0; d < spec_.move->axis_count(); ++d) {
       const Real off = std::fabs(memory_.next[d].position - setpoint(d).position);
@@ -187,6 +235,20 @@ class MotionLoop {
     return Done{};
   }
 
+  /// A source that begins elsewhere than the drives stand moves nothing.
+  void advance_free(std::int64_t now_ns, LoopTick& result) {
+    const std::size_t axes = spec_.drive_of.size();
+    free_.tick(free_.of, now_ns, memory_.next);
+    if (jumps(axes)) {
+      result.lost_time = true;
+      halt();
+      apply(SupervisorEvent::drive_fault);
+    } else {
+      for (std::size_t d = 0; d < axes; ++d) setpoint(d) = memory_.next[d];
+    }
+    if (state_ == SupervisorState::stopping && is_resting()) apply(SupervisorEvent::rested);
+  }
+
   void advance(std::int32_t ticks, LoopTick& result) {
     Playhead<Real> ahead = *spec_.playhead;
     std::optional<Playhead<Real>> still_ahead;
@@ -196,7 +258,7 @@ class MotionLoop {
       if (still_ahead) still_ahead->tick();
     }
     look_ahead(ahead, still_ahead ? &*still_ahead : nullptr);
-    if (ticks > 1 && jumps()) {
+    if (ticks > 1 && jumps(spec_.move->axis_count())) {
       result.lost_time = true;
       apply(SupervisorEvent::stop);
       result.event = spec_.playhead->tick();
@@ -231,8 +293,8 @@ class MotionLoop {
     }
   }
   /// Whether an axis would go further in this tick than its max_velocity allows.
-  [[nodiscard]] bool jumps() {
-    for (std::size_t d = 0; d < spec_.move->axis_count(); ++d) {
+  [[nodiscard]] bool jumps(std::size_t axes) {
+    for (std::size_t d = 0; d < axes; ++d) {
       const Real way = std::fabs(memory_.next[d].position - setpoint(d).position);
       if (way > spec_.limits[d].max_velocity() * spec_.tick_seconds) return true;
     }
@@ -240,6 +302,7 @@ class MotionLoop {
   }
 
   void halt() {
+    if (has_free()) free_.halt(free_.of);
     if (spec_.playhead != nullptr) spec_.playhead->halt();
     if (spec_.still != nullptr) spec_.still->halt();
   }
@@ -263,7 +326,8 @@ class MotionLoop {
         }
         break;
       case SupervisorAction::slow_down:
-        spec_.playhead->stop();
+        if (has_free()) free_.stop(free_.of);
+        if (spec_.playhead != nullptr) spec_.playhead->stop();
         if (spec_.still != nullptr) spec_.still->stop();
         break;
       case SupervisorAction::quick_stop:
@@ -284,6 +348,7 @@ class MotionLoop {
   Lines* lines_;
   LoopMemory<Real> memory_;
   LoopSpec<Real> spec_;
+  FreeSource<Real> free_;
   SupervisorState state_ = SupervisorState::disarmed;
 };
 

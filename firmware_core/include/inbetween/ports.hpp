@@ -44,10 +44,14 @@ concept DrivePort = Precise<Real> &&
   drives.quick_stop();
 };
 
-/// The lines of a rig that are no drive's.
+/// The lines of a rig that are no drive's. Nothing waits.
 template <class Lines>
-concept LinePort = requires(Lines& lines) {
+concept LinePort = requires(Lines& lines, std::int64_t now_ns) {
+  /// Takes what the inputs tell, a bounded amount. Once a tick, after the drives were read.
+  lines.read(now_ns);
   { lines.emergency_stop() } -> std::convertible_to<bool>;
+  /// A limit switch has been reached since the last tick.
+  { lines.limit_hit() } -> std::convertible_to<bool>;
 };
 
 /// The camera of a rig that is shot frame by frame.
