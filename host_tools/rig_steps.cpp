@@ -14,6 +14,11 @@ const StepDirDrive* step_dir_of(const RigAxis& axis) {
   return std::get_if<StepDirDrive>(&axis.drive);
 }
 
+/// Of an axis that has one.
+const StepDirDrive& its_drive(const RigAxis& axis) {
+  return std::get<StepDirDrive>(axis.drive);
+}
+
 StepSpec<double> spec_of(const StepDirDrive& drive, std::int32_t rate_hz) {
   return {.steps_per_unit = drive.steps_per_unit,
           .timing = {.pulse_ns = drive.pulse_ns,
@@ -71,7 +76,7 @@ RigSteps::RigSteps(const RigFile& rig) : rig_(rig) {
       lanes_.push_back({*generator, {}});
     }
     for (const std::size_t lane : chip.lanes) {
-      const StepDirDrive& drive = *step_dir_of(rig.axes[indices_[lane]]);
+      const StepDirDrive& drive = its_drive(rig.axes[indices_[lane]]);
       if (!drive.enable) continue;
       const std::uint64_t line = std::uint64_t{1} << bit++;
       chip.enable_mask |= line;
@@ -98,7 +103,7 @@ void RigSteps::make_port() {
     port_chips_.push_back({&*chip.sink, *merge, chip.lanes.front(), chip.lanes.size(), chip.enable_mask,
                            chip.enable_levels, chip.instants});
     for (const std::size_t lane : chip.lanes) {
-      most_late_ns = std::min(most_late_ns, step_dir_of(rig_.axes[indices_[lane]])->latest_ns);
+      most_late_ns = std::min(most_late_ns, its_drive(rig_.axes[indices_[lane]]).latest_ns);
     }
   }
   // Instants are to be pushed before the longest nap of their thread begins.
@@ -118,9 +123,8 @@ std::unique_ptr<RigSteps> RigSteps::simulated(const RigFile& rig, const std::vec
   for (Chip& chip : steps->chips_) {
     for (std::size_t i = 0; i < chip.lanes.size(); ++i) {
       const std::size_t axis = steps->indices_[chip.lanes[i]];
-      const SimulatedStepper::Settings settings{.lines = chip.wires[i],
-                                                .steps_per_unit = step_dir_of(rig.axes[axis])->steps_per_unit,
-                                                .torque = {}};
+      const SimulatedStepper::Settings settings{
+          .lines = chip.wires[i], .steps_per_unit = its_drive(rig.axes[axis]).steps_per_unit, .torque = {}};
       const Result<SimulatedStepper> stepper = SimulatedStepper::make(settings, positions[axis]);
       if (!stepper) refuse(rig.axes[axis], stepper.error().what, stepper.error().remedy);
       chip.simulated.add(*stepper);
@@ -143,7 +147,7 @@ void RigSteps::open(Chip& chip, bool in_real_time) {
   std::int64_t most_late_ns = ns_per_s;
   gpio::StepPaceLimits pace{.least_spacing_ns = ns_per_s};
   for (const std::size_t lane : chip.lanes) {
-    const StepDirDrive& drive = *step_dir_of(rig_.axes[indices_[lane]]);
+    const StepDirDrive& drive = its_drive(rig_.axes[indices_[lane]]);
     lines.push_back({.line = choice_of(drive.step)});
     lines.push_back({.line = choice_of(drive.dir)});
     most_late_ns = std::min(most_late_ns, drive.latest_ns);
@@ -151,7 +155,7 @@ void RigSteps::open(Chip& chip, bool in_real_time) {
         {pace.least_spacing_ns, drive.pulse_ns, drive.pause_ns, drive.dir_setup_ns, drive.dir_hold_ns});
   }
   for (const std::size_t lane : chip.lanes) {
-    const StepDirDrive& drive = *step_dir_of(rig_.axes[indices_[lane]]);
+    const StepDirDrive& drive = its_drive(rig_.axes[indices_[lane]]);
     if (!drive.enable) continue;
     lines.push_back({.line = choice_of(*drive.enable), .safe_level = drive.enable_active == Level::low});
   }
