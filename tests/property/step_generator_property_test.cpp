@@ -12,63 +12,28 @@
 #include <vector>
 
 #include "inbetween/step_generator.hpp"
-#include "inbetween/step_merge.hpp"
 #include "sim/simulated_stepper.hpp"
 #include "tests/support/oracle_steps.hpp"
 #include "tests/support/property.hpp"
+#include "tests/support/random_steps.hpp"
 #include "tests/support/step_run.hpp"
 
 namespace inbetween {
 namespace {
 
-double between(double low, double high) {
-  constexpr int places = 1'000'003;
-  return low + (high - low) * (*rc::gen::inRange(0, places) / static_cast<double>(places));
-}
-
-/// At most about 40 steps a tick.
-template <Precise Real>
-StepSpec<Real> random_spec() {
-  StepSpec<Real> spec;
-  const auto time = [](int most) -> std::int64_t { return *rc::gen::inRange(100, most); };
-  spec.timing = {.pulse_ns = time(5000),
-                 .pause_ns = time(5000),
-                 .dir_setup_ns = time(200'000),
-                 .dir_hold_ns = time(100'000)};
-  spec.tick_ns = *rc::gen::element<std::int64_t>(250'000, 1'000'000, 4'000'000);
-  const double most = std::min(1e9 / static_cast<double>(least_period_ns(spec.timing)),
-                               40e9 / static_cast<double>(spec.tick_ns));
-  spec.max_step_rate = static_cast<Real>(0.999 * most * between(0.05, 1));
-  const double scale = std::pow(10.0, between(-1, 3));
-  spec.steps_per_unit = static_cast<Real>(*rc::gen::arbitrary<bool>() ? scale : -scale);
-  return spec;
-}
-
-/// A setpoint one tick behind another, so that the motion between them may turn several times.
-template <Precise Real>
-Setpoint<Real> random_next(const Setpoint<Real>& at, const StepSpec<Real>& spec) {
-  const double seconds = static_cast<double>(spec.tick_ns) * 1e-9;
-  const double speed = 0.8 * double{spec.max_step_rate} / std::fabs(double{spec.steps_per_unit});
-  if (*rc::gen::inRange(0, 6) == 0) return {at.position, 0, 0};
-  const double slowness = *rc::gen::inRange(0, 3) == 0 ? 0.02 : 1;
-  const double velocity = slowness * between(-speed, speed);
-  const double acceleration = slowness * between(-speed, speed) * 3 / seconds;
-  const double way = seconds * ((double{at.velocity} + velocity) / 2 + slowness * between(-speed, speed) / 5);
-  return {static_cast<Real>(double{at.position} + way), static_cast<Real>(velocity),
-          static_cast<Real>(acceleration)};
-}
-
 /// In steps and ticks.
 template <Precise Real>
 OracleMotion scaled(const Setpoint<Real>& at, const StepSpec<Real>& spec) {
-  const long double scale = spec.steps_per_unit;
+  const auto scale = static_cast<long double>(spec.steps_per_unit);
   const long double seconds = static_cast<long double>(spec.tick_ns) * 1e-9L;
-  return {at.position * scale, at.velocity * scale * seconds, at.acceleration * scale * seconds * seconds};
+  return {static_cast<long double>(at.position) * scale,
+          static_cast<long double>(at.velocity) * scale * seconds,
+          static_cast<long double>(at.acceleration) * scale * seconds * seconds};
 }
 template <Precise Real>
 std::int64_t nearest_step(Real position, const StepSpec<Real>& spec) {
-  return static_cast<std::int64_t>(
-      std::floor(static_cast<long double>(position) * spec.steps_per_unit + 0.5L));
+  const auto scale = static_cast<long double>(spec.steps_per_unit);
+  return static_cast<std::int64_t>(std::floor(static_cast<long double>(position) * scale + 0.5L));
 }
 
 /// A crossing in nanoseconds from the first tick.
@@ -108,7 +73,8 @@ struct RandomRun {
   }
   void play(int ticks) {
     const StepSpec<Real>& spec = run.generator.spec();
-    at = {.position = static_cast<Real>((between(-3000, 3000) + 0.123456789) / double{spec.steps_per_unit})};
+    at = {.position = static_cast<Real>((between(-3000, 3000) + 0.123456789) /
+                                        static_cast<double>(spec.steps_per_unit))};
     RC_ASSERT(run.generator.place(at.position).has_value());
     first_count = run.generator.count();
     for (int i = 0; i < ticks; ++i) {
@@ -150,7 +116,7 @@ template <Precise Real>
 SimulatedStepper driven(const RandomRun<Real>& random) {
   SimulatedStepper::Settings settings;
   settings.lines = {.step = 0, .dir = 1, .timing = random.run.generator.spec().timing};
-  settings.steps_per_unit = random.run.generator.spec().steps_per_unit;
+  settings.steps_per_unit = static_cast<double>(random.run.generator.spec().steps_per_unit);
   SimulatedStepper stepper = SimulatedStepper::make(settings, 0).value();
   for (const StepEdge& edge : random.run.edges) {
     const std::uint64_t bit = edge.line == StepLine::step ? 1 : 2;
@@ -183,7 +149,13 @@ TEST(StepGeneratorProperties, EveryEdgeIsAtItsCrossingOrAsLateAsTheMinimaAsk) {
       check_step(random.run.steps[i], wanted, random.run.generator.spec().timing, tolerance_ns);
       ++compared;
     }
-    late += static_cast<int>(random.run.generator.delays().late_steps);
+    const StepDelays& delays = random.run.generator.delays();
+    late += static_cast<int>(delays.late_steps);
+    long double longest_ns = 0;
+    for (std::size_t i = 0; i < random.wanted.size(); ++i)
+      longest_ns = std::max(longest_ns,
+                            static_cast<long double>(random.run.steps[i].rise_ns) - random.wanted[i].at_ns);
+    RC_ASSERT(std::fabs(static_cast<long double>(delays.longest_ns) - longest_ns) < 1000);
   });
   std::cout << compared << " steps compared, " << late << " late; " << refused << " ticks refused, "
             << cancelled << " runs with cancelled steps\n";
@@ -248,78 +220,6 @@ TEST(StepGeneratorProperties, AMotionThatTremblesAboutAHalfStepKeepsTheMinimaAnd
   }
 }
 
-TEST(StepGeneratorProperties, MergedEdgesKeepTheMinimaOfEveryAxisAndAreAtMostAGrainLate) {
-  std::size_t edge_count = 0;
-  std::size_t instant_count = 0;
-  check_property(200, [&] {
-    constexpr std::size_t axes = 4;
-    const std::int64_t tick_ns = 1'000'000;
-    const std::int64_t grain_ns = *rc::gen::element<std::int64_t>(0, 1000, 10'000, 50'000);
-    std::vector<StepRun<double>> runs;
-    std::vector<StepLines> lines;
-    std::vector<SimulatedStepper> steppers;
-    std::vector<Setpoint<double>> at(axes);
-    for (std::size_t i = 0; i < axes; ++i) {
-      StepSpec<double> spec = random_spec<double>();
-      spec.tick_ns = tick_ns;
-      spec.max_step_rate = std::min(spec.max_step_rate, 40e3);
-      const auto first = static_cast<std::int32_t>(63 - 2 * i);
-      lines.push_back({.step = first, .dir = first - 1, .timing = spec.timing});
-      runs.emplace_back(spec);
-      SimulatedStepper::Settings settings;
-      settings.lines = lines.back();
-      settings.steps_per_unit = spec.steps_per_unit;
-      steppers.push_back(SimulatedStepper::make(settings, 0).value());
-    }
-    const StepMerge merge = StepMerge::make(lines, grain_ns).value();
-    std::vector<StepInstant> memory(4000);
-    std::int64_t last_ns = -1;
-    for (int tick = 0; tick < 25; ++tick) {
-      std::vector<std::span<const StepEdge>> edges(axes);
-      for (std::size_t i = 0; i < axes; ++i) {
-        const Setpoint<double> next = random_next(at[i], runs[i].generator.spec());
-        if (!runs[i].tick(next)) continue;
-        at[i] = next;
-        edges[i] = runs[i].last_tick;
-        edge_count += edges[i].size();
-      }
-      const std::int64_t start_ns = tick * tick_ns;
-      const std::size_t size = merge.merge(start_ns, edges, memory).value();
-      instant_count += size;
-      std::vector<std::size_t> next(axes, 0);
-      for (const StepInstant& instant : std::span(memory).first(size)) {
-        RC_ASSERT(instant.at_ns > last_ns);
-        RC_ASSERT(instant.at_ns < start_ns + tick_ns);
-        RC_ASSERT(instant.mask != 0U);
-        RC_ASSERT((instant.levels & ~instant.mask) == 0U);
-        last_ns = instant.at_ns;
-        for (std::size_t i = 0; i < axes; ++i) {
-          RC_ASSERT(steppers[i].take(instant).has_value());
-          const std::uint64_t step = std::uint64_t{1} << lines[i].step;
-          const std::uint64_t dir = std::uint64_t{1} << lines[i].dir;
-          if ((instant.mask & (step | dir)) == 0) continue;
-          RC_ASSERT(next[i] < edges[i].size());
-          const StepEdge& edge = edges[i][next[i]++];
-          const std::uint64_t bit = edge.line == StepLine::step ? step : dir;
-          RC_ASSERT((instant.mask & (step | dir)) == bit);
-          RC_ASSERT(((instant.levels & bit) != 0) == edge.level);
-          RC_ASSERT(instant.at_ns >= start_ns + edge.at_ns);
-          RC_ASSERT(instant.at_ns <= start_ns + edge.at_ns + grain_ns);
-        }
-      }
-      for (std::size_t i = 0; i < axes; ++i) RC_ASSERT(next[i] == edges[i].size());
-    }
-    for (std::size_t i = 0; i < axes; ++i) {
-      RC_ASSERT(steppers[i].violations() == StepViolations{});
-      RC_ASSERT(steppers[i].count() == runs[i].generator.count());
-    }
-  });
-  std::cout << edge_count << " edges in " << instant_count << " instants\n";
-  if (counts_mean_something()) {
-    EXPECT_LT(instant_count * 100, edge_count * 99);
-  }
-}
-
 /// A x sin^3, which starts without speed and acceleration.
 struct Swing {
   double amplitude = 0;
@@ -330,10 +230,10 @@ constexpr long double two_pi = 2 * std::numbers::pi_v<long double>;
 OracleMotion swung(std::span<const Swing> swings, long double seconds) {
   OracleMotion at;
   for (const Swing& swing : swings) {
-    const long double omega = two_pi * swing.hertz;
+    const long double omega = two_pi * static_cast<long double>(swing.hertz);
     const long double s = std::sin(omega * seconds);
     const long double c = std::cos(omega * seconds);
-    const long double amplitude = swing.amplitude;
+    const auto amplitude = static_cast<long double>(swing.amplitude);
     at.position += amplitude * s * s * s;
     at.velocity += 3 * amplitude * omega * s * s * c;
     at.acceleration += 3 * amplitude * omega * omega * s * (2 * c * c - s * s);

@@ -170,6 +170,10 @@ TEST(StepGenerator, AStepDelayedOverTheEndOfATickIsNotLost) {
   ASSERT_TRUE(run.tick({0, 0, 0}));
   ASSERT_EQ(run.steps.size(), 2U);
   EXPECT_EQ(run.steps[1].rise_ns, run.steps[0].rise_ns + 3000 + 300'000 + 400'000);
+  const double half_ns = std::sqrt((height - 0.5) / height) / 2 * 1e6;  // from the crossing to the turn
+  const std::int64_t wanted_ns = tick_ns + std::llround(0.5e6 + half_ns);
+  EXPECT_EQ(run.generator.delays(),
+            (StepDelays{.late_steps = 1, .longest_ns = run.steps[1].rise_ns - wanted_ns}));
   EXPECT_EQ(run.generator.count(), 0);
   EXPECT_EQ(run.generator.waiting(), 0);
 }
