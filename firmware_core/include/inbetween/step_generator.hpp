@@ -1,5 +1,6 @@
 #pragma once
 
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -94,8 +95,8 @@ struct StepDelays {
 /// below 2^31 steps that is 1 us at 0.25 steps/s; in float with positions below 2^12 steps, 1 us at 250
 /// steps/s. StepGeneratorProperties hold it.
 ///
-/// No allocation, no clock. Cost of a tick: O(1 + steps), a few dozen multiplications a step; 30 times as
-/// much for a tick with a turning point.
+/// No allocation, no clock. Cost of a tick: O(1 + steps), a few dozen multiplications a step; in a tick with
+/// a turning point as much as for ten steps more.
 template <Precise Real>
 class StepGenerator {
  public:
