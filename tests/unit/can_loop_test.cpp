@@ -80,14 +80,17 @@ struct Crane {
   std::vector<MotionLoop<double, can::Cia402Port<double, SimulatedLink>, SimulatedLines>> loops;
   std::int64_t now_ns = 0;
 
-  Crane() {
+  /// The first drive counts from `first_counts` where its axis is at 10.
+  explicit Crane(std::int32_t first_counts = 10'000) {
+    if (first_counts != 10'000) axes[0].stands_at = 10;
     for (std::uint8_t i = 0; i < 2; ++i) {
       const can::NodeId node = *can::NodeId::make(i + 1);
       can::Cia402Settings settings{.setup = {.node = node, .host = *can::NodeId::make(127)}};
       settings.max_step_counts =
           static_cast<std::int32_t>(1.2 * counts_per_unit * plan.limits()[i].max_velocity() / 250);
       hosts.push_back(*can::Cia402Drive::make(settings));
-      drives.emplace_back(SimulatedCia402Settings{.node = node, .position = i == 0 ? 10'000 : 100'000}, 0);
+      drives.emplace_back(SimulatedCia402Settings{.node = node, .position = i == 0 ? first_counts : 100'000},
+                          0);
       wire.attach(drives.back());
     }
     bus.push_back(*can::Cia402Bus::make(hosts, {.host = *can::NodeId::make(127)}));
@@ -361,6 +364,18 @@ TEST(CanLoop, ADriveThatNeverBootsIsNamedAndNothingIsSwitchedOn) {
   ASSERT_TRUE(crane.tick_until(State::faulted)) << name_of(crane.loop().state());
   EXPECT_EQ(crane.hosts[1].first_finding(), can::DriveFinding::never_booted);
   EXPECT_NE(crane.drives[0].state(), can::Cia402State::operation_enabled);
+}
+
+// A drive that counts from wherever it was switched on: where its axis stands is known from before.
+TEST(CanLoop, AnAxisStandsWhereItIsKnownToWhateverItsDriveCounts) {
+  Crane crane(-777);
+  ASSERT_NO_FATAL_FAILURE(crane.start());
+  EXPECT_EQ(crane.room.targets()[0], 10);
+  EXPECT_NEAR(crane.drives[0].position(), -777, 1) << "it has not moved to where its count would be 10'000";
+  ASSERT_TRUE(crane.tick_until(State::ready, 2000));
+  crane.tick(50);
+  const double end = crane.room.targets()[0];
+  EXPECT_NEAR(crane.drives[0].position(), -777 + (end - 10) * counts_per_unit, 2);
 }
 
 }  // namespace
