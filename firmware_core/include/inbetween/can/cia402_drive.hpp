@@ -40,6 +40,10 @@ struct Cia402Settings {
 };
 
 /// What the operator may see. They only grow.
+///
+/// Process data carry no number, and one identifier stays in order on CAN. If a driver did swap two frames of
+/// a drive, that would not be seen as such: the feedback of one tick would be that of the tick before, or one
+/// of them would count as a duplicate.
 struct DriveCounters {
   std::uint32_t feedback = 0;        ///< frames of process data taken
   std::uint32_t missed = 0;          ///< ticks without
