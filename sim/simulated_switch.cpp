@@ -28,10 +28,10 @@ double position_between(const Setpoint<double>& from, const Setpoint<double>& to
 }  // namespace
 
 SimulatedSwitch::SimulatedSwitch(const Settings& settings, double position, std::uint32_t seed)
-    : settings_(settings), random_(seed) {
-  is_on_ = is_on_at(position);
-  level_ = is_on_ == settings_.active_level;
-}
+    : settings_(settings),
+      random_(seed),
+      is_on_(is_on_at(position)),
+      level_(is_on_ == settings.active_level) {}
 
 bool SimulatedSwitch::is_on_at(double position) const {
   if (settings_.fault == Fault::open) return false;

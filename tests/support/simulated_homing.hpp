@@ -47,11 +47,15 @@ class SimulatedHoming {
   /// One tick: what the lines have told is read, the setpoints are written, and the axes move to them.
   HomingState tick() {
     read_levels();
+    std::ranges::sort(events_, {}, &LineEvent::at_ns);
     if (loses_events && !events_.empty()) {
       events_.erase(events_.begin());
       if (!events_.empty()) events_.front().lost_before = true;
     }
     std::vector<Setpoint<double>> out(axes_.size());
+    events_.insert(events_.end(), spikes.begin(), spikes.end());
+    spikes.clear();
+    std::ranges::sort(events_, {}, &LineEvent::at_ns);
     const HomingState state = homing_.tick(now_ns_, inputs, events_, out);
     events_.clear();
     for (std::size_t i = 0; i < axes_.size(); ++i) {
@@ -59,7 +63,6 @@ class SimulatedHoming {
       fastest_ = std::max(fastest_, std::fabs(out[i].velocity) / lost_[i].spec.fast);
       sharpest_ = std::max(sharpest_, std::fabs(out[i].acceleration) / lost_[i].limits.acceleration);
     }
-    std::ranges::sort(events_, {}, &LineEvent::at_ns);
     at_ = out;
     now_ns_ += tick_ns_;
     return state;
@@ -97,6 +100,8 @@ class SimulatedHoming {
 
   /// What the lines will tell on the next tick; the levels of the home switches are read by tick().
   std::vector<HomingInput> inputs;
+  /// Beside what the switches tell, on the next tick.
+  std::vector<LineEvent> spikes;
   /// The first event of every tick is lost, and the next one says so.
   bool loses_events = false;
 

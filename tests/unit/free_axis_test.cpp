@@ -127,6 +127,24 @@ TEST(FreeAxis, TooFastToRestThereItComesBack) {
   EXPECT_EQ(axis.position(), target);
 }
 
+/// From an even speed the way grows with the root of what the speed gains: the last bit of the highest speed
+/// that fits is worth half a micrometre, which must not be a jump.
+TEST(FreeAxis, WhatTheLastBitOfASpeedLeavesOpenIsNoJump) {
+  constexpr double fine_s = 1.0 / 4000;
+  FreeAxis<double> axis = *FreeAxis<double>::make(track, 0, fine_s);
+  ASSERT_TRUE(axis.drive(50));
+  while (axis.state().acceleration != 0 || axis.state().velocity != 50) axis.tick();
+  const double target = axis.position() + axis.stop_distance() + 1e-6;
+  ASSERT_TRUE(axis.go_to(target));
+  while (!axis.is_resting()) {
+    const Setpoint<double> from = axis.state();
+    const double way = axis.tick().position - from.position;
+    const double expected = fine_s * (from.velocity + fine_s * from.acceleration / 2);
+    ASSERT_NEAR(way, expected, track.jerk * fine_s * fine_s * fine_s / 6 + 1e-11);
+  }
+  EXPECT_EQ(axis.position(), target);
+}
+
 TEST(FreeAxis, SlowsDownToTheSpeedOfANewCommand) {
   FreeAxis<double> axis = axis_at(0);
   ASSERT_TRUE(axis.drive(100));

@@ -113,6 +113,23 @@ TEST(Homing, SpikesOnTheWayAreCountedAndPassedOver) {
   EXPECT_NEAR(homing.error(0), 0, 0.002) << "a spike less than 2 ms before the edge is taken for it";
 }
 
+/// At 40 mm/s 2 to 3 ms are 0.1 mm, more than there is to back off: the edge is looked for beyond.
+TEST(Homing, ASpikeRightBeforeTheFastEdgeDoesNotHideTheSwitch) {
+  LostAxis lost = slide();
+  lost.there.hysteresis = 0;
+  lost.spec.back_off = 0.05;
+  lost.spec.home.quiet_ns = 3'000'000;
+  SimulatedHoming homing({lost}, rate_hz, 1);
+  ASSERT_TRUE(homing.start());
+  while (homing.setpoint(0).position > 470.1) homing.tick();
+  ASSERT_EQ(homing.axis(0).phase(), HomingPhase::searching);
+  const std::int64_t now_ns = homing.now_ns();
+  homing.spikes = {{.at_ns = now_ns - 20'000, .level = true}, {.at_ns = now_ns - 10'000, .level = false}};
+  EXPECT_EQ(homing.run(), HomingState::done);
+  EXPECT_EQ(homing.axis(0).home_switch().noise_count(), 0U) << "it was taken for the edge";
+  EXPECT_NEAR(homing.error(0), 0, exact);
+}
+
 TEST(Homing, AxesHomeTogetherAndEndEachByItself) {
   SimulatedHoming homing(three_slides(), rate_hz, 1);
   ASSERT_TRUE(homing.start());

@@ -23,7 +23,8 @@ TEST(SetpointTrail, IsExactlyWhereAnAxisOfEvenJerkWas) {
   const double oldest = 100 * (20 - static_cast<double>(SetpointTrail<double>::capacity) + 1);
   EXPECT_EQ(trail.position_at(ms(oldest) - 1), std::nullopt);
   EXPECT_EQ(trail.position_at(ms(2000) + 1), std::nullopt);
-  for (double now = oldest; now <= 2000; now += 7) {
+  for (int i = 0; oldest + 7 * i <= 2000; ++i) {
+    const double now = oldest + 7 * i;
     ASSERT_TRUE(trail.position_at(ms(now)));
     EXPECT_NEAR(*trail.position_at(ms(now)), at(now / 1000).position, 1e-14);
   }
@@ -41,7 +42,8 @@ TEST(SetpointTrail, IsTheQuinticBetweenItsEnds) {
   };
   trail.push(ms(500), at(0.5));
   trail.push(ms(1500), at(1.5));
-  for (double t = 0.5; t < 1.5; t += 0.1) {
+  for (int i = 0; i < 10; ++i) {
+    const double t = 0.5 + 0.1 * i;
     EXPECT_NEAR(*trail.position_at(ms(1000 * t)), at(t).position, 1e-14);
   }
 }
