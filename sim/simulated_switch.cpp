@@ -30,14 +30,17 @@ double position_between(const Setpoint<double>& from, const Setpoint<double>& to
 SimulatedSwitch::SimulatedSwitch(const Settings& settings, double position, std::uint32_t seed)
     : settings_(settings),
       random_(seed),
-      is_on_(is_on_at(position)),
+      is_on_(settings.fault != Fault::open && past(position) >= 0),
       level_(is_on_ == settings.active_level) {}
 
 bool SimulatedSwitch::is_on_at(double position) const {
   if (settings_.fault == Fault::open) return false;
   if (settings_.fault == Fault::stuck && is_on_) return true;
-  const double past = settings_.is_above ? position - settings_.closes : settings_.closes - position;
-  return is_on_ ? past > -settings_.hysteresis : past >= 0;
+  return is_on_ ? past(position) > -settings_.hysteresis : past(position) >= 0;
+}
+
+double SimulatedSwitch::past(double position) const {
+  return settings_.is_above ? position - settings_.closes : settings_.closes - position;
 }
 
 double SimulatedSwitch::random(double least, double most) {

@@ -47,6 +47,8 @@ class SimulatedSwitch {
 
  private:
   [[nodiscard]] bool is_on_at(double position) const;
+  /// How far beyond the place where it closes.
+  [[nodiscard]] double past(double position) const;
   void add_change(std::int64_t at_ns);
   void add_pulse(std::int64_t at_ns, std::int64_t length_ns);
   [[nodiscard]] double random(double least, double most);
