@@ -139,10 +139,10 @@ struct RigFile {
   std::int32_t rate_hz = 0;
   std::vector<Bus> buses;  // in alphabetical order
   std::vector<RigAxis> axes;
-  std::optional<InputLine> emergency_stop;  // active: the level that stops
-  std::optional<InputLine> start_trigger;
-  std::optional<Camera> camera;
-  std::vector<Output> outputs;  // in alphabetical order
+  std::optional<InputLine> emergency_stop = {};  // active: the level that stops
+  std::optional<InputLine> start_trigger = {};
+  std::optional<Camera> camera = {};
+  std::vector<Output> outputs = {};  // in alphabetical order
 };
 
 /// Whether CiA 402 can state the tick exactly: the period is a whole number of microseconds (SYNC, object

@@ -80,6 +80,11 @@ std::size_t end_of_string(std::string_view text, std::size_t begin) {
   return text.size();
 }
 
+bool is_of_bare_word(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-' ||
+         c == '+';
+}
+
 /// Refuses text that would nest too deep for the stack or have too many fields, by brackets, the dots of each
 /// key and the equals signs outside strings and comments. Characters beyond ASCII are refused there as well:
 /// TOML has none, and toml++ 3.3 does not define what it does with them (is_non_ascii_horizontal_whitespace
@@ -97,6 +102,12 @@ void refuse_unsafe_structure(std::string_view text, const std::string& file_name
   while (at < text.size()) {
     const char c = text[at];
     if (c == '"' || c == '\'') {
+      // toml++ takes what is in these quotes for more of the bare word, where it must not meet such
+      // characters.
+      if (at > 0 && is_of_bare_word(text[at - 1])) {
+        refuse(fmt::format("a quote directly after {}; is a blank or an = missing?",
+                           in_quotes(text.substr(at - 1, 1))));
+      }
       at = end_of_string(text, at);
       line_begins = false;
       continue;
@@ -105,6 +116,7 @@ void refuse_unsafe_structure(std::string_view text, const std::string& file_name
       at = std::min(text.find('\n', at), text.size());
       continue;
     }
+    if (c == '\0') refuse("a zero byte; is this a text file?");
     if (static_cast<unsigned char>(c) >= 0x80) {
       const std::string_view character = text.substr(at, character_length(text.substr(at)));
       refuse(fmt::format("{} outside quotes; put the text in double quotes", in_quotes(character)));

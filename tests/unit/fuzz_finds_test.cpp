@@ -1,4 +1,5 @@
 // What the fuzz targets have found, each as the smallest move that showed it.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -9,10 +10,12 @@
 #include <random>
 #include <span>
 #include <string>
+#include <string_view>
 #include <type_traits>
 #include <vector>
 
 #include "host_tools/solved_track.hpp"
+#include "host_tools/toml_source.hpp"
 
 namespace inbetween {
 namespace {
@@ -441,6 +444,16 @@ TEST(FuzzFinds, ASegmentAtTheEdgeOfTheNumbersHasAFiniteLengthWhateverItsWeight) 
   const auto full = solved<double>({.spline = Spline::linear, .keys = {1, 0, 0x1p-1026}, .weights = {1000}});
   expect_sound(full);
   EXPECT_EQ(frame_row(full.track(), full.table(), 50).distance, 1000);
+}
+
+TEST(FuzzFinds, AQuoteDirectlyAfterABareWordIsRefusedBeforeTomlSeesIt) {
+  for (const std::string_view text : {"a = 6z\"b\xEF\xBB\xB6", "a = 1'\xEF\xBB\xB6'", "a\"b\" = 1"}) {
+    EXPECT_THAT([&] { parse_toml(text, "f.toml"); },
+                testing::ThrowsMessage<InputError>(testing::HasSubstr("a quote directly after")));
+  }
+  EXPECT_THAT([] { parse_toml(std::string_view("a = 1\0", 6), "f.toml"); },
+              testing::ThrowsMessage<InputError>(testing::HasSubstr("f.toml:1:6: error: a zero byte")));
+  EXPECT_NO_THROW(parse_toml("a = ['x','y']\nb = {'c'='d'}\n'e' = \"\"\"f\"\"\"\n", "f.toml"));
 }
 
 }  // namespace
