@@ -100,8 +100,8 @@ void RigSteps::make_port() {
     const Result<StepMerge> merge = StepMerge::make(chip.wires);
     const RigAxis& first = rig_.axes[indices_[chip.lanes.front()]];
     if (!merge) refuse(first, merge.error().what, merge.error().remedy);
-    port_chips_.push_back({&*chip.sink, *merge, chip.lanes.front(), chip.lanes.size(), chip.enable_mask,
-                           chip.enable_levels, chip.instants});
+    port_chips_.push_back({&*chip.sink, *merge, chip.wires, chip.lanes.front(), chip.lanes.size(),
+                           chip.enable_mask, chip.enable_levels, chip.instants});
     for (const std::size_t lane : chip.lanes) {
       most_late_ns = std::min(most_late_ns, its_drive(rig_.axes[indices_[lane]]).latest_ns);
     }

@@ -64,6 +64,7 @@ struct Slider {
   std::vector<std::size_t> drive_of{0, 1};
   std::array<double, 2> steps_per_unit{-80, 9};
   SimulatedStepChip chip;
+  std::array<StepLines, 2> wires{};
   std::vector<StepLane<double>> lanes;
   std::vector<std::vector<StepEdge>> edges;
   std::vector<StepInstant> instants;
@@ -78,7 +79,7 @@ struct Slider {
 
   Slider() {
     const StepTiming timing{.pulse_ns = 5000, .pause_ns = 5000, .dir_setup_ns = 5000, .dir_hold_ns = 5000};
-    const std::array<StepLines, 2> wires{{{0, 1, timing}, {3, 4, timing}}};
+    wires = {{{0, 1, timing}, {3, 4, timing}}};
     std::size_t room_for_instants = 1;
     for (std::size_t i = 0; i < 2; ++i) {
       auto generator =
@@ -94,7 +95,7 @@ struct Slider {
     }
     for (std::size_t i = 0; i < 2; ++i) lanes[i].edges = edges[i];
     instants.resize(room_for_instants);
-    chips.push_back({&chip, StepMerge::make(wires).value(), 0, 2, 0b100, 0, instants});
+    chips.push_back({&chip, StepMerge::make(wires).value(), wires, 0, 2, 0b100, 0, instants});
     ports.push_back(Port::make(lanes, chips, states, lists, {tick_ns, tick_ns, 500'000}).value());
     EXPECT_TRUE(port().place(0, 10));
     EXPECT_TRUE(port().place(1, 100));

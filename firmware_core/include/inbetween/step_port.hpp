@@ -44,6 +44,7 @@ template <StepSink Sink>
 struct StepChip {
   Sink* sink = nullptr;
   StepMerge merge;
+  std::span<const StepLines> wires;  ///< one for each of its lanes, as `merge` was made of
   std::size_t first_lane = 0;
   std::size_t lanes = 0;
   std::uint64_t enable_mask = 0;    ///< the ENABLE lines
@@ -82,7 +83,9 @@ class StepPort {
                                const StepPortTiming& timing) {
     std::size_t next = 0;
     for (const StepChip<Sink>& chip : chips) {
-      if (chip.first_lane != next || chip.sink == nullptr) return wrong_lanes();
+      if (chip.first_lane != next || chip.sink == nullptr || chip.wires.size() != chip.lanes) {
+        return wrong_lanes();
+      }
       std::size_t edges = 0;
       for (; next < std::min(chip.first_lane + chip.lanes, lanes.size()); ++next) {
         edges += lanes[next].edges.size();
@@ -154,12 +157,12 @@ class StepPort {
     is_enabled_ = true;
     is_stepping_ = false;
     enabled_at_ns_ = now_ns_ + timing_.lead_ns;
-    set_enable_lines(true);
+    set_lines(true);
   }
   void disable() {
     cease();
     is_enabled_ = false;
-    set_enable_lines(false);
+    set_lines(false);
   }
   void quick_stop() { cease(); }
 
@@ -230,11 +233,19 @@ class StepPort {
     is_stepping_ = false;
   }
 
-  void set_enable_lines(bool on) {
+  /// ENABLE, and the other lines as their generators have them: what was discarded may have left a pulse that
+  /// had begun.
+  void set_lines(bool on) {
     for (const StepChip<Sink>& chip : chips_) {
-      if (chip.enable_mask == 0) continue;
-      const std::uint64_t levels = on ? chip.enable_levels : ~chip.enable_levels & chip.enable_mask;
-      push(chip, {.at_ns = now_ns_ + timing_.lead_ns, .levels = levels, .mask = chip.enable_mask});
+      StepInstant instant{.at_ns = now_ns_ + timing_.lead_ns,
+                          .levels = on ? chip.enable_levels : ~chip.enable_levels & chip.enable_mask,
+                          .mask = chip.enable_mask};
+      for (std::size_t i = 0; i < chip.lanes; ++i) {
+        const std::uint64_t dir = std::uint64_t{1} << static_cast<unsigned>(chip.wires[i].dir);
+        instant.mask |= dir | std::uint64_t{1} << static_cast<unsigned>(chip.wires[i].step);
+        if (lanes_[chip.first_lane + i].generator.direction()) instant.levels |= dir;
+      }
+      push(chip, instant);
     }
   }
 
