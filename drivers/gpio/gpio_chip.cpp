@@ -158,6 +158,35 @@ std::optional<Refusal> GpioChip::open(const std::string& label) {
                  .remedy = "look at the labels, in brackets, with: gpiodetect"};
 }
 
+std::optional<Refusal> GpioChip::open_with_line(const std::string& name) {
+  chip_.reset();
+  std::string label;
+  std::string unreadable;
+  std::ptrdiff_t found = 0;
+  for (const std::string& path : chip_paths()) {
+    const std::unique_ptr<gpiod_chip, Close> chip(gpiod_chip_open(path.c_str()));
+    if (!chip) {
+      unreadable = path + " cannot be opened: " + reason_of(errno);
+      continue;
+    }
+    const std::vector<std::string> names = line_names_of(chip.get());
+    const std::ptrdiff_t same = std::count(names.begin(), names.end(), name);
+    if (same > 0) label = label_of(chip.get());
+    found += same;
+  }
+  if (found == 1) return open(label);
+  if (found > 1) {
+    return Refusal{.what = std::to_string(found) + " GPIO lines are named " + name,
+                   .remedy = "say which chip it is on"};
+  }
+  if (!unreadable.empty()) {
+    return Refusal{.what = "no GPIO line named " + name + " is found, and " + unreadable,
+                   .remedy = "run as root, or add your user to the group of that file"};
+  }
+  return Refusal{.what = "there is no GPIO line named " + name,
+                 .remedy = "look at the lines of all chips with: gpioinfo"};
+}
+
 std::string GpioChip::name_of(unsigned offset) const {
   const std::string& name = line_names_[offset];
   return "line " + std::to_string(offset) + (name.empty() ? "" : " (" + name + ")") + " of chip " + label_;

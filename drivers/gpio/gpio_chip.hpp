@@ -63,7 +63,11 @@ class GpioChip {
   /// Finds the one chip with this label, and asks the names of its lines. No chip of that label, or several,
   /// are refused. What was open before is closed first; lines that were taken stay taken.
   [[nodiscard]] std::optional<Refusal> open(const std::string& label);
+  /// The same, of the one chip that has a line of this name. No such line, or several, are refused.
+  [[nodiscard]] std::optional<Refusal> open_with_line(const std::string& name);
   [[nodiscard]] bool is_open() const { return chip_ != nullptr; }
+  /// Of the chip that is open.
+  [[nodiscard]] const std::string& label() const { return label_; }
 
   /// The offsets of lines, in their order: each of them is there, is meant once, and is free. Nothing is
   /// changed: whoever takes lines in several requests asks for all of them first. A name that two lines have
