@@ -295,6 +295,18 @@ bool RigDrives::has_lost_position(std::size_t axis) const {
   return false;
 }
 
+double RigDrives::true_position(std::size_t axis) const {
+  for (std::size_t i = 0; i < on_can_.axes.size(); ++i) {
+    const can::Cia402Axis<double>& of = can_axes_[i];
+    if (on_can_.axes[i] == axis) return buses_[of.lane].drives[of.drive].position() / of.counts_per_unit;
+  }
+  for (std::size_t i = 0; i < on_steps_.axes.size(); ++i) {
+    if (on_steps_.axes[i] == axis) return steps_->shaft(i);
+  }
+  const auto found = std::ranges::find(are_ideal_.axes, axis);
+  return ideal_->axes()[static_cast<std::size_t>(found - are_ideal_.axes.begin())].actual();
+}
+
 std::string RigDrives::trouble() const {
   for (const BusOfRig& bus : buses_) {
     if (!bus.link->is_up()) {

@@ -81,6 +81,8 @@ class RigDrives {
   void place(std::size_t axis, double position);
   /// Steps were lost, so that nobody knows where the axis is.
   [[nodiscard]] bool has_lost_position(std::size_t axis) const;
+  /// In simulation: where the axis really is, whatever its drive was told by place().
+  [[nodiscard]] double true_position(std::size_t axis) const;
   [[nodiscard]] bool has_steps() const { return steps_ != nullptr; }
 
   /// What is wrong with a drive and what to do, the first found; "" for nothing. Not for the loop's thread.
