@@ -81,16 +81,20 @@ void refuse_positions_beyond_limits(const Plan& plan) {
 
 /// The motion loop with its memory.
 struct LoopOfRig {
+  std::unique_ptr<RigLines> lines;
   std::unique_ptr<RigDrives> drives;
-  RigLines lines;
   LoopRoom room;
   RunLoop loop;
   // The loop refers to what it has played last.
   std::optional<Plan> approach;
   std::unique_ptr<StagedMove> way;
 
-  LoopOfRig(std::unique_ptr<RigDrives> of, std::size_t axes)
-      : drives(std::move(of)), room(axes, axes), loop(*drives, lines, room.memory()) {}
+  // The lines come first: what is taken for outputs changes on the way.
+  LoopOfRig(std::unique_ptr<RigLines> inputs, std::unique_ptr<RigDrives> outputs, std::size_t axes)
+      : lines(std::move(inputs)),
+        drives(std::move(outputs)),
+        room(axes, axes),
+        loop(*drives, *lines, room.memory()) {}
   LoopOfRig(const LoopOfRig&) = delete;
   LoopOfRig& operator=(const LoopOfRig&) = delete;
 };
@@ -129,9 +133,8 @@ class Run {
       disarm();
       throw;
     }
-    const std::string trouble = rig_.lines.emergency_stop()
-                                    ? "the emergency stop is pressed; remove the cause, release it"
-                                    : rig_.drives->trouble();
+    std::string trouble = rig_.lines->trouble();
+    if (trouble.empty()) trouble = rig_.drives->trouble();
     if (!trouble.empty() && report_.ending != Ending::finished) {
       report_.ending = Ending::fault;
       report_.reason = trouble;
@@ -296,7 +299,9 @@ RunReport run_simulated(const Plan& plan, const RunOptions& options) {
   // What nobody can agree to is refused before the drives are switched on.
   static_cast<void>(allowed_approach(plan, standing, options));
   RunReport report = good_report(options);
-  LoopOfRig rig(RigDrives::simulated(*plan.rig(), standing), plan.axes().size());
+  LoopOfRig rig(RigLines::simulated(*plan.rig(), standing), RigDrives::simulated(*plan.rig(), standing),
+                plan.axes().size());
+  rig.lines->follow(*rig.drives);
   rig.drives->set_faults(options.faults);
   const std::unique_ptr<RunRecord> record = record_of(plan, options);
   LoopTrace trace(plan.axes().size(), record.get());
@@ -319,7 +324,8 @@ RunReport run_on_rig(const Plan& plan, const RunOptions& options) {
   const double top_rate = options.allow_jitter ? jitter_rate : options.top_rate;
   const std::unique_ptr<StagedMove> staged = staged_for_run(plan, options, top_rate);
   RunReport report = good_report(options);
-  LoopOfRig rig(RigDrives::on_rig(*plan.rig(), !options.allow_jitter), plan.axes().size());
+  std::unique_ptr<RigLines> lines = RigLines::on_chips(*plan.rig());
+  LoopOfRig rig(std::move(lines), RigDrives::on_rig(*plan.rig(), !options.allow_jitter), plan.axes().size());
   const std::unique_ptr<RunRecord> record = record_of(plan, options);
   LoopTrace trace(plan.axes().size(), record.get());
   const LoopAudience audience{options.keys, options.interrupted, options.status, options.progress,

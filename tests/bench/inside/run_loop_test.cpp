@@ -95,9 +95,9 @@ struct LoopOnBus {
   Plan plan{parse_move(there, "move.toml"), parse_rig(bench, "rig.toml"), {}};
   StagedMove staged{plan};
   std::unique_ptr<RigDrives> drives = RigDrives::on_rig(*plan.rig());
-  RigLines lines;
+  std::unique_ptr<RigLines> lines = RigLines::on_chips(*plan.rig());
   LoopRoom room{2, 2};
-  RunLoop loop{*drives, lines, room.memory()};
+  RunLoop loop{*drives, *lines, room.memory()};
   LoopTrace trace{2};
   Arming arming{loop};
   Transport transport{loop, staged, true};
