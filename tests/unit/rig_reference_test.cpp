@@ -1,0 +1,273 @@
+// Which axes know where they are, from one run to the next.
+#include "host_tools/rig_reference.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "tests/support/run_program.hpp"
+#include "tests/support/temporary_file.hpp"
+
+namespace inbetween {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+/// A homed slide and a focus that its operator sets, both on steps, a crane whose CAN drive knows where it
+/// is, and one whose drive does not.
+const std::string four_axes = R"(name = "four"
+rate_hz = 250
+[bus.can0]
+bitrate = 1_000_000
+[[axis]]
+name = "slide"
+unit = "mm"
+min = 0
+max = 800
+max_velocity = 100
+max_acceleration = 250
+drive = { type = "step-dir", chip = "gpio", step = 17, dir = 27, steps_per_unit = 80 }
+home = { chip = "gpio", line = 23, active = "high", direction = "negative", fast = 40, slow = 4, back_off = 10, at = -5 }
+[[axis]]
+name = "focus"
+unit = "deg"
+min = 0
+max = 270
+max_velocity = 100
+max_acceleration = 400
+reference = "operator"
+drive = { type = "step-dir", chip = "gpio", step = 19, dir = 26, steps_per_unit = 10 }
+[[axis]]
+name = "crane"
+unit = "deg"
+min = -90
+max = 90
+max_velocity = 10
+max_acceleration = 10
+drive = { type = "cia402", bus = "can0", node = 1, counts_per_unit = 1000 }
+[[axis]]
+name = "swing"
+unit = "deg"
+min = -90
+max = 90
+max_velocity = 10
+max_acceleration = 10
+reference = "operator"
+drive = { type = "cia402", bus = "can0", node = 2, counts_per_unit = 1000 }
+)";
+
+constexpr std::size_t slide = 0, focus = 1, crane = 2, swing = 3;
+
+/// The rig and the file of its positions; a run is one RigReference after another.
+struct Stage {
+  RigFile rig = parse_rig(four_axes, "rig.toml");
+  TemporaryFolder folder;
+  std::string file = (folder.path() / "state" / "four.positions").string();
+
+  [[nodiscard]] RigReference reference() const { return {rig, file}; }
+  void say(const std::vector<std::pair<std::size_t, double>>& positions) const {
+    RigReference reference = this->reference();
+    for (const auto& [axis, position] : positions) reference.stands_at(axis, position);
+  }
+  [[nodiscard]] std::vector<std::size_t> unreferenced() const {
+    std::vector<std::size_t> axes;
+    for (const RigReference::Unreferenced& each : reference().unreferenced()) axes.push_back(each.axis);
+    return axes;
+  }
+};
+
+/// What drives tell that rest.
+std::vector<DriveState<double>> resting(const std::vector<double>& positions) {
+  std::vector<DriveState<double>> states;
+  for (const double position : positions) states.push_back({.actual = position, .is_on = true});
+  return states;
+}
+
+/// The drives, tick by tick.
+struct Ticks {
+  RigDrives& drives;
+  std::vector<DriveState<double>> states = std::vector<DriveState<double>>(4);
+  std::int64_t now_ns = 0;
+
+  void tick(const std::vector<Setpoint<double>>& setpoints) {
+    now_ns += 4'000'000;
+    drives.read(states, now_ns);
+    drives.write(setpoints, now_ns);
+  }
+};
+
+std::string refusal(const RigReference& reference, std::vector<std::size_t> axes) {
+  try {
+    reference.refuse_unreferenced(axes);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(RigReference, ARigThatWasNeverUsedKnowsOnlyWhatItsDrivesTell) {
+  const Stage stage;
+  EXPECT_EQ(stage.unreferenced(), (std::vector{slide, focus, swing}));
+  EXPECT_EQ(file_contents(stage.file), "") << "reading writes nothing";
+}
+
+TEST(RigReference, WithoutAFileEveryAxisIsWhereItStands) {
+  const RigFile rig = parse_rig(four_axes, "rig.toml");
+  RigReference reference(rig);
+  EXPECT_TRUE(reference.unreferenced().empty());
+  EXPECT_EQ(reference.position(slide), std::nullopt);
+  const std::unique_ptr<RigDrives> drives = RigDrives::simulated(rig, {1, 2, 3, 4});
+  reference.place(*drives);
+  reference.about_to_move(std::vector{slide});
+  reference.at_rest(*drives, resting({5, 2, 3, 4}), false);
+  EXPECT_TRUE(reference.unreferenced().empty());
+}
+
+TEST(RigReference, WhatIsSaidIsKnownInTheNextRunAndToTheDrives) {
+  const Stage stage;
+  stage.say({{slide, 120}, {focus, 0}, {swing, -30}});
+  EXPECT_TRUE(stage.unreferenced().empty());
+  const std::unique_ptr<RigDrives> drives = RigDrives::simulated(stage.rig, {7, 7, 7, 7});
+  stage.reference().place(*drives);
+  drives->enable();
+  Ticks loop{*drives};
+  for (int i = 0; i < 2000 && !(loop.states[swing].is_on && loop.states[crane].is_on); ++i) loop.tick({});
+  EXPECT_EQ(loop.states[slide].actual, 120);
+  EXPECT_EQ(loop.states[focus].actual, 0);
+  EXPECT_EQ(loop.states[crane].actual, 7) << "its drive knows";
+  EXPECT_EQ(loop.states[swing].actual, -30);
+}
+
+// faults.md 47
+TEST(RigReference, AnAxisThatMovedWhenTheProgramEndedIsUnreferenced) {
+  const Stage stage;
+  stage.say({{slide, 120}, {focus, 0}, {swing, -30}});
+  {
+    RigReference reference = stage.reference();
+    reference.about_to_move(std::vector{slide, crane});
+  }
+  EXPECT_EQ(stage.unreferenced(), std::vector{slide}) << "the others have not moved";
+  EXPECT_THAT(stage.reference().unreferenced()[0].why, HasSubstr("it was moving"));
+}
+
+TEST(RigReference, AfterRestAnAxisIsWhereItsDriveTells) {
+  const Stage stage;
+  stage.say({{slide, 120}, {focus, 0}, {swing, -30}});
+  {
+    RigReference reference = stage.reference();
+    const std::unique_ptr<RigDrives> drives = RigDrives::simulated(stage.rig, {120, 0, 0, -30});
+    reference.about_to_move(std::vector{slide, crane, swing});
+    reference.at_rest(*drives, resting({55.0125, 99, 10, -20.5}), false);
+  }
+  EXPECT_TRUE(stage.unreferenced().empty());
+  EXPECT_EQ(stage.reference().position(slide), 55.0125);
+  EXPECT_EQ(stage.reference().position(focus), 0) << "it was not to move";
+  EXPECT_EQ(stage.reference().position(crane), std::nullopt) << "its drive tells";
+  EXPECT_EQ(stage.reference().position(swing), -20.5);
+}
+
+TEST(RigReference, AnUnreferencedAxisThatMovesStaysUnreferenced) {
+  const Stage stage;
+  stage.say({{slide, 120}});
+  {
+    RigReference reference = stage.reference();
+    const std::unique_ptr<RigDrives> drives = RigDrives::simulated(stage.rig, {120, 0, 0, 0});
+    reference.about_to_move(std::vector{slide, focus});
+    reference.at_rest(*drives, resting({121, 3, 0, 0}), false);
+    EXPECT_FALSE(reference.is_referenced(focus));
+  }
+  EXPECT_EQ(stage.unreferenced(), (std::vector{focus, swing}));
+}
+
+// faults.md 28: whatever lost its power may have been moved by hand.
+TEST(RigReference, WithoutPowerAnAxisThatNothingReportsIsLost) {
+  const Stage stage;
+  stage.say({{slide, 120}, {focus, 0}, {swing, -30}});
+  {
+    RigReference reference = stage.reference();
+    const std::unique_ptr<RigDrives> drives = RigDrives::simulated(stage.rig, {120, 0, 0, -30});
+    reference.about_to_move(std::vector{slide, swing});
+    reference.at_rest(*drives, resting({55, 0, 0, -20}), true);
+  }
+  EXPECT_EQ(stage.unreferenced(), std::vector{slide});
+  EXPECT_EQ(stage.reference().position(swing), -20) << "its drive has counted on";
+}
+
+TEST(RigReference, AnAxisWhoseDriveIsOutOfReachIsLost) {
+  const Stage stage;
+  stage.say({{slide, 120}, {focus, 0}, {swing, -30}});
+  {
+    RigReference reference = stage.reference();
+    const std::unique_ptr<RigDrives> drives = RigDrives::simulated(stage.rig, {120, 0, 0, -30});
+    std::vector<DriveState<double>> states = resting({120, 0, 0, -20});
+    states[swing].condition = DriveCondition::unreachable;
+    reference.about_to_move(std::vector{swing});
+    reference.at_rest(*drives, states, false);
+  }
+  EXPECT_EQ(stage.unreferenced(), std::vector{swing});
+}
+
+TEST(RigReference, AnAxisThatHasLostItsStepsIsLost) {
+  const Stage stage;
+  stage.say({{slide, 120}, {focus, 0}, {swing, -30}});
+  {
+    RigReference reference = stage.reference();
+    const std::unique_ptr<RigDrives> drives = RigDrives::simulated(stage.rig, {120, 0, 0, -30});
+    reference.place(*drives);
+    reference.about_to_move(std::vector{slide, focus});
+    drives->enable();
+    Ticks loop{*drives};
+    for (int i = 0; i < 2000 && !loop.states[slide].is_on; ++i) loop.tick({});
+    for (int i = 0; i < 10; ++i) {
+      loop.tick({{.position = 120 + 0.2 * i, .velocity = 50}, {.position = 0}, {}, {.position = -30}});
+    }
+    loop.tick({});  // in the middle of its motion nothing is sent any more
+    loop.tick({});
+    ASSERT_TRUE(drives->has_lost_position(slide));
+    reference.at_rest(*drives, loop.states, false);
+  }
+  EXPECT_EQ(stage.unreferenced(), std::vector{slide});
+  EXPECT_EQ(stage.reference().position(focus), 0);
+}
+
+TEST(RigReference, WhatIsLostIsUnreferencedUntilSomebodySaysWhereItIs) {
+  const Stage stage;
+  stage.say({{slide, 120}, {focus, 0}, {swing, -30}});
+  stage.reference().is_lost(focus, "its switch was not found");
+  EXPECT_EQ(stage.unreferenced(), std::vector{focus});
+  stage.say({{focus, 12}});
+  EXPECT_TRUE(stage.unreferenced().empty());
+}
+
+TEST(RigReference, TheRefusalNamesTheAxisWhyAndWhatToDo) {
+  const Stage stage;
+  const RigReference reference = stage.reference();
+  EXPECT_THAT(refusal(reference, {crane, slide}), AllOf(HasSubstr("rig.toml:5:1: error: axis \"slide\""),
+                                                        HasSubstr(stage.file), HasSubstr("inbetween home")));
+  EXPECT_THAT(refusal(reference, {swing}), AllOf(HasSubstr("\"swing\""), HasSubstr("--set-zero")));
+  EXPECT_EQ(refusal(reference, {crane}), "");
+}
+
+TEST(RigReference, WhereNothingCanBeWrittenNothingMayMove) {
+  const Stage stage;
+  const TemporaryFile in_the_way("state", "a file where a folder should be");
+  RigReference reference(stage.rig, in_the_way.path().string() + "/four.positions");
+  EXPECT_THROW(reference.about_to_move(std::vector{slide}), std::runtime_error);
+  EXPECT_NO_THROW(reference.about_to_move(std::vector{crane})) << "nothing is kept of it";
+}
+
+TEST(RigReference, NobodySaysWhereAnAxisIsThatItsDriveKnows) {
+  const Stage stage;
+  RigReference reference = stage.reference();
+  EXPECT_THROW(reference.stands_at(crane, 0), std::logic_error);
+  EXPECT_THROW(reference.is_lost(crane, "?"), std::logic_error);
+}
+
+}  // namespace
+}  // namespace inbetween
