@@ -27,7 +27,7 @@ constexpr std::int64_t ns_between_looks = 20'000'000;
 
 struct RunArguments {
   std::string move, rig;
-  std::optional<std::string> json, record;
+  std::optional<std::string> json, record, positions;
   bool simulated = false;
   bool fast = false;
   bool loop = false;
@@ -153,6 +153,7 @@ RunReport run(const Plan& plan, const RunArguments& arguments, const RigWatch& w
                      .standing = positions_of(arguments.from),
                      .faults = std::move(faults),
                      .record = arguments.record,
+                     .positions = arguments.positions,
                      .rig_has_changed = [&] { return watch.has_changed(); },
                      .interrupted = &InterruptWatch::asked,
                      .progress = {}};
@@ -251,6 +252,9 @@ void describe(CLI::App& app, RunArguments& arguments) {
       ->expected(1)
       ->take_all();
   app.add_option("--json", arguments.json, "write a report (- is standard output)");
+  app.add_option("--positions", arguments.positions,
+                 "where the positions of axes are kept that no drive knows (on a rig: a file of its own\n"
+                 "under $XDG_STATE_HOME; in a simulation: nowhere)");
   app.add_option("--record", arguments.record,
                  "write what every axis was told and where it was, a line a tick (CSV)");
   app.footer(
@@ -277,6 +281,9 @@ void describe(CLI::App& app, RunArguments& arguments) {
       "the frame between the angles at a constant rate in --exposure seconds, and runs out, inside its "
       "limits.\n\n"
       "Exit status: 0 played to its end; 3 refused; 4 stopped before its end.\n\n"
+      "Axes that no drive knows (see reference in docs/formats.md) must have been homed, or placed by "
+      "somebody:\n"
+      "inbetween home, inbetween goto --set-zero. Where they rest is kept from one run to the next.\n\n"
       "SIGUSR1 presses an emergency stop, SIGUSR2 releases it: setpoints cease, and whatever moved must be "
       "acknowledged.\n"
       "A real rig is refused without the rights of a real-time program (inbetween says which and how to get "

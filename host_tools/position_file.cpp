@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <stdexcept>
 #include <string_view>
@@ -216,6 +217,10 @@ void PositionFile::write(const KeptPositions& kept) {
     if (const FileFailure failure = make_folders(files_, folder)) fail(path_, failure);
   }
   if (const FileFailure failure = replace_durably(files_, path_, to_text(kept))) fail(path_, failure);
+}
+
+std::string usual_position_file(const RigFile& rig) {
+  return position_file_path(rig.name, std::getenv("XDG_STATE_HOME"), std::getenv("HOME"));
 }
 
 }  // namespace inbetween

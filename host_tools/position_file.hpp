@@ -35,6 +35,9 @@ std::uint64_t position_identity(const RigFile& rig);
 /// Throws std::runtime_error if there is neither.
 std::string position_file_path(const std::string& rig_name, const char* xdg_state_home, const char* home);
 
+/// That of a rig in this process's environment.
+std::string usual_position_file(const RigFile& rig);
+
 /// What is known of a kept axis.
 struct KnownAxis {
   std::size_t axis = 0;            // of the rig

@@ -12,6 +12,7 @@
 #include "host_tools/loop_preparations.hpp"
 #include "host_tools/loop_room.hpp"
 #include "host_tools/loop_runner.hpp"
+#include "host_tools/rig_reference.hpp"
 #include "host_tools/staged_move.hpp"
 #include "host_tools/transport.hpp"
 
@@ -88,6 +89,8 @@ struct LoopOfRig {
   // The loop refers to what it has played last.
   std::optional<Plan> approach;
   std::unique_ptr<StagedMove> way;
+  bool was_armed = false;      ///< the drives were on
+  bool power_was_cut = false;  ///< when the run ended
 
   // The lines come first: what is taken for outputs changes on the way.
   LoopOfRig(std::unique_ptr<RigLines> inputs, std::unique_ptr<RigDrives> outputs, std::size_t axes)
@@ -133,6 +136,8 @@ class Run {
       disarm();
       throw;
     }
+    rig_.power_was_cut =
+        rig_.loop.state() == SupervisorState::faulted || rig_.loop.state() == SupervisorState::cut_off;
     std::string trouble = rig_.lines->trouble();
     if (trouble.empty()) trouble = rig_.drives->trouble();
     if (!trouble.empty() && report_.ending != Ending::finished) {
@@ -149,7 +154,8 @@ class Run {
     Arming arming(rig_.loop);
     runner_.run(act_of(arming, true), std::nullopt);
     positions_ = arming.positions();
-    if (rig_.loop.state() == SupervisorState::ready) return true;
+    rig_.was_armed = rig_.loop.state() == SupervisorState::ready;
+    if (rig_.was_armed) return true;
     report_.ending = Ending::stopped;
     report_.reason = "the drives were not switched on";
     return false;
@@ -282,6 +288,34 @@ std::unique_ptr<RunRecord> record_of(const Plan& plan, const RunOptions& options
   return std::make_unique<RunRecord>(*options.record, *plan.rig(), options.fast);
 }
 
+LoopAudience audience_of(const RunOptions& options) {
+  return {options.keys, options.interrupted, options.status, options.progress, options.rig_has_changed};
+}
+
+/// Before anything is switched on it is written down that these axes move; afterwards, and also where the run
+/// was refused on the way, where they rest.
+template <class Performance>
+RunReport run_referenced(LoopOfRig& rig, RigReference& reference, std::span<const std::size_t> axes,
+                         const Performance& perform) {
+  reference.place(*rig.drives);
+  reference.about_to_move(axes);
+  const auto keep = [&] {
+    if (rig.was_armed) {
+      reference.at_rest(*rig.drives, rig.loop.drive_states(), rig.power_was_cut);
+    } else {
+      reference.has_not_moved();
+    }
+  };
+  try {
+    const RunReport report = perform();
+    keep();
+    return report;
+  } catch (...) {
+    keep();
+    throw;
+  }
+}
+
 void refuse_unfit_machine(const Plan& plan, const std::vector<RealTimeRight>& rights) {
   for (const RealTimeRight& right : rights) {
     if (!right.refusal || !right.is_needed) continue;
@@ -294,49 +328,62 @@ void refuse_unfit_machine(const Plan& plan, const std::vector<RealTimeRight>& ri
 }  // namespace
 
 RunReport run_simulated(const Plan& plan, const RunOptions& options) {
+  const RigFile& rig_file = *plan.rig();
   const std::unique_ptr<StagedMove> staged = staged_for_run(plan, options, options.top_rate);
   const std::vector<double> standing = standing_positions(plan, options.standing);
+  RigReference reference =
+      options.positions ? RigReference(rig_file, *options.positions) : RigReference(rig_file);
+  const std::span<const std::size_t> axes = staged->loop_spec().drive_of;
+  reference.refuse_unreferenced(axes);
   // What nobody can agree to is refused before the drives are switched on.
-  static_cast<void>(allowed_approach(plan, standing, options));
-  RunReport report = good_report(options);
-  LoopOfRig rig(RigLines::simulated(*plan.rig(), standing), RigDrives::simulated(*plan.rig(), standing),
+  if (!options.positions) static_cast<void>(allowed_approach(plan, standing, options));
+  LoopOfRig rig(RigLines::simulated(rig_file, standing), RigDrives::simulated(rig_file, standing),
                 plan.axes().size());
   rig.lines->follow(*rig.drives);
   rig.drives->set_faults(options.faults);
-  const std::unique_ptr<RunRecord> record = record_of(plan, options);
-  LoopTrace trace(plan.axes().size(), record.get());
-  const LoopAudience audience{options.keys, options.interrupted, options.status, options.progress,
-                              options.rig_has_changed};
-  const std::int32_t rate_hz = plan.rig()->rate_hz;
-  if (options.fast) {
-    FastRunner runner(rig.loop, rate_hz, audience, trace);
-    run_with(runner, rig, *staged, options, report);
-  } else {
-    TimedRunner runner(rig.loop, rate_hz, audience, trace, Lateness::time_stands_still, std::nullopt);
-    run_with(runner, rig, *staged, options, report);
-  }
-  list_axes(plan, trace, report);
-  if (record) report.record = record->finish();
-  return report;
+  return run_referenced(rig, reference, axes, [&] {
+    const std::unique_ptr<RunRecord> record = record_of(plan, options);
+    LoopTrace trace(plan.axes().size(), record.get());
+    const LoopAudience audience = audience_of(options);
+    RunReport report = good_report(options);
+    if (options.fast) {
+      FastRunner runner(rig.loop, rig_file.rate_hz, audience, trace);
+      run_with(runner, rig, *staged, options, report);
+    } else {
+      TimedRunner runner(rig.loop, rig_file.rate_hz, audience, trace, Lateness::time_stands_still,
+                         std::nullopt);
+      run_with(runner, rig, *staged, options, report);
+    }
+    list_axes(plan, trace, report);
+    if (record) report.record = record->finish();
+    return report;
+  });
 }
 
 RunReport run_on_rig(const Plan& plan, const RunOptions& options) {
+  const RigFile& rig_file = *plan.rig();
   const double top_rate = options.allow_jitter ? jitter_rate : options.top_rate;
   const std::unique_ptr<StagedMove> staged = staged_for_run(plan, options, top_rate);
-  RunReport report = good_report(options);
-  std::unique_ptr<RigLines> lines = RigLines::on_chips(*plan.rig());
-  LoopOfRig rig(std::move(lines), RigDrives::on_rig(*plan.rig(), !options.allow_jitter), plan.axes().size());
-  const std::unique_ptr<RunRecord> record = record_of(plan, options);
-  LoopTrace trace(plan.axes().size(), record.get());
-  const LoopAudience audience{options.keys, options.interrupted, options.status, options.progress,
-                              options.rig_has_changed};
-  const Lateness lateness = rig.drives->has_steps() ? Lateness::falls_behind : Lateness::catches_up;
-  TimedRunner runner(rig.loop, plan.rig()->rate_hz, audience, trace, lateness, RealTimeWishes{});
-  if (!options.allow_jitter) refuse_unfit_machine(plan, runner.rights());
-  run_with(runner, rig, *staged, options, report);
-  list_axes(plan, trace, report);
-  if (record) report.record = record->finish();
-  return report;
+  RigReference reference(rig_file, options.positions ? *options.positions : usual_position_file(rig_file));
+  const std::span<const std::size_t> axes = staged->loop_spec().drive_of;
+  reference.refuse_unreferenced(axes);
+  std::unique_ptr<RigLines> lines = RigLines::on_chips(rig_file);
+  LoopOfRig rig(std::move(lines), RigDrives::on_rig(rig_file, !options.allow_jitter), plan.axes().size());
+  return run_referenced(rig, reference, axes, [&] {
+    const std::unique_ptr<RunRecord> record = record_of(plan, options);
+    LoopTrace trace(plan.axes().size(), record.get());
+    const LoopAudience audience = audience_of(options);
+    const Lateness lateness = rig.drives->has_steps() ? Lateness::falls_behind : Lateness::catches_up;
+    RunReport report = good_report(options);
+    {
+      TimedRunner runner(rig.loop, rig_file.rate_hz, audience, trace, lateness, RealTimeWishes{});
+      if (!options.allow_jitter) refuse_unfit_machine(plan, runner.rights());
+      run_with(runner, rig, *staged, options, report);
+    }
+    list_axes(plan, trace, report);
+    if (record) report.record = record->finish();
+    return report;
+  });
 }
 
 void write_run_json(const RunReport& report, std::FILE* file) {

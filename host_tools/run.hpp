@@ -39,6 +39,9 @@ struct RunOptions {
   std::function<bool(const std::string& question)> confirm = {};
   /// A line a tick goes there (run_record.hpp).
   std::optional<std::string> record = {};
+  /// Where the positions of axes are kept that no drive knows (position_file.hpp). None: on a rig its usual
+  /// place, in a simulation nowhere.
+  std::optional<std::string> positions = {};
   /// Whether the rig file is another than was read: nothing is begun then.
   std::function<bool()> rig_has_changed = {};
   /// What has been typed since the last call (TransportKeys); without it nothing can be typed.
