@@ -292,6 +292,12 @@ LoopAudience audience_of(const RunOptions& options) {
   return {options.keys, options.interrupted, options.status, options.progress, options.rig_has_changed};
 }
 
+/// A rig whose drives know where they are needs no file.
+RigReference reference_of(const RigFile& rig, const RunOptions& options) {
+  if (kept_axes(rig).empty()) return RigReference(rig);
+  return {rig, options.positions ? *options.positions : usual_position_file(rig)};
+}
+
 /// Before anything is switched on it is written down that these axes move; afterwards, and also where the run
 /// was refused on the way, where they rest.
 template <class Performance>
@@ -364,7 +370,7 @@ RunReport run_on_rig(const Plan& plan, const RunOptions& options) {
   const RigFile& rig_file = *plan.rig();
   const double top_rate = options.allow_jitter ? jitter_rate : options.top_rate;
   const std::unique_ptr<StagedMove> staged = staged_for_run(plan, options, top_rate);
-  RigReference reference(rig_file, options.positions ? *options.positions : usual_position_file(rig_file));
+  RigReference reference = reference_of(rig_file, options);
   const std::span<const std::size_t> axes = staged->loop_spec().drive_of;
   reference.refuse_unreferenced(axes);
   std::unique_ptr<RigLines> lines = RigLines::on_chips(rig_file);
