@@ -18,18 +18,19 @@ std::optional<double> number_of(std::string_view text) {
   return number;
 }
 
-std::map<std::string, double> positions_of(const std::vector<std::string>& texts) {
+std::map<std::string, double> positions_of(const std::vector<std::string>& texts,
+                                           const std::string& argument) {
   std::map<std::string, double> positions;
   for (const std::string& text : texts) {
     const std::size_t sign = text.rfind('=');
     const auto position =
         sign == std::string::npos ? std::nullopt : number_of(std::string_view(text).substr(sign + 1));
     if (!position) {
-      throw UsageError(fmt::format("--from {}: not a position; write AXIS=POSITION, for example pan=-20",
-                                   in_quotes(text)));
+      throw UsageError(fmt::format("{} {}: not a position; write AXIS=POSITION, for example pan=-20",
+                                   argument, in_quotes(text)));
     }
     if (!positions.emplace(text.substr(0, sign), *position).second) {
-      throw UsageError(fmt::format("--from {}: the axis has a position already", in_quotes(text)));
+      throw UsageError(fmt::format("{} {}: the axis has a position already", argument, in_quotes(text)));
     }
   }
   return positions;

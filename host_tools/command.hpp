@@ -31,6 +31,7 @@ using Command = std::function<int()>;
 void add_plan_command(CLI::App& program, Command& chosen);
 void add_check_command(CLI::App& program, Command& chosen);
 void add_run_command(CLI::App& program, Command& chosen);
+void add_goto_command(CLI::App& program, Command& chosen);
 void add_sim_drives_command(CLI::App& program, Command& chosen);
 void add_budget_command(CLI::App& program, Command& chosen);
 

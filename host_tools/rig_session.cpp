@@ -1,0 +1,188 @@
+#include "host_tools/rig_session.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "host_tools/diagnostics.hpp"
+#include "host_tools/loop_preparations.hpp"
+
+namespace inbetween {
+namespace {
+
+/// What the drives tell on a tick, for whoever is not the thread of the loop.
+class Looking {
+ public:
+  explicit Looking(RunLoop& loop) : loop_(loop), states_(loop.drive_states().size()) {}
+  static Status begin() { return Done{}; }
+  void press(TransportKey) {}
+  void tick(std::int32_t ticks, std::int64_t now_ns) {
+    state_ = loop_.tick(ticks, now_ns).state;
+    std::ranges::copy(loop_.drive_states(), states_.begin());
+    has_looked_ = true;
+  }
+  [[nodiscard]] bool is_over() const { return has_looked_; }
+  [[nodiscard]] RunSnapshot snapshot() const { return {.state = loop_.state()}; }
+
+  [[nodiscard]] const std::vector<DriveState<double>>& states() const { return states_; }
+  /// Setpoints have ceased, and nobody has acknowledged it.
+  [[nodiscard]] bool has_ceased() const {
+    return state_ == SupervisorState::faulted || state_ == SupervisorState::cut_off;
+  }
+
+ private:
+  RunLoop& loop_;
+  std::vector<DriveState<double>> states_;
+  SupervisorState state_ = SupervisorState::disarmed;
+  bool has_looked_ = false;
+};
+
+std::vector<double> standing_positions(const RigFile& rig, const RigReference& reference,
+                                       std::map<std::string, double> said) {
+  std::vector<double> positions;
+  for (std::size_t a = 0; a < rig.axes.size(); ++a) {
+    const RigAxis& axis = rig.axes[a];
+    positions.push_back(reference.position(a).value_or(std::clamp(0.0, axis.min, axis.max)));
+    if (const auto found = said.extract(axis.name)) positions.back() = found.mapped();
+  }
+  if (!said.empty()) static_cast<void>(axis_named(rig, said.begin()->first));
+  return positions;
+}
+
+// Lines are whatever the loop was made for: a signal alone, or what is wired to chips.
+template <class Lines>
+std::unique_ptr<Lines> simulated_lines(const RigFile& rig, const std::vector<double>& positions,
+                                       const RigDrives& drives) {
+  if constexpr (requires { Lines::simulated(rig, positions); }) {
+    std::unique_ptr<Lines> lines = Lines::simulated(rig, positions);
+    lines->follow(drives);
+    return lines;
+  } else {
+    return std::make_unique<Lines>();
+  }
+}
+
+template <class Lines>
+std::unique_ptr<Lines> lines_on_chips(const RigFile& rig) {
+  if constexpr (requires { Lines::on_chips(rig); }) {
+    return Lines::on_chips(rig);
+  } else {
+    return std::make_unique<Lines>();
+  }
+}
+
+template <class Lines>
+std::string trouble_of(const Lines& lines) {
+  if constexpr (requires { lines.trouble(); }) {
+    return lines.trouble();
+  } else {
+    return lines.emergency_stop() ? "the emergency stop is pressed; remove the cause, release it" : "";
+  }
+}
+
+}  // namespace
+
+std::size_t axis_named(const RigFile& rig, const std::string& name) {
+  for (std::size_t a = 0; a < rig.axes.size(); ++a) {
+    if (rig.axes[a].name == name) return a;
+  }
+  std::vector<std::string> names;
+  for (const RigAxis& axis : rig.axes) names.push_back(axis.name);
+  throw InputError({rig.path, 0, 0},
+                   fmt::format("the rig {} has no axis {}; name one of {}", in_quotes(rig.name),
+                               in_quotes(name), comma_separated(names)));
+}
+
+RigSession::RigSession(const RigFile& rig, RigReference& reference, const SessionOptions& options)
+    : rig_(rig), reference_(reference), audience_(options.audience), trace_(rig.axes.size()) {
+  if (options.simulated) {
+    const std::vector<double> standing = standing_positions(rig, reference, options.standing);
+    drives_ = RigDrives::simulated(rig, standing);
+    lines_ = simulated_lines<RigLines>(rig, standing, *drives_);
+  } else {
+    drives_ = RigDrives::on_rig(rig, !options.allow_jitter);
+    lines_ = lines_on_chips<RigLines>(rig);
+  }
+  reference.place(*drives_);
+  room_ = std::make_unique<LoopRoom>(rig.axes.size(), rig.axes.size());
+  loop_.emplace(*drives_, *lines_, room_->memory());
+  if (options.fast) {
+    fast_.emplace(*loop_, rig.rate_hz, audience_, trace_);
+    return;
+  }
+  Lateness lateness = Lateness::time_stands_still;
+  std::optional<RealTimeWishes> wishes;
+  if (!options.simulated) {
+    lateness = drives_->has_steps() ? Lateness::falls_behind : Lateness::catches_up;
+    wishes = RealTimeWishes{};
+  }
+  timed_.emplace(*loop_, rig.rate_hz, audience_, trace_, lateness, wishes);
+  if (!options.allow_jitter) refuse_unfit_machine();
+}
+
+RigSession::~RigSession() {
+  if (is_armed_) disarm();
+}
+
+void RigSession::refuse_unfit_machine() const {
+  for (const RealTimeRight& right : timed_->rights()) {
+    if (!right.refusal || !right.is_needed) continue;
+    throw InputError({rig_.path, 0, 0}, fmt::format("{}; {}, or move slowly with --allow-jitter",
+                                                    right.refusal->what, right.refusal->remedy));
+  }
+}
+
+ActEnd RigSession::perform(const LoopAct& act, std::optional<std::int64_t> last) {
+  return fast_ ? fast_->run(act, last) : timed_->run(act, last);
+}
+
+bool RigSession::arm() {
+  is_armed_ = true;
+  Arming arming(*loop_);
+  perform(act_of(arming, true));
+  positions_ = arming.positions();
+  return loop_->state() == SupervisorState::ready;
+}
+
+void RigSession::rest() {
+  Arriving arriving(*loop_, rig_.rate_hz);
+  perform(act_of(arriving, true));
+  Looking looking(*loop_);
+  perform(act_of(looking, true));
+  for (std::size_t a = 0; a < positions_.size(); ++a) positions_[a] = looking.states()[a].actual;
+  reference_.at_rest(*drives_, looking.states(), looking.has_ceased());
+}
+
+void RigSession::keep(const std::vector<DriveState<double>>& states) {
+  reference_.at_rest(*drives_, states, false);
+}
+
+void RigSession::disarm() {
+  is_armed_ = false;
+  Disarming disarming(*loop_, rig_.rate_hz);
+  perform(act_of(disarming, true));
+}
+
+std::string RigSession::trouble() const {
+  const std::string trouble = trouble_of(*lines_);
+  return trouble.empty() ? drives_->trouble() : trouble;
+}
+
+std::int64_t RigSession::delay_ns() const {
+  // What is written on a tick is reached at the next; steps begin a tick later.
+  constexpr std::int64_t ns_per_s = 1'000'000'000;
+  return ns_per_s / rig_.rate_hz * (drives_->has_steps() ? 2 : 1);
+}
+
+std::string reason_of(const RigSession& session, const std::string& otherwise) {
+  const std::string trouble = session.trouble();
+  return trouble.empty() ? otherwise : trouble;
+}
+
+void refuse_changed_rig(const RigFile& rig, const LoopAudience& audience) {
+  if (!audience.rig_has_changed || !audience.rig_has_changed()) return;
+  throw InputError({rig.path, 0, 0},
+                   "the file was changed since it was read, and nothing is begun; do it again");
+}
+
+}  // namespace inbetween

@@ -1,0 +1,98 @@
+// A rig that is set up: switched on, moved without a drawn move, switched off.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host_tools/loop_room.hpp"
+#include "host_tools/loop_runner.hpp"
+#include "host_tools/rig_reference.hpp"
+#include "host_tools/run_loop.hpp"
+
+namespace inbetween {
+
+struct SessionOptions {
+  bool simulated = false;
+  /// Simulated: on a virtual clock, as fast as it can be computed.
+  bool fast = false;
+  /// A real rig: without the rights of a real-time program.
+  bool allow_jitter = false;
+  /// Where simulated axes really stand, by name. The others stand where the reference knows them, or else as
+  /// near to 0 as their limits allow.
+  std::map<std::string, double> standing = {};
+  LoopAudience audience = {};
+};
+
+/// The index of an axis of the rig. Throws InputError where there is none of that name.
+std::size_t axis_named(const RigFile& rig, const std::string& name);
+
+/// The motion loop of a rig with all that is under it. Refers to the rig and the reference.
+///
+/// The order is: arm, about_to_move of the reference, perform, rest; as often as wanted; disarm. Whatever
+/// happens the drives are switched off at the end.
+class RigSession {
+ public:
+  /// Opens the drives and the lines. Throws InputError where something is not there, or the machine is not
+  /// fit to run in real time.
+  RigSession(const RigFile& rig, RigReference& reference, const SessionOptions& options);
+  ~RigSession();
+  RigSession(const RigSession&) = delete;
+  RigSession& operator=(const RigSession&) = delete;
+
+  /// Whether the drives are on; otherwise trouble() says why they are not.
+  bool arm();
+  /// Where every axis stands as its drive tells, after arm() and after rest().
+  [[nodiscard]] const std::vector<double>& positions() const { return positions_; }
+  /// Until it is over.
+  ActEnd perform(const LoopAct& act, std::optional<std::int64_t> last = std::nullopt);
+  /// Waits until the axes stand still, and tells the reference where.
+  void rest();
+  /// The same, of what the drives have told in the tick in which everything rested.
+  void keep(const std::vector<DriveState<double>>& states);
+  void disarm();
+
+  /// What is wrong and what to do; "" for nothing.
+  [[nodiscard]] std::string trouble() const;
+  [[nodiscard]] RunLoop& loop() { return *loop_; }
+  [[nodiscard]] RigLines& lines() { return *lines_; }
+  [[nodiscard]] double tick_seconds() const { return 1.0 / rig_.rate_hz; }
+  [[nodiscard]] const RigFile& rig() const { return rig_; }
+  /// The setpoints of a tick are reached so much later.
+  [[nodiscard]] std::int64_t delay_ns() const;
+
+ private:
+  void refuse_unfit_machine() const;
+
+  const RigFile& rig_;
+  RigReference& reference_;
+  LoopAudience audience_;
+  std::unique_ptr<RigDrives> drives_;
+  std::unique_ptr<RigLines> lines_;
+  std::unique_ptr<LoopRoom> room_;
+  std::optional<RunLoop> loop_;
+  LoopTrace trace_;
+  // One of them, destroyed first.
+  std::optional<FastRunner> fast_;
+  std::optional<TimedRunner> timed_;
+  std::vector<double> positions_;
+  bool is_armed_ = false;
+};
+
+/// How the use of a rig ended.
+struct SetupEnd {
+  bool is_done = false;
+  std::string reason = {};             ///< in words; also of what is done
+  std::vector<double> positions = {};  ///< where every axis of the rig rests, as far as its drive tells
+};
+
+/// Why the session did not do what it was to: what is wrong with the rig, or else `otherwise`.
+std::string reason_of(const RigSession& session, const std::string& otherwise);
+
+/// Nothing is begun with a rig that is not what was read.
+void refuse_changed_rig(const RigFile& rig, const LoopAudience& audience);
+
+}  // namespace inbetween
