@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "host_tools/free_axes.hpp"
 #include "host_tools/loop_room.hpp"
 #include "host_tools/plan.hpp"
 #include "host_tools/planned_stops.hpp"
@@ -338,6 +339,117 @@ TEST(MotionLoop, DisarmingStopsFirst) {
   EXPECT_EQ(crane.loop.state(), SupervisorState::latched);
   EXPECT_TRUE(crane.loop.post(SupervisorEvent::disarm));
   EXPECT_EQ(crane.loop.state(), SupervisorState::disarmed);
+}
+
+// --- without a move
+
+/// The crane's pan and track as free axes, from where they stand; they begin at `from`.
+struct FreeCrane : Crane {
+  FreeAxes axes;
+
+  explicit FreeCrane(const std::vector<double>& from = {10, 100}) : axes(axes_at(from)) {
+    EXPECT_TRUE(loop.load(FreeSpec<double>{.source = source_of<double>(axes),
+                                           .drive_of = drive_of,
+                                           .limits = plan.limits(),
+                                           .tick_seconds = tick_s}));
+  }
+  static std::vector<FreeAxis<double>> axes_at(const std::vector<double>& from) {
+    const RigFile rig = parse_rig(crane_rig, "rig.toml");
+    return {*FreeAxis<double>::make(free_limits_of(rig.axes[2], 0.5), from[0], tick_s),
+            *FreeAxis<double>::make(free_limits_of(rig.axes[0], 0.5), from[1], tick_s)};
+  }
+  void begin() {
+    arm();
+    ASSERT_TRUE(axes.axes()[0].go_to(40));
+    ASSERT_TRUE(axes.axes()[1].go_to(300));
+    ASSERT_TRUE(loop.begin());
+  }
+};
+
+TEST(MotionLoop, PlaysWhatIsNotOnATimeLineUntilItRests) {
+  FreeCrane crane;
+  crane.begin();
+  FreeAxis<double> pan = FreeCrane::axes_at({10, 100})[0];
+  ASSERT_TRUE(pan.go_to(40));
+  crane.tick(1);
+  EXPECT_FALSE(crane.loop.finish()) << "it moves";
+  for (int tick = 1; !crane.axes.is_resting(); ++tick) {
+    ASSERT_EQ(crane.at()[2], pan.tick().position) << tick;
+    ASSERT_EQ(crane.at()[1], 0.25) << "the lamp holds its place";
+    ASSERT_EQ(crane.loop.state(), SupervisorState::running);
+    crane.tick(1);
+  }
+  EXPECT_THAT(crane.at(), ElementsAre(300, 0.25, 40));
+  EXPECT_EQ(crane.loop.state(), SupervisorState::running) << "whoever began it says when it is over";
+  ASSERT_TRUE(crane.loop.finish());
+  EXPECT_EQ(crane.loop.state(), SupervisorState::ready);
+  crane.tick(3);
+  EXPECT_THAT(crane.at(), ElementsAre(300, 0.25, 40));
+}
+
+TEST(MotionLoop, WithoutAMoveThereIsNoneToStart) {
+  FreeCrane crane;
+  EXPECT_FALSE(crane.loop.begin()) << "not armed";
+  crane.arm();
+  const Status refused = crane.loop.start(Direction::forward);
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().what, HasSubstr("no move"));
+  ASSERT_TRUE(crane.loop.begin());
+  EXPECT_FALSE(crane.loop.load(FreeSpec<double>{.source = source_of<double>(crane.axes),
+                                                .drive_of = crane.drive_of,
+                                                .limits = crane.plan.limits(),
+                                                .tick_seconds = tick_s}))
+      << "it runs";
+}
+
+TEST(MotionLoop, AStopSlowsEveryFreeAxisAndLatches) {
+  FreeCrane crane;
+  crane.begin();
+  crane.tick(100);
+  ASSERT_TRUE(crane.loop.post(SupervisorEvent::stop));
+  crane.run_until_rest();
+  EXPECT_EQ(crane.loop.state(), SupervisorState::latched);
+  EXPECT_TRUE(crane.axes.is_resting());
+  EXPECT_LT(crane.at()[0], 300);
+  const std::vector<double> there = crane.at();
+  crane.tick(10);
+  EXPECT_EQ(crane.at(), there);
+}
+
+// faults.md 36: what has no time line has no lost time either.
+TEST(MotionLoop, ALateTickIsOneTickOfAFreeAxis) {
+  FreeCrane crane;
+  FreeCrane punctual;
+  crane.begin();
+  punctual.begin();
+  crane.tick(50);
+  crane.tick(1, 20);
+  punctual.tick(51);
+  EXPECT_EQ(crane.at(), punctual.at());
+  EXPECT_EQ(crane.loop.state(), SupervisorState::running);
+}
+
+// faults.md 27
+TEST(MotionLoop, FreeAxesThatBelieveToBeElsewhereMoveNothing) {
+  FreeCrane crane({12, 100});
+  crane.begin();
+  const LoopTick tick = crane.loop.tick(1, 0);
+  EXPECT_TRUE(tick.lost_time);
+  crane.run_until_rest();
+  EXPECT_EQ(crane.loop.state(), SupervisorState::latched);
+  EXPECT_THAT(crane.at(), ElementsAre(100, 0.25, 10));
+}
+
+// faults.md 28
+TEST(MotionLoop, WithoutPowerFreeAxesRestWhereTheyWereAtOnce) {
+  FreeCrane crane;
+  crane.begin();
+  crane.tick(100);
+  crane.rig.disconnect();
+  crane.tick(2);
+  EXPECT_EQ(crane.loop.state(), SupervisorState::faulted);
+  EXPECT_TRUE(crane.axes.is_resting());
+  EXPECT_FALSE(crane.loop.sends_setpoints());
 }
 
 }  // namespace
