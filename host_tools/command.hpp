@@ -32,6 +32,7 @@ void add_plan_command(CLI::App& program, Command& chosen);
 void add_check_command(CLI::App& program, Command& chosen);
 void add_run_command(CLI::App& program, Command& chosen);
 void add_goto_command(CLI::App& program, Command& chosen);
+void add_home_command(CLI::App& program, Command& chosen);
 void add_sim_drives_command(CLI::App& program, Command& chosen);
 void add_budget_command(CLI::App& program, Command& chosen);
 

@@ -1,0 +1,43 @@
+#include "host_tools/rig_homing.hpp"
+
+#include <fmt/format.h>
+
+#include "host_tools/free_axes.hpp"
+
+namespace inbetween {
+namespace {
+
+constexpr double backs_to_leave = 4;
+
+template <class T>
+T granted(const Result<T>& result, const RigAxis& axis) {
+  if (result) return *result;
+  throw InputError(axis.home->place, fmt::format("axis {} cannot home: {}; {}", in_quotes(axis.name),
+                                                 result.error().what, result.error().remedy));
+}
+
+}  // namespace
+
+HomingSpec<double> homing_spec_of(const RigAxis& axis, const SwitchSettings& home) {
+  const Home& of = *axis.home;
+  const FreeAxisLimits<double> limits = free_limits_of(axis, 1);
+  const double overrun = of.fast * (of.fast / limits.acceleration + limits.acceleration / limits.jerk);
+  return {.towards_max = of.direction > 0,
+          .at = of.at,
+          .fast = of.fast,
+          .slow = of.slow,
+          .search = of.search,
+          .leave = overrun + backs_to_leave * of.back_off,
+          .back_off = of.back_off,
+          .home = home};
+}
+
+FreeAxis<double> homing_axis_of(const RigAxis& axis, double position, double tick_seconds) {
+  return granted(FreeAxis<double>::make(free_limits_of(axis, 1), position, tick_seconds), axis);
+}
+
+AxisHoming<double> axis_homing_of(const RigAxis& axis, const SwitchSettings& home, FreeAxis<double>& free) {
+  return granted(AxisHoming<double>::make(homing_spec_of(axis, home), free), axis);
+}
+
+}  // namespace inbetween

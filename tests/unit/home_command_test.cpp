@@ -1,0 +1,316 @@
+// inbetween home: axes of a rig find their switches together, or say why not.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <csignal>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host_tools/free_play.hpp"
+#include "host_tools/home.hpp"
+#include "host_tools/loop_preparations.hpp"
+#include "host_tools/loop_room.hpp"
+#include "host_tools/loop_runner.hpp"
+#include "host_tools/move_rolls.hpp"
+#include "host_tools/rig_homing.hpp"
+#include "sim/simulated_switch.hpp"
+#include "tests/support/run_program.hpp"
+#include "tests/support/temporary_file.hpp"
+
+namespace inbetween {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+const std::string slider = R"(name = "slider"
+rate_hz = 250
+[[axis]]
+name = "slide"
+unit = "mm"
+min = 0
+max = 800
+max_velocity = 120
+max_acceleration = 250
+max_jerk = 1500
+drive = { type = "step-dir", chip = "gpio", step = 17, dir = 27, steps_per_unit = 80 }
+home = { chip = "gpio", line = 23, active = "high", direction = "negative", fast = 40, slow = 4, back_off = 10, at = -5 }
+[[axis]]
+name = "focus"
+unit = "deg"
+min = 0
+max = 270
+max_velocity = 120
+max_acceleration = 480
+reference = "operator"
+drive = { type = "step-dir", chip = "gpio", step = 5, dir = 6, steps_per_unit = 10 }
+[[axis]]
+name = "pan"
+unit = "deg"
+min = -90
+max = 90
+max_velocity = 45
+max_acceleration = 90
+drive = { type = "step-dir", chip = "gpio", step = 19, dir = 26, steps_per_unit = 100 }
+home = { chip = "gpio", line = 25, active = "high", direction = "positive", fast = 15, slow = 1.5, back_off = 4, at = 92 }
+)";
+
+constexpr std::int64_t tick_ns = 4'000'000;
+constexpr double tick_s = 0.004;
+
+/// Home switches of slide and pan (HomeLines), on shafts that are somewhere else than the axes believe.
+struct Switches {
+  std::vector<SimulatedSwitch> of;
+  std::vector<LineEvent> now, coming;
+  std::vector<HomingInput> inputs = std::vector<HomingInput>(3);
+
+  static std::size_t number(std::size_t axis) { return axis == 0 ? 0 : 1; }
+  [[nodiscard]] HomingInput homing_input(std::size_t axis) const {
+    HomingInput input = inputs[axis];
+    input.level = of[number(axis)].level();
+    return input;
+  }
+  [[nodiscard]] std::span<const LineEvent> events() const { return now; }
+  [[nodiscard]] static SwitchSettings home_switch(std::size_t axis) {
+    return {.line = static_cast<std::uint8_t>(number(axis))};
+  }
+};
+static_assert(HomeLines<Switches>);
+
+/// A slider that takes itself to be at 0 everywhere, and homes slide and pan.
+struct Bench {
+  RigFile rig = parse_rig(slider, "rig.toml");
+  std::vector<double> truly;  ///< slide and pan, at the beginning
+  Switches switches;
+  std::unique_ptr<RigDrives> drives = RigDrives::simulated(rig, {0, 0, 0});
+  RigLines lines;
+  LoopRoom room{3, 3};
+  RunLoop loop{*drives, lines, room.memory()};
+  LoopTrace trace{3};
+  LoopAudience audience;
+  std::vector<std::size_t> axes{0, 2};
+  std::vector<double> positions{0, 0, 0};
+  std::vector<AxisLimits<double>> limits{limits_of(rig.axes[0]), limits_of(rig.axes[2])};
+  std::optional<RigHoming<Switches>> homing;
+  std::vector<Setpoint<double>> was = std::vector<Setpoint<double>>(2);
+  std::vector<double> fastest{0, 0};
+  int ticks = 0;
+  std::function<void(int)> look = [](int) {};
+
+  Bench(double slide, double pan) : truly{slide, pan} {
+    for (std::size_t i = 0; i < 2; ++i) {
+      const Home& home = *rig.axes[axes[i]].home;
+      switches.of.emplace_back(SimulatedSwitch::Settings{.line = static_cast<std::uint8_t>(i),
+                                                         .is_above = home.direction > 0,
+                                                         .closes = home.at,
+                                                         .hysteresis = 0.5,
+                                                         .bounce_s = 0.001,
+                                                         .most_bounces = 4},
+                               truly[i], 7 + static_cast<std::uint32_t>(i));
+    }
+    homing.emplace(rig, axes, switches,
+                   RigHoming<Switches>::Setting{.positions = positions,
+                                                .drives = loop.drive_states(),
+                                                .tick_seconds = tick_s,
+                                                .delay_ns = tick_ns});
+    audience.keys = [] { return std::string(); };
+  }
+
+  // A FreeSource: the homing, and the shafts, which follow within a tick.
+  void tick(std::int64_t now_ns, std::span<Setpoint<double>> out) {
+    look(++ticks);
+    switches.now = std::exchange(switches.coming, {});
+    std::ranges::sort(switches.now, {}, &LineEvent::at_ns);
+    homing->tick(now_ns, out);
+    for (std::size_t i = 0; i < 2; ++i) {
+      switches.of[i].move(now_ns, there(i, was[i]), now_ns + tick_ns, there(i, out[i]), switches.coming);
+      fastest[i] = std::max(fastest[i], std::fabs(out[i].velocity));
+      was[i] = out[i];
+    }
+  }
+  void stop() { homing->stop(); }
+  void halt() { homing->halt(); }
+  [[nodiscard]] bool is_resting() const { return homing->is_resting(); }
+
+  [[nodiscard]] Setpoint<double> there(std::size_t i, Setpoint<double> setpoint) const {
+    setpoint.position += truly[i];
+    return setpoint;
+  }
+  /// By how much axis `i` of both is wrong about where it is.
+  [[nodiscard]] double error(std::size_t i) const {
+    return std::fabs(was[i].position + homing->shift(i) - there(i, was[i]).position);
+  }
+  bool run() {
+    FastRunner runner(loop, 250, audience, trace);
+    Arming arming(loop);
+    runner.run(act_of(arming, true), std::nullopt);
+    FreePlay play(
+        loop,
+        {.source = source_of<double>(*this), .drive_of = axes, .limits = limits, .tick_seconds = tick_s});
+    const ActEnd end = runner.run(act_of(play), std::nullopt);
+    EXPECT_TRUE(end.begun);
+    return end.begun && play.is_done() && homing->is_done();
+  }
+};
+
+TEST(RigHoming, AxesThatBelieveToBeElsewhereHomeTogether) {
+  Bench bench(310, -40);
+  ASSERT_TRUE(bench.run()) << bench.homing->reason();
+  EXPECT_LT(bench.error(0), 1.0 / 80) << "within a count";
+  EXPECT_LT(bench.error(1), 1.0 / 100);
+  EXPECT_EQ(bench.homing->reason(), "");
+  EXPECT_LE(bench.fastest[0], 40.001);
+  EXPECT_LE(bench.fastest[1], 15.001);
+}
+
+TEST(RigHoming, AnAxisThatStandsOnItsSwitchLeavesItFirst) {
+  Bench bench(-8, 93);
+  ASSERT_TRUE(bench.run()) << bench.homing->reason();
+  EXPECT_LT(bench.error(0), 1.0 / 80);
+  EXPECT_LT(bench.error(1), 1.0 / 100);
+}
+
+// faults.md 33
+TEST(RigHoming, ASwitchThatIsStuckEndsItAndTheAxisStaysNearIt) {
+  Bench bench(-8, 60);
+  bench.switches.of[0].set_fault(SimulatedSwitch::Fault::stuck);
+  EXPECT_FALSE(bench.run());
+  EXPECT_THAT(bench.homing->reason(), HasSubstr("axis \"slide\": "));
+  EXPECT_LT(bench.was[0].position, 60) << "it does not go through the rig";
+}
+
+TEST(RigHoming, ASwitchThatIsNotThereEndsItAndTheOtherAxisStopsToo) {
+  Bench bench(20, -60);
+  bench.switches.of[0].set_fault(SimulatedSwitch::Fault::open);
+  EXPECT_FALSE(bench.run());
+  EXPECT_THAT(bench.homing->reason(),
+              AllOf(HasSubstr("axis \"slide\": "), HasSubstr(words_of(HomingFailure::never_reached)),
+                    HasSubstr(remedy_of(HomingFailure::never_reached))));
+}
+
+TEST(RigHoming, ALimitSwitchOnTheWayEndsItByName) {
+  Bench bench(300, -60);
+  bench.look = [&](int tick) { bench.switches.inputs[2].limit_hit = tick > 200; };
+  EXPECT_FALSE(bench.run());
+  EXPECT_THAT(bench.homing->reason(),
+              AllOf(HasSubstr("axis \"pan\": "), HasSubstr(words_of(HomingFailure::limit_hit))));
+}
+
+// The loop reads its lines first and stops for them; the homing still says which it was.
+TEST(RigHoming, AStopByTheLoopForALimitSwitchNamesTheAxis) {
+  Bench bench(300, -60);
+  bench.look = [&](int tick) {
+    if (tick != 200) return;
+    bench.switches.inputs[2].limit_hit = true;
+    bench.loop.post(SupervisorEvent::stop);
+  };
+  EXPECT_FALSE(bench.run());
+  EXPECT_THAT(bench.homing->reason(),
+              AllOf(HasSubstr("axis \"pan\": "), HasSubstr(words_of(HomingFailure::limit_hit))));
+}
+
+TEST(RigHoming, WhoStandsOnALimitSwitchDoesNotBegin) {
+  Bench bench(300, -60);
+  bench.switches.inputs[0].limit_hit = true;
+  EXPECT_FALSE(bench.run());
+  EXPECT_THAT(bench.homing->reason(), AllOf(HasSubstr("axis \"slide\": "), HasSubstr("limit switch")));
+  EXPECT_EQ(bench.was[0].position, 0);
+  EXPECT_EQ(bench.was[1].position, 0);
+}
+
+TEST(RigHoming, TheOperatorStopsIt) {
+  Bench bench(300, -60);
+  int keys = 0;
+  bench.audience.keys = [&] { return ++keys == 100 ? std::string("\x1b") : std::string(); };
+  EXPECT_FALSE(bench.run());
+  EXPECT_EQ(bench.homing->reason(), "") << "no axis was the reason";
+  EXPECT_LT(keys, 200);
+}
+
+TEST(RigHoming, AnEmergencyStopEndsIt) {
+  Bench bench(300, -60);
+  bench.look = [](int tick) {
+    if (tick == 100) std::raise(SIGUSR1);
+  };
+  EXPECT_FALSE(bench.run());
+  EXPECT_LT(bench.ticks, 105);
+}
+
+// --- the command
+
+struct Stage {
+  TemporaryFile rig{"slider.toml", slider};
+  TemporaryFolder folder;
+  std::string path = rig.path().string();
+  std::string positions = (folder.path() / "slider.positions").string();
+
+  [[nodiscard]] ProgramRun home(std::vector<std::string> arguments) const {
+    arguments.insert(arguments.begin(), {"home", "--rig", path});
+    return run_program(arguments);
+  }
+};
+
+void expect_refused(const ProgramRun& run, int status, const std::vector<std::string>& words) {
+  EXPECT_EQ(run.status, status) << run.err;
+  EXPECT_EQ(run.out, "");
+  EXPECT_EQ(std::ranges::count(run.err, '\n'), 1) << run.err;
+  for (const std::string& word : words) EXPECT_THAT(run.err, HasSubstr(word));
+}
+
+TEST(HomeCommand, BadInputIsOneLine) {
+  const Stage stage;
+  expect_refused(stage.home({"roll", "--sim", "--fast"}), 1, {"no axis \"roll\"", "slide, focus, pan"});
+  expect_refused(stage.home({"focus", "--sim", "--fast"}), 1,
+                 {"slider.toml:13:1: error: axis \"focus\" has no home switch", "goto --set-zero"});
+  const std::string text = slider;
+  const std::size_t home = text.find("home = "), end = text.find('\n', home);
+  const std::size_t second = text.find("home = ", end);
+  const TemporaryFile none("none.toml", text.substr(0, home) + text.substr(end + 1, second - end - 1));
+  expect_refused(run_program({"home", "--rig", none.path().string(), "--sim", "--fast"}), 1,
+                 {"no axis of the rig has a home switch"});
+}
+
+TEST(HomeCommand, WrongUsageIsOneLineWithStatus2) {
+  const Stage stage;
+  expect_refused(stage.home({"--fast"}), 2, {"add --sim", "home --help"});
+  expect_refused(stage.home({"--from", "slide=1"}), 2, {"add --sim"});
+  expect_refused(stage.home({"--sim", "--allow-jitter"}), 2, {"leave out --sim"});
+  expect_refused(run_program({"home"}), 2, {"--rig is required"});
+}
+
+TEST(HomeCommand, ItsHelpTeachesIt) {
+  const ProgramRun run = run_program({"home", "--help"});
+  EXPECT_EQ(run.status, 0);
+  for (const char* word :
+       {"AXIS", "--rig ", "--sim", "--fast", "--from ", "--positions ", "Examples:", "Exit status:"}) {
+    EXPECT_THAT(run.out, HasSubstr(word));
+  }
+}
+
+// With the switches of the simulated rig.
+TEST(HomeCommand, HomesASimulatedRigAndKeepsWhereItStands) {
+  if constexpr (!HomeLines<RigLines>) {
+    GTEST_SKIP() << "the lines of a rig have no switches";
+  } else {
+    const Stage stage;
+    const ProgramRun run = stage.home(
+        {"--sim", "--fast", "--positions", stage.positions, "--from", "slide=300", "--from", "pan=-20"});
+    EXPECT_EQ(run.status, 0) << run.out << run.err;
+    EXPECT_THAT(run.out, HasSubstr("the axes are home"));
+    const RigFile rig = parse_rig(slider, "rig.toml");
+    const RigReference kept(rig, stage.positions);
+    ASSERT_TRUE(kept.position(0) && kept.position(2));
+    EXPECT_NEAR(*kept.position(0), -5, 3) << "it rests a little behind the edge";
+    EXPECT_NEAR(*kept.position(2), 92, 3);
+    EXPECT_FALSE(kept.is_referenced(1)) << "it has no switch";
+  }
+}
+
+}  // namespace
+}  // namespace inbetween
