@@ -416,6 +416,17 @@ TEST(MotionLoop, AStopSlowsEveryFreeAxisAndLatches) {
   EXPECT_EQ(crane.at(), there);
 }
 
+TEST(MotionLoop, ALimitSwitchStopsFreeAxes) {
+  FreeCrane crane;
+  crane.begin();
+  crane.tick(100);
+  crane.lines.is_at_limit = true;
+  crane.tick(1);
+  EXPECT_EQ(crane.loop.state(), SupervisorState::stopping);
+  crane.run_until_rest();
+  EXPECT_EQ(crane.loop.state(), SupervisorState::latched);
+}
+
 // faults.md 36: what has no time line has no lost time either.
 TEST(MotionLoop, ALateTickIsOneTickOfAFreeAxis) {
   FreeCrane crane;
