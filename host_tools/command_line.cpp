@@ -31,6 +31,7 @@ int run_command_line(int argc, const char* const* argv) {
   add_run_command(app, chosen);
   add_goto_command(app, chosen);
   add_home_command(app, chosen);
+  add_jog_command(app, chosen);
   add_sim_drives_command(app, chosen);
   add_budget_command(app, chosen);
   const auto wrong_usage = [&](const std::string& what) {

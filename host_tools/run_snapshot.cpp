@@ -37,9 +37,17 @@ std::string line_of_shoot(const RunSnapshot& snapshot, const ShootSnapshot& shoo
                      *snapshot.words != 0 ? snapshot.words : hint);
 }
 
+std::string line_of_jog(const RunSnapshot& snapshot, const JogSnapshot& jog) {
+  const char* hint = "hold left or right, up and down choose the axis, q leaves";
+  if (snapshot.state != SupervisorState::running) hint = hint_at_rest(snapshot.state);
+  return fmt::format("{}  {:.3f} {}  {:+.2f}/s{} | {}", jog.axis, jog.position, jog.unit, jog.velocity,
+                     jog.is_referenced ? "" : "  UNREFERENCED", *snapshot.words != 0 ? snapshot.words : hint);
+}
+
 }  // namespace
 
 std::string status_line(const RunSnapshot& snapshot) {
+  if (snapshot.jog) return line_of_jog(snapshot, *snapshot.jog);
   if (snapshot.shoot) return line_of_shoot(snapshot, *snapshot.shoot);
   const bool runs = snapshot.state == SupervisorState::running;
   const bool is_paused = runs && snapshot.is_resting;

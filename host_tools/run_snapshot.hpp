@@ -19,6 +19,15 @@ struct ShootSnapshot {
   bool camera = false;
 };
 
+/// Of an axis that is moved by hand. The words live longer than this.
+struct JogSnapshot {
+  const char* axis = "";
+  const char* unit = "";
+  double position = 0;
+  double velocity = 0;
+  bool is_referenced = true;
+};
+
 /// Plain data, made in the loop without allocation. The words are literals.
 struct RunSnapshot {
   SupervisorState state = SupervisorState::disarmed;
@@ -30,9 +39,11 @@ struct RunSnapshot {
   double share = 0;        ///< of the time line, or of the frames, 0..1
   const char* words = "";  ///< about the last key
   std::optional<ShootSnapshot> shoot = {};
+  std::optional<JogSnapshot> jog = {};
 };
 
-/// One line: state, frame, rate, and what to press next or why the last key did nothing.
+/// One line: state, frame, rate, or axis and position, and what to press next or why the last key did
+/// nothing.
 std::string status_line(const RunSnapshot& snapshot);
 
 }  // namespace inbetween

@@ -33,6 +33,8 @@ void TransportKeys::feed(std::string_view bytes) {
   while (!bytes.empty()) {
     const bool is_sequence = bytes.size() >= 3 && bytes[0] == escape && (bytes[1] == '[' || bytes[1] == 'O');
     if (is_sequence) {
+      if (bytes[2] == 'A') keys_.push_back(TransportKey::previous_axis);
+      if (bytes[2] == 'B') keys_.push_back(TransportKey::next_axis);
       if (bytes[2] == 'C') keys_.push_back(TransportKey::step_forward);
       if (bytes[2] == 'D') keys_.push_back(TransportKey::step_backward);
       bytes.remove_prefix(3);

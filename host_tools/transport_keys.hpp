@@ -11,6 +11,8 @@ enum class TransportKey {
   pause,          ///< space: rest on the path, or go on
   step_forward,   ///< right arrow: to the next frame
   step_backward,  ///< left arrow
+  previous_axis,  ///< up arrow: where axes are moved one by one
+  next_axis,      ///< down arrow
   reverse,        ///< r: the other way
   faster,         ///< +: the override rate up
   slower,         ///< -
