@@ -10,6 +10,8 @@ namespace {
 
 /// A tick of a second is halved to less than a nanosecond by 30.
 constexpr int halvings = 40;
+/// An end that is reached with the tick, but for rounding.
+constexpr double share_rounding = 1e-3;
 
 Error wrong_pulse(std::size_t pulse, const char* what, const char* remedy) {
   return {.code = ErrorCode::out_of_range,
@@ -192,7 +194,7 @@ void CueTimer<Real>::go_through(const CueTick<Real>& tick, Output& out) {
   way.c1 = begin_rate;
   way.c2 = begin_change / 2;
   const bool rests_at_end = tick.repeated == Repeat::none && to == end && end_rate == 0 && end_change == 0;
-  way.is_cut = rests_at_end && way.cut_share(way.frames) <= 1;
+  way.is_cut = rests_at_end && way.cut_share(way.frames) <= 1 + Real(share_rounding);
   // What is missing of place, rate and rate change at the end of the tick.
   const Real place = way.frames - way.c1 - way.c2;
   const Real rate = end_rate - way.c1 - 2 * way.c2;

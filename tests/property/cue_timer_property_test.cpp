@@ -96,7 +96,9 @@ double share() {
 
 FrameTime<double> frame_time(long double place) {
   const long double whole = std::floor(place);
-  return {static_cast<std::int32_t>(whole), static_cast<double>(place - whole)};
+  const auto fraction = static_cast<double>(place - whole);
+  if (fraction >= 1) return {static_cast<std::int32_t>(whole) + 1, 0};  // it is rounded up
+  return {static_cast<std::int32_t>(whole), fraction};
 }
 
 std::vector<TimedPulse<double>> random_pulses() {
@@ -150,7 +152,6 @@ class Play {
     for (std::size_t i = 0; i < begun_.size(); ++i) {
       const ExpectedPulse& expected = oracle_.expected[i];
       const auto off_ns = std::fabs(static_cast<double>(expected.at_ns - begun_[i].at_ns));
-      // A crossing at a rate of next to nothing has no time to a microsecond: the place is a double.
       RC_ASSERT(off_ns < microsecond_ns);
       RC_ASSERT(pulses_[begun_[i].pulse].at == pulses_[expected.pulse].at);
       const TimedPulse<double>& pulse = pulses_[begun_[i].pulse];
