@@ -194,8 +194,11 @@ class Play {
   }
 
   void move(std::int64_t length_ns) {
-    // From an end there is nothing to play beyond it.
-    if (repeat_ == Repeat::none && place_ == (mode_ > 0 ? last_frame : 0)) mode_ = 0;
+    // From an end there is nothing to play beyond it; and no tick is as long as half of the time line.
+    if (place_ == (mode_ > 0 ? last_frame : 0)) {
+      const long double way = static_cast<long double>(length_ns) * 1e-9L * speed_ * fps_.numerator;
+      if (repeat_ == Repeat::none || way > last_frame / 4) mode_ = 0;
+    }
     const long double tick_s = static_cast<long double>(length_ns) * 1e-9L;
     const long double frames_per_s = static_cast<long double>(fps_.frames_per_second()) * speed_;
     Motion motion{place_, mode_ * frames_per_s, 0, 0};
