@@ -1,0 +1,198 @@
+#include "host_tools/rig_cues.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "drivers/linux/monotonic_clock.hpp"
+
+namespace inbetween {
+namespace {
+
+constexpr std::int64_t ns_per_s = 1'000'000'000;
+constexpr std::int64_t ns_between_looks = 5'000'000;
+/// More than begin in a tick of any move that a machine can play; beyond it they are counted.
+constexpr std::size_t begun_in_a_tick = 256;
+
+std::int64_t time_of_tick(std::int64_t tick, std::int32_t rate_hz) {
+  return tick / rate_hz * ns_per_s + tick % rate_hz * ns_per_s / rate_hz;
+}
+
+gpio::LineChoice choice_of(const GpioLine& line) {
+  if (const int* const offset = std::get_if<int>(&line)) return static_cast<unsigned>(*offset);
+  return std::get<std::string>(line);
+}
+
+[[noreturn]] void refuse(std::string_view line, const Place& place, const std::string& what,
+                         const std::string& remedy) {
+  throw InputError(place, fmt::format("output {}: {}; {}", in_quotes(std::string(line)), what, remedy));
+}
+
+}  // namespace
+
+RigCues::RigCues(const MoveFile& move, const RigFile& rig, std::int32_t first, std::int32_t last)
+    : rig_(rig),
+      pulses_(cue_pulses(move)),
+      begun_(begun_in_a_tick),
+      instants_(instants_for(begun_in_a_tick)) {
+  for (const Output& output : rig.outputs) lines_.push_back({output.name, &output.line, &output.place});
+  if (rig.camera) lines_.push_back({"camera", &rig.camera->shutter, &rig.camera->place});
+  std::ranges::stable_sort(lines_, {},
+                           [](const Line& line) -> const std::string& { return line.wire->address.chip; });
+  if (lines_.size() > CueTimer<double>::most_lines) {
+    refuse(lines_.back().name, *lines_.back().place, "the rig has more than 64 outputs, the camera included",
+           "remove some");
+  }
+  camera_ = number_of("camera");
+  for (const CuePulse& pulse : pulses_) {
+    const std::optional<std::size_t> line = number_of(pulse.line);
+    if (!line) refuse(pulse.line, *pulse.place, "the rig does not have it", "add it to the rig");
+    timed_.push_back({{pulse.frame, pulse.phase}, pulse.width_ns, static_cast<std::int32_t>(*line)});
+  }
+  const Result<CueTimer<double>> timer = CueTimer<double>::make(timed_, first, last, move.fps.rate);
+  if (!timer) {
+    throw InputError(pulses_.empty() ? move.frames_place : *pulses_.front().place,
+                     fmt::format("{}; {}", timer.error().what, timer.error().remedy));
+  }
+  timer_.emplace(*timer);
+  const gpio::StepPlayerSettings player;
+  lead_ns_ = std::max(ns_per_s / rig.rate_hz, player.nap_ns + 2 * player.watch_ns);
+}
+
+std::unique_ptr<RigCues> RigCues::simulated(const MoveFile& move, const RigFile& rig, std::int32_t first,
+                                            std::int32_t last) {
+  if (rig.outputs.empty() && !rig.camera) return nullptr;
+  return std::unique_ptr<RigCues>(new RigCues(move, rig, first, last));
+}
+
+std::unique_ptr<RigCues> RigCues::on_chips(const MoveFile& move, const RigFile& rig, std::int32_t first,
+                                           std::int32_t last, bool in_real_time) {
+  std::unique_ptr<RigCues> cues = simulated(move, rig, first, last);
+  if (!cues) return nullptr;
+  for (std::size_t i = 0; i < cues->lines_.size(); ++i) {
+    const Line& line = cues->lines_[i];
+    const std::string& label = line.wire->address.chip;
+    if (label.empty()) refuse(line.name, *line.place, "it has no chip", "name the chip of its line");
+    if (cues->chips_.empty() || cues->chips_.back().label != label) {
+      Chip& chip = cues->chips_.emplace_back();
+      chip.label = label;
+      chip.first = i;
+    }
+    ++cues->chips_.back().lines;
+  }
+  for (Chip& chip : cues->chips_) cues->open(chip, in_real_time);
+  return cues;
+}
+
+/// Active is 1 in the request, whatever the wire has then.
+void RigCues::open(Chip& chip, bool in_real_time) {
+  const Line& first = lines_[chip.first];
+  const auto allowed = [&](const std::optional<Refusal>& refusal) {
+    if (refusal) refuse(first.name, *first.place, refusal->what, refusal->remedy);
+  };
+  std::vector<gpio::OutputLine> lines;
+  for (std::size_t i = 0; i < chip.lines; ++i) {
+    const OutputLine& wire = *lines_[chip.first + i].wire;
+    lines.push_back({.line = choice_of(wire.address.line), .is_inverted = wire.idle == Level::high});
+  }
+  gpio::GpioChip machine;
+  allowed(machine.open(chip.label));
+  allowed(chip.outputs.open(machine, lines));
+  chip.player.emplace(chip.outputs, gpio::StepPlayerSettings{});
+  std::optional<RealTimeWishes> wishes;
+  if (in_real_time) wishes = RealTimeWishes{.locks_memory = false};
+  chip.thread.emplace(*chip.player, wishes);
+  for (const RealTimeRight& right : chip.thread->rights()) {
+    if (right.is_needed) allowed(right.refusal);
+  }
+}
+
+std::optional<std::size_t> RigCues::number_of(std::string_view line) const {
+  const auto found = std::ranges::find(lines_, line, &Line::name);
+  if (found == lines_.end()) return std::nullopt;
+  return static_cast<std::size_t>(found - lines_.begin());
+}
+
+void RigCues::tick(const CuePassage& passage, std::int32_t ticks, std::int64_t now_ns) {
+  // Ticks follow each other without a gap, unless the loop comes too late for that.
+  if (number_ >= 0) number_ += ticks - 1;
+  if (number_ < 0 || anchor_ns_ + time_of_tick(number_, rig_.rate_hz) < now_ns) {
+    anchor_ns_ = now_ns + lead_ns_;
+    number_ = 0;
+  }
+  const CueTick<double> tick{.from = passage.from,
+                             .to = passage.to,
+                             .repeated = passage.repeated,
+                             .start_ns = anchor_ns_ + time_of_tick(number_, rig_.rate_hz),
+                             .end_ns = anchor_ns_ + time_of_tick(number_ + 1, rig_.rate_hz)};
+  ++number_;
+  const Result<CueCount> count = timer_->advance(tick, {begun_, instants_});
+  if (!count) {
+    has_refused_ = true;
+    return;
+  }
+  put_out(*count);
+}
+
+void RigCues::signal(bool is_exposing, std::int64_t now_ns) {
+  if (!camera_) return;
+  const std::uint64_t line = std::uint64_t{1} << *camera_;
+  if (((levels_ & line) != 0) == is_exposing) return;
+  put_out({.at_ns = now_ns + lead_ns_, .levels = is_exposing ? line : 0, .mask = line});
+}
+
+void RigCues::put_out(const CueCount& count) {
+  for (std::size_t i = 0; i < count.instants; ++i) put_out(instants_[i]);
+  for (std::size_t i = 0; log_ && i < count.begun; ++i) log_->take(begun_[i]);
+}
+
+void RigCues::put_out(const StepInstant& instant) {
+  levels_ = (levels_ & ~instant.mask) | instant.levels;
+  for (Chip& chip : chips_) {
+    const std::uint64_t all = chip.lines == 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << chip.lines) - 1;
+    const std::uint64_t mask = instant.mask >> chip.first & all;
+    if (mask == 0) continue;
+    const std::uint64_t levels = instant.levels >> chip.first & all;
+    if (!chip.player->push({.at_ns = instant.at_ns, .levels = levels, .mask = mask})) has_refused_ = true;
+  }
+}
+
+void RigCues::finish(const std::function<bool()>& interrupted) {
+  const Result<CueCount> count = timer_->end_all({begun_, instants_});
+  if (count) put_out(*count);
+  const MonotonicClock clock;
+  const auto is_busy = [](const Chip& chip) {
+    return chip.player && chip.player->waiting() > 0 && !chip.player->has_ended();
+  };
+  while (std::ranges::any_of(chips_, is_busy) && !(interrupted && interrupted())) {
+    clock.sleep_until_ns(clock.now_ns() + ns_between_looks);
+  }
+}
+
+std::optional<CueLogEnd> RigCues::end_log() {
+  if (!log_) return std::nullopt;
+  return log_->finish();
+}
+
+std::string RigCues::trouble() const {
+  for (const Chip& chip : chips_) {
+    if (chip.player && chip.player->has_ended()) {
+      return fmt::format("chip {} of the outputs has gone; plug it in again", in_quotes(chip.label));
+    }
+    if (chip.player && chip.player->is_too_late()) {
+      return fmt::format("pulses on chip {} came {:.0f} us late; free the machine of other work",
+                         in_quotes(chip.label),
+                         static_cast<double>(chip.player->counters().worst_late_ns) * 1e-3);
+    }
+  }
+  if (counters().lost > 0) return fmt::format("{} pulses found no room in their tick", counters().lost);
+  return has_refused_ ? "an output did not take a pulse" : "";
+}
+
+bool RigCues::is_on(std::string_view line) const {
+  const std::optional<std::size_t> number = number_of(line);
+  return number && (levels_ >> *number & 1) != 0;
+}
+
+}  // namespace inbetween

@@ -1,0 +1,105 @@
+// The pulses of a move on the outputs of a rig, on its GPIO chips or simulated.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "drivers/gpio/gpio_outputs.hpp"
+#include "drivers/gpio/step_player.hpp"
+#include "drivers/gpio/step_thread.hpp"
+#include "host_tools/cue_log.hpp"
+#include "host_tools/move_cue.hpp"
+#include "host_tools/move_file.hpp"
+#include "host_tools/rig_file.hpp"
+#include "inbetween/cue_timer.hpp"
+
+namespace inbetween {
+
+/// What a playhead did in a tick of the loop.
+struct CuePassage {
+  PlayheadPlace<double> from, to;
+  Repeat repeated = Repeat::none;
+};
+
+/// The lines are idle outside pulses and whenever this object does not exist. A pulse comes when the axes are
+/// at its place: a tick after the loop has said so, as the steps of StepPort.
+class RigCues {
+ public:
+  /// Null where the rig has no output and no camera. `first` and `last` frame are those of the time line,
+  /// with its rolls. `move` and `rig` last longer.
+  static std::unique_ptr<RigCues> simulated(const MoveFile& move, const RigFile& rig, std::int32_t first,
+                                            std::int32_t last);
+  /// Takes all outputs of the rig, a request a chip, and starts the threads that play the pulses. Throws
+  /// InputError at the place of what is not there; then nothing has changed.
+  static std::unique_ptr<RigCues> on_chips(const MoveFile& move, const RigFile& rig, std::int32_t first,
+                                           std::int32_t last, bool in_real_time);
+  RigCues(const RigCues&) = delete;
+  RigCues& operator=(const RigCues&) = delete;
+
+  /// Before the first tick: every pulse goes there. CueLog says what it throws.
+  void log_to(const std::string& file, bool waits) { log_.emplace(file, pulses_, waits); }
+
+  // Of the loop's thread. Nothing waits but the log, if it was told to; nothing is allocated.
+
+  /// `ticks` have passed since the last call, usually 1. Begins and ends pulses.
+  void tick(const CuePassage& passage, std::int32_t ticks, std::int64_t now_ns);
+  /// The signal of the camera, at once, for a move that is shot frame by frame; not together with `tick`.
+  void signal(bool is_exposing, std::int64_t now_ns);
+
+  // Once no tick follows.
+
+  /// Pulses that have begun are ended at their times: waits for that, or until `interrupted`.
+  void finish(const std::function<bool()>& interrupted);
+  [[nodiscard]] std::optional<CueLogEnd> end_log();
+  [[nodiscard]] const CueCounters& counters() const { return timer_->counters(); }
+  /// What is wrong and what to do, the first found; "" for nothing.
+  [[nodiscard]] std::string trouble() const;
+  /// Of simulated lines: what was put out, by name. The line's level against its idle one.
+  [[nodiscard]] bool is_on(std::string_view line) const;
+
+ private:
+  struct Line {
+    std::string_view name;
+    const OutputLine* wire;
+    const Place* place;
+  };
+  /// Lines first..first+lines-1 of lines_.
+  struct Chip {
+    std::string label;
+    std::size_t first = 0, lines = 0;
+    gpio::GpioOutputs outputs;
+    std::optional<gpio::StepPlayer> player;
+    std::optional<gpio::StepThread> thread;
+  };
+
+  RigCues(const MoveFile& move, const RigFile& rig, std::int32_t first, std::int32_t last);
+  void open(Chip& chip, bool in_real_time);
+  void put_out(const CueCount& count);
+  void put_out(const StepInstant& instant);
+  [[nodiscard]] std::optional<std::size_t> number_of(std::string_view line) const;
+
+  const RigFile& rig_;
+  std::vector<CuePulse> pulses_;
+  std::vector<Line> lines_;
+  std::vector<TimedPulse<double>> timed_;
+  std::optional<CueTimer<double>> timer_;
+  std::vector<BegunPulse> begun_;
+  std::vector<StepInstant> instants_;
+  std::int64_t lead_ns_ = 0;
+  std::int64_t anchor_ns_ = 0;  ///< tick number 0 of those that follow each other
+  std::int64_t number_ = -1;    ///< of the next; -1: none has been
+  std::uint64_t levels_ = 0;
+  bool has_refused_ = false;
+  std::optional<std::size_t> camera_;
+  std::optional<CueLog> log_;
+  std::deque<Chip> chips_;  ///< none in simulation
+};
+
+}  // namespace inbetween
