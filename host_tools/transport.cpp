@@ -12,7 +12,29 @@ constexpr double least_override = 0.1;
 
 Status Transport::begin() {
   if (const Status loaded = loop_.load(spec_); !loaded) return loaded;
+  if (lines_.start.has_come == nullptr) return start();
+  is_waiting_ = true;
+  keys_.say("waits for the start trigger");
+  return Done{};
+}
+
+Status Transport::start() {
+  is_waiting_ = false;
   return loop_.start(direction_);
+}
+
+void Transport::tick(std::int32_t ticks, std::int64_t now_ns) {
+  // What stops a rig while it waits ends the waiting.
+  if (loop_.state() != SupervisorState::ready) is_waiting_ = false;
+  if (is_waiting_ && lines_.start.has_come(lines_.start.of, now_ns)) keys_.say(start());
+  const PlayheadPlace<double> from = place_of(playhead_);
+  const LoopTick result = loop_.tick(ticks, now_ns);
+  keys_.note(result);
+  if (lines_.cues == nullptr) return;
+  const bool repeats = result.event == PlayheadEvent::repeated;
+  lines_.cues->tick(
+      {.from = from, .to = place_of(playhead_), .repeated = repeats ? playhead_.repeat() : Repeat::none},
+      ticks, now_ns);
 }
 
 void Transport::press(TransportKey key) {
@@ -31,7 +53,7 @@ void Transport::press(TransportKey key) {
     case TransportKey::slower:
       return change_override(-override_step);
     case TransportKey::start:
-      keys_.say(begin());
+      keys_.say(is_waiting_ ? start() : begin());
       if (keys_.is_running()) keys_.begun();
       return;
     default:

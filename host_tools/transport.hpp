@@ -4,35 +4,46 @@
 #include <cstdint>
 
 #include "host_tools/operator_keys.hpp"
+#include "host_tools/rig_cues.hpp"
 #include "host_tools/run_snapshot.hpp"
 #include "host_tools/staged_move.hpp"
+#include "host_tools/start_signal.hpp"
 
 namespace inbetween {
 
-/// Plays a move in a loop. Refers to both. Allocates nothing.
+/// What else a move that is played has to do with lines of the rig.
+struct TransportLines {
+  RigCues* cues = nullptr;  ///< the pulses of the move
+  StartSignal start = {};   ///< the move is begun and waits for it
+};
+
+/// Plays a move in a loop. Refers to all of them. Allocates nothing.
 class Transport {
  public:
   /// With somebody who attends a stop can be acknowledged, and the move goes on.
-  Transport(RunLoop& loop, StagedMove& staged, bool is_attended)
+  Transport(RunLoop& loop, StagedMove& staged, bool is_attended, const TransportLines& lines = {})
       : loop_(loop),
         spec_(staged.loop_spec()),
         playhead_(staged.playhead()),
         move_(staged.plan().played()),
-        keys_(loop, is_attended) {}
+        keys_(loop, is_attended),
+        lines_(lines) {}
 
-  /// Errors: those of MotionLoop::load and start.
+  /// With a start signal it waits for that, or for the key that starts. Errors: those of MotionLoop::load and
+  /// start.
   Status begin();
   void press(TransportKey key);
-  void tick(std::int32_t ticks, std::int64_t now_ns) { keys_.note(loop_.tick(ticks, now_ns)); }
+  void tick(std::int32_t ticks, std::int64_t now_ns);
   [[nodiscard]] bool is_over() const { return is_done() || keys_.has_left(); }
   [[nodiscard]] const OperatorKeys& keys() const { return keys_; }
   /// It was played to one of its ends.
   [[nodiscard]] bool is_done() const {
-    return loop_.state() == SupervisorState::ready && !keys_.was_stopped();
+    return loop_.state() == SupervisorState::ready && !keys_.was_stopped() && !is_waiting_;
   }
   [[nodiscard]] RunSnapshot snapshot() const;
 
  private:
+  Status start();
   void pause_or_play();
   void turn();
   void step(Direction direction);
@@ -43,6 +54,8 @@ class Transport {
   Playhead<double>& playhead_;
   const Move<double>& move_;
   OperatorKeys keys_;
+  TransportLines lines_;
+  bool is_waiting_ = false;  ///< for its start
   Direction direction_ = Direction::forward;
 };
 
