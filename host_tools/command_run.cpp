@@ -27,7 +27,7 @@ constexpr std::int64_t ns_between_looks = 20'000'000;
 
 struct RunArguments {
   std::string move, rig;
-  std::optional<std::string> json, record, positions;
+  std::optional<std::string> json, record, positions, cue_log;
   bool simulated = false;
   bool fast = false;
   bool loop = false;
@@ -108,6 +108,15 @@ void print_record(const RunReport& report, const std::string& file, std::FILE* o
                        report.record->why));
 }
 
+void print_cue_log(const CueLogEnd& log, const std::string& file, std::FILE* out) {
+  if (log.lost == 0) {
+    fmt::print(out, "  {}: {} pulses\n", file == "-" ? "cue log" : file, log.written);
+    return;
+  }
+  complain(fmt::format("{}: warning: {} of {} pulses are not in it: {}; the rig was not held up", file,
+                       log.lost, log.written + log.lost, log.why));
+}
+
 void print_run_summary(const RunReport& report, const Plan& plan, const RunArguments& arguments,
                        std::FILE* out) {
   fmt::print(out, "{}: {}; {} ticks at {} Hz{}\n", plan.move().name, report.reason, report.ticks,
@@ -122,6 +131,7 @@ void print_run_summary(const RunReport& report, const Plan& plan, const RunArgum
                axis.last_actual, axis.following_error_peak, axis.unit);
   }
   if (report.record) print_record(report, *arguments.record, out);
+  if (report.cue_log) print_cue_log(*report.cue_log, *arguments.cue_log, out);
 }
 
 /// Puts the question, and waits for Enter or for anything that means no.
@@ -154,6 +164,7 @@ RunReport run(const Plan& plan, const RunArguments& arguments, const RigWatch& w
                      .faults = std::move(faults),
                      .record = arguments.record,
                      .positions = arguments.positions,
+                     .cue_log = arguments.cue_log,
                      .rig_has_changed = [&] { return watch.has_changed(); },
                      .interrupted = &InterruptWatch::asked,
                      .progress = {}};
@@ -207,7 +218,7 @@ int run_command(const RunArguments& arguments) {
   }
   refuse_outputs_in_one_place(
       {{"MOVE", arguments.move}, {"--rig", arguments.rig}, {"--faults", arguments.faults}},
-      {{"--json", arguments.json}, {"--record", arguments.record}});
+      {{"--json", arguments.json}, {"--record", arguments.record}, {"--cue-log", arguments.cue_log}});
   if (arguments.json) check_output(*arguments.json);
   const RigWatch watch(arguments.rig);
   const Plan plan = make_plan(arguments.move, arguments.rig, Solver::closed_form);
@@ -215,7 +226,8 @@ int run_command(const RunArguments& arguments) {
   if (arguments.json) {
     write_output(*arguments.json, [&](std::FILE* file) { write_run_json(report, file); });
   }
-  print_run_summary(report, plan, arguments, summary_stream(arguments.json == "-"));
+  print_run_summary(report, plan, arguments,
+                    summary_stream(arguments.json == "-" || arguments.cue_log == "-"));
   return report.ending == Ending::finished ? 0 : exit_fault;
 }
 
@@ -257,6 +269,9 @@ void describe(CLI::App& app, RunArguments& arguments) {
                  "under $XDG_STATE_HOME; in a simulation: nowhere)");
   app.add_option("--record", arguments.record,
                  "write what every axis was told and where it was, a line a tick (CSV)");
+  app.add_option("--cue-log", arguments.cue_log,
+                 "write when which pulse began on the outputs of the rig, a line a pulse (CSV; - is standard "
+                 "output)");
   app.footer(
       "Before the first setpoint is sent, the move is held against the limits of the rig as inbetween check "
       "does,\n"

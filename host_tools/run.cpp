@@ -12,8 +12,10 @@
 #include "host_tools/loop_preparations.hpp"
 #include "host_tools/loop_room.hpp"
 #include "host_tools/loop_runner.hpp"
+#include "host_tools/rig_cues.hpp"
 #include "host_tools/rig_reference.hpp"
 #include "host_tools/staged_move.hpp"
+#include "host_tools/start_signal.hpp"
 #include "host_tools/transport.hpp"
 
 namespace inbetween {
@@ -80,10 +82,19 @@ void refuse_positions_beyond_limits(const Plan& plan) {
   }
 }
 
+struct WiredTrigger {
+  RigLines* lines = nullptr;
+  bool start_triggered(std::int64_t /*now_ns*/) { return lines->start_triggered(); }
+};
+
 /// The motion loop with its memory.
 struct LoopOfRig {
   std::unique_ptr<RigLines> lines;
   std::unique_ptr<RigDrives> drives;
+  std::unique_ptr<RigCues> cues;  // null where the rig has no outputs
+  SimulatedTrigger simulated_trigger;
+  WiredTrigger trigger;
+  bool is_simulated = true;
   LoopRoom room;
   RunLoop loop;
   // The loop refers to what it has played last.
@@ -138,6 +149,7 @@ class Run {
     }
     rig_.power_was_cut =
         rig_.loop.state() == SupervisorState::faulted || rig_.loop.state() == SupervisorState::cut_off;
+    end_cues();
     std::string trouble = rig_.lines->trouble();
     if (trouble.empty()) trouble = rig_.drives->trouble();
     if (!trouble.empty() && report_.ending != Ending::finished) {
@@ -191,9 +203,15 @@ class Run {
       perform(shooting, std::nullopt);
       report_.exposures = shooting.exposures();
     } else {
-      Transport transport(rig_.loop, staged_, is_attended());
+      TransportLines lines{.cues = rig_.cues.get()};
+      if (staged_.plan().move().start == Start::trigger) {
+        lines.start =
+            rig_.is_simulated ? start_signal_of(rig_.simulated_trigger) : start_signal_of(rig_.trigger);
+      }
+      Transport transport(rig_.loop, staged_, is_attended(), lines);
       perform(transport, last);
     }
+    if (rig_.cues) rig_.cues->finish(options_.interrupted);
     if (options_.progress) options_.progress(last, last);
   }
 
@@ -213,6 +231,15 @@ class Run {
           "a tick came so late that an axis would have jumped, and the rig was stopped on its path";
     }
     return false;
+  }
+
+  void end_cues() {
+    if (!rig_.cues) return;
+    report_.cue_log = rig_.cues->end_log();
+    const std::string trouble = rig_.cues->trouble();
+    if (trouble.empty() || report_.ending != Ending::finished) return;
+    report_.ending = Ending::fault;
+    report_.reason = trouble;
   }
 
   void disarm() {
@@ -322,6 +349,16 @@ RunReport run_referenced(LoopOfRig& rig, RigReference& reference, std::span<cons
   }
 }
 
+void log_cues(LoopOfRig& rig, const Plan& plan, const RunOptions& options) {
+  if (!options.cue_log) return;
+  if (!rig.cues) {
+    throw InputError({plan.rig()->path, 0, 0},
+                     fmt::format("the rig {} has no outputs; leave out --cue-log, or add an [output.NAME]",
+                                 in_quotes(plan.rig()->name)));
+  }
+  rig.cues->log_to(*options.cue_log, options.fast);
+}
+
 void refuse_unfit_machine(const Plan& plan, const std::vector<RealTimeRight>& rights) {
   for (const RealTimeRight& right : rights) {
     if (!right.refusal || !right.is_needed) continue;
@@ -347,6 +384,9 @@ RunReport run_simulated(const Plan& plan, const RunOptions& options) {
                 plan.axes().size());
   rig.lines->follow(*rig.drives);
   rig.drives->set_faults(options.faults);
+  rig.cues =
+      RigCues::simulated(plan.move(), rig_file, plan.played().first_frame(), plan.played().last_frame());
+  log_cues(rig, plan, options);
   return run_referenced(rig, reference, axes, [&] {
     const std::unique_ptr<RunRecord> record = record_of(plan, options);
     LoopTrace trace(plan.axes().size(), record.get());
@@ -375,6 +415,11 @@ RunReport run_on_rig(const Plan& plan, const RunOptions& options) {
   reference.refuse_unreferenced(axes);
   std::unique_ptr<RigLines> lines = RigLines::on_chips(rig_file);
   LoopOfRig rig(std::move(lines), RigDrives::on_rig(rig_file, !options.allow_jitter), plan.axes().size());
+  rig.is_simulated = false;
+  rig.trigger.lines = rig.lines.get();
+  rig.cues = RigCues::on_chips(plan.move(), rig_file, plan.played().first_frame(), plan.played().last_frame(),
+                               !options.allow_jitter);
+  log_cues(rig, plan, options);
   return run_referenced(rig, reference, axes, [&] {
     const std::unique_ptr<RunRecord> record = record_of(plan, options);
     LoopTrace trace(plan.axes().size(), record.get());

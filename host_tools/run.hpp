@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "host_tools/check.hpp"
+#include "host_tools/cue_log.hpp"
 #include "host_tools/diagnostics.hpp"
 #include "host_tools/fault_script.hpp"
 #include "host_tools/plan.hpp"
@@ -42,6 +43,8 @@ struct RunOptions {
   /// Where the positions of axes are kept that no drive knows (position_file.hpp). None: on a rig its usual
   /// place, in a simulation nowhere.
   std::optional<std::string> positions = {};
+  /// A line a pulse on an output goes there (cue_log.hpp).
+  std::optional<std::string> cue_log = {};
   /// Whether the rig file is another than was read: nothing is begun then.
   std::function<bool()> rig_has_changed = {};
   /// What has been typed since the last call (TransportKeys); without it nothing can be typed.
@@ -73,6 +76,7 @@ struct RunReport {
   std::vector<RunAxis> axes;                   ///< every axis of the rig
   WakeLatency wake_latency;                    ///< all 0 on a virtual clock
   std::optional<RunRecordEnd> record = {};
+  std::optional<CueLogEnd> cue_log = {};
 };
 
 /// Plays the plan on simulated axes at the rig's rate: tick k at k / rate_hz seconds from the beginning
