@@ -1,0 +1,299 @@
+// Whole moves on stepper drivers at the kernel's GPIO: `run` on one side of the lines, on the other somebody
+// who writes down every change of them.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <fstream>
+#include <numeric>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "tests/support/bench.hpp"
+#include "tests/support/bus_scene.hpp"
+#include "tests/support/run_program.hpp"
+#include "tests/support/temporary_file.hpp"
+
+namespace inbetween {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+constexpr double steps_per_unit = 10;
+constexpr std::int64_t ms = 1'000'000;
+constexpr std::int64_t tick_ns = 4 * ms;
+
+// Pulses so long that whoever looks every quarter of a millisecond sees each of them.
+const std::string rig_text = R"(name = "bench"
+rate_hz = 250
+[emergency_stop]
+chip = "head"
+line = 6
+stops_at = "high"
+bias = "none"
+[[axis]]
+name = "x"
+unit = "mm"
+min = -1
+max = 60
+max_velocity = 33
+max_acceleration = 100
+drive = { type = "step-dir", chip = "head", step = 0, dir = 1, enable = 4, enable_active = "high", steps_per_unit = 10, max_step_rate = 333, pulse_us = 1000, pause_us = 1000 }
+limit_max = { chip = "head", line = 7, active = "high", bias = "none" }
+[[axis]]
+name = "y"
+unit = "mm"
+min = -60
+max = 1
+max_velocity = 33
+max_acceleration = 100
+drive = { type = "step-dir", chip = "head", step = 2, dir = 3, enable = 5, enable_active = "high", steps_per_unit = 10, max_step_rate = 333, pulse_us = 1000, pause_us = 1000 }
+)";
+constexpr unsigned step_x = 0, dir_x = 1, step_y = 2, dir_y = 3, enable_x = 4, enable_y = 5;
+constexpr unsigned emergency_stop = 6, limit_x = 7, lines = 8;
+
+const std::string move_text = R"(name = "there"
+fps = 25
+frames = 100
+[[track]]
+axes = ["x", "y"]
+keys = [ { at = [0, 0] }, { at = [50, -20] } ]
+speed = [0, 0, 10, 10, 0, 0]
+)";
+
+/// What the lines did while the move was run. `during` is bash beside it, two seconds into a move of four, on
+/// virtual time; `pull LINE up` and `pull LINE down` are a switch at a line, $run is the program.
+struct GpioScene {
+  TemporaryFolder folder;
+  ProgramRun run;
+  struct Levels {
+    std::int64_t at_ns = 0;
+    unsigned levels = 0;
+  };
+  std::vector<Levels> record;
+
+  explicit GpioScene(const std::string& during, const std::vector<std::string>& bench = {}) {
+    std::ofstream(path("rig.toml")) << rig_text;
+    std::ofstream(path("move.toml")) << move_text;
+    std::vector<std::string> options{"--gpio", "head:8", "--virtual-time", "--timeout", "200"};
+    options.insert(options.end(), bench.begin(), bench.end());
+    // A kernel that has just started has coarse timers.
+    run =
+        script_in_bench(options, fmt::format(R"(echo -1 >/proc/sys/kernel/sched_rt_runtime_us
+head=$INBETWEEN_BENCH_GPIO/head
+pull() {{ echo pull-$2 >$head/sim_gpio$1/pull; }}
+sleep 1
+{} $head {} >{} & watch=$!
+{} run {} --rig {} & run=$!
+sleep 2
+{}
+status=0; wait $run || status=$?
+sleep 0.5; kill $watch; exit $status)",
+                                             INBETWEEN_WATCH_LINES, lines, path("record"), INBETWEEN_PROGRAM,
+                                             path("move.toml"), path("rig.toml"), during));
+    std::istringstream text(file_contents(path("record")));
+    for (Levels at; text >> at.at_ns >> at.levels;) record.push_back(at);
+  }
+  [[nodiscard]] std::string path(const std::string& name) const { return (folder.path() / name).string(); }
+
+  /// When a line rose.
+  [[nodiscard]] std::vector<std::int64_t> rises(unsigned line) const {
+    std::vector<std::int64_t> at_ns;
+    for (std::size_t i = 1; i < record.size(); ++i) {
+      if (is_high(i, line) && !is_high(i - 1, line)) at_ns.push_back(record[i].at_ns);
+    }
+    return at_ns;
+  }
+  [[nodiscard]] bool is_high(std::size_t entry, unsigned line) const {
+    return (record[entry].levels >> line & 1U) != 0;
+  }
+  [[nodiscard]] bool has_ever_been_high(unsigned line) const {
+    for (std::size_t i = 0; i < record.size(); ++i) {
+      if (is_high(i, line)) return true;
+    }
+    return false;
+  }
+  /// Steps in both axes, and not the whole move.
+  void expect_a_part_of_the_move() const {
+    EXPECT_GT(rises(step_x).size(), 50U);
+    EXPECT_LT(rises(step_x).size(), 450U);
+    EXPECT_GT(rises(step_y).size(), 20U);
+    EXPECT_LT(rises(step_y).size(), 180U);
+  }
+  void expect_drives_off() const {
+    ASSERT_FALSE(record.empty());
+    EXPECT_FALSE(is_high(record.size() - 1, enable_x));
+    EXPECT_FALSE(is_high(record.size() - 1, enable_y));
+  }
+};
+
+/// When the plan passes the middle between two steps, from the tick of the start on; an axis that goes one
+/// way.
+std::vector<double> planned_ns(const GpioScene& scene, int column) {
+  const std::string csv = run_program({"plan", scene.path("move.toml"), "--rig", scene.path("rig.toml"),
+                                       "--per", "tick", "--csv", "-"})
+                              .out;
+  std::vector<double> at_ns;
+  double before = 0;
+  std::size_t tick = 0;
+  for (const double position : column_of(csv, column)) {
+    const double steps = std::fabs(position) * steps_per_unit;
+    for (double next = static_cast<double>(at_ns.size()) + 0.5; next <= steps; next += 1) {
+      const double share = (next - before) / (steps - before);
+      at_ns.push_back((static_cast<double>(tick) - 1 + share) * static_cast<double>(tick_ns));
+    }
+    before = steps;
+    ++tick;
+  }
+  return at_ns;
+}
+
+TEST(GpioRun, TheStepsOnTheLinesAreThePlanInNumberDirectionAndTime) {
+  const GpioScene scene("");
+  ASSERT_EQ(scene.run.status, 0) << scene.run.err << scene.run.out;
+  struct Axis {
+    unsigned step, dir;
+    int column;
+    std::size_t steps;
+  };
+  for (const Axis& axis : {Axis{step_x, dir_x, 2, 500}, Axis{step_y, dir_y, 3, 200}}) {
+    const std::vector<std::int64_t> rises = scene.rises(axis.step);
+    const std::vector<double> planned = planned_ns(scene, axis.column);
+    ASSERT_EQ(planned.size(), axis.steps);
+    ASSERT_EQ(rises.size(), axis.steps);
+    double offset = 0;
+    for (std::size_t i = 0; i < rises.size(); ++i) offset += static_cast<double>(rises[i]) - planned[i];
+    offset /= static_cast<double>(rises.size());
+    for (std::size_t i = 0; i < rises.size(); ++i) {
+      ASSERT_NEAR(static_cast<double>(rises[i]) - offset, planned[i], 0.5e6) << "step " << i;
+    }
+    std::vector<bool> directions;
+    for (std::size_t i = 1; i < scene.record.size(); ++i) {
+      if (scene.is_high(i, axis.step) && !scene.is_high(i - 1, axis.step)) {
+        directions.push_back(scene.is_high(i, axis.dir));
+      }
+    }
+    EXPECT_EQ(std::ranges::count(directions, directions.front()), static_cast<std::ptrdiff_t>(axis.steps));
+  }
+  scene.expect_drives_off();
+}
+
+// faults.md 32
+TEST(GpioRun, TheEmergencyStopInMotionEndsTheStepsWithinATick) {
+  const GpioScene scene(fmt::format("pull {} up", emergency_stop));
+  EXPECT_EQ(scene.run.status, 4) << scene.run.err << scene.run.out;
+  EXPECT_THAT(scene.run.out, HasSubstr("the emergency stop is pressed, or its wire is broken"));
+  EXPECT_THAT(scene.run.out, HasSubstr("line 6 of chip \"head\""));
+  scene.expect_a_part_of_the_move();
+  ASSERT_EQ(scene.rises(emergency_stop).size(), 1U);
+  const std::int64_t pressed_ns = scene.rises(emergency_stop).front();
+  EXPECT_LE(scene.rises(step_x).back(), pressed_ns + tick_ns + ms);
+  EXPECT_LE(scene.rises(step_y).back(), pressed_ns + tick_ns + ms);
+  scene.expect_drives_off();
+}
+
+TEST(GpioRun, AnEmergencyStopThatIsReleasedAtOnceStopsAsWell) {
+  const GpioScene scene(fmt::format("pull {0} up; sleep 0.02; pull {0} down", emergency_stop));
+  EXPECT_EQ(scene.run.status, 4) << scene.run.err << scene.run.out;
+  EXPECT_THAT(scene.run.out, HasSubstr("the emergency stop was pressed, or its wire is loose"));
+  scene.expect_a_part_of_the_move();
+  scene.expect_drives_off();
+}
+
+TEST(GpioRun, ALimitSwitchInMotionIsAStopOnThePath) {
+  const GpioScene scene(fmt::format("pull {} up", limit_x));
+  EXPECT_EQ(scene.run.status, 4) << scene.run.err << scene.run.out;
+  EXPECT_THAT(scene.run.out, HasSubstr("axis \"x\" reached its limit switch (line 7 of chip \"head\")"));
+  scene.expect_a_part_of_the_move();
+  const std::vector<std::int64_t> x = scene.rises(step_x);
+  const std::vector<std::int64_t> y = scene.rises(step_y);
+  EXPECT_NEAR(static_cast<double>(x.size()) / 50, static_cast<double>(y.size()) / 20, 0.06)
+      << "both axes stop where the path is";
+  const std::int64_t hit_ns = scene.rises(limit_x).front();
+  EXPECT_GT(x.back(), hit_ns + 5 * tick_ns) << "it slows down";
+  EXPECT_LT(x.back(), hit_ns + 1000 * ms) << "and rests";
+  // From the tick that heard the switch on, a step takes as long as the one before, or longer.
+  for (std::size_t i = 2; i < x.size(); ++i) {
+    if (x[i - 2] < hit_ns + 4 * tick_ns) continue;
+    EXPECT_GE(x[i] - x[i - 1], x[i - 1] - x[i - 2] - ms) << "step " << i;
+  }
+  scene.expect_drives_off();
+}
+
+// faults.md 34
+TEST(GpioRun, AChipThatIsUnpluggedInMotionEndsTheRun) {
+  const GpioScene scene("echo 0 >/sys/kernel/config/gpio-sim/bench-head/live");
+  EXPECT_EQ(scene.run.status, 4) << scene.run.err << scene.run.out;
+  EXPECT_THAT(scene.run.out, HasSubstr("chip \"head\" of the rig has gone"));
+  scene.expect_a_part_of_the_move();
+}
+
+// faults.md 30
+TEST(GpioRun, ABusyLineNamesItsUserAndNothingIsSwitchedOn) {
+  for (const unsigned line : {emergency_stop, limit_x, step_x, dir_y, enable_y}) {
+    const GpioScene scene("", {"--hog", fmt::format("head:{}:lamp", line)});
+    EXPECT_EQ(scene.run.status, 1) << line;
+    EXPECT_THAT(scene.run.err, HasSubstr(fmt::format("line {} of chip head is in use by lamp", line)));
+    EXPECT_THAT(scene.run.err, HasSubstr("rig.toml:")) << line;
+    EXPECT_LE(scene.record.size(), 1U) << "a level has changed";
+  }
+}
+
+// faults.md 35. What is left of the lines when nobody holds them is the chip's affair: this one leaves them
+// to what pulls at them, as docs ask of the wiring of ENABLE.
+TEST(GpioRun, KilledInMotionTheStepsEndAndWhatPullsAtEnableDecides) {
+  const GpioScene scene("kill -KILL $run; date +%s%N");
+  EXPECT_EQ(scene.run.status, 128 + 9);
+  scene.expect_a_part_of_the_move();
+  EXPECT_TRUE(scene.has_ever_been_high(enable_x));
+  scene.expect_drives_off();
+  const std::int64_t off_ns = scene.record.back().at_ns;
+  EXPECT_LE(scene.rises(step_x).back(), off_ns);
+}
+
+TEST(GpioRun, AStepRateBeyondTheDrivesIsRefusedAtItsPlaceInTheRig) {
+  const TemporaryFile move("move.toml", move_text);
+  std::string text = rig_text;
+  text.replace(text.find("max_velocity = 33"), 17, "max_velocity = 34");
+  const TemporaryFile rig("rig.toml", text);
+  const ProgramRun run = script_in_bench(
+      {"--gpio", "head:8"},
+      fmt::format("{} run {} --rig {}", INBETWEEN_PROGRAM, move.path().string(), rig.path().string()));
+  EXPECT_EQ(run.status, 1);
+  EXPECT_THAT(run.err, HasSubstr("rig.toml:"));
+  EXPECT_THAT(run.err, HasSubstr("max_step_rate"));
+}
+
+TEST(GpioRun, AMixedRigPlaysOneMoveOnCanAndOnGpioTogether) {
+  const TemporaryFolder folder;
+  const std::string rig = (folder.path() / "rig.toml").string();
+  const std::string record = (folder.path() / "record.csv").string();
+  const std::string err = (folder.path() / "err").string();
+  // Nobody has closed the contacts of this chip: what its own resistors say would be "pressed".
+  std::string text = file_contents(INBETWEEN_SOURCE_DIR "/examples/mixed_rig.toml");
+  for (std::size_t at = 0; (at = text.find("\"pull-up\"", at)) != std::string::npos;) {
+    text.replace(at, 9, "\"none\"");
+  }
+  std::ofstream(rig) << text;
+  const std::string program = INBETWEEN_PROGRAM;
+  const std::string move = INBETWEEN_SOURCE_DIR "/examples/track_and_focus.toml";
+  const ProgramRun run = script_in_bench(
+      {"--gpio", "pinctrl-bcm2711:54", "--vcan", "can0", "--virtual-time", "--timeout", "280"},
+      "echo -1 >/proc/sys/kernel/sched_rt_runtime_us\nsleep 1\n" + program + " sim-drives --rig " + rig +
+          " --from track=200 --record " + record + " 2>" + err + " & drives=$!\nuntil_true grep -q power " +
+          err + "\nstatus=0; " + program + " run " + move + " --rig " + rig +
+          " --yes --json - || status=$?\nkill -TERM $drives; wait $drives; exit $status");
+  EXPECT_EQ(run.status, 0) << run.err << run.out;
+  const std::string drives = file_contents(record);
+  EXPECT_THAT(drives, HasSubstr("track,end,")) << drives.substr(0, 200);
+  EXPECT_THAT(drives, HasSubstr(",1200000")) << "2400 mm of 500 counts";
+  EXPECT_THAT(run.out, HasSubstr("\"ended\": \"finished\"")) << run.out;
+}
+
+}  // namespace
+}  // namespace inbetween
