@@ -137,6 +137,18 @@ struct Slider {
   }
 };
 
+TEST(StepLoop, DrivesThatAreSwitchedOnBeforeTheFirstTickAreSoAfterIt) {
+  Slider slider;
+  ASSERT_TRUE(slider.loop().post(SupervisorEvent::arm));
+  EXPECT_EQ(slider.chip.waiting(), 0U) << "nobody knows for when";
+  slider.now_ns += tick_ns;
+  slider.loop().tick(1, slider.now_ns);
+  ASSERT_EQ(slider.chip.waiting(), 1U);
+  slider.chip.run(slider.now_ns);
+  EXPECT_EQ(slider.chip.waiting(), 1U) << "it is still to come";
+  EXPECT_TRUE(slider.tick_until(State::ready));
+}
+
 TEST(StepLoop, EveryShaftStandsOnTheRoundedSetpointTwoTicksLater) {
   Slider slider;
   slider.start();

@@ -115,6 +115,8 @@ class StepPort {
 
   void read(std::span<DriveState<Real>> states, std::int64_t now_ns) {
     now_ns_ = now_ns;
+    has_time_ = true;
+    if (is_to_switch_on_) switch_on();
     bool is_there = true;
     bool is_in_time = !is_late_;
     for (const StepChip<Sink>& chip : chips_) {
@@ -156,13 +158,15 @@ class StepPort {
     is_late_ = false;
     is_enabled_ = true;
     is_stepping_ = false;
-    enabled_at_ns_ = now_ns_ + timing_.lead_ns;
-    set_lines(true);
+    is_to_switch_on_ = true;
+    // Before the first read nobody knows what time it is.
+    if (has_time_) switch_on();
   }
   void disable() {
     cease();
     is_enabled_ = false;
-    set_lines(false);
+    is_to_switch_on_ = false;
+    if (has_time_) set_lines(false);
   }
   void quick_stop() { cease(); }
 
@@ -233,6 +237,12 @@ class StepPort {
     is_stepping_ = false;
   }
 
+  void switch_on() {
+    is_to_switch_on_ = false;
+    enabled_at_ns_ = now_ns_ + timing_.lead_ns;
+    set_lines(true);
+  }
+
   /// ENABLE, and the other lines as their generators have them: what was discarded may have left a pulse that
   /// had begun.
   void set_lines(bool on) {
@@ -258,6 +268,8 @@ class StepPort {
   std::int64_t enabled_at_ns_ = 0;
   std::int64_t next_start_ns_ = 0;
   std::uint64_t gaps_ = 0;
+  bool has_time_ = false;         ///< now_ns_ is one
+  bool is_to_switch_on_ = false;  ///< enabled before that
   bool is_enabled_ = false;
   bool is_stepping_ = false;
   bool is_late_ = false;      ///< a gap was longer than allowed
