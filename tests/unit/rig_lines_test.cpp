@@ -173,8 +173,14 @@ TEST_F(RigLinesTest, AHomeSwitchIsAtItsPlaceAndTellsTheTimeOfItsEdge) {
 }
 
 TEST_F(RigLinesTest, BehindTheHomeSwitchIsTheWayThatAStopTakes) {
-  // From 20 mm/s at 200 mm/s^2: a millimetre, and what passes until the edge is known.
-  EXPECT_EQ(move(0, 100, -7, 100), 0);
+  std::string fast = slider;
+  fast.replace(fast.find("fast = 20"), 9, "fast = 80");
+  rig = parse_rig(fast, "rig.toml");
+  lines.reset();
+  lines = RigLines::simulated(rig, {100, 0});
+  tick();
+  // From 80 mm/s at 200 mm/s^2: 16 mm, and 4 mm in the 50 ms until the edge is known.
+  EXPECT_EQ(move(0, 100, -25, 100), 0);
 }
 
 TEST_F(RigLinesTest, EventsOfAllLinesComeInTheOrderOfTheirTimes) {
