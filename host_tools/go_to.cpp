@@ -117,6 +117,7 @@ SetupEnd go_to(const RigFile& rig, const std::vector<GoTarget>& targets, RigRefe
                  .limits = way.limits,
                  .tick_seconds = session.tick_seconds()},
                 way.ticks);
+  const DisarmAtEnd disarm(session);
   const ActEnd played = session.perform(act_of(play), way.ticks);
   end.is_done = played.begun && play.is_done();
   if (end.is_done) {
@@ -126,7 +127,6 @@ SetupEnd go_to(const RigFile& rig, const std::vector<GoTarget>& targets, RigRefe
   }
   session.rest();
   end.positions = session.positions();
-  session.disarm();
   return end;
 }
 

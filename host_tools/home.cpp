@@ -25,46 +25,37 @@ void refuse_fast_homing(const RigFile& rig, const std::vector<std::size_t>& axes
   }
 }
 
-// Whatever the lines of the loop are.
-template <class Lines>
-SetupEnd home_by(RigSession& session, const Lines& lines, const std::vector<std::size_t>& axes,
-                 RigReference& reference) {
+SetupEnd home_armed(RigSession& session, const std::vector<std::size_t>& axes, RigReference& reference) {
   const RigFile& rig = session.rig();
-  SetupEnd end;
-  if constexpr (HomeLines<Lines>) {
-    std::vector<AxisLimits<double>> limits;
-    for (const std::size_t a : axes) {
-      limits.push_back(limits_of(rig.axes[a]));
-      reference.is_lost(a, "its homing was not done");
-    }
-    RigHoming<Lines> homing(rig, axes, lines,
-                            {.positions = session.positions(),
-                             .drives = session.loop().drive_states(),
-                             .tick_seconds = session.tick_seconds(),
-                             .delay_ns = session.delay_ns()});
-    FreePlay play(session.loop(), {.source = source_of<double>(homing),
-                                   .drive_of = axes,
-                                   .limits = limits,
-                                   .tick_seconds = session.tick_seconds()});
-    reference.about_to_move(axes);
-    const ActEnd played = session.perform(act_of(play));
-    end.is_done = played.begun && play.is_done() && homing.is_done();
+  std::vector<AxisLimits<double>> limits;
+  for (const std::size_t a : axes) {
+    limits.push_back(limits_of(rig.axes[a]));
+    reference.is_lost(a, "its homing was not done");
+  }
+  RigHoming<RigLines> homing(rig, axes, session.lines(),
+                             {.positions = session.positions(),
+                              .drives = session.loop().drive_states(),
+                              .tick_seconds = session.tick_seconds(),
+                              .delay_ns = session.delay_ns()});
+  FreePlay play(session.loop(), {.source = source_of<double>(homing),
+                                 .drive_of = axes,
+                                 .limits = limits,
+                                 .tick_seconds = session.tick_seconds()});
+  const DisarmAtEnd disarm(session);
+  reference.about_to_move(axes);
+  const ActEnd played = session.perform(act_of(play));
+  SetupEnd end{.is_done = played.begun && play.is_done() && homing.is_done(), .reason = "the axes are home"};
+  if (!played.begun) {
+    end.reason = played.begun.error().what;
+  } else if (!end.is_done) {
     end.reason = homing.reason();
-    if (end.is_done) {
-      end.reason = "the axes are home";
-    } else if (!played.begun) {
-      end.reason = played.begun.error().what;
-    } else if (end.reason.empty()) {
-      end.reason = reason_of(session, "stopped before its end");
-    }
-    session.rest();
-    end.positions = session.positions();
-    for (std::size_t i = 0; end.is_done && i < axes.size(); ++i) {
-      end.positions[axes[i]] += homing.shift(i);
-      reference.stands_at(axes[i], end.positions[axes[i]]);
-    }
-  } else {
-    throw InputError(rig.axes[axes.front()].home->place, "this version reads no switches");
+    if (end.reason.empty()) end.reason = reason_of(session, "stopped before its end");
+  }
+  session.rest();
+  end.positions = session.positions();
+  for (std::size_t i = 0; end.is_done && i < axes.size(); ++i) {
+    end.positions[axes[i]] += homing.shift(i);
+    reference.stands_at(axes[i], end.positions[axes[i]]);
   }
   return end;
 }
@@ -101,9 +92,7 @@ SetupEnd home(const RigFile& rig, const std::vector<std::size_t>& axes, RigRefer
   RigSession session(rig, reference, options);
   if (!session.arm()) return {.reason = reason_of(session, "the drives were not switched on")};
   refuse_changed_rig(rig, options.audience);
-  SetupEnd end = home_by(session, session.lines(), axes, reference);
-  session.disarm();
-  return end;
+  return home_armed(session, axes, reference);
 }
 
 }  // namespace inbetween

@@ -211,6 +211,7 @@ SetupEnd jog(const RigFile& rig, std::size_t selected, RigReference& reference, 
            .limits = axes.limits,
            .tick_seconds = session.tick_seconds()},
           free, axes.axes, selected);
+  const DisarmAtEnd disarm(session);
   ActEnd end;
   for (bool goes_on = true; goes_on;) {
     end = session.perform(act_of(jog));
@@ -228,7 +229,6 @@ SetupEnd jog(const RigFile& rig, std::size_t selected, RigReference& reference, 
   session.rest();
   const bool was_left = jog.was_left();
   const std::string reason = end.begun ? reason_of(session, "the rig was stopped") : end.begun.error().what;
-  session.disarm();
   return {.is_done = was_left, .reason = was_left ? "left" : reason, .positions = session.positions()};
 }
 

@@ -49,37 +49,6 @@ std::vector<double> standing_positions(const RigFile& rig, const RigReference& r
   return positions;
 }
 
-// Lines are whatever the loop was made for: a signal alone, or what is wired to chips.
-template <class Lines>
-std::unique_ptr<Lines> simulated_lines(const RigFile& rig, const std::vector<double>& positions,
-                                       const RigDrives& drives) {
-  if constexpr (requires { Lines::simulated(rig, positions); }) {
-    std::unique_ptr<Lines> lines = Lines::simulated(rig, positions);
-    lines->follow(drives);
-    return lines;
-  } else {
-    return std::make_unique<Lines>();
-  }
-}
-
-template <class Lines>
-std::unique_ptr<Lines> lines_on_chips(const RigFile& rig) {
-  if constexpr (requires { Lines::on_chips(rig); }) {
-    return Lines::on_chips(rig);
-  } else {
-    return std::make_unique<Lines>();
-  }
-}
-
-template <class Lines>
-std::string trouble_of(const Lines& lines) {
-  if constexpr (requires { lines.trouble(); }) {
-    return lines.trouble();
-  } else {
-    return lines.emergency_stop() ? "the emergency stop is pressed; remove the cause, release it" : "";
-  }
-}
-
 }  // namespace
 
 std::size_t axis_named(const RigFile& rig, const std::string& name) {
@@ -97,11 +66,13 @@ RigSession::RigSession(const RigFile& rig, RigReference& reference, const Sessio
     : rig_(rig), reference_(reference), audience_(options.audience), trace_(rig.axes.size()) {
   if (options.simulated) {
     const std::vector<double> standing = standing_positions(rig, reference, options.standing);
+    lines_ = RigLines::simulated(rig, standing);
     drives_ = RigDrives::simulated(rig, standing);
-    lines_ = simulated_lines<RigLines>(rig, standing, *drives_);
+    lines_->follow(*drives_);
   } else {
+    // The lines come first: what is taken for outputs changes on the way.
+    lines_ = RigLines::on_chips(rig);
     drives_ = RigDrives::on_rig(rig, !options.allow_jitter);
-    lines_ = lines_on_chips<RigLines>(rig);
   }
   reference.place(*drives_);
   room_ = std::make_unique<LoopRoom>(rig.axes.size(), rig.axes.size());
@@ -121,7 +92,7 @@ RigSession::RigSession(const RigFile& rig, RigReference& reference, const Sessio
 }
 
 RigSession::~RigSession() {
-  if (is_armed_) disarm();
+  disarm();
 }
 
 void RigSession::refuse_unfit_machine() const {
@@ -158,13 +129,17 @@ void RigSession::keep(const std::vector<DriveState<double>>& states) {
 }
 
 void RigSession::disarm() {
+  if (!is_armed_) return;
   is_armed_ = false;
-  Disarming disarming(*loop_, rig_.rate_hz);
-  perform(act_of(disarming, true));
+  // Something that moves is stopped by the first wish, and switched off by the second.
+  for (int wish = 0; wish < 2 && loop_->state() != SupervisorState::disarmed; ++wish) {
+    Disarming disarming(*loop_, rig_.rate_hz);
+    perform(act_of(disarming, true));
+  }
 }
 
 std::string RigSession::trouble() const {
-  const std::string trouble = trouble_of(*lines_);
+  const std::string trouble = lines_->trouble();
   return trouble.empty() ? drives_->trouble() : trouble;
 }
 

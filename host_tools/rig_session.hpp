@@ -32,8 +32,8 @@ std::size_t axis_named(const RigFile& rig, const std::string& name);
 
 /// The motion loop of a rig with all that is under it. Refers to the rig and the reference.
 ///
-/// The order is: arm, about_to_move of the reference, perform, rest; as often as wanted; disarm. Whatever
-/// happens the drives are switched off at the end.
+/// The order is: arm, about_to_move of the reference, perform, rest; as often as wanted; disarm, before what
+/// was performed goes (DisarmAtEnd). Whatever happens the drives are switched off at the end.
 class RigSession {
  public:
   /// Opens the drives and the lines. Throws InputError where something is not there, or the machine is not
@@ -53,6 +53,7 @@ class RigSession {
   void rest();
   /// The same, of what the drives have told in the tick in which everything rested.
   void keep(const std::vector<DriveState<double>>& states);
+  /// At once, or after a stop if something still moves. Nothing if it is not armed.
   void disarm();
 
   /// What is wrong and what to do; "" for nothing.
@@ -70,8 +71,8 @@ class RigSession {
   const RigFile& rig_;
   RigReference& reference_;
   LoopAudience audience_;
-  std::unique_ptr<RigDrives> drives_;
   std::unique_ptr<RigLines> lines_;
+  std::unique_ptr<RigDrives> drives_;
   std::unique_ptr<LoopRoom> room_;
   std::optional<RunLoop> loop_;
   LoopTrace trace_;
@@ -80,6 +81,18 @@ class RigSession {
   std::optional<TimedRunner> timed_;
   std::vector<double> positions_;
   bool is_armed_ = false;
+};
+
+/// Switches the rig off at the end of a block: made after what its loop plays, which goes later.
+class DisarmAtEnd {
+ public:
+  explicit DisarmAtEnd(RigSession& session) : session_(session) {}
+  ~DisarmAtEnd() { session_.disarm(); }
+  DisarmAtEnd(const DisarmAtEnd&) = delete;
+  DisarmAtEnd& operator=(const DisarmAtEnd&) = delete;
+
+ private:
+  RigSession& session_;
 };
 
 /// How the use of a rig ended.

@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <cstdlib>
-
 #include "host_tools/axis_positions.hpp"
 #include "host_tools/command.hpp"
 #include "host_tools/position_file.hpp"
@@ -45,7 +43,7 @@ void check_setup_usage(const SetupArguments& arguments) {
 RigReference reference_of(const RigFile& rig, const SetupArguments& arguments) {
   if (arguments.positions) return {rig, *arguments.positions};
   if (arguments.simulated) return RigReference(rig);
-  return {rig, position_file_path(rig.name, std::getenv("XDG_STATE_HOME"), std::getenv("HOME"))};
+  return {rig, usual_position_file(rig)};
 }
 
 SessionOptions session_options_of(const SetupArguments& arguments) {

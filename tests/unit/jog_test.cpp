@@ -56,7 +56,7 @@ constexpr double speed = 5;
 struct Bench {
   RigFile rig = parse_rig(crane, "rig.toml");
   std::unique_ptr<RigDrives> drives;
-  RigLines lines;
+  std::unique_ptr<RigLines> lines = RigLines::simulated(rig, {0, 0});
   LoopRoom room{2, 2};
   std::optional<RunLoop> loop;
   LoopTrace trace{2};
@@ -75,7 +75,7 @@ struct Bench {
 
   explicit Bench(const std::vector<double>& at = {100, 0}, bool is_referenced = true) {
     drives = RigDrives::simulated(rig, at);
-    loop.emplace(*drives, lines, room.memory());
+    loop.emplace(*drives, *lines, room.memory());
     std::vector<FreeAxis<double>> axes;
     std::vector<JogAxis> jogged;
     for (std::size_t a = 0; a < 2; ++a) {
