@@ -26,10 +26,11 @@ struct JogArguments {
 void print_speeds(const RigFile& rig, const RigReference& reference, double share) {
   for (std::size_t a = 0; a < rig.axes.size(); ++a) {
     const RigAxis& axis = rig.axes[a];
-    const double speed = jog_speed(axis, share, 1.0 / rig.rate_hz);
-    fmt::print(stderr, "  {:<16}{:>10.3f} {}/s{}\n", axis.name,
-               reference.is_referenced(a) ? speed : unreferenced_jog_share * speed, to_string(axis.unit),
-               reference.is_referenced(a) ? "" : ", unreferenced: no limits, a short way at once");
+    const bool is_referenced = reference.is_referenced(a);
+    const double speed =
+        jog_speed(axis, is_referenced ? share : unreferenced_jog_share * share, 1.0 / rig.rate_hz);
+    fmt::print(stderr, "  {:<16}{:>10.3f} {}/s{}\n", axis.name, speed, to_string(axis.unit),
+               is_referenced ? "" : ", unreferenced: no limits, a short way at once");
   }
 }
 
@@ -53,7 +54,9 @@ int jog_command(const JogArguments& arguments) {
     options.session.audience.keys = [&] { return terminal.read(); };
     options.session.audience.interrupted = &InterruptWatch::asked;
     options.session.audience.rig_has_changed = [&] { return watch.has_changed(); };
-    options.session.audience.status = [&](const RunSnapshot& now) { bar.show(now.share, status_line(now)); };
+    options.session.audience.status = [&](const RunSnapshot& now) {
+      if (now.jog) bar.show(now.share, status_line(now));
+    };
     end = jog(rig, selected, reference, options);
   }
   fmt::print("{}: {}\n", rig.name, end.reason);
@@ -82,7 +85,8 @@ void describe(CLI::App& app, JogArguments& arguments) {
       "from the speed that is asked for it is slower; the speeds are listed at the start.\n\n"
       "Axes stay inside their soft limits. An unreferenced axis (one that does not know where it is) has "
       "none: it moves at\n"
-      "a tenth of the speed, and a hundredth of the way between its limits until the key is let go and "
+      "a tenth of the share at most, and a hundredth of the way between its limits until the key is let go "
+      "and "
       "pressed again.\n"
       "Bring it to its mark, and say so with inbetween goto --set-zero.\n\n"
       "Exit status: 0 left; 1 refused; 4 stopped by something else.\n\n"

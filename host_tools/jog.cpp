@@ -179,8 +179,8 @@ JogRig jog_rig(const RigSession& session, const RigReference& reference, double 
     rig.free.push_back(free_axis_of(axis, share, session.positions()[a], session.tick_seconds()));
     rig.axes.push_back({.name = axis.name.c_str(),
                         .unit = to_string(axis.unit).data(),
-                        .speed = jog_speed(axis, share, session.tick_seconds()) *
-                                 (is_referenced ? 1 : unreferenced_jog_share),
+                        .speed = jog_speed(axis, is_referenced ? share : unreferenced_jog_share * share,
+                                           session.tick_seconds()),
                         .is_referenced = is_referenced,
                         .way = unreferenced_way_share * (axis.max - axis.min)});
   }

@@ -20,7 +20,7 @@ namespace inbetween {
 inline constexpr double jog_stops_within_s = 0.2;
 /// ... of which the key may be missed for so long: terminals repeat a key 11 to 30 times a second.
 inline constexpr double jog_key_missed_s = 0.1;
-/// Of the speed of an axis that knows where it is, what one has that does not.
+/// Of the share of its velocity that an axis has, what it has that does not know where it is.
 inline constexpr double unreferenced_jog_share = 0.1;
 /// Of the way between its limits, how far such an axis goes until the key is let go.
 inline constexpr double unreferenced_way_share = 0.01;

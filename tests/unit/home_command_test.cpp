@@ -242,6 +242,41 @@ TEST(RigHoming, AnEmergencyStopEndsIt) {
   EXPECT_LT(bench.ticks, 105);
 }
 
+// The whole way: drives that make steps, switches that follow the shafts, and edges with times.
+TEST(RigHoming, OnTheLinesOfARigEveryAxisKnowsWhereItsShaftIs) {
+  const RigFile rig = parse_rig(slider, "rig.toml");
+  const std::vector<double> truly{310, 0, -40};
+  const std::unique_ptr<RigLines> lines = RigLines::simulated(rig, truly);
+  const std::unique_ptr<RigDrives> drives = RigDrives::simulated(rig, truly);
+  lines->follow(*drives);
+  for (std::size_t a = 0; a < 3; ++a) drives->place(a, 7);  // whatever was counted
+  LoopRoom room(3, 3);
+  RunLoop loop(*drives, *lines, room.memory());
+  LoopTrace trace(3);
+  const LoopAudience audience;
+  FastRunner runner(loop, 250, audience, trace);
+  Arming arming(loop);
+  runner.run(act_of(arming, true), std::nullopt);
+  const std::vector<std::size_t> axes{0, 2};
+  const std::vector<AxisLimits<double>> limits{limits_of(rig.axes[0]), limits_of(rig.axes[2])};
+  RigHoming<RigLines> homing(rig, axes, *lines,
+                             {.positions = arming.positions(),
+                              .drives = loop.drive_states(),
+                              .tick_seconds = tick_s,
+                              .delay_ns = 2 * tick_ns});
+  FreePlay play(
+      loop,
+      {.source = source_of<double>(homing), .drive_of = axes, .limits = limits, .tick_seconds = tick_s});
+  ASSERT_TRUE(runner.run(act_of(play), std::nullopt).begun);
+  Arriving arriving(loop, 250);
+  runner.run(act_of(arriving, true), std::nullopt);
+  ASSERT_TRUE(homing.is_done()) << homing.reason();
+  for (std::size_t i = 0; i < 2; ++i) {
+    const double says = loop.drive_states()[axes[i]].actual + homing.shift(i);
+    EXPECT_NEAR(says, drives->true_position(axes[i]), 1.0 / (i == 0 ? 80 : 100)) << axes[i];
+  }
+}
+
 // --- the command
 
 struct Stage {
