@@ -153,11 +153,7 @@ Result<CueCount> CueTimer<Real>::advance(const CueTick<Real>& tick, CueRoom room
              .start_ns = tick.start_ns,
              .end_ns = tick.end_ns,
              .latest_ns = tick.start_ns};
-  const FixedVector<Range, 2> due = due_;
-  due_.clear();
-  for (const Range& range : due) {
-    for (std::size_t i = range.first; i < range.last; ++i) begin(i, tick.start_ns, out);
-  }
+  begin_due(out);
   if (!has_place_ || tick.from.time != here_) next_ = first_at(tick.from.time);
   go_through(tick, out);
   end_before(tick.end_ns, out);
@@ -228,6 +224,15 @@ void CueTimer<Real>::go(const Leg& leg, const Way& way, Output& out) {
   if (due.first < due.last) static_cast<void>(due_.push_back(due));
 }
 
+/// What was passed exactly at the end of the tick before.
+template <Precise Real>
+void CueTimer<Real>::begin_due(Output& out) {
+  for (const Range& range : due_) {
+    for (std::size_t i = range.first; i < range.last; ++i) begin(i, out.start_ns, out);
+  }
+  due_.clear();
+}
+
 template <Precise Real>
 void CueTimer<Real>::begin(std::size_t pulse, std::int64_t at_ns, Output& out) {
   if (out.count.begun == out.room.begun.size()) {
@@ -269,9 +274,8 @@ void CueTimer<Real>::end_before(std::int64_t at_ns, Output& out) {
 template <Precise Real>
 Result<CueCount> CueTimer<Real>::end_all(CueRoom room) {
   if (const Status enough = check_room(room); !enough) return enough.error();
-  for (const Range& range : due_) counters_.lost += range.last - range.first;
-  due_.clear();
   Output out{.room = room, .count = {}, .start_ns = ended_ns_, .end_ns = ended_ns_, .latest_ns = ended_ns_};
+  begin_due(out);
   end_before(std::numeric_limits<std::int64_t>::max(), out);
   return out.count;
 }

@@ -282,6 +282,13 @@ TEST(CueTimer, EndAllEndsWhatHasBegun) {
   EXPECT_EQ(timed.changes(), (Changes{{0, 3, 3}, off(40 * ms, 2), off(50 * ms)}));
 }
 
+TEST(CueTimer, EndAllBeginsWhatWasPassedAtTheEndOfTheLastTick) {
+  Timed timed(one_at(last_frame));
+  timed.pass(99.75, last_frame);
+  timed.end_all();
+  EXPECT_EQ(timed.changes(), (Changes{on(10 * ms), off(13 * ms)}));
+}
+
 TEST(CueTimer, FromRestThePlaceIsReachedAsTheRateRises) {
   // Rate change 0 at first, bending evenly: the way is t^3.
   Timed timed(one_at(0, 0.001));

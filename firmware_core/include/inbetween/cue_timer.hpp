@@ -107,8 +107,8 @@ class CueTimer {
   /// or begins before the last one ended), capacity (the instants of the room).
   /// O(log pulses + 40 a pulse that begins + lines a pulse that ends).
   Result<CueCount> advance(const CueTick<Real>& tick, CueRoom room);
-  /// The ends of all pulses that have begun, however late: for when no tick follows. What was passed at the
-  /// end of the last tick begins no more, and is counted as lost. Errors: capacity.
+  /// For when no tick follows: what was passed exactly at the end of the last tick begins then, and all
+  /// pulses that have begun end, however much later. Errors: capacity.
   Result<CueCount> end_all(CueRoom room);
 
   [[nodiscard]] const CueCounters& counters() const { return counters_; }
@@ -131,6 +131,7 @@ class CueTimer {
   [[nodiscard]] std::size_t first_behind(const FrameTime<Real>& time) const;
   void go_through(const CueTick<Real>& tick, Output& out);
   void go(const Leg& leg, const Way& way, Output& out);
+  void begin_due(Output& out);
   void begin(std::size_t pulse, std::int64_t at_ns, Output& out);
   void end_before(std::int64_t at_ns, Output& out);
   [[nodiscard]] static Status check_room(const CueRoom& room);
