@@ -70,8 +70,10 @@ void Shooting::tick(std::int32_t ticks, std::int64_t now_ns) {
   if (result.state != SupervisorState::running) shoot_.interrupt();
   shoot_.tick(result.event);
   camera_.signal(shoot_.camera());
+  if (lines_.cues != nullptr) lines_.cues->signal(shoot_.camera(), now_ns);
   // One that nobody waits for is dropped, as a key would be: the rig does not start later for it.
-  if (camera_.has_triggered()) keys_.say(shoot_.trigger());
+  const bool asks = lines_.asks.has_come != nullptr && lines_.asks.has_come(lines_.asks.of, now_ns);
+  if (camera_.has_triggered() || asks) keys_.say(shoot_.trigger());
   if (is_done() && loop_.state() == SupervisorState::running) keys_.say(loop_.finish());
 }
 

@@ -7,8 +7,10 @@
 #include <vector>
 
 #include "host_tools/operator_keys.hpp"
+#include "host_tools/rig_cues.hpp"
 #include "host_tools/run_snapshot.hpp"
 #include "host_tools/staged_move.hpp"
+#include "host_tools/start_signal.hpp"
 #include "inbetween/frame_shoot.hpp"
 #include "sim/simulated_camera.hpp"
 
@@ -28,17 +30,24 @@ ShootSpec<double> shoot_spec(const ShootOptions& options, std::int32_t rate_hz);
 /// Throws LimitError, at the place of the number of frames, where a frame cannot be exposed as wanted.
 void refuse_exposures(StagedMove& staged, const ShootSpec<double>& spec);
 
+/// The lines of the rig's own camera.
+struct ShootingLines {
+  RigCues* cues = nullptr;  ///< with the line of its shutter
+  StartSignal asks = {};    ///< asks for the next frame
+};
+
 /// Shoots a move in a loop. Refers to all of them. Allocates nothing.
 class Shooting {
  public:
   Shooting(RunLoop& loop, StagedMove& staged, SimulatedCamera& camera, const ShootSpec<double>& spec,
-           bool is_attended)
+           bool is_attended, const ShootingLines& lines = {})
       : loop_(loop),
         spec_(staged.loop_spec()),
         camera_(camera),
         frames_(staged.plan().move().frames),
         shoot_(spec, frames_, staged.playhead(), staged.still()),
-        keys_(loop, is_attended) {}
+        keys_(loop, is_attended),
+        lines_(lines) {}
 
   /// Goes to the frame that it was at and shoots it. Errors: those of MotionLoop::begin and
   /// FrameShoot::shoot.
@@ -61,6 +70,7 @@ class Shooting {
   std::int32_t frames_;
   FrameShoot<double> shoot_;
   OperatorKeys keys_;
+  ShootingLines lines_;
 };
 
 }  // namespace inbetween
