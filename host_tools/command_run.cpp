@@ -196,6 +196,14 @@ RunReport run(const Plan& plan, const RunArguments& arguments, const RigWatch& w
   return play(plan, options);
 }
 
+void refuse_no_camera(const Plan& plan) {
+  if (plan.rig()->camera) return;
+  throw InputError({plan.rig()->path, 0, 0},
+                   fmt::format("the rig {} has no camera; add a [camera] with the line of its shutter, or "
+                               "simulate one with --sim",
+                               in_quotes(plan.rig()->name)));
+}
+
 int run_command(const RunArguments& arguments) {
   shoot_options(arguments);  // what is wrong with them is said before any file is read
   positions_of(arguments.from);
@@ -206,9 +214,6 @@ int run_command(const RunArguments& arguments) {
     }
     if (arguments.faults) {
       throw UsageError("--faults is for simulated drives; add --sim, or give it to inbetween sim-drives");
-    }
-    if (arguments.step || arguments.shutter) {
-      throw UsageError("this version signals a simulated camera only; add --sim");
     }
   } else if (arguments.allow_jitter) {
     throw UsageError("--allow-jitter is for a real rig; leave out --sim");
@@ -222,6 +227,7 @@ int run_command(const RunArguments& arguments) {
   if (arguments.json) check_output(*arguments.json);
   const RigWatch watch(arguments.rig);
   const Plan plan = make_plan(arguments.move, arguments.rig, Solver::closed_form);
+  if (!arguments.simulated && (arguments.step || arguments.shutter)) refuse_no_camera(plan);
   const RunReport report = run(plan, arguments, watch);
   if (arguments.json) {
     write_output(*arguments.json, [&](std::FILE* file) { write_run_json(report, file); });

@@ -199,7 +199,8 @@ class Run {
     const std::int64_t last = staged_.plan().played().last_tick_at(rate_hz_);
     if (options_.shoot) {
       SimulatedCamera camera(!is_attended());
-      Shooting shooting(rig_.loop, staged_, camera, shoot_spec(*options_.shoot, rate_hz_), is_attended());
+      Shooting shooting(rig_.loop, staged_, camera, shoot_spec(*options_.shoot, rate_hz_), is_attended(),
+                        {.cues = rig_.cues.get()});
       perform(shooting, std::nullopt);
       report_.exposures = shooting.exposures();
     } else {
