@@ -73,7 +73,7 @@ RigSteps::RigSteps(const RigFile& rig) : rig_(rig) {
       indices_.push_back(a);
       edges_.emplace_back(generator->most_edges());
       room += generator->most_edges();
-      lanes_.push_back({*generator, {}});
+      lanes_.push_back({.generator = *generator, .edges = {}});
     }
     for (const std::size_t lane : chip.lanes) {
       const StepDirDrive& drive = its_drive(rig.axes[indices_[lane]]);

@@ -87,7 +87,7 @@ struct Slider {
               .value();
       edges.emplace_back(generator.most_edges());
       room_for_instants += edges.back().size();
-      lanes.push_back({generator, {}});
+      lanes.push_back({.generator = generator, .edges = {}});
       const double at = i == 0 ? 10 : 100;
       chip.add(
           SimulatedStepper::make({.lines = wires[i], .steps_per_unit = steps_per_unit[i], .torque = {}}, at)

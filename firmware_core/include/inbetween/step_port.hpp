@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
@@ -37,6 +38,7 @@ template <Precise Real>
 struct StepLane {
   StepGenerator<Real> generator;
   std::span<StepEdge> edges;
+  Real told = 0;  ///< its last setpoint, kept by the port
 };
 
 /// The axes of one chip: lanes first_lane .. first_lane + lanes of the port, in the order of `merge`.
@@ -170,15 +172,20 @@ class StepPort {
   }
   void quick_stop() { cease(); }
 
-  /// In axis units, as the steps that were put out say.
+  /// In axis units, as the steps that were put out say: the last setpoint where they are at it, which is
+  /// within half a step of them.
   [[nodiscard]] Real position(std::size_t lane) const {
     const StepGenerator<Real>& generator = lanes_[lane].generator;
+    const Real told = lanes_[lane].told;
+    const Real told_steps = std::floor(told * generator.spec().steps_per_unit + Real(0.5));
+    if (told_steps == static_cast<Real>(generator.count())) return told;
     return static_cast<Real>(generator.count()) / generator.spec().steps_per_unit;
   }
   /// The axis is at `position`, whatever was counted: it was homed, or somebody said so. Only while it rests.
   /// Errors: those of StepGenerator::place.
   Status place(std::size_t lane, Real position) {
     if (const Status placed = lanes_[lane].generator.place(position); !placed) return placed;
+    lanes_[lane].told = position;
     states_[lane] = {};
     return Done{};
   }
@@ -218,6 +225,7 @@ class StepPort {
       states_[i] = {.has_failed = true, .has_lost_steps = true};
       return {};
     }
+    lanes_[i].told = setpoint.position;
     return lanes_[i].edges.first(*count);
   }
 
