@@ -102,6 +102,7 @@ void run_sim_drives(const RigFile& rig, const SimDrivesOptions& options) {
   for (std::size_t a = 0; a < rig.axes.size(); ++a) {
     const RigAxis& axis = rig.axes[a];
     const Cia402Drive* const drive = std::get_if<Cia402Drive>(&axis.drive);
+    if (std::holds_alternative<StepDirDrive>(axis.drive)) continue;
     if (drive == nullptr) {
       throw InputError(axis.place,
                        fmt::format("axis {} is no CiA 402 drive; this version simulates those only "
@@ -120,9 +121,15 @@ void run_sim_drives(const RigFile& rig, const SimDrivesOptions& options) {
         {axis.name, SimulatedCia402Drive(simulated_settings_of(axis, position), clock.now_ns())});
     faults.attach(a, bus->drives.back().drive);
   }
+  if (buses.empty()) {
+    throw InputError({rig.path, 0, 0},
+                     fmt::format("the rig {} has no drive on a bus; simulate it with inbetween run --sim",
+                                 in_quotes(rig.name)));
+  }
   if (!standing.empty()) {
-    throw InputError({rig.path, 0, 0}, fmt::format("the rig {} has no axis {}; name one of its axes",
-                                                   in_quotes(rig.name), in_quotes(standing.begin()->first)));
+    throw InputError({rig.path, 0, 0},
+                     fmt::format("the rig {} has no axis {} on a bus; name one of its axes there",
+                                 in_quotes(rig.name), in_quotes(standing.begin()->first)));
   }
   for (BusOfDrives& bus : buses) open(bus, rig, *host);
   if (options.ready) options.ready();

@@ -25,8 +25,9 @@ struct SimDrivesOptions {
   std::FILE* record = nullptr;
 };
 
-/// Until it is interrupted. Throws InputError at the place of a bus that is not there, or of an axis that is
-/// no CiA 402 drive or unknown. Looks at its buses a thousand times a second.
+/// Until it is interrupted. Axes on STEP and DIR lines are left out: nothing at those answers. Throws
+/// InputError at the place of a bus that is not there, or of an axis with another drive than CiA 402 or
+/// unknown; and where no axis is left. Looks at its buses a thousand times a second.
 void run_sim_drives(const RigFile& rig, const SimDrivesOptions& options);
 
 }  // namespace inbetween
