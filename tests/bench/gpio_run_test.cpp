@@ -93,7 +93,7 @@ sleep 1
 sleep 2
 {}
 status=0; wait $run || status=$?
-sleep 0.5; kill $watch; exit $status)",
+sleep 0.5; kill $watch 2>/dev/null || true; exit $status)",
                                              INBETWEEN_WATCH_LINES, lines, path("record"), INBETWEEN_PROGRAM,
                                              path("move.toml"), path("rig.toml"), during));
     std::istringstream text(file_contents(path("record")));
@@ -247,13 +247,12 @@ TEST(GpioRun, ABusyLineNamesItsUserAndNothingIsSwitchedOn) {
 // faults.md 35. What is left of the lines when nobody holds them is the chip's affair: this one leaves them
 // to what pulls at them, as docs ask of the wiring of ENABLE.
 TEST(GpioRun, KilledInMotionTheStepsEndAndWhatPullsAtEnableDecides) {
-  const GpioScene scene("kill -KILL $run; date +%s%N");
+  const GpioScene scene("kill -KILL $run");
   EXPECT_EQ(scene.run.status, 128 + 9);
   scene.expect_a_part_of_the_move();
   EXPECT_TRUE(scene.has_ever_been_high(enable_x));
   scene.expect_drives_off();
-  const std::int64_t off_ns = scene.record.back().at_ns;
-  EXPECT_LE(scene.rises(step_x).back(), off_ns);
+  EXPECT_LT(scene.record.back().at_ns, scene.rises(step_x).front() + 3000 * ms) << "then it was killed";
 }
 
 TEST(GpioRun, AStepRateBeyondTheDrivesIsRefusedAtItsPlaceInTheRig) {
@@ -292,7 +291,8 @@ TEST(GpioRun, AMixedRigPlaysOneMoveOnCanAndOnGpioTogether) {
   const std::string drives = file_contents(record);
   EXPECT_THAT(drives, HasSubstr("track,end,")) << drives.substr(0, 200);
   EXPECT_THAT(drives, HasSubstr(",1200000")) << "2400 mm of 500 counts";
-  EXPECT_THAT(run.out, HasSubstr("\"ended\": \"finished\"")) << run.out;
+  EXPECT_THAT(run.out, HasSubstr(R"("ended":"finished")"));
+  EXPECT_THAT(run.out, HasSubstr(R"("name":"focus","last_commanded":180,"last_actual":180,)"));
 }
 
 }  // namespace
