@@ -22,16 +22,19 @@ constexpr std::size_t bytes_per_write = 1 << 16;
 constexpr int patience_ms = 1000;
 constexpr std::chrono::milliseconds between_looks{5};
 
+int opened(const std::string& file) {
+  // A pipe that nobody reads must not hold up the end of the run.
+  const int opened = file == "-"
+                         ? fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, 0)
+                         : open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_NONBLOCK | O_CLOEXEC, 0666);
+  if (opened >= 0) return opened;
+  throw std::runtime_error(fmt::format("{}: cannot be written: {}", file, std::strerror(errno)));
+}
+
 }  // namespace
 
 CueLog::CueLog(const std::string& file, const std::vector<CuePulse>& pulses, bool waits)
-    : pulses_(pulses), waits_(waits) {
-  // A pipe that nobody reads must not hold up the end of the run.
-  file_ = file == "-" ? fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, 0)
-                      : open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_NONBLOCK | O_CLOEXEC, 0666);
-  if (file_ < 0) {
-    throw std::runtime_error(fmt::format("{}: cannot be written: {}", file, std::strerror(errno)));
-  }
+    : pulses_(pulses), waits_(waits), file_(opened(file)) {
   text_ = "seconds,line,frame,width_ms,merged\n";
   thread_ = std::thread([this] { live(); });
 }
