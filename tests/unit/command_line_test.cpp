@@ -51,9 +51,9 @@ void expect_help(const std::vector<std::string>& arguments, std::initializer_lis
 }
 
 TEST(CommandLine, ItsHelpNamesEveryCommandAndEveryExitStatus) {
-  expect_help({"--help"}, {"\n  plan ", "\n  check ", "\n  run ", "\n  sim-drives ", "--version", "--help",
-                           "0 done", "1 bad input", "2 wrong usage", "3 a limit would be exceeded",
-                           "4 stopped by a fault", "docs/formats.md"});
+  expect_help({"--help"}, {"\n  plan ", "\n  check ", "\n  run ", "\n  goto ", "\n  home ", "\n  jog ",
+                           "\n  sim-drives ", "--version", "--help", "0 done", "1 bad input", "2 wrong usage",
+                           "3 a limit would be exceeded", "4 stopped by a fault", "docs/formats.md"});
 }
 
 TEST(CommandLine, TheHelpOfPlanNamesEveryOption) {
