@@ -10,7 +10,7 @@
 
 #include "drivers/linux/interrupt_watch.hpp"
 #include "drivers/linux/key_terminal.hpp"
-#include "drivers/linux/monotonic_clock.hpp"
+#include "host_tools/agreement.hpp"
 #include "host_tools/axis_positions.hpp"
 #include "host_tools/command.hpp"
 #include "host_tools/fault_script.hpp"
@@ -21,9 +21,6 @@
 
 namespace inbetween {
 namespace {
-
-/// While somebody thinks about a question.
-constexpr std::int64_t ns_between_looks = 20'000'000;
 
 struct RunArguments {
   std::string move, rig;
@@ -132,22 +129,6 @@ void print_run_summary(const RunReport& report, const Plan& plan, const RunArgum
   }
   if (report.record) print_record(report, *arguments.record, out);
   if (report.cue_log) print_cue_log(*report.cue_log, *arguments.cue_log, out);
-}
-
-/// Puts the question, and waits for Enter or for anything that means no.
-bool agrees(KeyTerminal& terminal, const std::string& question) {
-  fmt::print(stderr, "{}\nEnter goes there, q leaves\n", question);
-  const MonotonicClock clock;
-  TransportKeys keys;
-  for (;;) {
-    keys.feed(terminal.read());
-    while (const std::optional<TransportKey> key = keys.next()) {
-      if (*key == TransportKey::start) return true;
-      if (*key == TransportKey::quit || *key == TransportKey::stop) return false;
-    }
-    if (InterruptWatch::asked()) return false;
-    clock.sleep_until_ns(clock.now_ns() + ns_between_looks);
-  }
 }
 
 /// On a terminal with the keys of a tape recorder, elsewhere with nothing but a progress bar.
