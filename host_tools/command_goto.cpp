@@ -30,6 +30,7 @@ struct GotoArguments {
 /// What the operator says, to the position file; nothing moves.
 int say_where_axes_stand(const GotoArguments& arguments) {
   std::vector<std::string> said = arguments.stands_at;
+  said.reserve(said.size() + arguments.set_zero.size());
   for (const std::string& name : arguments.set_zero) said.push_back(name + "=0");
   const RigFile rig = read_rig_file(arguments.setup.rig);
   std::vector<GoTarget> stands;
@@ -79,6 +80,7 @@ int go(const GotoArguments& arguments) {
   const SetupEnd end = go_to(rig, targets, reference, options);
   fmt::print("{}: {}\n", rig.name, end.reason);
   std::vector<std::size_t> axes;
+  axes.reserve(targets.size());
   for (const GoTarget& target : targets) axes.push_back(target.axis);
   if (!end.positions.empty()) print_positions(rig, reference, axes, end.positions);
   return end.is_done ? 0 : exit_fault;

@@ -47,6 +47,7 @@ int home_command(const HomeArguments& arguments) {
     terminal.emplace();
     options.audience.keys = [&] { return terminal->read(); };
     std::vector<std::string> names;
+    names.reserve(axes.size());
     for (const std::size_t a : axes) names.push_back(rig.axes[a].name);
     fmt::print(stderr, "looking for the switches of {}; Esc stops\n", comma_separated(names));
   }

@@ -2,7 +2,9 @@
 
 #include <CLI/CLI.hpp>
 #include <memory>
+#include <numeric>
 #include <string>
+#include <vector>
 
 #include "drivers/linux/interrupt_watch.hpp"
 #include "drivers/linux/key_terminal.hpp"
@@ -60,8 +62,8 @@ int jog_command(const JogArguments& arguments) {
     end = jog(rig, selected, reference, options);
   }
   fmt::print("{}: {}\n", rig.name, end.reason);
-  std::vector<std::size_t> all;
-  for (std::size_t a = 0; a < end.positions.size(); ++a) all.push_back(a);
+  std::vector<std::size_t> all(end.positions.size());
+  std::iota(all.begin(), all.end(), std::size_t{0});
   print_positions(rig, reference, all, end.positions);
   return end.is_done ? 0 : exit_fault;
 }

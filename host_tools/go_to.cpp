@@ -89,6 +89,7 @@ std::vector<GoTarget> go_targets(const RigFile& rig, const std::vector<std::stri
 SetupEnd go_to(const RigFile& rig, const std::vector<GoTarget>& targets, RigReference& reference,
                const GoOptions& options) {
   std::vector<std::size_t> wanted;
+  wanted.reserve(targets.size());
   for (const GoTarget& target : targets) wanted.push_back(target.axis);
   reference.refuse_unreferenced(wanted);
   RigSession session(rig, reference, options.session);

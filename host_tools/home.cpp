@@ -28,6 +28,7 @@ void refuse_fast_homing(const RigFile& rig, const std::vector<std::size_t>& axes
 SetupEnd home_armed(RigSession& session, const std::vector<std::size_t>& axes, RigReference& reference) {
   const RigFile& rig = session.rig();
   std::vector<AxisLimits<double>> limits;
+  limits.reserve(axes.size());
   for (const std::size_t a : axes) {
     limits.push_back(limits_of(rig.axes[a]));
     reference.is_lost(a, "its homing was not done");

@@ -40,6 +40,7 @@ class Looking {
 std::vector<double> standing_positions(const RigFile& rig, const RigReference& reference,
                                        std::map<std::string, double> said) {
   std::vector<double> positions;
+  positions.reserve(rig.axes.size());
   for (std::size_t a = 0; a < rig.axes.size(); ++a) {
     const RigAxis& axis = rig.axes[a];
     positions.push_back(reference.position(a).value_or(std::clamp(0.0, axis.min, axis.max)));
@@ -56,6 +57,7 @@ std::size_t axis_named(const RigFile& rig, const std::string& name) {
     if (rig.axes[a].name == name) return a;
   }
   std::vector<std::string> names;
+  names.reserve(rig.axes.size());
   for (const RigAxis& axis : rig.axes) names.push_back(axis.name);
   throw InputError({rig.path, 0, 0},
                    fmt::format("the rig {} has no axis {}; name one of {}", in_quotes(rig.name),
