@@ -87,6 +87,11 @@ struct WiredTrigger {
   bool start_triggered(std::int64_t /*now_ns*/) { return lines->start_triggered(); }
 };
 
+struct WiredCamera {
+  RigLines* lines = nullptr;
+  bool start_triggered(std::int64_t /*now_ns*/) { return lines->camera_asks(); }
+};
+
 /// The motion loop with its memory.
 struct LoopOfRig {
   std::unique_ptr<RigLines> lines;
@@ -94,6 +99,7 @@ struct LoopOfRig {
   std::unique_ptr<RigCues> cues;  // null where the rig has no outputs
   SimulatedTrigger simulated_trigger;
   WiredTrigger trigger;
+  WiredCamera camera;
   bool is_simulated = true;
   LoopRoom room;
   RunLoop loop;
@@ -198,9 +204,15 @@ class Run {
     refuse_changed_rig();
     const std::int64_t last = staged_.plan().played().last_tick_at(rate_hz_);
     if (options_.shoot) {
-      SimulatedCamera camera(!is_attended());
+      // A camera that asks by its line is waited for; one that cannot is taken to be ready for the next
+      // frame.
+      const std::optional<Camera>& wired = staged_.plan().rig()->camera;
+      const bool asks_by_line = !rig_.is_simulated && wired && wired->asks;
+      SimulatedCamera camera(!is_attended() && !asks_by_line);
+      ShootingLines lines{.cues = rig_.cues.get()};
+      if (asks_by_line) lines.asks = start_signal_of(rig_.camera);
       Shooting shooting(rig_.loop, staged_, camera, shoot_spec(*options_.shoot, rate_hz_), is_attended(),
-                        {.cues = rig_.cues.get()});
+                        lines);
       perform(shooting, std::nullopt);
       report_.exposures = shooting.exposures();
     } else {
@@ -418,6 +430,7 @@ RunReport run_on_rig(const Plan& plan, const RunOptions& options) {
   LoopOfRig rig(std::move(lines), RigDrives::on_rig(rig_file, !options.allow_jitter), plan.axes().size());
   rig.is_simulated = false;
   rig.trigger.lines = rig.lines.get();
+  rig.camera.lines = rig.lines.get();
   rig.cues = RigCues::on_chips(plan.move(), rig_file, plan.played().first_frame(), plan.played().last_frame(),
                                !options.allow_jitter);
   log_cues(rig, plan, options);
