@@ -32,7 +32,7 @@ keys = [ { at = [10, 100] }, { at = [80, 60] }, { at = [5, 160] } ]
 speed = [0, 0, 10, 0, 0]
 )";
 
-const std::string slider = R"(name = "slider"
+const std::string slider_rig = R"(name = "slider"
 rate_hz = 250
 [[axis]]
 name = "slide"
@@ -58,7 +58,7 @@ using Port = StepPort<double, SimulatedStepChip>;
 
 /// Two motors on one chip, with an ENABLE line that is low while they are on.
 struct Slider {
-  Plan plan{parse_move(slide_and_turn, "move.toml"), parse_rig(slider, "rig.toml"), {}};
+  Plan plan{parse_move(slide_and_turn, "move.toml"), parse_rig(slider_rig, "rig.toml"), {}};
   PlannedStops stops{plan};
   Playhead<double> playhead{plan.played(), *stops.bounds(), 250};
   std::vector<std::size_t> drive_of{0, 1};
