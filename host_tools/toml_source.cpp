@@ -116,7 +116,7 @@ void refuse_unsafe_structure(std::string_view text, const std::string& file_name
       at = std::min(text.find('\n', at), text.size());
       continue;
     }
-    if (c == '\0') refuse("a zero byte; is this a text file?");
+    if (c == '\0') refuse("a zero byte is not valid TOML; is this a text file?");
     if (static_cast<unsigned char>(c) >= 0x80) {
       const std::string_view character = text.substr(at, character_length(text.substr(at)));
       refuse(fmt::format("{} outside quotes; put the text in double quotes", in_quotes(character)));

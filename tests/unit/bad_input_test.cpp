@@ -276,8 +276,8 @@ void expect_rig_refused(const std::string& marked, std::initializer_list<std::st
 }
 
 TEST(BadInput, ALineThatIsUsedTwice) {
-  expect_rig_refused(with(stepper_rig, "dir = 27", "dir = @5"),
-                     {"line 5 of chip \"head\"", "use each line once"});
+  expect_rig_refused(with(stepper_rig, "dir = 27", "dir = @17"),
+                     {"line 17 of chip \"head\"", "use each line once"});
 }
 
 TEST(BadInput, AnEmergencyStopThatABrokenWireWouldSilence) {

@@ -92,7 +92,6 @@ TEST(CommandLine, OptionsThatDoNotGoTogetherAreRefused) {
                      {"--solver runge-kutta", "frames only"});
   expect_wrong_usage({"plan", move, "--csv", "-", "--json", "-"}, {"--csv and --json", "standard output"});
   expect_wrong_usage({"run", move, "--rig", rig, "--from", "pan=1"}, {"add --sim"});
-  expect_wrong_usage({"run", move, "--rig", rig, "--step"}, {"add --sim"});
   expect_wrong_usage({"run", move, "--rig", rig, "--sim", "--allow-jitter"}, {"leave out --sim"});
   expect_wrong_usage({"run", move, "--rig", rig, "--fast"}, {"add --sim"});
 }

@@ -25,10 +25,10 @@ constexpr double tick_s = 1.0 / 250;
 
 const std::string slide_and_turn = R"(name = "slide and turn"
 fps = 24
-frames = 48
+frames = 120
 [[track]]
 axes = ["slide", "turn"]
-keys = [ { at = [10, 100] }, { at = [80, 60] }, { at = [5, 160] } ]
+keys = [ { at = [10, 100] }, { at = [40, 130] }, { at = [5, 160] } ]
 speed = [0, 0, 10, 0, 0]
 )";
 
@@ -39,18 +39,18 @@ name = "slide"
 unit = "mm"
 min = -100
 max = 100
-max_velocity = 250
-max_acceleration = 1000
-max_jerk = 20000
-drive = { type = "step-dir", chip = "io", step = 0, dir = 1, enable = 2, steps_per_unit = -80, max_step_rate = 30000 }
+max_velocity = 600
+max_acceleration = 4000
+max_jerk = 80000
+drive = { type = "step-dir", chip = "io", step = 0, dir = 1, enable = 2, steps_per_unit = -80, max_step_rate = 60000 }
 [[axis]]
 name = "turn"
 unit = "deg"
 min = 0
 max = 200
-max_velocity = 250
-max_acceleration = 1000
-max_jerk = 20000
+max_velocity = 600
+max_acceleration = 4000
+max_jerk = 80000
 drive = { type = "step-dir", chip = "io", step = 3, dir = 4, steps_per_unit = 9, max_step_rate = 10000 }
 )";
 
@@ -78,12 +78,13 @@ struct Slider {
   std::int64_t now_ns = 1'000'000'000;
 
   Slider() {
+    EXPECT_TRUE(stops.bounds()) << "the move is beyond the limits of its rig";
     const StepTiming timing{.pulse_ns = 5000, .pause_ns = 5000, .dir_setup_ns = 5000, .dir_hold_ns = 5000};
     wires = {{{0, 1, timing}, {3, 4, timing}}};
     std::size_t room_for_instants = 1;
     for (std::size_t i = 0; i < 2; ++i) {
       auto generator =
-          StepGenerator<double>::make({steps_per_unit[i], timing, i == 0 ? 30'000.0 : 10'000.0, tick_ns})
+          StepGenerator<double>::make({steps_per_unit[i], timing, i == 0 ? 60'000.0 : 10'000.0, tick_ns})
               .value();
       edges.emplace_back(generator.most_edges());
       room_for_instants += edges.back().size();
@@ -248,7 +249,7 @@ TEST(StepLoop, MoreStepsThanTheRatePermitsAreAFaultOfThatAxisAndStopAll) {
   slider.tick(200);
   // The generator of the first axis is told another scale than the plan was checked with.
   slider.lanes[0].generator =
-      StepGenerator<double>::make({-800, slider.lanes[0].generator.spec().timing, 30'000, tick_ns}).value();
+      StepGenerator<double>::make({-800, slider.lanes[0].generator.spec().timing, 60'000, tick_ns}).value();
   slider.tick(2);
   EXPECT_EQ(slider.loop().state(), State::stopping);
   EXPECT_TRUE(slider.states[0].has_lost_steps);

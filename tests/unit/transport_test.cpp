@@ -40,7 +40,8 @@ TEST(TransportKeys, ReadWhatATerminalSends) {
       ElementsAre(TransportKey::step_forward, TransportKey::step_backward, TransportKey::step_forward));
   EXPECT_THAT(keys_of("\x1b"), ElementsAre(TransportKey::stop));
   EXPECT_THAT(keys_of("\x1b\x1b"), ElementsAre(TransportKey::stop, TransportKey::stop));
-  EXPECT_THAT(keys_of("xyz\x1b[A\x1b[H\xff"), IsEmpty()) << "other keys do nothing";
+  EXPECT_THAT(keys_of("\x1b[A\x1b[B"), ElementsAre(TransportKey::previous_axis, TransportKey::next_axis));
+  EXPECT_THAT(keys_of("xyz\x1b[F\x1b[H\xff"), IsEmpty()) << "other keys do nothing";
 }
 
 /// Plays the example on a virtual clock, typing `typed[i].second` before tick `typed[i].first`.
