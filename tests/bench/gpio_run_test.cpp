@@ -80,6 +80,10 @@ struct GpioScene {
   explicit GpioScene(const std::string& during, const std::vector<std::string>& bench = {}) {
     std::ofstream(path("rig.toml")) << rig_text;
     std::ofstream(path("move.toml")) << move_text;
+    EXPECT_EQ(run_program({"goto", "--rig", path("rig.toml"), "--positions", path("positions"), "--set-zero",
+                           "x", "y"})
+                  .status,
+              0);
     std::vector<std::string> options{"--gpio", "head:8", "--virtual-time", "--timeout", "200"};
     options.insert(options.end(), bench.begin(), bench.end());
     // A kernel that has just started has coarse timers.
@@ -89,13 +93,13 @@ head=$INBETWEEN_BENCH_GPIO/head
 pull() {{ echo pull-$2 >$head/sim_gpio$1/pull; }}
 sleep 1
 {} $head {} >{} & watch=$!
-{} run {} --rig {} & run=$!
+{} run {} --rig {} --positions {} & run=$!
 sleep 2
 {}
 status=0; wait $run || status=$?
 sleep 0.5; kill $watch 2>/dev/null || true; exit $status)",
                                              INBETWEEN_WATCH_LINES, lines, path("record"), INBETWEEN_PROGRAM,
-                                             path("move.toml"), path("rig.toml"), during));
+                                             path("move.toml"), path("rig.toml"), path("positions"), during));
     std::istringstream text(file_contents(path("record")));
     for (Levels at; text >> at.at_ns >> at.levels;) record.push_back(at);
   }
@@ -281,11 +285,13 @@ TEST(GpioRun, AMixedRigPlaysOneMoveOnCanAndOnGpioTogether) {
   std::ofstream(rig) << text;
   const std::string program = INBETWEEN_PROGRAM;
   const std::string move = INBETWEEN_SOURCE_DIR "/examples/track_and_focus.toml";
+  const std::string positions = (folder.path() / "positions").string();
+  EXPECT_EQ(run_program({"goto", "--rig", rig, "--positions", positions, "--set-zero", "focus"}).status, 0);
   const ProgramRun run = script_in_bench(
       {"--gpio", "pinctrl-bcm2711:54", "--vcan", "can0", "--virtual-time", "--timeout", "280"},
       "echo -1 >/proc/sys/kernel/sched_rt_runtime_us\nsleep 1\n" + program + " sim-drives --rig " + rig +
           " --from track=200 --record " + record + " 2>" + err + " & drives=$!\nuntil_true grep -q power " +
-          err + "\nstatus=0; " + program + " run " + move + " --rig " + rig +
+          err + "\nstatus=0; " + program + " run " + move + " --rig " + rig + " --positions " + positions +
           " --yes --json - || status=$?\nkill -TERM $drives; wait $drives; exit $status");
   EXPECT_EQ(run.status, 0) << run.err << run.out;
   const std::string drives = file_contents(record);
