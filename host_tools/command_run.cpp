@@ -218,47 +218,7 @@ int run_command(const RunArguments& arguments) {
   return report.ending == Ending::finished ? 0 : exit_fault;
 }
 
-void describe(CLI::App& app, RunArguments& arguments) {
-  app.add_option("MOVE", arguments.move, "the move: a TOML file with keys, a speed curve and a frame count")
-      ->required();
-  app.add_option("--rig", arguments.rig, "the rig: axes, limits, drives and the ticks per second")
-      ->required();
-  app.add_flag("--sim", arguments.simulated, "simulate every axis of the rig; no hardware is touched");
-  app.add_flag("--fast", arguments.fast, "on a virtual clock, as fast as it can be computed");
-  CLI::Option* loop = app.add_flag("--loop", arguments.loop, "begin again at the end, until stopped");
-  app.add_flag("--ping-pong", arguments.ping_pong, "play to and fro, until stopped")->excludes(loop);
-  app.add_option("--top-rate", arguments.top_rate, "let + go up to so many times the drawn speed (1 to 10)")
-      ->check(CLI::Range(1.0, 10.0))
-      ->capture_default_str();
-  app.add_flag("--yes", arguments.yes, "agree that the rig goes slowly to the start of the move");
-  app.add_flag("--allow-jitter", arguments.allow_jitter,
-               "move a real rig without real-time rights, at a tenth of the drawn speed at most");
-  app.add_option("--from", arguments.from,
-                 "AXIS=POSITION, where a simulated axis stands before (the start of the move)")
-      ->expected(1)
-      ->take_all();
-  app.add_option("--faults", arguments.faults,
-                 "a script of what goes wrong with simulated CiA 402 drives, and when");
-  app.add_flag("--step", arguments.step,
-               "stop motion: on every frame go there, settle, signal the camera and wait");
-  app.add_option("--shutter", arguments.shutter,
-                 "go-motion: OPEN..CLOSE in degrees of a frame; the rig moves while the shutter is open");
-  app.add_option("--exposure", arguments.exposure, "seconds of the camera's signal (0.1 with --step)")
-      ->check(CLI::Range(0.001, 3600.0));
-  app.add_option("--settle", arguments.settle, "seconds at rest before the camera's signal (0.5)")
-      ->check(CLI::Range(0.0, 600.0));
-  app.add_option("--still", arguments.still, "an axis that stands still while the shutter is open")
-      ->expected(1)
-      ->take_all();
-  app.add_option("--json", arguments.json, "write a report (- is standard output)");
-  app.add_option("--positions", arguments.positions,
-                 "where the positions of axes are kept that no drive knows (on a rig: a file of its own\n"
-                 "under $XDG_STATE_HOME; in a simulation: nowhere)");
-  app.add_option("--record", arguments.record,
-                 "write what every axis was told and where it was, a line a tick (CSV)");
-  app.add_option("--cue-log", arguments.cue_log,
-                 "write when which pulse began on the outputs of the rig, a line a pulse (CSV; - is standard "
-                 "output)");
+void explain(CLI::App& app) {
   app.footer(
       "Before the first setpoint is sent, the move is held against the limits of the rig as inbetween check "
       "does,\n"
@@ -300,6 +260,49 @@ void describe(CLI::App& app, RunArguments& arguments) {
       "  inbetween run move.toml --rig rig.toml --sim --shutter 0..180 --exposure 0.5");
 }
 
+void describe(CLI::App& app, RunArguments& arguments) {
+  app.add_option("MOVE", arguments.move, "the move: a TOML file with keys, a speed curve and a frame count")
+      ->required();
+  app.add_option("--rig", arguments.rig, "the rig: axes, limits, drives and the ticks per second")
+      ->required();
+  app.add_flag("--sim", arguments.simulated, "simulate every axis of the rig; no hardware is touched");
+  app.add_flag("--fast", arguments.fast, "on a virtual clock, as fast as it can be computed");
+  CLI::Option* loop = app.add_flag("--loop", arguments.loop, "begin again at the end, until stopped");
+  app.add_flag("--ping-pong", arguments.ping_pong, "play to and fro, until stopped")->excludes(loop);
+  app.add_option("--top-rate", arguments.top_rate, "let + go up to so many times the drawn speed (1 to 10)")
+      ->check(CLI::Range(1.0, 10.0))
+      ->capture_default_str();
+  app.add_flag("--yes", arguments.yes, "agree that the rig goes slowly to the start of the move");
+  app.add_flag("--allow-jitter", arguments.allow_jitter,
+               "move a real rig without real-time rights, at a tenth of the drawn speed at most");
+  app.add_option("--from", arguments.from,
+                 "AXIS=POSITION, where a simulated axis stands before (the start of the move)")
+      ->expected(1)
+      ->take_all();
+  app.add_option("--faults", arguments.faults,
+                 "a script of what goes wrong with simulated CiA 402 drives, and when");
+  app.add_flag("--step", arguments.step,
+               "stop motion: on every frame go there, settle, signal the camera and wait");
+  app.add_option("--shutter", arguments.shutter,
+                 "go-motion: OPEN..CLOSE in degrees of a frame; the rig moves while the shutter is open");
+  app.add_option("--exposure", arguments.exposure, "seconds of the camera's signal (0.1 with --step)")
+      ->check(CLI::Range(0.001, 3600.0));
+  app.add_option("--settle", arguments.settle, "seconds at rest before the camera's signal (0.5)")
+      ->check(CLI::Range(0.0, 600.0));
+  app.add_option("--still", arguments.still, "an axis that stands still while the shutter is open")
+      ->expected(1)
+      ->take_all();
+  app.add_option("--json", arguments.json, "write a report (- is standard output)");
+  app.add_option("--positions", arguments.positions,
+                 "where the positions of axes are kept that no drive knows (on a rig: a file of its own\n"
+                 "under $XDG_STATE_HOME; in a simulation: nowhere)");
+  app.add_option("--record", arguments.record,
+                 "write what every axis was told and where it was, a line a tick (CSV)");
+  app.add_option("--cue-log", arguments.cue_log,
+                 "write when which pulse began on the outputs of the rig, a line a pulse (CSV; - is standard "
+                 "output)");
+}
+
 }  // namespace
 
 void add_run_command(CLI::App& program, Command& chosen) {
@@ -307,6 +310,7 @@ void add_run_command(CLI::App& program, Command& chosen) {
       program.add_subcommand("run", "Play a move on a rig, a position of every axis per tick");
   const auto arguments = std::make_shared<RunArguments>();
   describe(*command, *arguments);
+  explain(*command);
   command->callback([arguments, &chosen] { chosen = [arguments] { return run_command(*arguments); }; });
 }
 

@@ -34,8 +34,7 @@ int opened(const std::string& file) {
 }  // namespace
 
 CueLog::CueLog(const std::string& file, const std::vector<CuePulse>& pulses, bool waits)
-    : pulses_(pulses), waits_(waits), file_(opened(file)) {
-  text_ = "seconds,line,frame,width_ms,merged\n";
+    : pulses_(pulses), waits_(waits), file_(opened(file)), text_("seconds,line,frame,width_ms,merged\n") {
   thread_ = std::thread([this] { live(); });
 }
 
