@@ -353,7 +353,7 @@ RunReport run_referenced(LoopOfRig& rig, RigReference& reference, std::span<cons
     }
   };
   try {
-    const RunReport report = perform();
+    RunReport report = perform();
     keep();
     return report;
   } catch (...) {

@@ -21,15 +21,17 @@ constexpr std::size_t bytes_per_write = 1 << 16;
 constexpr int patience_ms = 1000;
 constexpr std::chrono::milliseconds between_looks{5};
 
+int opened(const std::string& file) {
+  // A pipe that nobody reads must not hold up the end of the run.
+  const int opened = open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_NONBLOCK | O_CLOEXEC, 0666);
+  if (opened >= 0) return opened;
+  throw std::runtime_error(fmt::format("{}: cannot be written: {}", file, std::strerror(errno)));
+}
+
 }  // namespace
 
 RunRecord::RunRecord(const std::string& file, const RigFile& rig, bool waits)
-    : axes_(rig.axes.size()), period_s_(1.0 / rig.rate_hz), waits_(waits) {
-  // A pipe that nobody reads must not hold up the end of the run.
-  file_ = open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_NONBLOCK | O_CLOEXEC, 0666);
-  if (file_ < 0) {
-    throw std::runtime_error(fmt::format("{}: cannot be written: {}", file, std::strerror(errno)));
-  }
+    : axes_(rig.axes.size()), period_s_(1.0 / rig.rate_hz), waits_(waits), file_(opened(file)) {
   write_head(rig);
   thread_ = std::thread([this] { live(); });
 }
