@@ -105,7 +105,7 @@ void print_record(const RunReport& report, const std::string& file, std::FILE* o
                        report.record->why));
 }
 
-void print_cue_log(const CueLogEnd& log, const std::string& file, std::FILE* out) {
+void print_cue_log(const LoopLogEnd& log, const std::string& file, std::FILE* out) {
   if (log.lost == 0) {
     fmt::print(out, "  {}: {} pulses\n", file == "-" ? "cue log" : file, log.written);
     return;

@@ -170,7 +170,7 @@ void RigCues::finish(const std::function<bool()>& interrupted) {
   }
 }
 
-std::optional<CueLogEnd> RigCues::end_log() {
+std::optional<LoopLogEnd> RigCues::end_log() {
   if (!log_) return std::nullopt;
   return log_->finish();
 }

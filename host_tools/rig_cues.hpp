@@ -57,7 +57,7 @@ class RigCues {
 
   /// Pulses that have begun are ended at their times: waits for that, or until `interrupted`.
   void finish(const std::function<bool()>& interrupted);
-  [[nodiscard]] std::optional<CueLogEnd> end_log();
+  [[nodiscard]] std::optional<LoopLogEnd> end_log();
   [[nodiscard]] const CueCounters& counters() const { return timer_->counters(); }
   /// What is wrong and what to do, the first found; "" for nothing.
   [[nodiscard]] std::string trouble() const;

@@ -75,8 +75,8 @@ struct RunReport {
   std::optional<std::int64_t> exposures = {};  ///< of a move that is shot frame by frame
   std::vector<RunAxis> axes;                   ///< every axis of the rig
   WakeLatency wake_latency;                    ///< all 0 on a virtual clock
-  std::optional<RunRecordEnd> record = {};
-  std::optional<CueLogEnd> cue_log = {};
+  std::optional<LoopLogEnd> record = {};
+  std::optional<LoopLogEnd> cue_log = {};
 };
 
 /// Plays the plan on simulated axes at the rig's rate: tick k at k / rate_hz seconds from the beginning
