@@ -14,6 +14,7 @@ Status Transport::begin() {
   if (const Status loaded = loop_.load(spec_); !loaded) return loaded;
   if (lines_.start.has_come == nullptr) return start();
   is_waiting_ = true;
+  is_heard_ = false;
   keys_.say("waits for the start trigger");
   return Done{};
 }
@@ -26,7 +27,12 @@ Status Transport::start() {
 void Transport::tick(std::int32_t ticks, std::int64_t now_ns) {
   // What stops a rig while it waits ends the waiting.
   if (loop_.state() != SupervisorState::ready) is_waiting_ = false;
-  if (is_waiting_ && lines_.start.has_come(lines_.start.of, now_ns)) keys_.say(start());
+  if (is_waiting_) {
+    // What came before anybody waited is dropped, as a key would be: the rig does not start for it.
+    const bool has_come = lines_.start.has_come(lines_.start.of, now_ns);
+    if (has_come && is_heard_) keys_.say(start());
+    is_heard_ = true;
+  }
   const PlayheadPlace<double> from = place_of(playhead_);
   const LoopTick result = loop_.tick(ticks, now_ns);
   keys_.note(result);

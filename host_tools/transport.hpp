@@ -56,6 +56,7 @@ class Transport {
   OperatorKeys keys_;
   TransportLines lines_;
   bool is_waiting_ = false;  ///< for its start
+  bool is_heard_ = false;    ///< since it waits
   Direction direction_ = Direction::forward;
 };
 

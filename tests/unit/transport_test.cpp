@@ -6,10 +6,14 @@
 
 #include <csignal>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "drivers/linux/interrupt_watch.hpp"
+#include "host_tools/loop_room.hpp"
 #include "host_tools/run.hpp"
+#include "host_tools/staged_move.hpp"
+#include "host_tools/start_signal.hpp"
 #include "tests/support/run_program.hpp"
 
 namespace inbetween {
@@ -172,6 +176,40 @@ TEST(Transport, ALoopThatWouldStepIsRefusedWithItsAxis) {
       run_program({"run", reveal, "--rig", camera_rig, "--sim", "--fast", "--ping-pong"});
   EXPECT_EQ(usage.status, 2);
   EXPECT_THAT(usage.err, HasSubstr("leave out --fast"));
+}
+
+/// A line that has told once, before anybody waited.
+struct PressedTooEarly {
+  bool has_told = true;
+  bool start_triggered(std::int64_t /*now_ns*/) { return std::exchange(has_told, false); }
+};
+
+TEST(Transport, ATriggerThatCameBeforeAnybodyWaitedStartsNothing) {
+  const RigFile rig = read_rig_file(camera_rig);
+  const Plan plan(read_move_file(reveal), rig, {});
+  std::vector<double> start(plan.played().axis_count());
+  plan.played().positions({plan.played().first_frame(), 0}, start);
+  std::vector<double> standing(rig.axes.size());
+  for (std::size_t d = 0; d < start.size(); ++d) standing[plan.axis_of(d)] = start[d];
+  const auto lines = RigLines::simulated(rig, standing);
+  const auto drives = RigDrives::simulated(rig, standing);
+  LoopRoom room(rig.axes.size(), rig.axes.size());
+  RunLoop loop(*drives, *lines, room.memory());
+  StagedMove staged(plan);
+  PressedTooEarly trigger;
+  Transport transport(loop, staged, true, {.start = start_signal_of(trigger)});
+  std::int64_t now_ns = 0;
+  const auto tick = [&](auto& of, int count) {
+    for (int i = 0; i < count; ++i) of.tick(1, now_ns += 1'000'000'000 / rig.rate_hz);
+  };
+  ASSERT_TRUE(loop.post(SupervisorEvent::arm));
+  for (int i = 0; i < 5000 && loop.state() != SupervisorState::ready; ++i) tick(loop, 1);
+  ASSERT_TRUE(transport.begin());
+  tick(transport, 100);
+  EXPECT_EQ(loop.state(), SupervisorState::ready) << "it waits";
+  trigger.has_told = true;
+  tick(transport, 2);
+  EXPECT_EQ(loop.state(), SupervisorState::running);
 }
 
 }  // namespace
