@@ -44,7 +44,7 @@ int say_where_axes_stand(const GotoArguments& arguments) {
     }
     stands.push_back({.axis = a, .position = position});
   }
-  RigReference reference = reference_of(rig, arguments.setup);
+  RigReference reference = reference_of(rig, arguments.setup.positions, arguments.setup.simulated);
   for (const GoTarget& axis : stands) {
     reference.stands_at(axis.axis, axis.position);
     fmt::print("{}: stands at {:g} {}\n", rig.axes[axis.axis].name, axis.position,
@@ -57,7 +57,7 @@ int go(const GotoArguments& arguments) {
   const RigWatch watch(arguments.setup.rig);
   const RigFile rig = read_rig_file(arguments.setup.rig);
   const std::vector<GoTarget> targets = go_targets(rig, arguments.targets);
-  RigReference reference = reference_of(rig, arguments.setup);
+  RigReference reference = reference_of(rig, arguments.setup.positions, arguments.setup.simulated);
   const InterruptWatch interrupts;
   ProgressBar bar;
   GoOptions options{.share = arguments.share, .confirm = {}, .session = session_options_of(arguments.setup)};

@@ -37,7 +37,7 @@ int home_command(const HomeArguments& arguments) {
   const RigWatch watch(arguments.setup.rig);
   const RigFile rig = read_rig_file(arguments.setup.rig);
   const std::vector<std::size_t> axes = home_axes(rig, arguments.axes);
-  RigReference reference = reference_of(rig, arguments.setup);
+  RigReference reference = reference_of(rig, arguments.setup.positions, arguments.setup.simulated);
   const InterruptWatch interrupts;
   SessionOptions options = session_options_of(arguments.setup);
   options.audience.interrupted = &InterruptWatch::asked;

@@ -45,7 +45,7 @@ int jog_command(const JogArguments& arguments) {
   const RigWatch watch(arguments.setup.rig);
   const RigFile rig = read_rig_file(arguments.setup.rig);
   const std::size_t selected = axis_named(rig, arguments.axis);
-  RigReference reference = reference_of(rig, arguments.setup);
+  RigReference reference = reference_of(rig, arguments.setup.positions, arguments.setup.simulated);
   print_speeds(rig, reference, arguments.share);
   const InterruptWatch interrupts;
   JogOptions options{.share = arguments.share, .session = session_options_of(arguments.setup)};

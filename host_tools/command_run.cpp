@@ -95,23 +95,14 @@ void print_wake_latency(const RunReport& report, std::FILE* out) {
   }
 }
 
-void print_record(const RunReport& report, const std::string& file, std::FILE* out) {
-  if (report.record->lost == 0) {
-    fmt::print(out, "  {}: {} ticks\n", file, report.record->written);
-    return;
-  }
-  complain(fmt::format("{}: warning: {} of {} ticks are not in it: {}; the rig was not held up", file,
-                       report.record->lost, report.record->written + report.record->lost,
-                       report.record->why));
-}
-
-void print_cue_log(const LoopLogEnd& log, const std::string& file, std::FILE* out) {
+/// `records` is what a line of it is called.
+void print_log(const LoopLogEnd& log, const char* records, const std::string& file, std::FILE* out) {
   if (log.lost == 0) {
-    fmt::print(out, "  {}: {} pulses\n", file == "-" ? "cue log" : file, log.written);
+    fmt::print(out, "  {}: {} {}\n", file == "-" ? "standard output" : file, log.written, records);
     return;
   }
-  complain(fmt::format("{}: warning: {} of {} pulses are not in it: {}; the rig was not held up", file,
-                       log.lost, log.written + log.lost, log.why));
+  complain(fmt::format("{}: warning: {} of {} {} are not in it: {}; the rig was not held up", file, log.lost,
+                       log.written + log.lost, records, log.why));
 }
 
 void print_run_summary(const RunReport& report, const Plan& plan, const RunArguments& arguments,
@@ -127,8 +118,8 @@ void print_run_summary(const RunReport& report, const Plan& plan, const RunArgum
     fmt::print(out, "  {:<16}{:>14.4f}{:>14.4f}{:>24.4f}  {}\n", axis.name, axis.last_commanded,
                axis.last_actual, axis.following_error_peak, axis.unit);
   }
-  if (report.record) print_record(report, *arguments.record, out);
-  if (report.cue_log) print_cue_log(*report.cue_log, *arguments.cue_log, out);
+  if (report.record) print_log(*report.record, "ticks", *arguments.record, out);
+  if (report.cue_log) print_log(*report.cue_log, "pulses", *arguments.cue_log, out);
 }
 
 /// On a terminal with the keys of a tape recorder, elsewhere with nothing but a progress bar.
@@ -213,8 +204,9 @@ int run_command(const RunArguments& arguments) {
   if (arguments.json) {
     write_output(*arguments.json, [&](std::FILE* file) { write_run_json(report, file); });
   }
-  print_run_summary(report, plan, arguments,
-                    summary_stream(arguments.json == "-" || arguments.cue_log == "-"));
+  print_run_summary(
+      report, plan, arguments,
+      summary_stream(arguments.json == "-" || arguments.cue_log == "-" || arguments.record == "-"));
   return report.ending == Ending::finished ? 0 : exit_fault;
 }
 

@@ -12,6 +12,7 @@
 #include "host_tools/free_axes.hpp"
 #include "host_tools/free_play.hpp"
 #include "host_tools/move_rolls.hpp"
+#include "host_tools/rig_watch.hpp"
 
 namespace inbetween {
 namespace {
@@ -109,7 +110,7 @@ SetupEnd go_to(const RigFile& rig, const std::vector<GoTarget>& targets, RigRefe
     end.reason = "nobody agreed, and nothing has moved";
     return end;
   }
-  refuse_changed_rig(rig, options.session.audience);
+  refuse_changed_rig(rig.path, options.session.audience.rig_has_changed);
   reference.about_to_move(way.drive_of);
   FreeAxes axes(std::move(way.axes));
   FreePlay play(session.loop(),

@@ -6,6 +6,7 @@
 #include "host_tools/free_play.hpp"
 #include "host_tools/move_rolls.hpp"
 #include "host_tools/rig_homing.hpp"
+#include "host_tools/rig_watch.hpp"
 
 namespace inbetween {
 namespace {
@@ -92,7 +93,7 @@ SetupEnd home(const RigFile& rig, const std::vector<std::size_t>& axes, RigRefer
   if (options.allow_jitter) refuse_fast_homing(rig, axes);
   RigSession session(rig, reference, options);
   if (!session.arm()) return {.reason = reason_of(session, "the drives were not switched on")};
-  refuse_changed_rig(rig, options.audience);
+  refuse_changed_rig(rig.path, options.audience.rig_has_changed);
   return home_armed(session, axes, reference);
 }
 

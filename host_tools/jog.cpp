@@ -9,6 +9,7 @@
 
 #include "host_tools/diagnostics.hpp"
 #include "host_tools/move_rolls.hpp"
+#include "host_tools/rig_watch.hpp"
 
 namespace inbetween {
 namespace {
@@ -217,7 +218,7 @@ SetupEnd jog(const RigFile& rig, std::size_t selected, RigReference& reference, 
     end = session.perform(act_of(jog));
     goes_on = end.begun && jog.asks() != Jog::Ask::none;
     if (jog.asks() == Jog::Ask::mark) {
-      refuse_changed_rig(rig, options.session.audience);
+      refuse_changed_rig(rig.path, options.session.audience.rig_has_changed);
       const std::size_t axis = jog.selected();
       reference.about_to_move({&axis, 1});
       jog.marked();

@@ -1,7 +1,11 @@
 #include "host_tools/loop_runner.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+
+#include "host_tools/diagnostics.hpp"
 
 namespace inbetween {
 namespace {
@@ -161,6 +165,15 @@ ActEnd TimedRunner::run(const LoopAct& act, std::optional<std::int64_t> last) {
     clock.sleep_until_ns(clock.now_ns() + ns_between_looks);
   }
   return end_;
+}
+
+void refuse_unfit_machine(const std::string& rig_path, const std::vector<RealTimeRight>& rights,
+                          const char* otherwise) {
+  for (const RealTimeRight& right : rights) {
+    if (!right.refusal || !right.is_needed) continue;
+    throw InputError({rig_path, 0, 0}, fmt::format("{}; {}, or {} with --allow-jitter", right.refusal->what,
+                                                   right.refusal->remedy, otherwise));
+  }
 }
 
 }  // namespace inbetween

@@ -135,4 +135,9 @@ class TimedRunner {
   std::thread thread_;
 };
 
+/// Throws InputError at the rig file of a rig that is to be moved without a right that it needs, with how to
+/// get it; --allow-jitter is what one may do `otherwise`.
+void refuse_unfit_machine(const std::string& rig_path, const std::vector<RealTimeRight>& rights,
+                          const char* otherwise);
+
 }  // namespace inbetween

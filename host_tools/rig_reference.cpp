@@ -106,4 +106,11 @@ void RigReference::keep(std::span<const PositionFile::Rest> rests) {
   if (file_ && !rests.empty()) file_->at_rest(rests);
 }
 
+RigReference reference_of(const RigFile& rig, const std::optional<std::string>& file, bool is_simulated) {
+  if (kept_axes(rig).empty()) return RigReference(rig);
+  if (file) return {rig, *file};
+  if (is_simulated) return RigReference(rig);
+  return {rig, usual_position_file(rig)};
+}
+
 }  // namespace inbetween

@@ -72,4 +72,8 @@ class RigReference {
   std::vector<Axis> axes_;
 };
 
+/// The reference of a rig that is used as a command says: in the file that is named, else in its usual one,
+/// and in a simulation nowhere. A rig whose drives all know where they are needs no file.
+RigReference reference_of(const RigFile& rig, const std::optional<std::string>& file, bool is_simulated);
+
 }  // namespace inbetween

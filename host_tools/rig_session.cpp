@@ -90,19 +90,11 @@ RigSession::RigSession(const RigFile& rig, RigReference& reference, const Sessio
     wishes = RealTimeWishes{};
   }
   timed_.emplace(*loop_, rig.rate_hz, audience_, trace_, lateness, wishes);
-  if (!options.allow_jitter) refuse_unfit_machine();
+  if (!options.allow_jitter) refuse_unfit_machine(rig.path, timed_->rights(), "move slowly");
 }
 
 RigSession::~RigSession() {
   disarm();
-}
-
-void RigSession::refuse_unfit_machine() const {
-  for (const RealTimeRight& right : timed_->rights()) {
-    if (!right.refusal || !right.is_needed) continue;
-    throw InputError({rig_.path, 0, 0}, fmt::format("{}; {}, or move slowly with --allow-jitter",
-                                                    right.refusal->what, right.refusal->remedy));
-  }
 }
 
 ActEnd RigSession::perform(const LoopAct& act, std::optional<std::int64_t> last) {
@@ -154,12 +146,6 @@ std::int64_t RigSession::delay_ns() const {
 std::string reason_of(const RigSession& session, const std::string& otherwise) {
   const std::string trouble = session.trouble();
   return trouble.empty() ? otherwise : trouble;
-}
-
-void refuse_changed_rig(const RigFile& rig, const LoopAudience& audience) {
-  if (!audience.rig_has_changed || !audience.rig_has_changed()) return;
-  throw InputError({rig.path, 0, 0},
-                   "the file was changed since it was read, and nothing is begun; do it again");
 }
 
 }  // namespace inbetween

@@ -66,8 +66,6 @@ class RigSession {
   [[nodiscard]] std::int64_t delay_ns() const;
 
  private:
-  void refuse_unfit_machine() const;
-
   const RigFile& rig_;
   RigReference& reference_;
   LoopAudience audience_;
@@ -104,8 +102,5 @@ struct SetupEnd {
 
 /// Why the session did not do what it was to: what is wrong with the rig, or else `otherwise`.
 std::string reason_of(const RigSession& session, const std::string& otherwise);
-
-/// Nothing is begun with a rig that is not what was read.
-void refuse_changed_rig(const RigFile& rig, const LoopAudience& audience);
 
 }  // namespace inbetween

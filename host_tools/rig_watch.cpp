@@ -14,4 +14,9 @@ bool RigWatch::has_changed() const {
   }
 }
 
+void refuse_changed_rig(const std::string& path, const std::function<bool()>& has_changed) {
+  if (!has_changed || !has_changed()) return;
+  throw InputError({path, 0, 0}, "the file was changed since it was read, and nothing is begun; do it again");
+}
+
 }  // namespace inbetween

@@ -1,6 +1,7 @@
 // Whether the file of a rig is still the one that was read.
 #pragma once
 
+#include <functional>
 #include <string>
 
 namespace inbetween {
@@ -18,5 +19,9 @@ class RigWatch {
   std::string path_;
   std::string text_;
 };
+
+/// Throws InputError at a rig file of which `has_changed`, which may be empty, says that it is another than
+/// was read: what is begun is begun with the rig that was read.
+void refuse_changed_rig(const std::string& path, const std::function<bool()>& has_changed);
 
 }  // namespace inbetween

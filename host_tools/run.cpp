@@ -14,6 +14,7 @@
 #include "host_tools/loop_runner.hpp"
 #include "host_tools/rig_cues.hpp"
 #include "host_tools/rig_reference.hpp"
+#include "host_tools/rig_watch.hpp"
 #include "host_tools/staged_move.hpp"
 #include "host_tools/start_signal.hpp"
 #include "host_tools/transport.hpp"
@@ -82,14 +83,11 @@ void refuse_positions_beyond_limits(const Plan& plan) {
   }
 }
 
-struct WiredTrigger {
+/// A line of the rig that begins something.
+struct WiredSignal {
   RigLines* lines = nullptr;
-  bool start_triggered(std::int64_t /*now_ns*/) { return lines->start_triggered(); }
-};
-
-struct WiredCamera {
-  RigLines* lines = nullptr;
-  bool start_triggered(std::int64_t /*now_ns*/) { return lines->camera_asks(); }
+  bool (RigLines::*has_come)() = nullptr;
+  bool start_triggered(std::int64_t /*now_ns*/) { return (lines->*has_come)(); }
 };
 
 /// The motion loop with its memory.
@@ -98,8 +96,7 @@ struct LoopOfRig {
   std::unique_ptr<RigDrives> drives;
   std::unique_ptr<RigCues> cues;  // null where the rig has no outputs
   SimulatedTrigger simulated_trigger;
-  WiredTrigger trigger;
-  WiredCamera camera;
+  WiredSignal trigger, camera;
   bool is_simulated = true;
   LoopRoom room;
   RunLoop loop;
@@ -187,21 +184,14 @@ class Run {
       report_.reason = "nobody agreed that the rig goes to the start of the move";
       return false;
     }
-    refuse_changed_rig();
+    refuse_changed_rig(staged_.plan().rig()->path, options_.rig_has_changed);
     rig_.way = std::make_unique<StagedMove>(*rig_.approach);
     Transport transport(rig_.loop, *rig_.way, is_attended());
     return perform(transport, std::nullopt);
   }
 
-  /// What is begun is begun with the rig that was read.
-  void refuse_changed_rig() const {
-    if (!options_.rig_has_changed || !options_.rig_has_changed()) return;
-    throw InputError({staged_.plan().rig()->path, 0, 0},
-                     "the file was changed since it was read, and nothing is begun; run again");
-  }
-
   void perform_move() {
-    refuse_changed_rig();
+    refuse_changed_rig(staged_.plan().rig()->path, options_.rig_has_changed);
     const std::int64_t last = staged_.plan().played().last_tick_at(rate_hz_);
     if (options_.shoot) {
       // A camera that asks by its line is waited for; one that cannot is taken to be ready for the next
@@ -332,12 +322,6 @@ LoopAudience audience_of(const RunOptions& options) {
   return {options.keys, options.interrupted, options.status, options.progress, options.rig_has_changed};
 }
 
-/// A rig whose drives know where they are needs no file.
-RigReference reference_of(const RigFile& rig, const RunOptions& options) {
-  if (kept_axes(rig).empty()) return RigReference(rig);
-  return {rig, options.positions ? *options.positions : usual_position_file(rig)};
-}
-
 /// Before anything is switched on it is written down that these axes move; afterwards, and also where the run
 /// was refused on the way, where they rest.
 template <class Performance>
@@ -372,23 +356,13 @@ void log_cues(LoopOfRig& rig, const Plan& plan, const RunOptions& options) {
   rig.cues->log_to(*options.cue_log, options.fast);
 }
 
-void refuse_unfit_machine(const Plan& plan, const std::vector<RealTimeRight>& rights) {
-  for (const RealTimeRight& right : rights) {
-    if (!right.refusal || !right.is_needed) continue;
-    throw InputError({plan.rig()->path, 0, 0},
-                     fmt::format("{}; {}, or move at a tenth of the drawn speed with --allow-jitter",
-                                 right.refusal->what, right.refusal->remedy));
-  }
-}
-
 }  // namespace
 
 RunReport run_simulated(const Plan& plan, const RunOptions& options) {
   const RigFile& rig_file = *plan.rig();
   const std::unique_ptr<StagedMove> staged = staged_for_run(plan, options, options.top_rate);
   const std::vector<double> standing = standing_positions(plan, options.standing);
-  RigReference reference =
-      options.positions ? RigReference(rig_file, *options.positions) : RigReference(rig_file);
+  RigReference reference = reference_of(rig_file, options.positions, true);
   const std::span<const std::size_t> axes = staged->loop_spec().drive_of;
   reference.refuse_unreferenced(axes);
   // What nobody can agree to is refused before the drives are switched on.
@@ -423,14 +397,14 @@ RunReport run_on_rig(const Plan& plan, const RunOptions& options) {
   const RigFile& rig_file = *plan.rig();
   const double top_rate = options.allow_jitter ? jitter_rate : options.top_rate;
   const std::unique_ptr<StagedMove> staged = staged_for_run(plan, options, top_rate);
-  RigReference reference = reference_of(rig_file, options);
+  RigReference reference = reference_of(rig_file, options.positions, false);
   const std::span<const std::size_t> axes = staged->loop_spec().drive_of;
   reference.refuse_unreferenced(axes);
   std::unique_ptr<RigLines> lines = RigLines::on_chips(rig_file);
   LoopOfRig rig(std::move(lines), RigDrives::on_rig(rig_file, !options.allow_jitter), plan.axes().size());
   rig.is_simulated = false;
-  rig.trigger.lines = rig.lines.get();
-  rig.camera.lines = rig.lines.get();
+  rig.trigger = {rig.lines.get(), &RigLines::start_triggered};
+  rig.camera = {rig.lines.get(), &RigLines::camera_asks};
   rig.cues = RigCues::on_chips(plan.move(), rig_file, plan.played().first_frame(), plan.played().last_frame(),
                                !options.allow_jitter);
   log_cues(rig, plan, options);
@@ -442,7 +416,8 @@ RunReport run_on_rig(const Plan& plan, const RunOptions& options) {
     RunReport report = good_report(options);
     {
       TimedRunner runner(rig.loop, rig_file.rate_hz, audience, trace, lateness, RealTimeWishes{});
-      if (!options.allow_jitter) refuse_unfit_machine(plan, runner.rights());
+      if (!options.allow_jitter)
+        refuse_unfit_machine(rig_file.path, runner.rights(), "move at a tenth of the drawn speed");
       run_with(runner, rig, *staged, options, report);
     }
     list_axes(plan, trace, report);

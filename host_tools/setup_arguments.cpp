@@ -40,12 +40,6 @@ void check_setup_usage(const SetupArguments& arguments) {
   }
 }
 
-RigReference reference_of(const RigFile& rig, const SetupArguments& arguments) {
-  if (arguments.positions) return {rig, *arguments.positions};
-  if (arguments.simulated) return RigReference(rig);
-  return {rig, usual_position_file(rig)};
-}
-
 SessionOptions session_options_of(const SetupArguments& arguments) {
   return {.simulated = arguments.simulated,
           .fast = arguments.fast,

@@ -27,10 +27,6 @@ void add_setup_options(CLI::App& command, SetupArguments& arguments, bool can_be
 /// Throws UsageError for what does not go together.
 void check_setup_usage(const SetupArguments& arguments);
 
-/// What is known of the positions: in the file that is named, on a rig otherwise in the one that is the rig's
-/// own, in a simulation otherwise nowhere.
-RigReference reference_of(const RigFile& rig, const SetupArguments& arguments);
-
 /// Everything but the audience.
 SessionOptions session_options_of(const SetupArguments& arguments);
 
