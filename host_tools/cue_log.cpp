@@ -6,6 +6,7 @@
 #include <iterator>
 
 #include "host_tools/csv_field.hpp"
+#include "host_tools/tick_time.hpp"
 
 namespace inbetween {
 
@@ -16,7 +17,6 @@ CueLog::CueLog(const std::string& file, const std::vector<CuePulse>& pulses, boo
 
 void CueLog::put(const BegunPulse& begun, std::string& text) const {
   const CuePulse& pulse = pulses_[begun.pulse];
-  constexpr std::int64_t ns_per_s = 1'000'000'000;
   fmt::format_to(std::back_inserter(text), "{}.{:09},{},{},{},{}\n", begun.at_ns / ns_per_s,
                  begun.at_ns % ns_per_s, csv_field(std::string(pulse.line)), pulse.frame + pulse.phase,
                  static_cast<double>(pulse.width_ns) * 1e-6, begun.is_merged ? 1 : 0);

@@ -6,19 +6,15 @@
 #include <cmath>
 
 #include "host_tools/diagnostics.hpp"
+#include "host_tools/tick_time.hpp"
 
 namespace inbetween {
 namespace {
 
-constexpr std::int64_t ns_per_s = 1'000'000'000;
 /// People see ten lines a second; the loop offers twice as many.
 constexpr std::int64_t ns_between_lines = ns_per_s / 10;
 constexpr std::int64_t snapshots_per_s = 20;
 constexpr std::int64_t ns_between_looks = 5'000'000;
-
-std::int64_t time_of_tick(std::int64_t tick, std::int32_t rate_hz) {
-  return tick / rate_hz * ns_per_s + tick % rate_hz * ns_per_s / rate_hz;
-}
 
 /// Nothing is begun with a rig file that has changed.
 TransportKey allowed(TransportKey key, const LoopAudience& audience) {

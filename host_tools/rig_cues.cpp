@@ -6,23 +6,14 @@
 #include <utility>
 
 #include "drivers/linux/monotonic_clock.hpp"
+#include "host_tools/tick_time.hpp"
 
 namespace inbetween {
 namespace {
 
-constexpr std::int64_t ns_per_s = 1'000'000'000;
 constexpr std::int64_t ns_between_looks = 5'000'000;
 /// More than begin in a tick of any move that a machine can play; beyond it they are counted.
 constexpr std::size_t begun_in_a_tick = 256;
-
-std::int64_t time_of_tick(std::int64_t tick, std::int32_t rate_hz) {
-  return tick / rate_hz * ns_per_s + tick % rate_hz * ns_per_s / rate_hz;
-}
-
-gpio::LineChoice choice_of(const GpioLine& line) {
-  if (const int* const offset = std::get_if<int>(&line)) return static_cast<unsigned>(*offset);
-  return std::get<std::string>(line);
-}
 
 [[noreturn]] void refuse(std::string_view line, const Place& place, const std::string& what,
                          const std::string& remedy) {
@@ -56,8 +47,7 @@ RigCues::RigCues(const MoveFile& move, const RigFile& rig, std::int32_t first, s
                      fmt::format("{}; {}", timer.error().what, timer.error().remedy));
   }
   timer_.emplace(*timer);
-  const gpio::StepPlayerSettings player;
-  lead_ns_ = std::max(ns_per_s / rig.rate_hz, player.nap_ns + 2 * player.watch_ns);
+  lead_ns_ = played_lead_ns(rig.rate_hz);
 }
 
 std::unique_ptr<RigCues> RigCues::simulated(const MoveFile& move, const RigFile& rig, std::int32_t first,
@@ -88,23 +78,13 @@ std::unique_ptr<RigCues> RigCues::on_chips(const MoveFile& move, const RigFile& 
 /// Active is 1 in the request, whatever the wire has then.
 void RigCues::open(Chip& chip, bool in_real_time) {
   const Line& first = lines_[chip.first];
-  const auto allowed = [&](const std::optional<Refusal>& refusal) {
-    if (refusal) refuse(first.name, *first.place, refusal->what, refusal->remedy);
-  };
   std::vector<gpio::OutputLine> lines;
   for (std::size_t i = 0; i < chip.lines; ++i) {
     const OutputLine& wire = *lines_[chip.first + i].wire;
     lines.push_back({.line = choice_of(wire.address.line), .is_inverted = wire.idle == Level::high});
   }
-  gpio::GpioChip machine;
-  allowed(machine.open(chip.label));
-  allowed(chip.outputs.open(machine, lines));
-  chip.player.emplace(chip.outputs, gpio::StepPlayerSettings{});
-  std::optional<RealTimeWishes> wishes;
-  if (in_real_time) wishes = RealTimeWishes{.locks_memory = false};
-  chip.thread.emplace(*chip.player, wishes);
-  for (const RealTimeRight& right : chip.thread->rights()) {
-    if (right.is_needed) allowed(right.refusal);
+  if (const auto refusal = chip.played.open(chip.label, lines, gpio::StepPlayerSettings{}, in_real_time)) {
+    refuse(first.name, *first.place, refusal->what, refusal->remedy);
   }
 }
 
@@ -154,7 +134,8 @@ void RigCues::put_out(const StepInstant& instant) {
     const std::uint64_t mask = instant.mask >> chip.first & all;
     if (mask == 0) continue;
     const std::uint64_t levels = instant.levels >> chip.first & all;
-    if (!chip.player->push({.at_ns = instant.at_ns, .levels = levels, .mask = mask})) has_refused_ = true;
+    if (!chip.played.player()->push({.at_ns = instant.at_ns, .levels = levels, .mask = mask}))
+      has_refused_ = true;
   }
 }
 
@@ -163,7 +144,8 @@ void RigCues::finish(const std::function<bool()>& interrupted) {
   if (count) put_out(*count);
   const MonotonicClock clock;
   const auto is_busy = [](const Chip& chip) {
-    return chip.player && chip.player->waiting() > 0 && !chip.player->has_ended();
+    return chip.played.player() != nullptr && chip.played.player()->waiting() > 0 &&
+           !chip.played.player()->has_ended();
   };
   while (std::ranges::any_of(chips_, is_busy) && !(interrupted && interrupted())) {
     clock.sleep_until_ns(clock.now_ns() + ns_between_looks);
@@ -177,13 +159,13 @@ std::optional<LoopLogEnd> RigCues::end_log() {
 
 std::string RigCues::trouble() const {
   for (const Chip& chip : chips_) {
-    if (chip.player && chip.player->has_ended()) {
+    if (chip.played.player() != nullptr && chip.played.player()->has_ended()) {
       return fmt::format("chip {} of the outputs has gone; plug it in again", in_quotes(chip.label));
     }
-    if (chip.player && chip.player->is_too_late()) {
+    if (chip.played.player() != nullptr && chip.played.player()->is_too_late()) {
       return fmt::format("pulses on chip {} came {:.0f} us late; free the machine of other work",
                          in_quotes(chip.label),
-                         static_cast<double>(chip.player->counters().worst_late_ns) * 1e-3);
+                         static_cast<double>(chip.played.player()->counters().worst_late_ns) * 1e-3);
     }
   }
   if (counters().lost > 0) return fmt::format("{} pulses found no room in their tick", counters().lost);

@@ -11,12 +11,11 @@
 #include <string_view>
 #include <vector>
 
-#include "drivers/gpio/gpio_outputs.hpp"
 #include "drivers/gpio/step_player.hpp"
-#include "drivers/gpio/step_thread.hpp"
 #include "host_tools/cue_log.hpp"
 #include "host_tools/move_cue.hpp"
 #include "host_tools/move_file.hpp"
+#include "host_tools/played_chip.hpp"
 #include "host_tools/rig_file.hpp"
 #include "inbetween/cue_timer.hpp"
 
@@ -74,9 +73,7 @@ class RigCues {
   struct Chip {
     std::string label;
     std::size_t first = 0, lines = 0;
-    gpio::GpioOutputs outputs;
-    std::optional<gpio::StepPlayer> player;
-    std::optional<gpio::StepThread> thread;
+    PlayedChip played;
   };
 
   RigCues(const MoveFile& move, const RigFile& rig, std::int32_t first, std::int32_t last);

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "host_tools/diagnostics.hpp"
+#include "host_tools/tick_time.hpp"
 #include "inbetween/can/bus_load.hpp"
 #include "inbetween/can/canopen_id.hpp"
 
@@ -22,7 +23,6 @@ constexpr double step_share = 1.2;
 constexpr std::int64_t heartbeat_ns = 30'000'000;
 constexpr std::int64_t heartbeats_waited_for = 4;
 constexpr std::int64_t ns_per_ms = 1'000'000;
-constexpr std::int64_t ns_per_s = 1'000'000'000;
 /// How many ticks without a setpoint a drive waits.
 constexpr std::int64_t setpoints_waited_for = 8;
 

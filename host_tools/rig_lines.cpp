@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "host_tools/played_chip.hpp"
 #include "host_tools/rig_drives.hpp"
 
 namespace inbetween {
@@ -19,11 +20,6 @@ constexpr std::size_t usual_events = 256;
 
 [[noreturn]] void refuse(const LineAddress& address, const Refusal& refusal) {
   throw InputError(address.place, refusal.what + "; " + refusal.remedy);
-}
-
-gpio::LineChoice choice_of(const GpioLine& line) {
-  if (const int* const offset = std::get_if<int>(&line)) return static_cast<unsigned>(*offset);
-  return std::get<std::string>(line);
 }
 
 gpio::Bias bias_of(Bias bias) {

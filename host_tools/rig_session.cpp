@@ -6,6 +6,7 @@
 
 #include "host_tools/diagnostics.hpp"
 #include "host_tools/loop_preparations.hpp"
+#include "host_tools/tick_time.hpp"
 
 namespace inbetween {
 namespace {
@@ -139,7 +140,6 @@ std::string RigSession::trouble() const {
 
 std::int64_t RigSession::delay_ns() const {
   // What is written on a tick is reached at the next; steps begin a tick later.
-  constexpr std::int64_t ns_per_s = 1'000'000'000;
   return ns_per_s / rig_.rate_hz * (drives_->has_steps() ? 2 : 1);
 }
 

@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <utility>
 
+#include "host_tools/tick_time.hpp"
+
 namespace inbetween {
 namespace {
-
-constexpr std::int64_t ns_per_s = 1'000'000'000;
 
 const StepDirDrive* step_dir_of(const RigAxis& axis) {
   return std::get_if<StepDirDrive>(&axis.drive);
@@ -31,11 +31,6 @@ StepSpec<double> spec_of(const StepDirDrive& drive, std::int32_t rate_hz) {
 
 [[noreturn]] void refuse(const RigAxis& axis, const std::string& what, const std::string& remedy) {
   throw InputError(axis.place, fmt::format("axis {}: {}; {}", in_quotes(axis.name), what, remedy));
-}
-
-gpio::LineChoice choice_of(const GpioLine& line) {
-  if (const int* const offset = std::get_if<int>(&line)) return static_cast<unsigned>(*offset);
-  return std::get<std::string>(line);
 }
 
 }  // namespace
@@ -106,11 +101,8 @@ void RigSteps::make_port() {
       most_late_ns = std::min(most_late_ns, its_drive(rig_.axes[indices_[lane]]).latest_ns);
     }
   }
-  // Instants are to be pushed before the longest nap of their thread begins.
-  const gpio::StepPlayerSettings player;
-  const std::int64_t tick_ns = ns_per_s / rig_.rate_hz;
-  const StepPortTiming timing{.tick_ns = tick_ns,
-                              .lead_ns = std::max(tick_ns, player.nap_ns + 2 * player.watch_ns),
+  const StepPortTiming timing{.tick_ns = ns_per_s / rig_.rate_hz,
+                              .lead_ns = played_lead_ns(rig_.rate_hz),
                               .most_late_ns = most_late_ns};
   auto port = StepPort<double, HostStepSink>::make(lanes_, port_chips_, lane_states_, lists_, timing);
   if (!port) refuse(rig_.axes[indices_.front()], port.error().what, port.error().remedy);
@@ -140,9 +132,6 @@ std::unique_ptr<RigSteps> RigSteps::simulated(const RigFile& rig, const std::vec
 
 void RigSteps::open(Chip& chip, bool in_real_time) {
   const RigAxis& first = rig_.axes[indices_[chip.lanes.front()]];
-  const auto allowed = [&](const std::optional<Refusal>& refusal) {
-    if (refusal) refuse(first, refusal->what, refusal->remedy);
-  };
   std::vector<gpio::OutputLine> lines;
   std::int64_t most_late_ns = ns_per_s;
   gpio::StepPaceLimits pace{.least_spacing_ns = ns_per_s};
@@ -159,17 +148,11 @@ void RigSteps::open(Chip& chip, bool in_real_time) {
     if (!drive.enable) continue;
     lines.push_back({.line = choice_of(*drive.enable), .safe_level = drive.enable_active == Level::low});
   }
-  gpio::GpioChip machine;
-  allowed(machine.open(chip.label));
-  allowed(chip.outputs.open(machine, lines));
-  chip.player.emplace(chip.outputs, gpio::StepPlayerSettings{.pace = pace, .most_late_ns = most_late_ns});
-  std::optional<RealTimeWishes> wishes;
-  if (in_real_time) wishes = RealTimeWishes{.locks_memory = false};
-  chip.thread.emplace(*chip.player, wishes);
-  for (const RealTimeRight& right : chip.thread->rights()) {
-    if (right.is_needed) allowed(right.refusal);
+  const gpio::StepPlayerSettings settings{.pace = pace, .most_late_ns = most_late_ns};
+  if (const auto refusal = chip.played.open(chip.label, lines, settings, in_real_time)) {
+    refuse(first, refusal->what, refusal->remedy);
   }
-  chip.sink.emplace(*chip.player);
+  chip.sink.emplace(*chip.played.player());
 }
 
 std::unique_ptr<RigSteps> RigSteps::on_chips(const RigFile& rig, bool in_real_time) {
@@ -196,14 +179,14 @@ double RigSteps::shaft(std::size_t lane) const {
 
 std::string RigSteps::trouble() const {
   for (const Chip& chip : chips_) {
-    if (chip.player && chip.player->has_ended()) {
+    if (chip.played.player() != nullptr && chip.played.player()->has_ended()) {
       return fmt::format("chip {} of the rig has gone; plug it in again", in_quotes(chip.label));
     }
-    if (chip.player && chip.player->is_too_late()) {
+    if (chip.played.player() != nullptr && chip.played.player()->is_too_late()) {
       return fmt::format(
           "steps on chip {} came {:.0f} us late; free the machine of other work, or lower "
           "the step rate",
-          in_quotes(chip.label), static_cast<double>(chip.player->counters().worst_late_ns) * 1e-3);
+          in_quotes(chip.label), static_cast<double>(chip.played.player()->counters().worst_late_ns) * 1e-3);
     }
   }
   for (std::size_t lane = 0; lane < lanes_.size(); ++lane) {

@@ -10,9 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "drivers/gpio/gpio_outputs.hpp"
 #include "drivers/gpio/step_player.hpp"
-#include "drivers/gpio/step_thread.hpp"
+#include "host_tools/played_chip.hpp"
 #include "host_tools/rig_file.hpp"
 #include "inbetween/step_port.hpp"
 #include "sim/simulated_step_chip.hpp"
@@ -90,10 +89,7 @@ class RigSteps {
     std::vector<StepInstant> instants;
     std::uint64_t enable_mask = 0, enable_levels = 0;
     std::optional<HostStepSink> sink;
-    // on hardware, destroyed in the opposite order
-    gpio::GpioOutputs outputs;
-    std::optional<gpio::StepPlayer> player;
-    std::optional<gpio::StepThread> thread;
+    PlayedChip played;  ///< on hardware
     // in simulation
     SimulatedStepChip simulated;
   };

@@ -1,0 +1,36 @@
+#include "host_tools/played_chip.hpp"
+
+#include <algorithm>
+#include <variant>
+
+#include "drivers/linux/real_time.hpp"
+#include "host_tools/tick_time.hpp"
+
+namespace inbetween {
+
+gpio::LineChoice choice_of(const GpioLine& line) {
+  if (const int* const offset = std::get_if<int>(&line)) return static_cast<unsigned>(*offset);
+  return std::get<std::string>(line);
+}
+
+std::int64_t played_lead_ns(std::int32_t rate_hz) {
+  const gpio::StepPlayerSettings player;
+  return std::max(ns_per_s / rate_hz, player.nap_ns + 2 * player.watch_ns);
+}
+
+std::optional<Refusal> PlayedChip::open(const std::string& label, std::span<const gpio::OutputLine> lines,
+                                        const gpio::StepPlayerSettings& settings, bool in_real_time) {
+  gpio::GpioChip machine;
+  if (auto refusal = machine.open(label)) return refusal;
+  if (auto refusal = outputs_.open(machine, lines)) return refusal;
+  player_.emplace(outputs_, settings);
+  std::optional<RealTimeWishes> wishes;
+  if (in_real_time) wishes = RealTimeWishes{.locks_memory = false};
+  thread_.emplace(*player_, wishes);
+  for (const RealTimeRight& right : thread_->rights()) {
+    if (right.is_needed && right.refusal) return right.refusal;
+  }
+  return std::nullopt;
+}
+
+}  // namespace inbetween
