@@ -33,8 +33,3 @@ if(INBETWEEN_SANITIZE)
     $<$<CXX_COMPILER_ID:GNU>:-Wno-null-dereference$<SEMICOLON>-Wno-maybe-uninitialized>)
   target_link_options(inbetween_settings INTERFACE "-fsanitize=${INBETWEEN_SANITIZE}")
 endif()
-
-if(INBETWEEN_TIDY)
-  find_program(INBETWEEN_CLANG_TIDY clang-tidy REQUIRED)
-  set(CMAKE_CXX_CLANG_TIDY "${INBETWEEN_CLANG_TIDY};--quiet;--warnings-as-errors=*")
-endif()
