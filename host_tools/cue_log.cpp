@@ -6,7 +6,7 @@
 #include <iterator>
 
 #include "host_tools/csv_field.hpp"
-#include "host_tools/tick_time.hpp"
+#include "inbetween/tick_time.hpp"
 
 namespace inbetween {
 

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "host_tools/diagnostics.hpp"
-#include "host_tools/tick_time.hpp"
+#include "inbetween/tick_time.hpp"
 
 namespace inbetween {
 namespace {

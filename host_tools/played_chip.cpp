@@ -1,17 +1,12 @@
 #include "host_tools/played_chip.hpp"
 
 #include <algorithm>
-#include <variant>
 
+#include "drivers/gpio/gpio_chip.hpp"
 #include "drivers/linux/real_time.hpp"
-#include "host_tools/tick_time.hpp"
+#include "inbetween/tick_time.hpp"
 
 namespace inbetween {
-
-gpio::LineChoice choice_of(const GpioLine& line) {
-  if (const int* const offset = std::get_if<int>(&line)) return static_cast<unsigned>(*offset);
-  return std::get<std::string>(line);
-}
 
 std::int64_t played_lead_ns(std::int32_t rate_hz) {
   const gpio::StepPlayerSettings player;

@@ -6,16 +6,12 @@
 #include <span>
 #include <string>
 
-#include "drivers/gpio/gpio_chip.hpp"
 #include "drivers/gpio/gpio_outputs.hpp"
 #include "drivers/gpio/step_player.hpp"
 #include "drivers/gpio/step_thread.hpp"
 #include "drivers/refusal.hpp"
-#include "host_tools/rig_line.hpp"
 
 namespace inbetween {
-
-gpio::LineChoice choice_of(const GpioLine& line);
 
 /// How long before its time the motion of a tick is written: a tick, and never less than the thread of a chip
 /// needs to notice it.

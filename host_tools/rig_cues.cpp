@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "drivers/linux/monotonic_clock.hpp"
-#include "host_tools/tick_time.hpp"
+#include "host_tools/rig_chips.hpp"
 
 namespace inbetween {
 namespace {
@@ -22,15 +22,16 @@ constexpr std::size_t begun_in_a_tick = 256;
 
 }  // namespace
 
-RigCues::RigCues(const MoveFile& move, const RigFile& rig, std::int32_t first, std::int32_t last)
+RigCues::RigCues(const MoveFile& move, const RigFile& rig, std::int32_t first, std::int32_t last,
+                 bool on_chips)
     : rig_(rig),
       pulses_(cue_pulses(move)),
       begun_(begun_in_a_tick),
-      instants_(instants_for(begun_in_a_tick)) {
-  for (const Output& output : rig.outputs) lines_.push_back({output.name, &output.line, &output.place});
-  if (rig.camera) lines_.push_back({"camera", &rig.camera->shutter, &rig.camera->place});
-  std::ranges::stable_sort(lines_, {},
-                           [](const Line& line) -> const std::string& { return line.wire->address.chip; });
+      instants_(instants_for(begun_in_a_tick)),
+      chain_(rig.rate_hz, played_lead_ns(rig.rate_hz)) {
+  for (const Output& output : rig.outputs) add_line(output.name, output.line, output.place, on_chips);
+  if (rig.camera) add_line("camera", rig.camera->shutter, rig.camera->place, on_chips);
+  std::ranges::stable_sort(lines_, {}, &Line::chip);
   if (lines_.size() > CueTimer<double>::most_lines) {
     refuse(lines_.back().name, *lines_.back().place, "the rig has more than 64 outputs, the camera included",
            "remove some");
@@ -47,23 +48,28 @@ RigCues::RigCues(const MoveFile& move, const RigFile& rig, std::int32_t first, s
                      fmt::format("{}; {}", timer.error().what, timer.error().remedy));
   }
   timer_.emplace(*timer);
-  lead_ns_ = played_lead_ns(rig.rate_hz);
+}
+
+void RigCues::add_line(std::string_view name, const OutputLine& wire, const Place& place, bool on_chips) {
+  Line& line = lines_.emplace_back(Line{name, &wire, &place, wire.address.chip});
+  if (!on_chips) return;
+  gpio::GpioChip chip;
+  open_chip_of(wire.address, chip);
+  line.chip = chip.label();
 }
 
 std::unique_ptr<RigCues> RigCues::simulated(const MoveFile& move, const RigFile& rig, std::int32_t first,
                                             std::int32_t last) {
   if (rig.outputs.empty() && !rig.camera) return nullptr;
-  return std::unique_ptr<RigCues>(new RigCues(move, rig, first, last));
+  return std::unique_ptr<RigCues>(new RigCues(move, rig, first, last, false));
 }
 
 std::unique_ptr<RigCues> RigCues::on_chips(const MoveFile& move, const RigFile& rig, std::int32_t first,
                                            std::int32_t last, bool in_real_time) {
-  std::unique_ptr<RigCues> cues = simulated(move, rig, first, last);
-  if (!cues) return nullptr;
+  if (rig.outputs.empty() && !rig.camera) return nullptr;
+  std::unique_ptr<RigCues> cues(new RigCues(move, rig, first, last, true));
   for (std::size_t i = 0; i < cues->lines_.size(); ++i) {
-    const Line& line = cues->lines_[i];
-    const std::string& label = line.wire->address.chip;
-    if (label.empty()) refuse(line.name, *line.place, "it has no chip", "name the chip of its line");
+    const std::string& label = cues->lines_[i].chip;
     if (cues->chips_.empty() || cues->chips_.back().label != label) {
       Chip& chip = cues->chips_.emplace_back();
       chip.label = label;
@@ -95,18 +101,16 @@ std::optional<std::size_t> RigCues::number_of(std::string_view line) const {
 }
 
 void RigCues::tick(const CuePassage& passage, std::int32_t ticks, std::int64_t now_ns) {
-  // Ticks follow each other without a gap, unless the loop comes too late for that.
-  if (number_ >= 0) number_ += ticks - 1;
-  if (number_ < 0 || anchor_ns_ + time_of_tick(number_, rig_.rate_hz) < now_ns) {
-    anchor_ns_ = now_ns + lead_ns_;
-    number_ = 0;
+  if (steps_ != nullptr && steps_->chain().is_running()) {
+    chain_ = steps_->chain();
+  } else {
+    chain_.next(now_ns, ticks);
   }
   const CueTick<double> tick{.from = passage.from,
                              .to = passage.to,
                              .repeated = passage.repeated,
-                             .start_ns = anchor_ns_ + time_of_tick(number_, rig_.rate_hz),
-                             .end_ns = anchor_ns_ + time_of_tick(number_ + 1, rig_.rate_hz)};
-  ++number_;
+                             .start_ns = chain_.start_ns(),
+                             .end_ns = chain_.end_ns()};
   const Result<CueCount> count = timer_->advance(tick, {begun_, instants_});
   if (!count) {
     has_refused_ = true;
@@ -119,7 +123,7 @@ void RigCues::signal(bool is_exposing, std::int64_t now_ns) {
   if (!camera_) return;
   const std::uint64_t line = std::uint64_t{1} << *camera_;
   if (((levels_ & line) != 0) == is_exposing) return;
-  put_out({.at_ns = now_ns + lead_ns_, .levels = is_exposing ? line : 0, .mask = line});
+  put_out({.at_ns = now_ns + chain_.lead_ns(), .levels = is_exposing ? line : 0, .mask = line});
 }
 
 void RigCues::put_out(const CueCount& count) {

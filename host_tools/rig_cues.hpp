@@ -17,7 +17,9 @@
 #include "host_tools/move_file.hpp"
 #include "host_tools/played_chip.hpp"
 #include "host_tools/rig_file.hpp"
+#include "host_tools/rig_steps.hpp"
 #include "inbetween/cue_timer.hpp"
+#include "inbetween/tick_chain.hpp"
 
 namespace inbetween {
 
@@ -42,6 +44,9 @@ class RigCues {
   RigCues(const RigCues&) = delete;
   RigCues& operator=(const RigCues&) = delete;
 
+  /// Before the first tick: pulses are timed by the same clock as the steps of the rig, which last longer, to
+  /// the nanosecond.
+  void go_with(const RigSteps& steps) { steps_ = &steps; }
   /// Before the first tick: every pulse goes there. CueLog says what it throws.
   void log_to(const std::string& file, bool waits) { log_.emplace(file, pulses_, waits); }
 
@@ -68,6 +73,7 @@ class RigCues {
     std::string_view name;
     const OutputLine* wire;
     const Place* place;
+    std::string chip;  ///< its label; in simulation as the rig says it
   };
   /// Lines first..first+lines-1 of lines_.
   struct Chip {
@@ -76,7 +82,8 @@ class RigCues {
     PlayedChip played;
   };
 
-  RigCues(const MoveFile& move, const RigFile& rig, std::int32_t first, std::int32_t last);
+  RigCues(const MoveFile& move, const RigFile& rig, std::int32_t first, std::int32_t last, bool on_chips);
+  void add_line(std::string_view name, const OutputLine& wire, const Place& place, bool on_chips);
   void open(Chip& chip, bool in_real_time);
   void put_out(const CueCount& count);
   void put_out(const StepInstant& instant);
@@ -89,9 +96,8 @@ class RigCues {
   std::optional<CueTimer<double>> timer_;
   std::vector<BegunPulse> begun_;
   std::vector<StepInstant> instants_;
-  std::int64_t lead_ns_ = 0;
-  std::int64_t anchor_ns_ = 0;  ///< tick number 0 of those that follow each other
-  std::int64_t number_ = -1;    ///< of the next; -1: none has been
+  TickChain chain_;
+  const RigSteps* steps_ = nullptr;
   std::uint64_t levels_ = 0;
   bool has_refused_ = false;
   std::optional<std::size_t> camera_;

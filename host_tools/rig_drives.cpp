@@ -7,9 +7,9 @@
 #include <utility>
 
 #include "host_tools/diagnostics.hpp"
-#include "host_tools/tick_time.hpp"
 #include "inbetween/can/bus_load.hpp"
 #include "inbetween/can/canopen_id.hpp"
+#include "inbetween/tick_time.hpp"
 
 namespace inbetween {
 namespace {

@@ -83,7 +83,8 @@ class RigDrives {
   [[nodiscard]] bool has_lost_position(std::size_t axis) const;
   /// In simulation: where the axis really is, whatever its drive was told by place().
   [[nodiscard]] double true_position(std::size_t axis) const;
-  [[nodiscard]] bool has_steps() const { return steps_ != nullptr; }
+  /// Null where the rig has no stepper.
+  [[nodiscard]] const RigSteps* steps() const { return steps_.get(); }
 
   /// What is wrong with a drive and what to do, the first found; "" for nothing. Not for the loop's thread.
   [[nodiscard]] std::string trouble() const;

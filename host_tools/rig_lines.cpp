@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "host_tools/played_chip.hpp"
+#include "host_tools/rig_chips.hpp"
 #include "host_tools/rig_drives.hpp"
 
 namespace inbetween {
@@ -17,10 +17,6 @@ constexpr double limit_margin = 0.02;
 constexpr double hysteresis_share = 0.25;
 /// Of a simulated rig, a tick; more take memory.
 constexpr std::size_t usual_events = 256;
-
-[[noreturn]] void refuse(const LineAddress& address, const Refusal& refusal) {
-  throw InputError(address.place, refusal.what + "; " + refusal.remedy);
-}
 
 gpio::Bias bias_of(Bias bias) {
   switch (bias) {
@@ -103,10 +99,7 @@ void RigLines::find_chips() {
   for (Line& line : lines_) {
     const LineAddress& address = line.input->address;
     gpio::GpioChip chip;
-    const std::optional<Refusal> no_chip = address.chip.empty()
-                                               ? chip.open_with_line(std::get<std::string>(address.line))
-                                               : chip.open(address.chip);
-    if (no_chip) refuse(address, *no_chip);
+    open_chip_of(address, chip);
     const gpio::LineChoice choice = choice_of(address.line);
     if (const auto no_line = chip.find(std::span(&choice, 1), offsets)) refuse(address, *no_line);
     const auto known = std::ranges::find(chips_, chip.label(), &Chip::label);

@@ -6,7 +6,8 @@
 
 #include "host_tools/diagnostics.hpp"
 #include "host_tools/loop_preparations.hpp"
-#include "host_tools/tick_time.hpp"
+#include "host_tools/rig_chips.hpp"
+#include "inbetween/tick_time.hpp"
 
 namespace inbetween {
 namespace {
@@ -73,6 +74,7 @@ RigSession::RigSession(const RigFile& rig, RigReference& reference, const Sessio
     drives_ = RigDrives::simulated(rig, standing);
     lines_->follow(*drives_);
   } else {
+    refuse_unavailable_lines(rig);
     // The lines come first: what is taken for outputs changes on the way.
     lines_ = RigLines::on_chips(rig);
     drives_ = RigDrives::on_rig(rig, !options.allow_jitter);
@@ -87,7 +89,7 @@ RigSession::RigSession(const RigFile& rig, RigReference& reference, const Sessio
   Lateness lateness = Lateness::time_stands_still;
   std::optional<RealTimeWishes> wishes;
   if (!options.simulated) {
-    lateness = drives_->has_steps() ? Lateness::falls_behind : Lateness::catches_up;
+    lateness = drives_->steps() != nullptr ? Lateness::falls_behind : Lateness::catches_up;
     wishes = RealTimeWishes{};
   }
   timed_.emplace(*loop_, rig.rate_hz, audience_, trace_, lateness, wishes);
@@ -140,7 +142,7 @@ std::string RigSession::trouble() const {
 
 std::int64_t RigSession::delay_ns() const {
   // What is written on a tick is reached at the next; steps begin a tick later.
-  return ns_per_s / rig_.rate_hz * (drives_->has_steps() ? 2 : 1);
+  return ns_per_s / rig_.rate_hz * (drives_->steps() != nullptr ? 2 : 1);
 }
 
 std::string reason_of(const RigSession& session, const std::string& otherwise) {

@@ -5,7 +5,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "host_tools/tick_time.hpp"
+#include "host_tools/rig_chips.hpp"
+#include "inbetween/tick_time.hpp"
 
 namespace inbetween {
 namespace {
@@ -101,9 +102,8 @@ void RigSteps::make_port() {
       most_late_ns = std::min(most_late_ns, its_drive(rig_.axes[indices_[lane]]).latest_ns);
     }
   }
-  const StepPortTiming timing{.tick_ns = ns_per_s / rig_.rate_hz,
-                              .lead_ns = played_lead_ns(rig_.rate_hz),
-                              .most_late_ns = most_late_ns};
+  const StepPortTiming timing{
+      .rate_hz = rig_.rate_hz, .lead_ns = played_lead_ns(rig_.rate_hz), .most_late_ns = most_late_ns};
   auto port = StepPort<double, HostStepSink>::make(lanes_, port_chips_, lane_states_, lists_, timing);
   if (!port) refuse(rig_.axes[indices_.front()], port.error().what, port.error().remedy);
   port_.emplace(*port);

@@ -76,6 +76,8 @@ class RigSteps {
   [[nodiscard]] bool has_lost_steps(std::size_t lane) const {
     return port_->lane_states()[lane].has_lost_steps;
   }
+  /// When the motion of the last setpoints is played.
+  [[nodiscard]] const TickChain& chain() const { return port_->chain(); }
   /// Of a simulated axis: where its shaft is.
   [[nodiscard]] double shaft(std::size_t lane) const;
   /// What is wrong and what to do, the first found; "" for nothing. Not for the loop's thread.

@@ -12,6 +12,7 @@
 #include "host_tools/loop_preparations.hpp"
 #include "host_tools/loop_room.hpp"
 #include "host_tools/loop_runner.hpp"
+#include "host_tools/rig_chips.hpp"
 #include "host_tools/rig_cues.hpp"
 #include "host_tools/rig_reference.hpp"
 #include "host_tools/rig_watch.hpp"
@@ -346,7 +347,9 @@ RunReport run_referenced(LoopOfRig& rig, RigReference& reference, std::span<cons
   }
 }
 
-void log_cues(LoopOfRig& rig, const Plan& plan, const RunOptions& options) {
+void set_cues(LoopOfRig& rig, std::unique_ptr<RigCues> cues, const Plan& plan, const RunOptions& options) {
+  rig.cues = std::move(cues);
+  if (rig.cues && rig.drives->steps() != nullptr) rig.cues->go_with(*rig.drives->steps());
   if (!options.cue_log) return;
   if (!rig.cues) {
     throw InputError({plan.rig()->path, 0, 0},
@@ -371,9 +374,9 @@ RunReport run_simulated(const Plan& plan, const RunOptions& options) {
                 plan.axes().size());
   rig.lines->follow(*rig.drives);
   rig.drives->set_faults(options.faults);
-  rig.cues =
-      RigCues::simulated(plan.move(), rig_file, plan.played().first_frame(), plan.played().last_frame());
-  log_cues(rig, plan, options);
+  const Move<double>& played = plan.played();
+  set_cues(rig, RigCues::simulated(plan.move(), rig_file, played.first_frame(), played.last_frame()), plan,
+           options);
   return run_referenced(rig, reference, axes, [&] {
     const std::unique_ptr<RunRecord> record = record_of(plan, options);
     LoopTrace trace(plan.axes().size(), record.get());
@@ -400,19 +403,22 @@ RunReport run_on_rig(const Plan& plan, const RunOptions& options) {
   RigReference reference = reference_of(rig_file, options.positions, false);
   const std::span<const std::size_t> axes = staged->loop_spec().drive_of;
   reference.refuse_unreferenced(axes);
+  refuse_unavailable_lines(rig_file);
   std::unique_ptr<RigLines> lines = RigLines::on_chips(rig_file);
   LoopOfRig rig(std::move(lines), RigDrives::on_rig(rig_file, !options.allow_jitter), plan.axes().size());
   rig.is_simulated = false;
   rig.trigger = {rig.lines.get(), &RigLines::start_triggered};
   rig.camera = {rig.lines.get(), &RigLines::camera_asks};
-  rig.cues = RigCues::on_chips(plan.move(), rig_file, plan.played().first_frame(), plan.played().last_frame(),
-                               !options.allow_jitter);
-  log_cues(rig, plan, options);
+  const Move<double>& played = plan.played();
+  set_cues(rig,
+           RigCues::on_chips(plan.move(), rig_file, played.first_frame(), played.last_frame(),
+                             !options.allow_jitter),
+           plan, options);
   return run_referenced(rig, reference, axes, [&] {
     const std::unique_ptr<RunRecord> record = record_of(plan, options);
     LoopTrace trace(plan.axes().size(), record.get());
     const LoopAudience audience = audience_of(options);
-    const Lateness lateness = rig.drives->has_steps() ? Lateness::falls_behind : Lateness::catches_up;
+    const Lateness lateness = rig.drives->steps() != nullptr ? Lateness::falls_behind : Lateness::catches_up;
     RunReport report = good_report(options);
     {
       TimedRunner runner(rig.loop, rig_file.rate_hz, audience, trace, lateness, RealTimeWishes{});

@@ -20,6 +20,7 @@ namespace {
 
 using State = SupervisorState;
 
+constexpr std::int32_t rate_hz = 250;
 constexpr std::int64_t tick_ns = 4'000'000;
 constexpr double tick_s = 1.0 / 250;
 
@@ -97,7 +98,7 @@ struct Slider {
     for (std::size_t i = 0; i < 2; ++i) lanes[i].edges = edges[i];
     instants.resize(room_for_instants);
     chips.push_back({&chip, StepMerge::make(wires).value(), wires, 0, 2, 0b100, 0, instants});
-    ports.push_back(Port::make(lanes, chips, states, lists, {tick_ns, tick_ns, 500'000}).value());
+    ports.push_back(Port::make(lanes, chips, states, lists, {rate_hz, tick_ns, 500'000}).value());
     EXPECT_TRUE(port().place(0, 10));
     EXPECT_TRUE(port().place(1, 100));
     loops.emplace_back(port(), lines, room.memory());
@@ -258,10 +259,10 @@ TEST(StepLoop, MoreStepsThanTheRatePermitsAreAFaultOfThatAxisAndStopAll) {
 
 TEST(StepPort, WrongSizesAreRefused) {
   Slider slider;
-  const StepPortTiming timing{tick_ns, tick_ns, 1};
+  const StepPortTiming timing{rate_hz, tick_ns, 1};
   EXPECT_EQ(Port::make(slider.lanes, slider.chips, {}, slider.lists, timing).error().code,
             ErrorCode::wrong_count);
-  EXPECT_EQ(Port::make(slider.lanes, slider.chips, slider.states, slider.lists, {tick_ns, 0, 1}).error().code,
+  EXPECT_EQ(Port::make(slider.lanes, slider.chips, slider.states, slider.lists, {rate_hz, 0, 1}).error().code,
             ErrorCode::out_of_range);
   slider.chips[0].instants = {};
   EXPECT_EQ(Port::make(slider.lanes, slider.chips, slider.states, slider.lists, timing).error().code,

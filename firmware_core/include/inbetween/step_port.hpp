@@ -14,6 +14,7 @@
 #include "inbetween/step_generator.hpp"
 #include "inbetween/step_instant.hpp"
 #include "inbetween/step_merge.hpp"
+#include "inbetween/tick_chain.hpp"
 
 /// Stepper drives behind STEP, DIR and ENABLE lines as the motion loop sees them.
 
@@ -55,7 +56,7 @@ struct StepChip {
 };
 
 struct StepPortTiming {
-  std::int64_t tick_ns = 0;
+  std::int32_t rate_hz = 0;  ///< of the loop
   /// From a tick of the loop to the first moment of the motion that it has written. One tick: the axes are
   /// then in step with CAN drives that interpolate over a tick (CiA 402, cyclic synchronous position).
   std::int64_t lead_ns = 0;
@@ -107,10 +108,10 @@ class StepPort {
     if (next != lanes.size() || states.size() != lanes.size() || lists.size() != lanes.size()) {
       return wrong_lanes();
     }
-    if (timing.tick_ns <= 0 || timing.lead_ns <= 0 || timing.most_late_ns <= 0) {
+    if (timing.rate_hz <= 0 || timing.lead_ns <= 0 || timing.most_late_ns <= 0) {
       return Error{.code = ErrorCode::out_of_range,
                    .what = "a time of the step port is not above 0",
-                   .remedy = "give the tick of the loop, a lead and the latest edge"};
+                   .remedy = "give the rate of the loop, a lead and the latest edge"};
     }
     return StepPort(lanes, chips, states, lists, timing);
   }
@@ -139,16 +140,15 @@ class StepPort {
       cease();
       return;
     }
-    const std::int64_t start_ns = next_start(now_ns);
+    advance(now_ns);
     for (std::size_t i = 0; i < lanes_.size(); ++i) lists_[i] = edges_to(i, setpoints[i]);
     for (const StepChip<Sink>& chip : chips_) {
       const Result<std::size_t> count =
-          chip.merge.merge(start_ns, lists_.subspan(chip.first_lane, chip.lanes), chip.instants);
+          chip.merge.merge(chain_.start_ns(), lists_.subspan(chip.first_lane, chip.lanes), chip.instants);
       // The generators keep to what the merge asks of edges, and the room is enough: it does not refuse.
       if (!count) has_refused_ = true;
       for (std::size_t i = 0; count && i < *count; ++i) push(chip, chip.instants[i]);
     }
-    is_stepping_ = true;
   }
 
   void enable() {
@@ -159,7 +159,7 @@ class StepPort {
     }
     is_late_ = false;
     is_enabled_ = true;
-    is_stepping_ = false;
+    chain_.end();
     is_to_switch_on_ = true;
     // Before the first read nobody knows what time it is.
     if (has_time_) switch_on();
@@ -190,13 +190,20 @@ class StepPort {
     return Done{};
   }
   [[nodiscard]] std::span<const StepLaneState> lane_states() const { return states_; }
+  /// When the motion of the last setpoints is played; not running without any.
+  [[nodiscard]] const TickChain& chain() const { return chain_; }
   /// Ticks of the loop that came so late that steps were missing at their time.
   [[nodiscard]] std::uint64_t gaps() const { return gaps_; }
 
  private:
   StepPort(std::span<StepLane<Real>> lanes, std::span<StepChip<Sink>> chips, std::span<StepLaneState> states,
            std::span<std::span<const StepEdge>> lists, const StepPortTiming& timing)
-      : lanes_(lanes), chips_(chips), states_(states), lists_(lists), timing_(timing) {}
+      : lanes_(lanes),
+        chips_(chips),
+        states_(states),
+        lists_(lists),
+        chain_(timing.rate_hz, timing.lead_ns),
+        most_late_ns_(timing.most_late_ns) {}
 
   static Error wrong_lanes() {
     return {.code = ErrorCode::wrong_count,
@@ -204,18 +211,14 @@ class StepPort {
             .remedy = "list the axes chip by chip, with a state and a list of edges for each"};
   }
 
-  /// Where the motion of this tick begins in time.
-  std::int64_t next_start(std::int64_t now_ns) {
-    std::int64_t start_ns = next_start_ns_;
-    if (!is_stepping_) {
-      start_ns = std::max(now_ns + timing_.lead_ns, enabled_at_ns_);
-    } else if (start_ns < now_ns) {
-      ++gaps_;
-      if (now_ns - start_ns > timing_.most_late_ns) is_late_ = true;
-      start_ns = now_ns + timing_.lead_ns;
+  void advance(std::int64_t now_ns) {
+    if (!chain_.is_running()) {
+      chain_.begin(std::max(now_ns + chain_.lead_ns(), enabled_at_ns_));
+      return;
     }
-    next_start_ns_ = start_ns + timing_.tick_ns;
-    return start_ns;
+    const std::int64_t late_ns = chain_.next(now_ns);
+    if (late_ns > 0) ++gaps_;
+    if (late_ns > most_late_ns_) is_late_ = true;
   }
 
   std::span<const StepEdge> edges_to(std::size_t i, const Setpoint<Real>& setpoint) {
@@ -235,19 +238,19 @@ class StepPort {
 
   /// No step from now on; those that waited were counted.
   void cease() {
-    if (!is_stepping_) return;
+    if (!chain_.is_running()) return;
     for (const StepChip<Sink>& chip : chips_) {
       const bool loses = chip.sink->waiting() > 0;
       chip.sink->discard();
       for (std::size_t i = 0; loses && i < chip.lanes; ++i)
         states_[chip.first_lane + i].has_lost_steps = true;
     }
-    is_stepping_ = false;
+    chain_.end();
   }
 
   void switch_on() {
     is_to_switch_on_ = false;
-    enabled_at_ns_ = now_ns_ + timing_.lead_ns;
+    enabled_at_ns_ = now_ns_ + chain_.lead_ns();
     set_lines(true);
   }
 
@@ -255,7 +258,7 @@ class StepPort {
   /// had begun.
   void set_lines(bool on) {
     for (const StepChip<Sink>& chip : chips_) {
-      StepInstant instant{.at_ns = now_ns_ + timing_.lead_ns,
+      StepInstant instant{.at_ns = now_ns_ + chain_.lead_ns(),
                           .levels = on ? chip.enable_levels : ~chip.enable_levels & chip.enable_mask,
                           .mask = chip.enable_mask};
       for (std::size_t i = 0; i < chip.lanes; ++i) {
@@ -271,15 +274,14 @@ class StepPort {
   std::span<StepChip<Sink>> chips_;
   std::span<StepLaneState> states_;
   std::span<std::span<const StepEdge>> lists_;
-  StepPortTiming timing_;
+  TickChain chain_;
+  std::int64_t most_late_ns_;
   std::int64_t now_ns_ = 0;
   std::int64_t enabled_at_ns_ = 0;
-  std::int64_t next_start_ns_ = 0;
   std::uint64_t gaps_ = 0;
   bool has_time_ = false;         ///< now_ns_ is one
   bool is_to_switch_on_ = false;  ///< enabled before that
   bool is_enabled_ = false;
-  bool is_stepping_ = false;
   bool is_late_ = false;      ///< a gap was longer than allowed
   bool has_refused_ = false;  ///< an instant found no room or no chip
 };
