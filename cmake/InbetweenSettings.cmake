@@ -29,7 +29,11 @@ target_compile_options(inbetween_settings INTERFACE
 if(INBETWEEN_SANITIZE)
   target_compile_options(inbetween_settings INTERFACE
     "-fsanitize=${INBETWEEN_SANITIZE}" -fno-sanitize-recover=all -fno-omit-frame-pointer
+    # For the fuzz targets, which link what the tests link.
+    $<$<CXX_COMPILER_ID:Clang>:-fsanitize=fuzzer-no-link>
     # Sanitizer instrumentation confuses GCC's flow analysis.
     $<$<CXX_COMPILER_ID:GNU>:-Wno-null-dereference$<SEMICOLON>-Wno-maybe-uninitialized>)
+  # An index outside a span or a vector is a find, too.
+  target_compile_definitions(inbetween_settings INTERFACE _GLIBCXX_ASSERTIONS)
   target_link_options(inbetween_settings INTERFACE "-fsanitize=${INBETWEEN_SANITIZE}")
 endif()
