@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
+#include "host_tools/awaited_pulses.hpp"
 #include "host_tools/loop_log.hpp"
 #include "host_tools/move_cue.hpp"
-#include "inbetween/cue_timer.hpp"
 
 namespace inbetween {
 
@@ -19,15 +19,15 @@ class CueLog {
   CueLog(const std::string& file, const std::vector<CuePulse>& pulses, bool waits);
 
   /// Of the loop's thread. No allocation, no system call unless it waits.
-  void take(const BegunPulse& begun) { log_.take(begun); }
+  void take(const PlayedPulse& pulse) { log_.take(pulse); }
   /// Writes what is left; a reader that takes nothing for a second is given up. Records are pulses.
   LoopLogEnd finish() { return log_.finish("it was written more slowly than pulses came"); }
 
  private:
-  void put(const BegunPulse& begun, std::string& text) const;
+  void put(const PlayedPulse& played, std::string& text) const;
 
   const std::vector<CuePulse>& pulses_;
-  LoopLog<BegunPulse, 4096> log_;
+  LoopLog<PlayedPulse, 4096> log_;
 };
 
 }  // namespace inbetween

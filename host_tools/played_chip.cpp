@@ -14,11 +14,12 @@ std::int64_t played_lead_ns(std::int32_t rate_hz) {
 }
 
 std::optional<Refusal> PlayedChip::open(const std::string& label, std::span<const gpio::OutputLine> lines,
-                                        const gpio::StepPlayerSettings& settings, bool in_real_time) {
+                                        const gpio::StepPlayerSettings& settings, bool in_real_time,
+                                        gpio::StepPlayer::PlayedRing* played) {
   gpio::GpioChip machine;
   if (auto refusal = machine.open(label)) return refusal;
   if (auto refusal = outputs_.open(machine, lines)) return refusal;
-  player_.emplace(outputs_, settings);
+  player_.emplace(outputs_, settings, played);
   std::optional<RealTimeWishes> wishes;
   if (in_real_time) wishes = RealTimeWishes{.locks_memory = false};
   thread_.emplace(*player_, wishes);

@@ -21,9 +21,11 @@ std::int64_t played_lead_ns(std::int32_t rate_hz);
 class PlayedChip {
  public:
   /// Takes the lines, at their safe levels, and starts the thread, with the rights of a real-time thread if
-  /// `in_real_time`. Once. Refused where something is not there, busy, or not allowed.
+  /// `in_real_time`. What is played goes into `played`. Once. Refused where something is not there, busy, or
+  /// not allowed.
   [[nodiscard]] std::optional<Refusal> open(const std::string& label, std::span<const gpio::OutputLine> lines,
-                                            const gpio::StepPlayerSettings& settings, bool in_real_time);
+                                            const gpio::StepPlayerSettings& settings, bool in_real_time,
+                                            gpio::StepPlayer::PlayedRing* played = nullptr);
   /// Null before it is open: in simulation.
   [[nodiscard]] gpio::StepPlayer* player() { return player_ ? &*player_ : nullptr; }
   [[nodiscard]] const gpio::StepPlayer* player() const { return player_ ? &*player_ : nullptr; }

@@ -24,8 +24,7 @@ constexpr std::size_t begun_in_a_tick = 256;
 
 RigCues::RigCues(const MoveFile& move, const RigFile& rig, std::int32_t first, std::int32_t last,
                  bool on_chips)
-    : rig_(rig),
-      pulses_(cue_pulses(move)),
+    : pulses_(cue_pulses(move)),
       begun_(begun_in_a_tick),
       instants_(instants_for(begun_in_a_tick)),
       chain_(rig.rate_hz, played_lead_ns(rig.rate_hz)) {
@@ -89,7 +88,8 @@ void RigCues::open(Chip& chip, bool in_real_time) {
     const OutputLine& wire = *lines_[chip.first + i].wire;
     lines.push_back({.line = choice_of(wire.address.line), .is_inverted = wire.idle == Level::high});
   }
-  if (const auto refusal = chip.played.open(chip.label, lines, gpio::StepPlayerSettings{}, in_real_time)) {
+  if (const auto refusal =
+          chip.played.open(chip.label, lines, gpio::StepPlayerSettings{}, in_real_time, &chip.told)) {
     refuse(first.name, *first.place, refusal->what, refusal->remedy);
   }
 }
@@ -128,7 +128,38 @@ void RigCues::signal(bool is_exposing, std::int64_t now_ns) {
 
 void RigCues::put_out(const CueCount& count) {
   for (std::size_t i = 0; i < count.instants; ++i) put_out(instants_[i]);
-  for (std::size_t i = 0; log_ && i < count.begun; ++i) log_->take(begun_[i]);
+  for (std::size_t i = 0; log_ && i < count.begun; ++i) log_pulse(begun_[i]);
+  log_played();
+}
+
+void RigCues::log_to(const std::string& file, bool waits) {
+  log_.emplace(file, pulses_, waits);
+  if (!chips_.empty()) awaited_.emplace(gpio::StepPlayer::capacity);
+}
+
+void RigCues::log_pulse(const BegunPulse& begun) {
+  if (!awaited_) {
+    // What is simulated is in time.
+    log_->take({.begun = begun, .is_played = !begun.is_merged});
+    return;
+  }
+  const auto line = static_cast<std::size_t>(timed_[begun.pulse].line);
+  for (std::size_t c = 0; c < chips_.size(); ++c) {
+    const Chip& chip = chips_[c];
+    if (line < chip.first || line >= chip.first + chip.lines) continue;
+    if (!awaited_->add(begun, c, std::uint64_t{1} << (line - chip.first))) ++not_logged_;
+  }
+}
+
+void RigCues::log_played() {
+  if (!awaited_) return;
+  for (std::size_t c = 0; c < chips_.size(); ++c) {
+    while (const auto played = chips_[c].told.pop()) {
+      awaited_->note_played(c, played->instant.at_ns, played->instant.levels & played->instant.mask,
+                            played->late_ns);
+    }
+  }
+  while (const std::optional<PlayedPulse> pulse = awaited_->next()) log_->take(*pulse);
 }
 
 void RigCues::put_out(const StepInstant& instant) {
@@ -158,7 +189,15 @@ void RigCues::finish(const std::function<bool()>& interrupted) {
 
 std::optional<LoopLogEnd> RigCues::end_log() {
   if (!log_) return std::nullopt;
-  return log_->finish();
+  log_played();
+  while (awaited_) {
+    const std::optional<PlayedPulse> pulse = awaited_->rest();
+    if (!pulse) break;
+    log_->take(*pulse);
+  }
+  LoopLogEnd end = log_->finish();
+  end.lost += static_cast<std::int64_t>(not_logged_);
+  return end;
 }
 
 std::string RigCues::trouble() const {

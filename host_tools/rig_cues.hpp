@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "drivers/gpio/step_player.hpp"
+#include "host_tools/awaited_pulses.hpp"
 #include "host_tools/cue_log.hpp"
 #include "host_tools/move_cue.hpp"
 #include "host_tools/move_file.hpp"
@@ -48,7 +49,7 @@ class RigCues {
   /// the nanosecond.
   void go_with(const RigSteps& steps) { steps_ = &steps; }
   /// Before the first tick: every pulse goes there. CueLog says what it throws.
-  void log_to(const std::string& file, bool waits) { log_.emplace(file, pulses_, waits); }
+  void log_to(const std::string& file, bool waits);
 
   // Of the loop's thread. Nothing waits but the log, if it was told to; nothing is allocated.
 
@@ -79,6 +80,7 @@ class RigCues {
   struct Chip {
     std::string label;
     std::size_t first = 0, lines = 0;
+    gpio::StepPlayer::PlayedRing told;  ///< by its thread
     PlayedChip played;
   };
 
@@ -86,10 +88,11 @@ class RigCues {
   void add_line(std::string_view name, const OutputLine& wire, const Place& place, bool on_chips);
   void open(Chip& chip, bool in_real_time);
   void put_out(const CueCount& count);
+  void log_pulse(const BegunPulse& begun);
+  void log_played();
   void put_out(const StepInstant& instant);
   [[nodiscard]] std::optional<std::size_t> number_of(std::string_view line) const;
 
-  const RigFile& rig_;
   std::vector<CuePulse> pulses_;
   std::vector<Line> lines_;
   std::vector<TimedPulse<double>> timed_;
@@ -102,6 +105,8 @@ class RigCues {
   bool has_refused_ = false;
   std::optional<std::size_t> camera_;
   std::optional<CueLog> log_;
+  std::optional<AwaitedPulses> awaited_;  ///< of chips, while they are logged
+  std::uint64_t not_logged_ = 0;
   std::deque<Chip> chips_;  ///< none in simulation
 };
 

@@ -12,8 +12,8 @@ void count(std::atomic<std::uint64_t>& number) {
 
 }  // namespace
 
-StepPlayer::StepPlayer(GpioOutputs& outputs, const StepPlayerSettings& settings)
-    : outputs_(outputs), settings_(settings), pace_(settings.pace) {}
+StepPlayer::StepPlayer(GpioOutputs& outputs, const StepPlayerSettings& settings, PlayedRing* played)
+    : outputs_(outputs), settings_(settings), played_ring_(played), pace_(settings.pace) {}
 
 bool StepPlayer::push(const StepInstant& instant) {
   const bool is_taken =
@@ -57,6 +57,7 @@ std::int64_t StepPlayer::play(const StepInstant& instant, std::int64_t begun_ns)
     worst_late_ns_.store(late_ns, std::memory_order_relaxed);
     if (late_ns > settings_.most_late_ns) is_too_late_.store(true, std::memory_order_relaxed);
   }
+  if (played_ring_ != nullptr) played_ring_->push({.instant = instant, .late_ns = late_ns});
   count(played_);
   return ended_ns;
 }

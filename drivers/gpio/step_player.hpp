@@ -35,6 +35,12 @@ struct StepPlayerCounters {
       0;  ///< of a played instant against its plan, the shift of those before included
 };
 
+/// An instant that the chip took, for whoever wants to know.
+struct PlayedInstant {
+  StepInstant instant{};
+  std::int64_t late_ns = 0;  ///< when it was given to the kernel, against its plan
+};
+
 /// An instant in the ring of a StepPlayer.
 struct WaitingInstant {
   StepInstant instant{};
@@ -52,8 +58,11 @@ class StepPlayer {
   /// Instants that can wait.
   static constexpr std::size_t capacity = 4096;
 
-  /// The outputs must be open, and stay so until `run` has returned.
-  StepPlayer(GpioOutputs& outputs, const StepPlayerSettings& settings);
+  using PlayedRing = TelemetryRing<PlayedInstant, capacity>;
+
+  /// The outputs must be open, and stay so until `run` has returned. What is played goes into `played`, if
+  /// there is one, for the thread that pops it.
+  StepPlayer(GpioOutputs& outputs, const StepPlayerSettings& settings, PlayedRing* played = nullptr);
 
   // Of the feeding thread. All of them return at once.
 
@@ -97,6 +106,7 @@ class StepPlayer {
   TelemetryRing<WaitingInstant, capacity> ring_;
 
   // Written by the playing thread.
+  PlayedRing* played_ring_;
   StepPace pace_;
   std::atomic<std::uint64_t> played_{0};
   std::atomic<std::uint64_t> discarded_{0};

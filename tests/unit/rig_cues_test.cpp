@@ -35,6 +35,7 @@ struct Row {
   double frame = 0;
   double width_ms = 0;
   bool is_merged = false;
+  std::string late_us;
 };
 
 /// Without the header.
@@ -43,13 +44,13 @@ std::vector<Row> rows_of(const std::string& path) {
   std::ifstream file(path);
   std::string text;
   std::getline(file, text);
-  EXPECT_EQ(text, "seconds,line,frame,width_ms,merged");
+  EXPECT_EQ(text, "seconds,line,frame,width_ms,merged,late_us");
   while (std::getline(file, text)) {
     std::istringstream fields(text);
-    std::vector<std::string> field(5);
+    std::vector<std::string> field(6);
     for (std::string& one : field) std::getline(fields, one, ',');
     rows.push_back(
-        {std::stod(field[0]), field[1], std::stod(field[2]), std::stod(field[3]), field[4] == "1"});
+        {std::stod(field[0]), field[1], std::stod(field[2]), std::stod(field[3]), field[4] == "1", field[5]});
   }
   return rows;
 }
@@ -76,6 +77,7 @@ TEST(RigCues, EveryFrameOfARunHasItsPulseAtItsTimeAndTheClapperFramesIt) {
   for (std::size_t i = 0; i < rows.size(); ++i) {
     EXPECT_NEAR(rows[i].seconds - rows.front().seconds, rows[i].frame / 24, 1e-6) << "pulse " << i;
     EXPECT_FALSE(rows[i].is_merged);
+    EXPECT_EQ(rows[i].late_us, "0");
     if (rows[i].line != "camera") continue;
     EXPECT_EQ(rows[i].frame, static_cast<double>(i - 1) + 0.25);
     EXPECT_EQ(rows[i].width_ms, 15);
