@@ -21,26 +21,46 @@ struct LostAxis {
   double position = 0;       ///< ... and where it takes itself to be
 };
 
-/// Axes that are exactly where they were commanded to be a tick ago, and home. What they did is kept.
-class SimulatedHoming {
+template <Precise Real>
+FreeAxisLimits<Real> as(const FreeAxisLimits<double>& limits) {
+  return {static_cast<Real>(limits.velocity), static_cast<Real>(limits.acceleration),
+          static_cast<Real>(limits.jerk), static_cast<Real>(limits.min), static_cast<Real>(limits.max)};
+}
+template <Precise Real>
+HomingSpec<Real> as(const HomingSpec<double>& spec) {
+  return {.towards_max = spec.towards_max,
+          .at = static_cast<Real>(spec.at),
+          .fast = static_cast<Real>(spec.fast),
+          .slow = static_cast<Real>(spec.slow),
+          .search = static_cast<Real>(spec.search),
+          .leave = static_cast<Real>(spec.leave),
+          .back_off = static_cast<Real>(spec.back_off),
+          .home = spec.home};
+}
+
+/// Axes that are exactly where they were commanded to be a tick ago, and home in `Real`. What they did is
+/// kept.
+template <Precise Real>
+class SimulatedHomingIn {
  public:
-  SimulatedHoming(const std::vector<LostAxis>& lost, int rate_hz, std::uint32_t seed)
+  SimulatedHomingIn(const std::vector<LostAxis>& lost, int rate_hz, std::uint32_t seed)
       : lost_(lost), tick_ns_(1'000'000'000 / rate_hz) {
     axes_.reserve(lost.size());
     for (const LostAxis& each : lost_) {
-      axes_.push_back(*FreeAxis<double>::make(each.limits, each.position, tick_s()));
+      axes_.push_back(*FreeAxis<Real>::make(as<Real>(each.limits), static_cast<Real>(each.position),
+                                            static_cast<Real>(tick_s())));
       switches_.emplace_back(each.there, each.true_position,
                              seed + static_cast<std::uint32_t>(switches_.size()));
-      homings_.push_back(*AxisHoming<double>::make(each.spec, axes_.back()));
+      homings_.push_back(*AxisHoming<Real>::make(as<Real>(each.spec), axes_.back()));
     }
     at_.resize(lost.size());
     for (std::size_t i = 0; i < lost.size(); ++i) at_[i] = axes_[i].state();
     inputs.resize(lost.size());
     read_levels();
-    homing_ = Homing<double>(homings_, tick_ns_);
+    homing_ = Homing<Real>(homings_, tick_ns_);
   }
-  SimulatedHoming(const SimulatedHoming&) = delete;
-  SimulatedHoming& operator=(const SimulatedHoming&) = delete;
+  SimulatedHomingIn(const SimulatedHomingIn&) = delete;
+  SimulatedHomingIn& operator=(const SimulatedHomingIn&) = delete;
 
   Status start() { return homing_.start(now_ns_, inputs); }
 
@@ -52,7 +72,7 @@ class SimulatedHoming {
       events_.erase(events_.begin());
       if (!events_.empty()) events_.front().lost_before = true;
     }
-    std::vector<Setpoint<double>> out(axes_.size());
+    std::vector<Setpoint<Real>> out(axes_.size());
     events_.insert(events_.end(), spikes.begin(), spikes.end());
     spikes.clear();
     std::ranges::sort(events_, {}, &LineEvent::at_ns);
@@ -60,8 +80,9 @@ class SimulatedHoming {
     events_.clear();
     for (std::size_t i = 0; i < axes_.size(); ++i) {
       switches_[i].move(now_ns_, truly(i, at_[i]), now_ns_ + tick_ns_, truly(i, out[i]), events_);
-      fastest_ = std::max(fastest_, std::fabs(out[i].velocity) / lost_[i].spec.fast);
-      sharpest_ = std::max(sharpest_, std::fabs(out[i].acceleration) / lost_[i].limits.acceleration);
+      fastest_ = std::max(fastest_, std::fabs(static_cast<double>(out[i].velocity)) / lost_[i].spec.fast);
+      sharpest_ = std::max(
+          sharpest_, std::fabs(static_cast<double>(out[i].acceleration)) / lost_[i].limits.acceleration);
     }
     at_ = out;
     now_ns_ += tick_ns_;
@@ -82,16 +103,16 @@ class SimulatedHoming {
     return true;
   }
 
-  [[nodiscard]] Homing<double>& homing() { return homing_; }
-  [[nodiscard]] const AxisHoming<double>& axis(std::size_t i) const { return homings_[i]; }
-  [[nodiscard]] FreeAxis<double>& free_axis(std::size_t i) { return axes_[i]; }
+  [[nodiscard]] Homing<Real>& homing() { return homing_; }
+  [[nodiscard]] const AxisHoming<Real>& axis(std::size_t i) const { return homings_[i]; }
+  [[nodiscard]] FreeAxis<Real>& free_axis(std::size_t i) { return axes_[i]; }
   [[nodiscard]] SimulatedSwitch& home_switch(std::size_t i) { return switches_[i]; }
-  [[nodiscard]] const Setpoint<double>& setpoint(std::size_t i) const { return at_[i]; }
+  [[nodiscard]] const Setpoint<Real>& setpoint(std::size_t i) const { return at_[i]; }
   [[nodiscard]] std::int64_t now_ns() const { return now_ns_; }
   [[nodiscard]] double tick_s() const { return static_cast<double>(tick_ns_) / 1e9; }
   /// By how much an axis is wrong about where it is, once it is referenced.
   [[nodiscard]] double error(std::size_t i) const {
-    const double says = at_[i].position + homings_[i].shift();
+    const double says = static_cast<double>(at_[i].position) + static_cast<double>(homings_[i].shift());
     return says - (lost_[i].spec.at + truly(i, at_[i]).position - lost_[i].there.closes);
   }
   /// Shares of `fast` and of the acceleration that no tick went beyond.
@@ -106,9 +127,10 @@ class SimulatedHoming {
   bool loses_events = false;
 
  private:
-  [[nodiscard]] Setpoint<double> truly(std::size_t i, Setpoint<double> setpoint) const {
-    setpoint.position += lost_[i].true_position - lost_[i].position;
-    return setpoint;
+  [[nodiscard]] Setpoint<double> truly(std::size_t i, const Setpoint<Real>& setpoint) const {
+    return {.position = static_cast<double>(setpoint.position) + lost_[i].true_position - lost_[i].position,
+            .velocity = static_cast<double>(setpoint.velocity),
+            .acceleration = static_cast<double>(setpoint.acceleration)};
   }
   void read_levels() {
     for (std::size_t i = 0; i < switches_.size(); ++i) inputs[i].level = switches_[i].level();
@@ -117,14 +139,16 @@ class SimulatedHoming {
   std::vector<LostAxis> lost_;
   std::int64_t tick_ns_;
   std::int64_t now_ns_ = 5'000'000'000;
-  std::vector<FreeAxis<double>> axes_;
+  std::vector<FreeAxis<Real>> axes_;
   std::vector<SimulatedSwitch> switches_;
-  std::vector<AxisHoming<double>> homings_;
-  Homing<double> homing_{{}, 0};
-  std::vector<Setpoint<double>> at_;
+  std::vector<AxisHoming<Real>> homings_;
+  Homing<Real> homing_{{}, 0};
+  std::vector<Setpoint<Real>> at_;
   std::vector<LineEvent> events_;
   double fastest_ = 0;
   double sharpest_ = 0;
 };
+
+using SimulatedHoming = SimulatedHomingIn<double>;
 
 }  // namespace inbetween
