@@ -47,7 +47,9 @@ DrawnTrack drawn_track(const toml::table& table, int frames) {
   for (const toml::node& node : list(table, "keys")) {
     const toml::table& key = *node.as_table();
     track.keys.at.push_back(widened(numbers(list(key, "at"))));
-    const auto parameter = [&](const char* field) -> long double { return key[field].value_or(0.0); };
+    const auto parameter = [&](const char* field) -> long double {
+      return static_cast<long double>(key[field].value_or(0.0));
+    };
     track.keys.tension_continuity_bias.push_back(
         {parameter("tension"), parameter("continuity"), parameter("bias")});
   }

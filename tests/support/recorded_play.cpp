@@ -43,10 +43,11 @@ void RecordedPlay::take(const Playhead<double>& playhead) {
 }
 
 bool RecordedPlay::is_across_step() const {
-  const auto [first, last] = std::minmax_element(frames_.begin(), frames_.end());
+  const auto ends = std::minmax_element(frames_.begin(), frames_.end());
+  const double first = *ends.first, last = *ends.second;
   return std::any_of(steps_.begin(), steps_.end(), [&](double step) {
     const double rounding = 1e-9 * (1 + std::fabs(step));
-    return *first - rounding <= step && step <= *last + rounding;
+    return first - rounding <= step && step <= last + rounding;
   });
 }
 
