@@ -8,6 +8,7 @@
 
 #include "drivers/linux/interrupt_watch.hpp"
 #include "drivers/linux/key_terminal.hpp"
+#include "host_tools/axis_positions.hpp"
 #include "host_tools/command.hpp"
 #include "host_tools/jog.hpp"
 #include "host_tools/rig_watch.hpp"

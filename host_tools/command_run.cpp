@@ -137,9 +137,8 @@ RunReport run(const Plan& plan, const RunArguments& arguments, const RigWatch& w
                      .record = arguments.record,
                      .positions = arguments.positions,
                      .cue_log = arguments.cue_log,
-                     .rig_has_changed = [&] { return watch.has_changed(); },
-                     .interrupted = &InterruptWatch::asked,
-                     .progress = {}};
+                     .audience = {.interrupted = &InterruptWatch::asked,
+                                  .rig_has_changed = [&] { return watch.has_changed(); }}};
   if (arguments.loop) options.repeat = Repeat::loop;
   if (arguments.ping_pong) options.repeat = Repeat::ping_pong;
   if (arguments.yes) {
@@ -150,7 +149,7 @@ RunReport run(const Plan& plan, const RunArguments& arguments, const RigWatch& w
   }
   ProgressBar bar;
   const std::int32_t rate_hz = plan.rig()->rate_hz;
-  options.progress = [&](std::int64_t tick, std::int64_t last) {
+  options.audience.progress = [&](std::int64_t tick, std::int64_t last) {
     const std::int32_t frame =
         std::min(plan.played().time_of_tick(tick, rate_hz).frame, plan.played().last_frame());
     bar.show(static_cast<double>(tick) / static_cast<double>(last),
@@ -162,9 +161,9 @@ RunReport run(const Plan& plan, const RunArguments& arguments, const RigWatch& w
   if (!options.confirm) {
     options.confirm = [&](const std::string& question) { return agrees(terminal, question); };
   }
-  options.progress = {};
-  options.keys = [&] { return terminal.read(); };
-  options.status = [&](const RunSnapshot& now) { bar.show(now.share, status_line(now)); };
+  options.audience.progress = {};
+  options.audience.keys = [&] { return terminal.read(); };
+  options.audience.status = [&](const RunSnapshot& now) { bar.show(now.share, status_line(now)); };
   return play(plan, options);
 }
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "host_tools/axis_positions.hpp"
 #include "host_tools/diagnostics.hpp"
 #include "host_tools/free_play.hpp"
 #include "host_tools/move_rolls.hpp"

@@ -19,11 +19,15 @@
 
 namespace inbetween {
 
-/// Whoever sits before the run: what is typed, what is shown.
+/// Whoever sits before the run: what is typed, what is shown. Each may be left out.
 struct LoopAudience {
+  /// What has been typed since the last call (TransportKeys); without it nothing can be typed.
   std::function<std::string()> keys = {};
+  /// Whether somebody wants the run to end: it is stopped on the path.
   std::function<bool()> interrupted = {};
+  /// Called about ten times a second of real time.
   std::function<void(const RunSnapshot&)> status = {};
+  /// Called before the first tick and then about ten times a second of real time, and at the end.
   std::function<void(std::int64_t tick, std::int64_t last)> progress = {};
   /// Whether nothing may be begun any more, because the rig is not what was read (RigWatch).
   std::function<bool()> rig_has_changed = {};

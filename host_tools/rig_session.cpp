@@ -1,13 +1,10 @@
 #include "host_tools/rig_session.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
+#include <utility>
 
-#include "host_tools/diagnostics.hpp"
+#include "host_tools/axis_positions.hpp"
 #include "host_tools/loop_preparations.hpp"
-#include "host_tools/rig_chips.hpp"
-#include "inbetween/tick_time.hpp"
 
 namespace inbetween {
 namespace {
@@ -39,61 +36,24 @@ class Looking {
   bool has_looked_ = false;
 };
 
-std::vector<double> standing_positions(const RigFile& rig, const RigReference& reference,
-                                       std::map<std::string, double> said) {
+std::unique_ptr<RigLoop> opened(const RigFile& rig, const RigReference& reference,
+                                const SessionOptions& options) {
+  if (!options.simulated) return RigLoop::on_rig(rig, !options.allow_jitter);
   std::vector<double> positions;
   positions.reserve(rig.axes.size());
   for (std::size_t a = 0; a < rig.axes.size(); ++a) {
-    const RigAxis& axis = rig.axes[a];
-    positions.push_back(reference.position(a).value_or(std::clamp(0.0, axis.min, axis.max)));
-    if (const auto found = said.extract(axis.name)) positions.back() = found.mapped();
+    positions.push_back(reference.position(a).value_or(parked(rig.axes[a])));
   }
-  if (!said.empty()) static_cast<void>(axis_named(rig, said.begin()->first));
-  return positions;
+  return RigLoop::simulated(rig, standing_positions(rig, std::move(positions), options.standing),
+                            options.fast);
 }
 
 }  // namespace
 
-std::size_t axis_named(const RigFile& rig, const std::string& name) {
-  for (std::size_t a = 0; a < rig.axes.size(); ++a) {
-    if (rig.axes[a].name == name) return a;
-  }
-  std::vector<std::string> names;
-  names.reserve(rig.axes.size());
-  for (const RigAxis& axis : rig.axes) names.push_back(axis.name);
-  throw InputError({rig.path, 0, 0},
-                   fmt::format("the rig {} has no axis {}; name one of {}", in_quotes(rig.name),
-                               in_quotes(name), comma_separated(names)));
-}
-
 RigSession::RigSession(const RigFile& rig, RigReference& reference, const SessionOptions& options)
-    : rig_(rig), reference_(reference), audience_(options.audience), trace_(rig.axes.size()) {
-  if (options.simulated) {
-    const std::vector<double> standing = standing_positions(rig, reference, options.standing);
-    lines_ = RigLines::simulated(rig, standing);
-    drives_ = RigDrives::simulated(rig, standing);
-    lines_->follow(*drives_);
-  } else {
-    refuse_unavailable_lines(rig);
-    // The lines come first: what is taken for outputs changes on the way.
-    lines_ = RigLines::on_chips(rig);
-    drives_ = RigDrives::on_rig(rig, !options.allow_jitter);
-  }
-  reference.place(*drives_);
-  room_ = std::make_unique<LoopRoom>(rig.axes.size(), rig.axes.size());
-  loop_.emplace(*drives_, *lines_, room_->memory());
-  if (options.fast) {
-    fast_.emplace(*loop_, rig.rate_hz, audience_, trace_);
-    return;
-  }
-  Lateness lateness = Lateness::time_stands_still;
-  std::optional<RealTimeWishes> wishes;
-  if (!options.simulated) {
-    lateness = drives_->steps() != nullptr ? Lateness::falls_behind : Lateness::catches_up;
-    wishes = RealTimeWishes{};
-  }
-  timed_.emplace(*loop_, rig.rate_hz, audience_, trace_, lateness, wishes);
-  if (!options.allow_jitter) refuse_unfit_machine(rig.path, timed_->rights(), "move slowly");
+    : reference_(reference), rig_loop_(opened(rig, reference, options)) {
+  reference.place(rig_loop_->drives());
+  rig_loop_->start(options.audience, "move slowly");
 }
 
 RigSession::~RigSession() {
@@ -101,48 +61,38 @@ RigSession::~RigSession() {
 }
 
 ActEnd RigSession::perform(const LoopAct& act, std::optional<std::int64_t> last) {
-  return fast_ ? fast_->run(act, last) : timed_->run(act, last);
+  return rig_loop_->perform(act, last);
 }
 
 bool RigSession::arm() {
   is_armed_ = true;
-  Arming arming(*loop_);
+  Arming arming(loop());
   perform(act_of(arming, true));
   positions_ = arming.positions();
-  return loop_->state() == SupervisorState::ready;
+  return loop().state() == SupervisorState::ready;
 }
 
 void RigSession::rest() {
-  Arriving arriving(*loop_, rig_.rate_hz);
+  Arriving arriving(loop(), rig().rate_hz);
   perform(act_of(arriving, true));
-  Looking looking(*loop_);
+  Looking looking(loop());
   perform(act_of(looking, true));
   for (std::size_t a = 0; a < positions_.size(); ++a) positions_[a] = looking.states()[a].actual;
-  reference_.at_rest(*drives_, looking.states(), looking.has_ceased());
+  reference_.at_rest(rig_loop_->drives(), looking.states(), looking.has_ceased());
 }
 
 void RigSession::keep(const std::vector<DriveState<double>>& states) {
-  reference_.at_rest(*drives_, states, false);
+  reference_.at_rest(rig_loop_->drives(), states, false);
 }
 
 void RigSession::disarm() {
   if (!is_armed_) return;
   is_armed_ = false;
   // Something that moves is stopped by the first wish, and switched off by the second.
-  for (int wish = 0; wish < 2 && loop_->state() != SupervisorState::disarmed; ++wish) {
-    Disarming disarming(*loop_, rig_.rate_hz);
+  for (int wish = 0; wish < 2 && loop().state() != SupervisorState::disarmed; ++wish) {
+    Disarming disarming(loop(), rig().rate_hz);
     perform(act_of(disarming, true));
   }
-}
-
-std::string RigSession::trouble() const {
-  const std::string trouble = lines_->trouble();
-  return trouble.empty() ? drives_->trouble() : trouble;
-}
-
-std::int64_t RigSession::delay_ns() const {
-  // What is written on a tick is reached at the next; steps begin a tick later.
-  return ns_per_s / rig_.rate_hz * (drives_->steps() != nullptr ? 2 : 1);
 }
 
 std::string reason_of(const RigSession& session, const std::string& otherwise) {

@@ -8,10 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/loop_room.hpp"
-#include "host_tools/loop_runner.hpp"
+#include "host_tools/rig_loop.hpp"
 #include "host_tools/rig_reference.hpp"
-#include "host_tools/run_loop.hpp"
 
 namespace inbetween {
 
@@ -27,10 +25,7 @@ struct SessionOptions {
   LoopAudience audience = {};
 };
 
-/// The index of an axis of the rig. Throws InputError where there is none of that name.
-std::size_t axis_named(const RigFile& rig, const std::string& name);
-
-/// The motion loop of a rig with all that is under it. Refers to the rig and the reference.
+/// The motion loop of a rig that is set up. Refers to the rig and the reference.
 ///
 /// The order is: arm, about_to_move of the reference, perform, rest; as often as wanted; disarm, before what
 /// was performed goes (DisarmAtEnd). Whatever happens the drives are switched off at the end.
@@ -57,26 +52,17 @@ class RigSession {
   void disarm();
 
   /// What is wrong and what to do; "" for nothing.
-  [[nodiscard]] std::string trouble() const;
-  [[nodiscard]] RunLoop& loop() { return *loop_; }
-  [[nodiscard]] RigLines& lines() { return *lines_; }
-  [[nodiscard]] double tick_seconds() const { return 1.0 / rig_.rate_hz; }
-  [[nodiscard]] const RigFile& rig() const { return rig_; }
+  [[nodiscard]] std::string trouble() const { return rig_loop_->trouble(); }
+  [[nodiscard]] RunLoop& loop() { return rig_loop_->loop(); }
+  [[nodiscard]] RigLines& lines() { return rig_loop_->lines(); }
+  [[nodiscard]] double tick_seconds() const { return rig_loop_->tick_seconds(); }
+  [[nodiscard]] const RigFile& rig() const { return rig_loop_->rig(); }
   /// The setpoints of a tick are reached so much later.
-  [[nodiscard]] std::int64_t delay_ns() const;
+  [[nodiscard]] std::int64_t delay_ns() const { return rig_loop_->delay_ns(); }
 
  private:
-  const RigFile& rig_;
   RigReference& reference_;
-  LoopAudience audience_;
-  std::unique_ptr<RigLines> lines_;
-  std::unique_ptr<RigDrives> drives_;
-  std::unique_ptr<LoopRoom> room_;
-  std::optional<RunLoop> loop_;
-  LoopTrace trace_;
-  // One of them, destroyed first.
-  std::optional<FastRunner> fast_;
-  std::optional<TimedRunner> timed_;
+  std::unique_ptr<RigLoop> rig_loop_;
   std::vector<double> positions_;
   bool is_armed_ = false;
 };

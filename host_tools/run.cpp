@@ -2,20 +2,24 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
+#include <cstdint>
 #include <memory>
+#include <optional>
+#include <span>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "host_tools/approach.hpp"
-#include "host_tools/json_writer.hpp"
+#include "host_tools/axis_positions.hpp"
+#include "host_tools/diagnostics.hpp"
 #include "host_tools/loop_preparations.hpp"
-#include "host_tools/loop_room.hpp"
-#include "host_tools/loop_runner.hpp"
-#include "host_tools/rig_chips.hpp"
 #include "host_tools/rig_cues.hpp"
+#include "host_tools/rig_loop.hpp"
 #include "host_tools/rig_reference.hpp"
 #include "host_tools/rig_watch.hpp"
+#include "host_tools/run_checks.hpp"
+#include "host_tools/run_record.hpp"
 #include "host_tools/staged_move.hpp"
 #include "host_tools/start_signal.hpp"
 #include "host_tools/transport.hpp"
@@ -26,64 +30,6 @@ namespace {
 /// Without real-time rights a late tick makes the smaller a jump the slower the rig is.
 constexpr double jitter_rate = 0.1;
 
-/// Where a simulated axis stands before anything moves it: as near to 0 as its limits allow.
-double parked(const RigAxis& axis) {
-  return std::clamp(0.0, axis.min, axis.max);
-}
-
-void refuse_unknown_axis(const Plan& plan, const std::string& name) {
-  for (const RigAxis& axis : plan.rig()->axes) {
-    if (axis.name == name) return;
-  }
-  throw InputError({plan.rig()->path, 0, 0}, fmt::format("the rig {} has no axis {}; name one of its axes",
-                                                         in_quotes(plan.rig()->name), in_quotes(name)));
-}
-
-void refuse_beyond_highest_rate(const Plan& plan, const CheckReport& report, double top_rate) {
-  if (top_rate <= std::max(report.highest_rate, 1.0)) return;
-  throw LimitError(
-      plan.move().frames_place,
-      fmt::format("at {:g} times the drawn speed the move leaves the limits of the rig; up to {:.3f} "
-                  "times it does not",
-                  top_rate, std::floor(report.highest_rate * 1000) / 1000));
-}
-
-/// Where the axes of the rig stand: at the start of the move, those in no track where they are parked, unless
-/// somebody says otherwise. Throws InputError for a name that is no axis.
-std::vector<double> standing_positions(const Plan& plan, std::map<std::string, double> said) {
-  std::vector<double> moving(plan.played().axis_count());
-  plan.played().positions({plan.played().first_frame(), 0}, moving);
-  std::vector<double> positions;
-  for (std::size_t a = 0; a < plan.axes().size(); ++a) {
-    const PlanAxis& axis = plan.axes()[a];
-    positions.push_back(axis.track ? moving[axis.move_axis] : parked(plan.rig()->axes[a]));
-    if (const auto found = said.extract(axis.name)) positions.back() = found.mapped();
-  }
-  if (!said.empty()) refuse_unknown_axis(plan, said.begin()->first);
-  return positions;
-}
-
-void refuse_positions_beyond_limits(const Plan& plan) {
-  const Move<double>& move = plan.played();
-  const std::int64_t last = move.last_tick_at(plan.rig()->rate_hz);
-  std::vector<double> positions(move.axis_count());
-  for (std::int64_t tick = 0; tick <= last; ++tick) {
-    const FrameTime<double> when = move.time_of_tick(tick, plan.rig()->rate_hz);
-    move.positions(when, positions);
-    for (std::size_t d = 0; d < positions.size(); ++d) {
-      if (positions[d] >= plan.limits()[d].min() && positions[d] <= plan.limits()[d].max()) continue;
-      const std::size_t a = plan.axis_of(d);
-      const RigAxis& axis = plan.rig()->axes[a];
-      throw LimitError(
-          plan.place_of(a),
-          fmt::format("axis {} would go to {} {} at frame {:.2f}, outside {}..{} of the rig {}; "
-                      "move its keys inward",
-                      in_quotes(axis.name), positions[d], to_string(axis.unit), when.frame + when.fraction,
-                      axis.min, axis.max, in_quotes(plan.rig()->name)));
-    }
-  }
-}
-
 /// A line of the rig that begins something.
 struct WiredSignal {
   RigLines* lines = nullptr;
@@ -91,71 +37,63 @@ struct WiredSignal {
   bool start_triggered(std::int64_t /*now_ns*/) { return (lines->*has_come)(); }
 };
 
-/// The motion loop with its memory.
-struct LoopOfRig {
-  std::unique_ptr<RigLines> lines;
-  std::unique_ptr<RigDrives> drives;
-  std::unique_ptr<RigCues> cues;  // null where the rig has no outputs
-  SimulatedTrigger simulated_trigger;
-  WiredSignal trigger, camera;
-  bool is_simulated = true;
-  LoopRoom room;
-  RunLoop loop;
-  // The loop refers to what it has played last.
-  std::optional<Plan> approach;
-  std::unique_ptr<StagedMove> way;
-  bool was_armed = false;      ///< the drives were on
-  bool power_was_cut = false;  ///< when the run ended
-
-  // The lines come first: what is taken for outputs changes on the way.
-  LoopOfRig(std::unique_ptr<RigLines> inputs, std::unique_ptr<RigDrives> outputs, std::size_t axes)
-      : lines(std::move(inputs)),
-        drives(std::move(outputs)),
-        room(axes, axes),
-        loop(*drives, *lines, room.memory()) {}
-  LoopOfRig(const LoopOfRig&) = delete;
-  LoopOfRig& operator=(const LoopOfRig&) = delete;
-};
-
-/// The slow way to the start; nothing where the rig stands there. Throws InputError where nobody can agree.
-std::optional<Plan> allowed_approach(const Plan& plan, const std::vector<double>& actual,
-                                     const RunOptions& options) {
-  std::optional<Plan> approach = plan_approach(plan, actual);
-  if (!approach) return approach;
-  refuse_positions_beyond_limits(*approach);
-  if (options.confirm) return approach;
-  throw InputError(
-      {plan.move().path, 0, 0},
-      fmt::format("axis {} of the rig is not where the move starts; bring it there, or agree to let "
-                  "it go there slowly (--yes)",
-                  in_quotes(approach->move().tracks.front().axes.front())));
-}
-
-/// A run from the moment that the drives are switched on.
-template <class Runner>
+/// A move on a rig whose lines and drives are there, from before anything is switched on until nothing is on
+/// any more. What the loop has played last goes with this, after the last tick.
 class Run {
  public:
-  Run(Runner& runner, LoopOfRig& rig, StagedMove& staged, const RunOptions& options, RunReport& report)
-      : runner_(runner),
-        rig_(rig),
+  Run(RigLoop& rig, StagedMove& staged, std::unique_ptr<RigCues> cues, const RunOptions& options)
+      : rig_(rig),
         staged_(staged),
+        cues_(std::move(cues)),
         options_(options),
-        report_(report),
-        rate_hz_(staged.plan().rig()->rate_hz) {}
+        trigger_{&rig.lines(), &RigLines::start_triggered},
+        camera_{&rig.lines(), &RigLines::camera_asks},
+        rate_hz_(rig.rig().rate_hz) {
+    report_.reason = options.shoot ? "every frame was shot" : "the move was played to its last frame";
+    if (options.record) record_ = std::make_unique<RunRecord>(*options.record, rig.rig(), options.fast);
+  }
+  ~Run() { rig_.end(); }
+  Run(const Run&) = delete;
+  Run& operator=(const Run&) = delete;
 
   /// The drives are switched off again, whatever happens.
   void play() {
+    rig_.start(options_.audience, "move at a tenth of the drawn speed", record_.get());
+    play_started();
+    rig_.end();
+  }
+  /// The drives were on.
+  [[nodiscard]] bool was_armed() const { return was_armed_; }
+  /// When it ended.
+  [[nodiscard]] bool power_was_cut() const { return power_was_cut_; }
+  /// Once it was played.
+  [[nodiscard]] RunReport report() {
+    report_.late_ticks = rig_.late_ticks();
+    report_.wake_latency = rig_.latency();
+    for (std::size_t a = 0; a < rig_.axes().size(); ++a) {
+      const RigAxis& axis = rig_.rig().axes[a];
+      const AxisTrace& traced = rig_.axes()[a];
+      report_.axes.push_back({axis.name, std::string(to_string(axis.unit)), traced.commanded, traced.actual,
+                              traced.following_error_peak});
+    }
+    if (record_) report_.record = record_->finish();
+    return std::move(report_);
+  }
+
+ private:
+  [[nodiscard]] bool is_attended() const { return static_cast<bool>(options_.audience.keys); }
+
+  void play_started() {
     try {
       if (arm() && go_to_start()) perform_move();
     } catch (...) {
       disarm();
       throw;
     }
-    rig_.power_was_cut =
-        rig_.loop.state() == SupervisorState::faulted || rig_.loop.state() == SupervisorState::cut_off;
+    const SupervisorState state = rig_.loop().state();
+    power_was_cut_ = state == SupervisorState::faulted || state == SupervisorState::cut_off;
     end_cues();
-    std::string trouble = rig_.lines->trouble();
-    if (trouble.empty()) trouble = rig_.drives->trouble();
+    const std::string trouble = rig_.trouble();
     if (!trouble.empty() && report_.ending != Ending::finished) {
       report_.ending = Ending::fault;
       report_.reason = trouble;
@@ -163,69 +101,65 @@ class Run {
     disarm();
   }
 
- private:
-  [[nodiscard]] bool is_attended() const { return static_cast<bool>(options_.keys); }
-
   bool arm() {
-    Arming arming(rig_.loop);
-    runner_.run(act_of(arming, true), std::nullopt);
+    Arming arming(rig_.loop());
+    rig_.perform(act_of(arming, true));
     positions_ = arming.positions();
-    rig_.was_armed = rig_.loop.state() == SupervisorState::ready;
-    if (rig_.was_armed) return true;
+    was_armed_ = rig_.loop().state() == SupervisorState::ready;
+    if (was_armed_) return true;
     report_.ending = Ending::stopped;
     report_.reason = "the drives were not switched on";
     return false;
   }
 
   bool go_to_start() {
-    rig_.approach = allowed_approach(staged_.plan(), positions_, options_);
-    if (!rig_.approach) return true;
-    if (!options_.confirm(describe_approach(*rig_.approach))) {
+    approach_ = allowed_approach(staged_.plan(), positions_, static_cast<bool>(options_.confirm));
+    if (!approach_) return true;
+    if (!options_.confirm(describe_approach(*approach_))) {
       report_.ending = Ending::stopped;
       report_.reason = "nobody agreed that the rig goes to the start of the move";
       return false;
     }
-    refuse_changed_rig(staged_.plan().rig()->path, options_.rig_has_changed);
-    rig_.way = std::make_unique<StagedMove>(*rig_.approach);
-    Transport transport(rig_.loop, *rig_.way, is_attended());
-    return perform(transport, std::nullopt);
+    refuse_changed_rig(rig_.rig().path, options_.audience.rig_has_changed);
+    way_ = std::make_unique<StagedMove>(*approach_);
+    Transport transport(rig_.loop(), *way_, is_attended());
+    return perform(transport);
   }
 
   void perform_move() {
-    refuse_changed_rig(staged_.plan().rig()->path, options_.rig_has_changed);
+    refuse_changed_rig(rig_.rig().path, options_.audience.rig_has_changed);
     const std::int64_t last = staged_.plan().played().last_tick_at(rate_hz_);
     if (options_.shoot) {
       // A camera that asks by its line is waited for; one that cannot is taken to be ready for the next
       // frame.
-      const std::optional<Camera>& wired = staged_.plan().rig()->camera;
-      const bool asks_by_line = !rig_.is_simulated && wired && wired->asks;
+      const std::optional<Camera>& wired = rig_.rig().camera;
+      const bool asks_by_line = !rig_.is_simulated() && wired && wired->asks;
       SimulatedCamera camera(!is_attended() && !asks_by_line);
-      ShootingLines lines{.cues = rig_.cues.get()};
-      if (asks_by_line) lines.asks = start_signal_of(rig_.camera);
-      Shooting shooting(rig_.loop, staged_, camera, shoot_spec(*options_.shoot, rate_hz_), is_attended(),
+      ShootingLines lines{.cues = cues_.get()};
+      if (asks_by_line) lines.asks = start_signal_of(camera_);
+      Shooting shooting(rig_.loop(), staged_, camera, shoot_spec(*options_.shoot, rate_hz_), is_attended(),
                         lines);
-      perform(shooting, std::nullopt);
+      perform(shooting);
       report_.exposures = shooting.exposures();
     } else {
-      TransportLines lines{.cues = rig_.cues.get()};
+      TransportLines lines{.cues = cues_.get()};
       if (staged_.plan().move().start == Start::trigger) {
-        lines.start =
-            rig_.is_simulated ? start_signal_of(rig_.simulated_trigger) : start_signal_of(rig_.trigger);
+        lines.start = rig_.is_simulated() ? start_signal_of(simulated_trigger_) : start_signal_of(trigger_);
       }
-      Transport transport(rig_.loop, staged_, is_attended(), lines);
+      Transport transport(rig_.loop(), staged_, is_attended(), lines);
       perform(transport, last);
     }
-    if (rig_.cues) rig_.cues->finish(options_.interrupted);
-    if (options_.progress) options_.progress(last, last);
+    if (cues_) cues_->finish(options_.audience.interrupted);
+    if (options_.audience.progress) options_.audience.progress(last, last);
   }
 
   /// Whether it came to its end.
   template <class Performance>
-  bool perform(Performance& performance, std::optional<std::int64_t> last) {
-    const ActEnd end = runner_.run(act_of(performance), last);
+  bool perform(Performance& performance, std::optional<std::int64_t> last = std::nullopt) {
+    const ActEnd end = rig_.perform(act_of(performance), last);
     report_.ticks = end.ticks + 1;
-    Arriving arriving(rig_.loop, rate_hz_);
-    runner_.run(act_of(arriving, true), std::nullopt);
+    Arriving arriving(rig_.loop(), rate_hz_);
+    rig_.perform(act_of(arriving, true));
     if (end.begun && performance.is_done()) return true;
     report_.ending = end.begun ? Ending::stopped : Ending::fault;
     report_.reason = end.begun ? "the move was stopped before its end" : end.begun.error().what;
@@ -238,250 +172,115 @@ class Run {
   }
 
   void end_cues() {
-    if (!rig_.cues) return;
-    report_.cue_log = rig_.cues->end_log();
-    const std::string trouble = rig_.cues->trouble();
+    if (!cues_) return;
+    report_.cue_log = cues_->end_log();
+    const std::string trouble = cues_->trouble();
     if (trouble.empty() || report_.ending != Ending::finished) return;
     report_.ending = Ending::fault;
     report_.reason = trouble;
   }
 
   void disarm() {
-    Disarming disarming(rig_.loop, rate_hz_);
-    runner_.run(act_of(disarming, true), std::nullopt);
+    Disarming disarming(rig_.loop(), rate_hz_);
+    rig_.perform(act_of(disarming, true));
   }
 
-  Runner& runner_;
-  LoopOfRig& rig_;
+  RigLoop& rig_;
   StagedMove& staged_;
+  std::unique_ptr<RigCues> cues_;  // null where the rig has no outputs
   const RunOptions& options_;
-  RunReport& report_;
+  SimulatedTrigger simulated_trigger_;
+  WiredSignal trigger_, camera_;
+  std::unique_ptr<RunRecord> record_;
+  std::optional<Plan> approach_;
+  std::unique_ptr<StagedMove> way_;
   std::int32_t rate_hz_;
   std::vector<double> positions_;
+  RunReport report_;
+  bool was_armed_ = false;
+  bool power_was_cut_ = false;
 };
 
-template <class Runner>
-void run_with(Runner& runner, LoopOfRig& rig, StagedMove& staged, const RunOptions& options,
-              RunReport& report) {
-  Run<Runner>(runner, rig, staged, options, report).play();
-  report.late_ticks = runner.late_ticks();
-  report.wake_latency = runner.latency();
-}
-
-const char* name_of(Ending ending) {
-  switch (ending) {
-    case Ending::finished:
-      return "finished";
-    case Ending::stopped:
-      return "stopped";
-    case Ending::fault:
-      return "fault";
+/// Before anything is switched on it is written down that the axes of the move move; afterwards, and also
+/// where the run was refused on the way, where they rest.
+RunReport run_referenced(RigLoop& rig, RigReference& reference, StagedMove& staged,
+                         std::unique_ptr<RigCues> cues, const RunOptions& options) {
+  if (cues && rig.drives().steps() != nullptr) cues->go_with(*rig.drives().steps());
+  if (options.cue_log) {
+    if (!cues) {
+      throw InputError({rig.rig().path, 0, 0},
+                       fmt::format("the rig {} has no outputs; leave out --cue-log, or add an [output.NAME]",
+                                   in_quotes(rig.rig().name)));
+    }
+    cues->log_to(*options.cue_log, options.fast);
   }
-  return "fault";
-}
-
-}  // namespace
-
-namespace {
-
-/// What is checked before anything is opened. Throws what run_simulated says.
-std::unique_ptr<StagedMove> staged_for_run(const Plan& plan, const RunOptions& options, double top_rate) {
-  const CheckReport checked = check(plan);
-  refuse_beyond_limits(checked);
-  refuse_positions_beyond_limits(plan);
-  refuse_beyond_highest_rate(plan, checked, top_rate);
-  std::vector<std::string> still;
-  if (options.shoot) still = options.shoot->still;
-  for (const std::string& axis : still) refuse_unknown_axis(plan, axis);
-  auto staged = std::make_unique<StagedMove>(plan, top_rate, still);
-  staged->set_repeat(options.repeat);
-  if (options.shoot) refuse_exposures(*staged, shoot_spec(*options.shoot, plan.rig()->rate_hz));
-  return staged;
-}
-
-void list_axes(const Plan& plan, const LoopTrace& trace, RunReport& report) {
-  for (std::size_t a = 0; a < trace.axes().size(); ++a) {
-    const RigAxis& axis = plan.rig()->axes[a];
-    const AxisTrace& traced = trace.axes()[a];
-    report.axes.push_back({axis.name, std::string(to_string(axis.unit)), traced.commanded, traced.actual,
-                           traced.following_error_peak});
-  }
-}
-
-RunReport good_report(const RunOptions& options) {
-  RunReport report;
-  report.reason = options.shoot ? "every frame was shot" : "the move was played to its last frame";
-  return report;
-}
-
-std::unique_ptr<RunRecord> record_of(const Plan& plan, const RunOptions& options) {
-  if (!options.record) return nullptr;
-  return std::make_unique<RunRecord>(*options.record, *plan.rig(), options.fast);
-}
-
-LoopAudience audience_of(const RunOptions& options) {
-  return {options.keys, options.interrupted, options.status, options.progress, options.rig_has_changed};
-}
-
-/// Before anything is switched on it is written down that these axes move; afterwards, and also where the run
-/// was refused on the way, where they rest.
-template <class Performance>
-RunReport run_referenced(LoopOfRig& rig, RigReference& reference, std::span<const std::size_t> axes,
-                         const Performance& perform) {
-  reference.place(*rig.drives);
-  reference.about_to_move(axes);
+  reference.place(rig.drives());
+  Run run(rig, staged, std::move(cues), options);
+  reference.about_to_move(staged.loop_spec().drive_of);
   const auto keep = [&] {
-    if (rig.was_armed) {
-      reference.at_rest(*rig.drives, rig.loop.drive_states(), rig.power_was_cut);
+    if (run.was_armed()) {
+      reference.at_rest(rig.drives(), rig.loop().drive_states(), run.power_was_cut());
     } else {
       reference.has_not_moved();
     }
   };
   try {
-    RunReport report = perform();
-    keep();
-    return report;
+    run.play();
   } catch (...) {
+    rig.end();
     keep();
     throw;
   }
+  keep();
+  return run.report();
 }
 
-void set_cues(LoopOfRig& rig, std::unique_ptr<RigCues> cues, const Plan& plan, const RunOptions& options) {
-  rig.cues = std::move(cues);
-  if (rig.cues && rig.drives->steps() != nullptr) rig.cues->go_with(*rig.drives->steps());
-  if (!options.cue_log) return;
-  if (!rig.cues) {
-    throw InputError({plan.rig()->path, 0, 0},
-                     fmt::format("the rig {} has no outputs; leave out --cue-log, or add an [output.NAME]",
-                                 in_quotes(plan.rig()->name)));
+/// As the plan says: in a track at the start of the move, else parked.
+std::vector<double> planned_positions(const Plan& plan) {
+  std::vector<double> moving(plan.played().axis_count());
+  plan.played().positions({plan.played().first_frame(), 0}, moving);
+  std::vector<double> positions;
+  for (std::size_t a = 0; a < plan.axes().size(); ++a) {
+    const PlanAxis& axis = plan.axes()[a];
+    positions.push_back(axis.track ? moving[axis.move_axis] : parked(plan.rig()->axes[a]));
   }
-  rig.cues->log_to(*options.cue_log, options.fast);
+  return positions;
 }
 
 }  // namespace
 
 RunReport run_simulated(const Plan& plan, const RunOptions& options) {
   const RigFile& rig_file = *plan.rig();
-  const std::unique_ptr<StagedMove> staged = staged_for_run(plan, options, options.top_rate);
-  const std::vector<double> standing = standing_positions(plan, options.standing);
+  const std::unique_ptr<StagedMove> staged =
+      checked_move(plan, options.top_rate, options.repeat, options.shoot);
+  const std::vector<double> standing =
+      standing_positions(rig_file, planned_positions(plan), options.standing);
   RigReference reference = reference_of(rig_file, options.positions, true);
-  const std::span<const std::size_t> axes = staged->loop_spec().drive_of;
-  reference.refuse_unreferenced(axes);
+  reference.refuse_unreferenced(staged->loop_spec().drive_of);
   // What nobody can agree to is refused before the drives are switched on.
-  if (!options.positions) static_cast<void>(allowed_approach(plan, standing, options));
-  LoopOfRig rig(RigLines::simulated(rig_file, standing), RigDrives::simulated(rig_file, standing),
-                plan.axes().size());
-  rig.lines->follow(*rig.drives);
-  rig.drives->set_faults(options.faults);
-  const Move<double>& played = plan.played();
-  set_cues(rig, RigCues::simulated(plan.move(), rig_file, played.first_frame(), played.last_frame()), plan,
-           options);
-  return run_referenced(rig, reference, axes, [&] {
-    const std::unique_ptr<RunRecord> record = record_of(plan, options);
-    LoopTrace trace(plan.axes().size(), record.get());
-    const LoopAudience audience = audience_of(options);
-    RunReport report = good_report(options);
-    if (options.fast) {
-      FastRunner runner(rig.loop, rig_file.rate_hz, audience, trace);
-      run_with(runner, rig, *staged, options, report);
-    } else {
-      TimedRunner runner(rig.loop, rig_file.rate_hz, audience, trace, Lateness::time_stands_still,
-                         std::nullopt);
-      run_with(runner, rig, *staged, options, report);
-    }
-    list_axes(plan, trace, report);
-    if (record) report.record = record->finish();
-    return report;
-  });
+  if (!options.positions) {
+    static_cast<void>(allowed_approach(plan, standing, static_cast<bool>(options.confirm)));
+  }
+  const std::unique_ptr<RigLoop> rig = RigLoop::simulated(rig_file, standing, options.fast);
+  rig->drives().set_faults(options.faults);
+  const Move<double>& move = plan.played();
+  return run_referenced(*rig, reference, *staged,
+                        RigCues::simulated(plan.move(), rig_file, move.first_frame(), move.last_frame()),
+                        options);
 }
 
 RunReport run_on_rig(const Plan& plan, const RunOptions& options) {
   const RigFile& rig_file = *plan.rig();
-  const double top_rate = options.allow_jitter ? jitter_rate : options.top_rate;
-  const std::unique_ptr<StagedMove> staged = staged_for_run(plan, options, top_rate);
+  const bool in_real_time = !options.allow_jitter;
+  const double top_rate = in_real_time ? options.top_rate : jitter_rate;
+  const std::unique_ptr<StagedMove> staged = checked_move(plan, top_rate, options.repeat, options.shoot);
   RigReference reference = reference_of(rig_file, options.positions, false);
-  const std::span<const std::size_t> axes = staged->loop_spec().drive_of;
-  reference.refuse_unreferenced(axes);
-  refuse_unavailable_lines(rig_file);
-  std::unique_ptr<RigLines> lines = RigLines::on_chips(rig_file);
-  LoopOfRig rig(std::move(lines), RigDrives::on_rig(rig_file, !options.allow_jitter), plan.axes().size());
-  rig.is_simulated = false;
-  rig.trigger = {rig.lines.get(), &RigLines::start_triggered};
-  rig.camera = {rig.lines.get(), &RigLines::camera_asks};
-  const Move<double>& played = plan.played();
-  set_cues(rig,
-           RigCues::on_chips(plan.move(), rig_file, played.first_frame(), played.last_frame(),
-                             !options.allow_jitter),
-           plan, options);
-  return run_referenced(rig, reference, axes, [&] {
-    const std::unique_ptr<RunRecord> record = record_of(plan, options);
-    LoopTrace trace(plan.axes().size(), record.get());
-    const LoopAudience audience = audience_of(options);
-    const Lateness lateness = rig.drives->steps() != nullptr ? Lateness::falls_behind : Lateness::catches_up;
-    RunReport report = good_report(options);
-    {
-      TimedRunner runner(rig.loop, rig_file.rate_hz, audience, trace, lateness, RealTimeWishes{});
-      if (!options.allow_jitter)
-        refuse_unfit_machine(rig_file.path, runner.rights(), "move at a tenth of the drawn speed");
-      run_with(runner, rig, *staged, options, report);
-    }
-    list_axes(plan, trace, report);
-    if (record) report.record = record->finish();
-    return report;
-  });
-}
-
-void write_run_json(const RunReport& report, std::FILE* file) {
-  JsonWriter json(file);
-  json.begin_object();
-  json.member("format", 1);
-  json.member("ended", name_of(report.ending));
-  json.member("reason", report.reason);
-  json.member("ticks", report.ticks);
-  json.member("late_ticks", report.late_ticks);
-  if (report.exposures) json.member("exposures", *report.exposures);
-  if (report.record) {
-    json.key("record");
-    json.begin_object();
-    json.member("ticks", report.record->written);
-    json.member("lost", report.record->lost);
-    json.member("why", report.record->why);
-    json.end_object();
-  }
-  json.line();
-  json.key("axes");
-  json.begin_array();
-  for (const RunAxis& axis : report.axes) {
-    json.line();
-    json.begin_object();
-    json.member("name", axis.name);
-    json.member("last_commanded", axis.last_commanded);
-    json.member("last_actual", axis.last_actual);
-    json.member("following_error_peak", axis.following_error_peak);
-    json.end_object();
-  }
-  json.end_array();
-  json.line();
-  json.key("wake_latency_us");
-  json.begin_object();
-  json.member("p50", report.wake_latency.p50_us);
-  json.member("p99", report.wake_latency.p99_us);
-  json.member("p99_9", report.wake_latency.p99_9_us);
-  json.member("max", report.wake_latency.max_us);
-  json.member("max_at_s", report.wake_latency.max_at_s);
-  json.key("histogram");
-  json.begin_array();
-  for (const WakeLatency::Bucket& bucket : report.wake_latency.histogram) {
-    json.begin_object();
-    json.member("below_us", bucket.below_us);
-    json.member("ticks", bucket.ticks);
-    json.end_object();
-  }
-  json.end_array();
-  json.end_object();
-  json.end_object();
-  json.finish();
+  reference.refuse_unreferenced(staged->loop_spec().drive_of);
+  const std::unique_ptr<RigLoop> rig = RigLoop::on_rig(rig_file, in_real_time);
+  const Move<double>& move = plan.played();
+  return run_referenced(
+      *rig, reference, *staged,
+      RigCues::on_chips(plan.move(), rig_file, move.first_frame(), move.last_frame(), in_real_time), options);
 }
 
 }  // namespace inbetween

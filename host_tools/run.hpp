@@ -1,23 +1,16 @@
 // Streams a plan to a rig, a position of every axis per tick.
 #pragma once
 
-#include <cstdint>
-#include <cstdio>
 #include <functional>
 #include <map>
 #include <optional>
 #include <string>
-#include <vector>
 
-#include "host_tools/check.hpp"
-#include "host_tools/cue_log.hpp"
-#include "host_tools/diagnostics.hpp"
 #include "host_tools/fault_script.hpp"
+#include "host_tools/loop_runner.hpp"
 #include "host_tools/plan.hpp"
-#include "host_tools/run_record.hpp"
-#include "host_tools/run_snapshot.hpp"
+#include "host_tools/run_report.hpp"
 #include "host_tools/shooting.hpp"
-#include "host_tools/wake_latency.hpp"
 #include "inbetween/playhead.hpp"
 
 namespace inbetween {
@@ -45,38 +38,7 @@ struct RunOptions {
   std::optional<std::string> positions = {};
   /// A line a pulse on an output goes there (cue_log.hpp).
   std::optional<std::string> cue_log = {};
-  /// Whether the rig file is another than was read: nothing is begun then.
-  std::function<bool()> rig_has_changed = {};
-  /// What has been typed since the last call (TransportKeys); without it nothing can be typed.
-  std::function<std::string()> keys = {};
-  /// Whether somebody wants the run to end: it is stopped on the path.
-  std::function<bool()> interrupted = {};
-  /// Called about ten times a second of real time.
-  std::function<void(const RunSnapshot&)> status = {};
-  /// Called before the first tick and then about ten times a second of real time, and at the end.
-  std::function<void(std::int64_t tick, std::int64_t last)> progress;
-};
-
-struct RunAxis {
-  std::string name;
-  std::string unit;
-  double last_commanded = 0;
-  double last_actual = 0;
-  double following_error_peak = 0;
-};
-
-enum class Ending { finished, stopped, fault };
-
-struct RunReport {
-  Ending ending = Ending::finished;
-  std::string reason;
-  std::int64_t ticks = 0;
-  std::int64_t late_ticks = 0;                 ///< woken a whole period or more after their deadline
-  std::optional<std::int64_t> exposures = {};  ///< of a move that is shot frame by frame
-  std::vector<RunAxis> axes;                   ///< every axis of the rig
-  WakeLatency wake_latency;                    ///< all 0 on a virtual clock
-  std::optional<LoopLogEnd> record = {};
-  std::optional<LoopLogEnd> cue_log = {};
+  LoopAudience audience = {};
 };
 
 /// Plays the plan on simulated axes at the rig's rate: tick k at k / rate_hz seconds from the beginning
@@ -97,8 +59,5 @@ RunReport run_simulated(const Plan& plan, const RunOptions& options);
 /// late tick is made up for while no axis would go beyond its velocity, otherwise it is a controlled stop.
 /// Throws InputError where a bus or a right is missing, with what to do.
 RunReport run_on_rig(const Plan& plan, const RunOptions& options);
-
-/// Version 1 of the format that docs/formats.md describes.
-void write_run_json(const RunReport& report, std::FILE* file);
 
 }  // namespace inbetween

@@ -112,10 +112,8 @@ TEST(Approach, WithYesTheRigGoesThereAndThenPlaysTheMove) {
 
 TEST(Approach, OneThatIsDeclinedMovesNothing) {
   const Plan plan = example();
-  const RunReport report = run_simulated(plan, {.fast = true,
-                                                .standing = {{"pan", 10}},
-                                                .confirm = [](const std::string&) { return false; },
-                                                .progress = {}});
+  const RunReport report = run_simulated(
+      plan, {.fast = true, .standing = {{"pan", 10}}, .confirm = [](const std::string&) { return false; }});
   EXPECT_EQ(report.ending, Ending::stopped);
   EXPECT_EQ(report.ticks, 0);
   EXPECT_EQ(report.axes[1].last_actual, 10);
@@ -124,11 +122,11 @@ TEST(Approach, OneThatIsDeclinedMovesNothing) {
 TEST(Approach, CanBeStoppedAndLeft) {
   const Plan plan = example();
   int tick = 0;
-  const RunReport report = run_simulated(plan, {.fast = true,
-                                                .standing = {{"pan", 10}},
-                                                .confirm = [](const std::string&) { return true; },
-                                                .keys = [&] { return ++tick == 200 ? "q" : ""; },
-                                                .progress = {}});
+  const RunReport report =
+      run_simulated(plan, {.fast = true,
+                           .standing = {{"pan", 10}},
+                           .confirm = [](const std::string&) { return true; },
+                           .audience = {.keys = [&] { return ++tick == 200 ? "q" : ""; }}});
   EXPECT_EQ(report.ending, Ending::stopped);
   EXPECT_THAT(report.reason, HasSubstr("stopped before its end"));
   EXPECT_LT(report.axes[1].last_actual, 10);

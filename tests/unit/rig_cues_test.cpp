@@ -56,7 +56,7 @@ std::vector<Row> rows_of(const std::string& path) {
 }
 
 RunOptions logged(const std::string& file) {
-  RunOptions options{.fast = true, .progress = {}};
+  RunOptions options{.fast = true};
   options.confirm = [](const std::string&) { return true; };
   options.cue_log = file;
   return options;
@@ -90,7 +90,7 @@ TEST(RigCues, AfterAStopInTheMiddleNoPulseBegins) {
   const Plan plan = plan_of(slide_and_pan, slider_rig);
   RunOptions options = logged(file);
   int asked = 0;
-  options.interrupted = [&] { return ++asked == 2000; };
+  options.audience.interrupted = [&] { return ++asked == 2000; };
   const RunReport report = run_simulated(plan, options);
   EXPECT_EQ(report.ending, Ending::stopped);
   const std::vector<Row> rows = rows_of(file);

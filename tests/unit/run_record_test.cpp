@@ -106,7 +106,7 @@ class RigChanged : public testing::Test {
  protected:
   Plan plan_{read_move_file(reveal), read_rig_file(camera_rig), {}};
   bool has_changed_ = false;
-  RunOptions options_{.fast = true, .rig_has_changed = [this] { return has_changed_; }, .progress = {}};
+  RunOptions options_{.fast = true, .audience = {.rig_has_changed = [this] { return has_changed_; }}};
 };
 
 TEST_F(RigChanged, NothingIsBegunAnyMore) {
@@ -119,7 +119,7 @@ TEST_F(RigChanged, NothingIsBegunAnyMore) {
 // faults.md 11
 TEST_F(RigChanged, WhileTheRigMovesItGoesOnAndIsNotBegunAgainAfterAStop) {
   int looks = 0;
-  options_.keys = [&]() -> std::string {
+  options_.audience.keys = [&]() -> std::string {
     ++looks;
     if (looks == 500) has_changed_ = true;
     if (looks == 1500) return "\x1b";  // it has gone on until here

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "host_tools/check.hpp"
 #include "tests/support/refused_text.hpp"
 #include "tests/support/run_program.hpp"
 #include "tests/support/temporary_file.hpp"
@@ -63,7 +64,7 @@ Plan plan_of(const std::string& move, const std::string& rig = bench) {
 }
 
 RunReport play_fast(const Plan& plan) {
-  return run_simulated(plan, {.fast = true, .progress = {}});
+  return run_simulated(plan, {.fast = true});
 }
 
 TEST(Run, PlaysEveryTickUntilTheEndAndArrives) {
@@ -103,10 +104,11 @@ TEST(Run, TheFollowingErrorIsTheLargestStepOfATick) {
 TEST(Run, TellsItsProgressFromTheFirstTickToTheLast) {
   std::vector<std::int64_t> ticks;
   std::int64_t last_tick = 0;
-  run_simulated(plan_of(there), {.fast = true, .progress = [&](std::int64_t tick, std::int64_t last) {
-                                   ticks.push_back(tick);
-                                   last_tick = last;
-                                 }});
+  run_simulated(plan_of(there),
+                {.fast = true, .audience = {.progress = [&](std::int64_t tick, std::int64_t last) {
+                                 ticks.push_back(tick);
+                                 last_tick = last;
+                               }}});
   EXPECT_EQ(ticks.front(), 0);
   EXPECT_EQ(ticks.back(), last_tick);
   EXPECT_TRUE(std::is_sorted(ticks.begin(), ticks.end()));
@@ -114,7 +116,8 @@ TEST(Run, TellsItsProgressFromTheFirstTickToTheLast) {
 
 TEST(Run, AnAxisBeyondItsLimitMovesNothing) {
   bool moved = false;
-  const RunOptions options = {.fast = true, .progress = [&](std::int64_t, std::int64_t) { moved = true; }};
+  const RunOptions options = {.fast = true,
+                              .audience = {.progress = [&](std::int64_t, std::int64_t) { moved = true; }}};
   const Plan plan = plan_of(with(there, "[14]", "[14.5]"));
   try {
     run_simulated(plan, options);
