@@ -219,6 +219,19 @@ void PositionFile::write(const KeptPositions& kept) {
   if (const FileFailure failure = replace_durably(files_, path_, to_text(kept))) fail(path_, failure);
 }
 
+std::unique_ptr<InstanceLock> lock_positions(const std::string& path) {
+  std::error_code error;
+  const std::filesystem::path file = std::filesystem::weakly_canonical(path, error);
+  if (error) throw InputError({path, 0, 0}, fmt::format("cannot be found: {}", error.message()));
+  Identity hash;
+  hash.add(file.string());
+  auto lock = std::make_unique<InstanceLock>();
+  if (const auto refusal = lock->take(fmt::format("positions {:016x}", hash.value()), "these positions")) {
+    throw InputError({path, 0, 0}, refusal->what + "; " + refusal->remedy);
+  }
+  return lock;
+}
+
 std::string usual_position_file(const RigFile& rig) {
   return position_file_path(rig.name, std::getenv("XDG_STATE_HOME"), std::getenv("HOME"));
 }

@@ -11,11 +11,13 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "drivers/linux/instance_lock.hpp"
 #include "host_tools/file_layer.hpp"
 #include "host_tools/position_text.hpp"
 #include "host_tools/rig_file.hpp"
@@ -38,16 +40,19 @@ std::string position_file_path(const std::string& rig_name, const char* xdg_stat
 /// That of a rig in this process's environment.
 std::string usual_position_file(const RigFile& rig);
 
+/// One program at a time reads a file and writes it, whatever name it has it by. Held from before the file is
+/// read until its axes move no more. Throws InputError where another program has it.
+std::unique_ptr<InstanceLock> lock_positions(const std::string& path);
+
 /// What is known of a kept axis.
 struct KnownAxis {
   std::size_t axis = 0;            // of the rig
-  std::optional<double> position;  // at rest, in units of the drive; absent: unreferenced
+  std::optional<double> position;  // at rest, in the unit of the axis; absent: unreferenced
   std::string why;                 // it is unreferenced, in words; otherwise empty
 };
 
 /// The positions of one rig. Writing throws std::runtime_error, one line that starts with the name of the
-/// file and says what to do. One process at a time writes a file: whoever has the lines or the pipes of the
-/// axes.
+/// file and says what to do. Whoever has one that other programs could have too holds its lock.
 class PositionFile {
  public:
   /// Reads the file. A file that is missing, unreadable, damaged, or of another rig leaves every axis
@@ -65,7 +70,7 @@ class PositionFile {
   /// Where axis `axis` rests now, or std::nullopt if that is not known any more.
   struct Rest {
     std::size_t axis = 0;            // of the rig, kept
-    std::optional<double> position;  // finite, in units of the drive
+    std::optional<double> position;  // finite, in the unit of the axis
   };
   /// After the axes have come to rest. If it throws, the file still says that they move, or what was to be
   /// written.

@@ -8,9 +8,8 @@
 //   sum 5be1a89cc4bb1b35
 //
 // Line 2 is the identity of the rig, hexadecimal, and its name. A line per axis: its state and its name, and
-// where it rests its position in units of its drive (steps, counts or turns). An axis of which nothing is
-// known has no number, so that none can be mistaken for one. `sum` is FNV-1a, 64 bits, of every byte before
-// that line.
+// where it rests its position in its unit. An axis of which nothing is known has no number, so that none can
+// be mistaken for one. `sum` is FNV-1a, 64 bits, of every byte before that line.
 #pragma once
 
 #include <cstddef>
@@ -33,7 +32,7 @@ enum class AxisRest {
 struct KeptAxis {
   std::string name;
   AxisRest rest = AxisRest::unreferenced;
-  double position = 0;  // only with `at`; finite, in units of the drive
+  double position = 0;  // only with `at`; finite, in the unit of the axis
 
   bool operator==(const KeptAxis&) const = default;
 };

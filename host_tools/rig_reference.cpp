@@ -108,9 +108,12 @@ void RigReference::keep(std::span<const PositionFile::Rest> rests) {
 
 RigReference reference_of(const RigFile& rig, const std::optional<std::string>& file, bool is_simulated) {
   if (kept_axes(rig).empty()) return RigReference(rig);
-  if (file) return {rig, *file};
-  if (is_simulated) return RigReference(rig);
-  return {rig, usual_position_file(rig)};
+  if (!file && is_simulated) return RigReference(rig);
+  const std::string path = file ? *file : usual_position_file(rig);
+  auto lock = lock_positions(path);
+  RigReference reference(rig, path);
+  reference.lock_ = std::move(lock);
+  return reference;
 }
 
 }  // namespace inbetween

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -59,6 +60,8 @@ class RigReference {
   void is_lost(std::size_t axis, const std::string& why);
 
  private:
+  friend RigReference reference_of(const RigFile& rig, const std::optional<std::string>& file,
+                                   bool is_simulated);
   struct Axis {
     std::optional<double> position = {};
     std::string why = {};  ///< it is unreferenced
@@ -68,12 +71,14 @@ class RigReference {
   void keep(std::span<const PositionFile::Rest> rests);
 
   const RigFile& rig_;
+  std::unique_ptr<InstanceLock> lock_;
   std::optional<PositionFile> file_;
   std::vector<Axis> axes_;
 };
 
 /// The reference of a rig that is used as a command says: in the file that is named, else in its usual one,
-/// and in a simulation nowhere. A rig whose drives all know where they are needs no file.
+/// and in a simulation nowhere. A rig whose drives all know where they are needs no file. The file is locked
+/// for as long as the reference is there; throws InputError where another program has it.
 RigReference reference_of(const RigFile& rig, const std::optional<std::string>& file, bool is_simulated);
 
 }  // namespace inbetween

@@ -15,13 +15,14 @@ InstanceLock::~InstanceLock() {
   if (socket_ >= 0) close(socket_);
 }
 
-std::optional<Refusal> InstanceLock::take(const std::string& name) {
+std::optional<Refusal> InstanceLock::take(const std::string& name, const std::string& called) {
   // An abstract address: it begins with a zero byte and has no file.
   const std::string address = std::string(1, '\0') + "inbetween " + name;
   sockaddr_un where{};
   where.sun_family = AF_UNIX;
   if (address.size() > sizeof where.sun_path) {
-    return Refusal{.what = "the name of " + name + " is too long for a lock", .remedy = "use a shorter one"};
+    return Refusal{.what = "the name of " + called + " is too long for a lock",
+                   .remedy = "use a shorter one"};
   }
   std::copy(address.begin(), address.end(), where.sun_path);
   socket_ = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
@@ -29,9 +30,9 @@ std::optional<Refusal> InstanceLock::take(const std::string& name) {
   if (socket_ >= 0 && bind(socket_, reinterpret_cast<const sockaddr*>(&where), size) == 0)
     return std::nullopt;
   if (errno == EADDRINUSE) {
-    return Refusal{.what = "another inbetween uses " + name, .remedy = "end it first"};
+    return Refusal{.what = "another inbetween uses " + called, .remedy = "end it first"};
   }
-  return Refusal{.what = name + " cannot be locked: " + std::strerror(errno),
+  return Refusal{.what = called + " cannot be locked: " + std::strerror(errno),
                  .remedy = "look at the system's limits"};
 }
 

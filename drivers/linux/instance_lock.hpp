@@ -16,8 +16,9 @@ class InstanceLock {
   InstanceLock(const InstanceLock&) = delete;
   InstanceLock& operator=(const InstanceLock&) = delete;
 
-  /// `name` of at most 80 bytes, "bus can0".
-  [[nodiscard]] std::optional<Refusal> take(const std::string& name);
+  /// `name` of at most 80 bytes, "bus can0"; what people call it may be longer.
+  [[nodiscard]] std::optional<Refusal> take(const std::string& name) { return take(name, name); }
+  [[nodiscard]] std::optional<Refusal> take(const std::string& name, const std::string& called);
 
  private:
   int socket_ = -1;

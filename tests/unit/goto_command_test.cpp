@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <csignal>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -173,6 +174,20 @@ TEST(GotoCommand, TheDriveTakesTheKeptPosition) {
   EXPECT_EQ(run.status, 0) << run.err;
   EXPECT_THAT(run.err, AllOf(HasSubstr("40.000 -> 30.000"), HasSubstr("5.000 -> 10.000")));
   EXPECT_THAT(run.out, AllOf(HasSubstr(" 30.0000 deg"), HasSubstr(" 10.0000 mm")));
+}
+
+// faults.md 42: what is said would be overwritten where the axes rest, or be said of axes that move.
+TEST(GotoCommand, NothingIsSaidOrMovedWhileAnotherProgramHasThePositions) {
+  const Stage stage;
+  const RigFile rig = read_rig_file(stage.path);
+  {
+    const RigReference other = reference_of(rig, stage.positions, false);
+    expect_refused(stage.go({"--set-zero", "pan", "--positions", stage.positions}), 1,
+                   {stage.positions + ": error: another inbetween uses these positions; end it first"});
+    expect_refused(stage.go_kept({"tilt=10"}), 1, {"another inbetween uses these positions"});
+    EXPECT_TRUE(std::filesystem::is_empty(stage.folder.path()));
+  }
+  EXPECT_EQ(stage.go({"--set-zero", "pan", "--positions", stage.positions}).status, 0);
 }
 
 TEST(GotoCommand, WithoutAFileASimulationWritesNothing) {

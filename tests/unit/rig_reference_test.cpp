@@ -6,6 +6,8 @@
 
 #include <cmath>
 #include <cstdint>
+#include <filesystem>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -267,6 +269,26 @@ TEST(RigReference, NobodySaysWhereAnAxisIsThatItsDriveKnows) {
   RigReference reference = stage.reference();
   EXPECT_THROW(reference.stands_at(crane, 0), std::logic_error);
   EXPECT_THROW(reference.is_lost(crane, "?"), std::logic_error);
+}
+
+// faults.md 42
+TEST(RigReference, OneAtATimeHasAFileByWhateverNameItHasIt) {
+  const Stage stage;
+  const std::filesystem::path folder = stage.folder.path();
+  std::filesystem::create_directory(folder / "state");
+  std::filesystem::create_directory_symlink(folder / "state", folder / "link");
+  {
+    const RigReference first = reference_of(stage.rig, stage.file, false);
+    for (const std::string& name : {stage.file, (folder / "link" / "four.positions").string(),
+                                    (folder / "link" / ".." / "state" / "four.positions").string()}) {
+      EXPECT_THAT([&] { reference_of(stage.rig, name, true); },
+                  testing::ThrowsMessage<InputError>(
+                      name + ": error: another inbetween uses these positions; end it first"));
+    }
+    EXPECT_NO_THROW(reference_of(stage.rig, stage.file + "2", false)) << "another file";
+    EXPECT_NO_THROW(reference_of(stage.rig, std::nullopt, true)) << "no file";
+  }
+  EXPECT_NO_THROW(reference_of(stage.rig, stage.file, false)) << "the first has ended";
 }
 
 }  // namespace
