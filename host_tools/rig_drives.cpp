@@ -26,6 +26,9 @@ constexpr std::int64_t ns_per_ms = 1'000'000;
 /// How many ticks without a setpoint a drive waits.
 constexpr std::int64_t setpoints_waited_for = 8;
 
+/// Counts that a double has every one of.
+constexpr double most_counts = 9'007'199'254'740'992;
+
 const Cia402Drive* cia402_of(const RigAxis& axis) {
   return std::get_if<Cia402Drive>(&axis.drive);
 }
@@ -271,40 +274,40 @@ void RigDrives::quick_stop() {
 }
 
 void RigDrives::place(std::size_t axis, double position) {
-  for (std::size_t i = 0; i < on_can_.axes.size(); ++i) {
-    if (on_can_.axes[i] != axis) continue;
-    if (port_->drive(i).phase() == can::DrivePhase::following) {
-      port_->place(i, position);
-    } else {
-      can_axes_[i].stands_at = position;
+  if (const auto i = on_can_.find(axis)) {
+    const RigAxis& of = rig_.axes[axis];
+    if (!(std::fabs(position * can_axes_[*i].counts_per_unit) <= most_counts)) {
+      throw InputError(of.place, fmt::format("axis {}: a position is more counts from 0 than a drive tells; "
+                                             "put 0 nearer",
+                                             in_quotes(of.name)));
     }
-  }
-  for (std::size_t i = 0; i < on_steps_.axes.size(); ++i) {
-    if (on_steps_.axes[i] == axis) steps_->place(i, position);
+    if (port_->drive(*i).phase() == can::DrivePhase::following) {
+      port_->place(*i, position);
+    } else {
+      can_axes_[*i].stands_at = position;
+    }
+  } else if (const auto step = on_steps_.find(axis)) {
+    steps_->place(*step, position);
+  } else {
+    ideal_->place(are_ideal_.find(axis).value(), position);
   }
 }
 
 bool RigDrives::has_lost_position(std::size_t axis) const {
-  for (std::size_t i = 0; i < on_can_.axes.size(); ++i) {
-    if (on_can_.axes[i] != axis) continue;
-    if (port_->drive(i).findings().has(can::DriveFinding::unexpected_boot)) return true;
+  if (const auto i = on_can_.find(axis)) {
+    return port_->drive(*i).findings().has(can::DriveFinding::unexpected_boot);
   }
-  for (std::size_t i = 0; i < on_steps_.axes.size(); ++i) {
-    if (on_steps_.axes[i] == axis && steps_->has_lost_steps(i)) return true;
-  }
-  return false;
+  const auto i = on_steps_.find(axis);
+  return i && steps_->has_lost_steps(*i);
 }
 
 double RigDrives::true_position(std::size_t axis) const {
-  for (std::size_t i = 0; i < on_can_.axes.size(); ++i) {
-    const can::Cia402Axis<double>& of = can_axes_[i];
-    if (on_can_.axes[i] == axis) return buses_[of.lane].drives[of.drive].position() / of.counts_per_unit;
+  if (const auto i = on_can_.find(axis)) {
+    const can::Cia402Axis<double>& of = can_axes_[*i];
+    return buses_[of.lane].drives[of.drive].position() / of.counts_per_unit;
   }
-  for (std::size_t i = 0; i < on_steps_.axes.size(); ++i) {
-    if (on_steps_.axes[i] == axis) return steps_->shaft(i);
-  }
-  const auto found = std::ranges::find(are_ideal_.axes, axis);
-  return ideal_->axes()[static_cast<std::size_t>(found - are_ideal_.axes.begin())].actual();
+  if (const auto i = on_steps_.find(axis)) return steps_->shaft(*i);
+  return ideal_->axes()[are_ideal_.find(axis).value()].actual();
 }
 
 std::string RigDrives::trouble() const {

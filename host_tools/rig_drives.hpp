@@ -1,6 +1,7 @@
 // The drives of a rig file under the motion loop: on its buses, or simulated.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
@@ -77,7 +78,8 @@ class RigDrives {
   void quick_stop();
 
   /// Axis `axis` of the rig stands at `position`, whatever its drive says. Only before the drives are
-  /// switched on, or while nothing is sent to them.
+  /// switched on, or while nothing is sent to them. Throws InputError at an axis whose drive cannot count so
+  /// far.
   void place(std::size_t axis, double position);
   /// Steps were lost, so that nobody knows where the axis is.
   [[nodiscard]] bool has_lost_position(std::size_t axis) const;
@@ -110,6 +112,12 @@ class RigDrives {
     std::vector<DriveState<double>> states;
     std::vector<Setpoint<double>> setpoints;
 
+    /// Where the axis of the rig is among these.
+    [[nodiscard]] std::optional<std::size_t> find(std::size_t axis) const {
+      const auto found = std::ranges::find(axes, axis);
+      if (found == axes.end()) return std::nullopt;
+      return static_cast<std::size_t>(found - axes.begin());
+    }
     void make_room() {
       states.resize(axes.size());
       setpoints.resize(axes.size());
@@ -144,7 +152,7 @@ class RigDrives {
   std::optional<SimulatedRig> ideal_;
   std::optional<FaultSchedule> faults_;
   std::unique_ptr<RigSteps> steps_;
-  Part on_can_, on_steps_, are_ideal_;
+  Part on_can_, on_steps_, are_ideal_;  ///< every axis is in one of them
 };
 
 }  // namespace inbetween

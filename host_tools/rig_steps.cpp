@@ -130,6 +130,11 @@ std::unique_ptr<RigSteps> RigSteps::simulated(const RigFile& rig, const std::vec
   return steps;
 }
 
+void RigSteps::place(std::size_t lane, double position) {
+  const Status placed = port_->place(lane, position);
+  if (!placed) refuse(rig_.axes[indices_[lane]], placed.error().what, placed.error().remedy);
+}
+
 void RigSteps::open(Chip& chip, bool in_real_time) {
   const RigAxis& first = rig_.axes[indices_[chip.lanes.front()]];
   std::vector<gpio::OutputLine> lines;

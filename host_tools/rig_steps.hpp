@@ -70,8 +70,9 @@ class RigSteps {
   void disable() { port_->disable(); }
   void quick_stop() { port_->quick_stop(); }
 
-  /// Axis `lane` of indices() is at `position`. Only while it rests.
-  void place(std::size_t lane, double position) { static_cast<void>(port_->place(lane, position)); }
+  /// Axis `lane` of indices() is at `position`. Only while it rests. Throws InputError at an axis
+  /// whose steps cannot be counted so far.
+  void place(std::size_t lane, double position);
   /// Steps were counted that the motor did not get: nobody knows where the axis is.
   [[nodiscard]] bool has_lost_steps(std::size_t lane) const {
     return port_->lane_states()[lane].has_lost_steps;

@@ -2,7 +2,8 @@
 
 namespace inbetween {
 
-SimulatedRig::SimulatedRig(std::span<const double> positions) : faults_(positions.size()) {
+SimulatedRig::SimulatedRig(std::span<const double> positions)
+    : shifts_(positions.size()), faults_(positions.size()) {
   for (const double position : positions) axes_.emplace_back(position);
 }
 
@@ -10,7 +11,7 @@ void SimulatedRig::read(std::span<DriveState<double>> states, std::int64_t /*now
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     DriveCondition condition = faults_[i] ? DriveCondition::cannot_follow : DriveCondition::fine;
     if (!connected_) condition = DriveCondition::unreachable;
-    states[i] = {.actual = axes_[i].actual(), .is_on = is_switched_on_, .condition = condition};
+    states[i] = {.actual = axes_[i].actual() + shifts_[i], .is_on = is_switched_on_, .condition = condition};
   }
 }
 
@@ -19,7 +20,7 @@ void SimulatedRig::write(std::span<const Setpoint<double>> setpoints, std::int64
   ++writes_;
   if (!connected_ || !is_switched_on_) return;
   for (std::size_t i = 0; i < axes_.size(); ++i) {
-    if (!faults_[i]) axes_[i].tick(setpoints[i].position);
+    if (!faults_[i]) axes_[i].tick(setpoints[i].position - shifts_[i]);
   }
 }
 

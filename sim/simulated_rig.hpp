@@ -21,9 +21,12 @@ class SimulatedRig {
   void write(std::span<const Setpoint<double>> setpoints, std::int64_t now_ns);
   void enable() { is_switched_on_ = true; }
   void disable() { is_switched_on_ = false; }
+  /// The axis is at `position` from now on as its drive counts, wherever it really is.
+  void place(std::size_t axis, double position) { shifts_[axis] = position - axes_[axis].actual(); }
   /// An ideal drive stands where it was told last.
   void quick_stop() {}
 
+  /// Where they really are.
   [[nodiscard]] const std::vector<SimulatedAxis>& axes() const { return axes_; }
   /// How often setpoints have been written.
   [[nodiscard]] std::size_t writes() const { return writes_; }
@@ -37,6 +40,7 @@ class SimulatedRig {
 
  private:
   std::vector<SimulatedAxis> axes_;
+  std::vector<double> shifts_;  ///< what a drive tells against where its axis is
   std::vector<bool> faults_;
   bool connected_ = true;
   bool is_switched_on_ = false;

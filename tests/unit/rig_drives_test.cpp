@@ -5,7 +5,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstdint>
+#include <memory>
 #include <string>
+#include <vector>
 
 #include "host_tools/diagnostics.hpp"
 
@@ -57,6 +61,91 @@ TEST(RigDrives, ASlowRigGivesItsDrivesTheTimeOfSeveralTicks) {
   const can::Cia402Settings settings = settings_of(rig.axes[0], rig.rate_hz);
   EXPECT_GE(settings.setup.host_timeout_ms, 300);
   EXPECT_GE(settings.setup.setpoint_timeout_ms, 300);
+}
+
+// --- drives that are told where their axes stand
+
+const char* const one_of_each = R"(name = "each"
+rate_hz = 250
+[bus.can0]
+bitrate = 1_000_000
+[[axis]]
+name = "steps"
+unit = "mm"
+min = 0
+max = 500
+max_velocity = 50
+max_acceleration = 100
+reference = "operator"
+drive = { type = "step-dir", chip = "gpio", step = 17, dir = 27, steps_per_unit = 40 }
+[[axis]]
+name = "can"
+unit = "deg"
+min = -90
+max = 90
+max_velocity = 12
+max_acceleration = 70
+reference = "operator"
+drive = { type = "cia402", bus = "can0", node = 1, counts_per_unit = 1000 }
+[[axis]]
+name = "odrive"
+unit = "deg"
+min = -30
+max = 30
+max_velocity = 60
+max_acceleration = 100
+reference = "operator"
+drive = { type = "odrive", bus = "can0", node = 2, turns_per_unit = 0.1 }
+[[axis]]
+name = "pipe"
+unit = "deg"
+min = -30
+max = 30
+max_velocity = 60
+max_acceleration = 100
+drive = { type = "pipe", path = "/tmp/pipe", counts_per_unit = 10 }
+)";
+
+TEST(RigDrives, EveryKindOfDriveTakesWhereItsAxisStandsAndGoesFromThere) {
+  const RigFile rig = parse_rig(one_of_each, "rig.toml");
+  const std::vector<double> truly{100, 5, 6, 7};
+  const std::unique_ptr<RigDrives> drives = RigDrives::simulated(rig, truly);
+  for (std::size_t a = 0; a < 4; ++a) drives->place(a, 20 + static_cast<double>(a));
+  drives->enable();
+  std::vector<DriveState<double>> states(4);
+  std::vector<Setpoint<double>> setpoints;
+  const auto is_on = [](const DriveState<double>& state) { return state.is_on; };
+  std::int64_t now_ns = 0;
+  int ticks_on = 0;
+  for (int tick = 0; tick < 3000 && ticks_on < 100; ++tick) {
+    drives->read(states, now_ns += 4'000'000);
+    if (std::ranges::all_of(states, is_on) && ++ticks_on == 1) {
+      for (std::size_t a = 0; a < 4; ++a) {
+        EXPECT_EQ(states[a].actual, 20 + static_cast<double>(a)) << a;
+        EXPECT_EQ(drives->true_position(a), truly[a]) << a;
+        setpoints.push_back({.position = states[a].actual});
+      }
+    }
+    // Slowly to 0.125 further.
+    if (ticks_on > 1 && ticks_on <= 51) {
+      for (Setpoint<double>& setpoint : setpoints) setpoint.position += 0.0025;
+    }
+    drives->write(setpoints, now_ns);
+  }
+  for (std::size_t a = 0; a < 4; ++a) {
+    EXPECT_NEAR(states[a].actual, 20.125 + static_cast<double>(a), 1e-3) << a;
+    EXPECT_NEAR(drives->true_position(a), truly[a] + 0.125, 1e-3) << a;
+  }
+}
+
+TEST(RigDrives, APlaceThatADriveCannotCountToIsRefusedAtItsAxis) {
+  const RigFile rig = parse_rig(one_of_each, "rig.toml");
+  const std::unique_ptr<RigDrives> drives = RigDrives::simulated(rig, {0, 0, 0, 0});
+  for (const std::size_t axis : {0U, 1U}) {
+    EXPECT_THAT([&] { drives->place(axis, 1e15); },
+                testing::ThrowsMessage<InputError>(
+                    testing::AllOf(StartsWith("rig.toml:"), HasSubstr("from 0"), HasSubstr("put 0 nearer"))));
+  }
 }
 
 }  // namespace
