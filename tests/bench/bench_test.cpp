@@ -138,6 +138,8 @@ TEST(Bench, OptionsThatMakeNoSenseAreRefused) {
       "sim/bench/run: error: --vcan a name: an interface has a name of 1 to 15 letters, digits, - and _, a "
       "letter first\n");
   EXPECT_EQ(refused({"--gpio", "io"}), "sim/bench/run: error: --gpio io: write LABEL:LINES, such as io:8\n");
+  EXPECT_EQ(refused({"--name", "io:FOCUS"}),
+            "sim/bench/run: error: --name io:FOCUS: write LABEL:LINE:NAME, such as io:3:lamp\n");
   EXPECT_EQ(refused({"--timeout", "0"}),
             "sim/bench/run: error: --timeout 0: write a whole number from 1 to 604800\n");
   EXPECT_EQ(refused({"--frobnicate"}), "sim/bench/run: error: unknown option '--frobnicate'; see --help\n");
@@ -225,6 +227,15 @@ TEST(Bench, AHoggedLineIsBusyAndNamesItsConsumer) {
   EXPECT_NE(run.status, 0);
   EXPECT_THAT(run.out, HasSubstr("lamp"));
   EXPECT_THAT(run.err, HasSubstr("Device or resource busy"));
+}
+
+TEST(Bench, ALineHasTheNameThatItIsGivenAndMayBeBusyAsWell) {
+  const ProgramRun run = script_in_bench(
+      {"--gpio", "named:4", "--name", "named:1:FOCUS", "--name", "named:3:LAMP", "--hog", "named:3:switch"},
+      "gpioget --numeric FOCUS; gpioinfo LAMP");
+  EXPECT_EQ(run.status, 0) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("0\n"));
+  EXPECT_THAT(run.out, HasSubstr("switch"));
 }
 
 TEST(Bench, AnEdgeOfALineIsHeard) {
