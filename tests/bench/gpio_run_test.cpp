@@ -8,11 +8,10 @@
 #include <cmath>
 #include <cstdint>
 #include <fstream>
-#include <numeric>
-#include <sstream>
 #include <string>
 #include <vector>
 
+#include "tests/bench/gpio_scene.hpp"
 #include "tests/support/bench.hpp"
 #include "tests/support/bus_scene.hpp"
 #include "tests/support/run_program.hpp"
@@ -66,61 +65,20 @@ keys = [ { at = [0, 0] }, { at = [50, -20] } ]
 speed = [0, 0, 10, 10, 0, 0]
 )";
 
-/// What the lines did while the move was run. `during` is bash beside it, two seconds into a move of four, on
-/// virtual time; `pull LINE up` and `pull LINE down` are a switch at a line, $run is the program.
-struct GpioScene {
-  TemporaryFolder folder;
-  ProgramRun run;
-  struct Levels {
-    std::int64_t at_ns = 0;
-    unsigned levels = 0;
-  };
-  std::vector<Levels> record;
+/// What the lines did while the move was run: `during` happens in the middle of it.
+struct GpioRunScene : GpioScene {
+  explicit GpioRunScene(const std::string& during, const std::vector<std::string>& more_of_bench = {})
+      : GpioScene({.rig = rig_text,
+                   .move = move_text,
+                   .at_zero = {"x", "y"},
+                   .during = during,
+                   .bench = with_head(more_of_bench),
+                   .lines = lines}) {}
 
-  explicit GpioScene(const std::string& during, const std::vector<std::string>& bench = {}) {
-    std::ofstream(path("rig.toml")) << rig_text;
-    std::ofstream(path("move.toml")) << move_text;
-    EXPECT_EQ(run_program({"goto", "--rig", path("rig.toml"), "--positions", path("positions"), "--set-zero",
-                           "x", "y"})
-                  .status,
-              0);
-    std::vector<std::string> options{"--gpio", "head:8", "--virtual-time", "--timeout", "200"};
-    options.insert(options.end(), bench.begin(), bench.end());
-    // A kernel that has just started has coarse timers.
-    run =
-        script_in_bench(options, fmt::format(R"(echo -1 >/proc/sys/kernel/sched_rt_runtime_us
-head=$INBETWEEN_BENCH_GPIO/head
-pull() {{ echo pull-$2 >$head/sim_gpio$1/pull; }}
-sleep 1
-{} $head {} >{} & watch=$!
-{} run {} --rig {} --positions {} & run=$!
-sleep 2
-{}
-status=0; wait $run || status=$?
-sleep 0.5; kill $watch 2>/dev/null || true; exit $status)",
-                                             INBETWEEN_WATCH_LINES, lines, path("record"), INBETWEEN_PROGRAM,
-                                             path("move.toml"), path("rig.toml"), path("positions"), during));
-    std::istringstream text(file_contents(path("record")));
-    for (Levels at; text >> at.at_ns >> at.levels;) record.push_back(at);
-  }
-  [[nodiscard]] std::string path(const std::string& name) const { return (folder.path() / name).string(); }
-
-  /// When a line rose.
-  [[nodiscard]] std::vector<std::int64_t> rises(unsigned line) const {
-    std::vector<std::int64_t> at_ns;
-    for (std::size_t i = 1; i < record.size(); ++i) {
-      if (is_high(i, line) && !is_high(i - 1, line)) at_ns.push_back(record[i].at_ns);
-    }
-    return at_ns;
-  }
-  [[nodiscard]] bool is_high(std::size_t entry, unsigned line) const {
-    return (record[entry].levels >> line & 1U) != 0;
-  }
-  [[nodiscard]] bool has_ever_been_high(unsigned line) const {
-    for (std::size_t i = 0; i < record.size(); ++i) {
-      if (is_high(i, line)) return true;
-    }
-    return false;
+  static std::vector<std::string> with_head(const std::vector<std::string>& more) {
+    std::vector<std::string> bench{"--gpio", "head:8"};
+    bench.insert(bench.end(), more.begin(), more.end());
+    return bench;
   }
   /// Steps in both axes, and not the whole move.
   void expect_a_part_of_the_move() const {
@@ -131,14 +89,14 @@ sleep 0.5; kill $watch 2>/dev/null || true; exit $status)",
   }
   void expect_drives_off() const {
     ASSERT_FALSE(record.empty());
-    EXPECT_FALSE(is_high(record.size() - 1, enable_x));
-    EXPECT_FALSE(is_high(record.size() - 1, enable_y));
+    EXPECT_FALSE(is_high_at_the_end(enable_x));
+    EXPECT_FALSE(is_high_at_the_end(enable_y));
   }
 };
 
 /// When the plan passes the middle between two steps, from the tick of the start on; an axis that goes one
 /// way.
-std::vector<double> planned_ns(const GpioScene& scene, int column) {
+std::vector<double> planned_ns(const GpioRunScene& scene, int column) {
   const std::string csv = run_program({"plan", scene.path("move.toml"), "--rig", scene.path("rig.toml"),
                                        "--per", "tick", "--csv", "-"})
                               .out;
@@ -158,7 +116,7 @@ std::vector<double> planned_ns(const GpioScene& scene, int column) {
 }
 
 TEST(GpioRun, TheStepsOnTheLinesAreThePlanInNumberDirectionAndTime) {
-  const GpioScene scene("");
+  const GpioRunScene scene("");
   ASSERT_EQ(scene.run.status, 0) << scene.run.err << scene.run.out;
   struct Axis {
     unsigned step, dir;
@@ -189,7 +147,7 @@ TEST(GpioRun, TheStepsOnTheLinesAreThePlanInNumberDirectionAndTime) {
 
 // faults.md 32
 TEST(GpioRun, TheEmergencyStopInMotionEndsTheStepsWithinATick) {
-  const GpioScene scene(fmt::format("pull {} up", emergency_stop));
+  const GpioRunScene scene(fmt::format("pull {} up", emergency_stop));
   EXPECT_EQ(scene.run.status, 4) << scene.run.err << scene.run.out;
   EXPECT_THAT(scene.run.out, HasSubstr("the emergency stop is pressed, or its wire is broken"));
   EXPECT_THAT(scene.run.out, HasSubstr("line 6 of chip \"head\""));
@@ -202,7 +160,7 @@ TEST(GpioRun, TheEmergencyStopInMotionEndsTheStepsWithinATick) {
 }
 
 TEST(GpioRun, AnEmergencyStopThatIsReleasedAtOnceStopsAsWell) {
-  const GpioScene scene(fmt::format("pull {0} up; sleep 0.02; pull {0} down", emergency_stop));
+  const GpioRunScene scene(fmt::format("pull {0} up; sleep 0.02; pull {0} down", emergency_stop));
   EXPECT_EQ(scene.run.status, 4) << scene.run.err << scene.run.out;
   EXPECT_THAT(scene.run.out, HasSubstr("the emergency stop was pressed, or its wire is loose"));
   scene.expect_a_part_of_the_move();
@@ -210,7 +168,7 @@ TEST(GpioRun, AnEmergencyStopThatIsReleasedAtOnceStopsAsWell) {
 }
 
 TEST(GpioRun, ALimitSwitchInMotionIsAStopOnThePath) {
-  const GpioScene scene(fmt::format("pull {} up", limit_x));
+  const GpioRunScene scene(fmt::format("pull {} up", limit_x));
   EXPECT_EQ(scene.run.status, 4) << scene.run.err << scene.run.out;
   EXPECT_THAT(scene.run.out, HasSubstr("axis \"x\" reached its limit switch (line 7 of chip \"head\")"));
   scene.expect_a_part_of_the_move();
@@ -231,7 +189,7 @@ TEST(GpioRun, ALimitSwitchInMotionIsAStopOnThePath) {
 
 // faults.md 34
 TEST(GpioRun, AChipThatIsUnpluggedInMotionEndsTheRun) {
-  const GpioScene scene("echo 0 >/sys/kernel/config/gpio-sim/bench-head/live");
+  const GpioRunScene scene("echo 0 >/sys/kernel/config/gpio-sim/bench-head/live");
   EXPECT_EQ(scene.run.status, 4) << scene.run.err << scene.run.out;
   EXPECT_THAT(scene.run.out, HasSubstr("chip \"head\" of the rig has gone"));
   scene.expect_a_part_of_the_move();
@@ -240,7 +198,7 @@ TEST(GpioRun, AChipThatIsUnpluggedInMotionEndsTheRun) {
 // faults.md 30
 TEST(GpioRun, ABusyLineNamesItsUserAndNothingIsSwitchedOn) {
   for (const unsigned line : {emergency_stop, limit_x, step_x, dir_y, enable_y}) {
-    const GpioScene scene("", {"--hog", fmt::format("head:{}:lamp", line)});
+    const GpioRunScene scene("", {"--hog", fmt::format("head:{}:lamp", line)});
     EXPECT_EQ(scene.run.status, 1) << line;
     EXPECT_THAT(scene.run.err, HasSubstr(fmt::format("line {} of chip head is in use by lamp", line)));
     EXPECT_THAT(scene.run.err, HasSubstr("rig.toml:")) << line;
@@ -251,7 +209,7 @@ TEST(GpioRun, ABusyLineNamesItsUserAndNothingIsSwitchedOn) {
 // faults.md 35. What is left of the lines when nobody holds them is the chip's affair: this one leaves them
 // to what pulls at them, as docs ask of the wiring of ENABLE.
 TEST(GpioRun, KilledInMotionTheStepsEndAndWhatPullsAtEnableDecides) {
-  const GpioScene scene("kill -KILL $run");
+  const GpioRunScene scene("kill -KILL $run");
   EXPECT_EQ(scene.run.status, 128 + 9);
   scene.expect_a_part_of_the_move();
   EXPECT_TRUE(scene.has_ever_been_high(enable_x));

@@ -1,0 +1,128 @@
+// `home` on the kernel's GPIO: switches that do not do what switches do.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "tests/bench/gpio_scene.hpp"
+
+namespace inbetween {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+constexpr unsigned step_x = 0, dir_x = 1, step_y = 2, dir_y = 3, enable_x = 4, enable_y = 5;
+constexpr std::int64_t ms = 1'000'000;
+
+const std::string rig_text = R"(name = "bench"
+rate_hz = 250
+[[axis]]
+name = "x"
+unit = "mm"
+min = 0
+max = 100
+max_velocity = 33
+max_acceleration = 100
+drive = { type = "step-dir", chip = "head", step = 0, dir = 1, enable = 4, enable_active = "high", steps_per_unit = 10, max_step_rate = 333, pulse_us = 1000, pause_us = 1000 }
+home = { chip = "head", line = 6, bias = "none", direction = "negative", fast = 20, slow = 2, back_off = 2 }
+[[axis]]
+name = "y"
+unit = "mm"
+min = 0
+max = 100
+max_velocity = 33
+max_acceleration = 100
+drive = { type = "step-dir", chip = "head", step = 2, dir = 3, enable = 5, enable_active = "high", steps_per_unit = 10, max_step_rate = 333, pulse_us = 1000, pause_us = 1000 }
+home = { chip = "head", line = 7, bias = "none", direction = "negative", fast = 20, slow = 2, back_off = 2 }
+)";
+
+/// Both axes look for their switches. That of y is in order, and far away.
+struct HomeScene : GpioScene {
+  HomeScene(const std::string& before, const std::string& during, const std::string& rig = rig_text)
+      : GpioScene({.rig = rig,
+                   .at_zero = {"x", "y"},
+                   .before = before,
+                   .command = "home --rig rig.toml --positions positions",
+                   .during = during}) {}
+
+  /// Steps of a motor that go up, and those that go down.
+  struct Ways {
+    int up = 0;
+    int down = 0;
+  };
+  [[nodiscard]] Ways ways(unsigned step, unsigned dir) const {
+    Ways ways;
+    for (std::size_t i = 1; i < record.size(); ++i) {
+      if (is_high(i, step) && !is_high(i - 1, step)) ++(is_high(i, dir) ? ways.up : ways.down);
+    }
+    return ways;
+  }
+  /// y was on its way at the speed of `fast`, and slowed down when x failed.
+  void expect_y_was_stopped_with_x() const {
+    const std::vector<std::int64_t> x = rises(step_x);
+    const std::vector<std::int64_t> y = rises(step_y);
+    ASSERT_FALSE(x.empty());
+    ASSERT_GT(y.size(), 20U);
+    EXPECT_EQ(ways(step_y, dir_y).up, 0);
+    EXPECT_LT(y.size(), 900U) << "y went to the end of its way";
+    // x failed when it had come to rest, within a stop of 200 ms and the times of its switch.
+    EXPECT_GT(y.back(), x.back());
+    EXPECT_LT(y.back(), x.back() + 500 * ms);
+    for (std::size_t i = y.size() - 15; i < y.size(); ++i) {
+      EXPECT_GE(y[i] - y[i - 1], y[i - 1] - y[i - 2] - ms) << "step " << i << " of y";
+    }
+  }
+  void expect_off_and_lost() const {
+    EXPECT_EQ(run.status, 4);
+    EXPECT_THAT(positions, AllOf(HasSubstr("unreferenced x\n"), HasSubstr("unreferenced y\n")));
+    for (const unsigned enable : {enable_x, enable_y}) {
+      EXPECT_TRUE(has_ever_been_high(enable));
+      EXPECT_FALSE(is_high_at_the_end(enable));
+    }
+  }
+};
+
+// faults.md 33
+TEST(GpioHome, ASwitchThatIsActuatedFromTheBeginningAndStaysSoStopsAllAxes) {
+  const HomeScene scene("pull 6 up", "");
+  EXPECT_THAT(scene.run.out, HasSubstr("bench: axis \"x\": the switch stays actuated although the axis has "
+                                       "left it; see whether it sticks"));
+  const HomeScene::Ways x = scene.ways(step_x, dir_x);
+  EXPECT_GT(x.up, 4 * 20) << "off the switch, by more than it may take to open";
+  EXPECT_LT(x.up, 200);
+  EXPECT_EQ(x.down, 0);
+  scene.expect_y_was_stopped_with_x();
+  scene.expect_off_and_lost();
+}
+
+TEST(GpioHome, ASwitchThatDoesNotOpenAgainStopsAllAxes) {
+  const HomeScene scene("", "pull 6 up");
+  EXPECT_THAT(scene.run.out, HasSubstr("bench: axis \"x\": the switch stays actuated although the axis has "
+                                       "left it; see whether it sticks"));
+  const HomeScene::Ways x = scene.ways(step_x, dir_x);
+  EXPECT_GT(x.down, 50) << "to the switch";
+  EXPECT_GT(x.up, 20) << "and off it";
+  EXPECT_LT(x.up, 100);
+  scene.expect_y_was_stopped_with_x();
+  scene.expect_off_and_lost();
+}
+
+TEST(GpioHome, ASwitchThatIsNotReachedInTheAllowedWayStopsAllAxes) {
+  std::string rig = rig_text;
+  rig.replace(rig.find("back_off = 2 }"), 14, "back_off = 2, search = 20 }");
+  const HomeScene scene("", "", rig);
+  EXPECT_THAT(scene.run.out, HasSubstr("bench: axis \"x\": the switch was not reached within the way to look "
+                                       "for it; see whether its wire is broken"));
+  const HomeScene::Ways x = scene.ways(step_x, dir_x);
+  EXPECT_EQ(x.down, 200) << "the way that is allowed";
+  EXPECT_EQ(x.up, 0);
+  scene.expect_y_was_stopped_with_x();
+  scene.expect_off_and_lost();
+}
+
+}  // namespace
+}  // namespace inbetween

@@ -1,0 +1,61 @@
+// A rig on chips of the kernel's gpio-sim: the program on one side of the lines, on the other somebody who
+// writes down every change of them.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "tests/support/run_program.hpp"
+#include "tests/support/temporary_file.hpp"
+
+namespace inbetween {
+
+/// All bash in here runs in the folder with rig.toml, move.toml and the position file `positions`.
+/// `pull LINE up` and `pull LINE down` are a switch at a line of the watched chip, $chips/LABEL is the folder
+/// in which a chip's lines are driven.
+struct GpioSceneOptions {
+  std::string rig;
+  std::string move = "";
+  std::vector<std::string> at_zero = {};  ///< axes that are said to be at 0
+  std::string before = "";                ///< bash, before the program
+  std::string command = "run move.toml --rig rig.toml --positions positions";
+  std::string during = "";  ///< bash beside it, two seconds after its start; $run is the program
+  std::vector<std::string> bench = {"--gpio", "head:8"};
+  std::string watched = "head";
+  unsigned lines = 8;  ///< of the watched chip, from its first on
+};
+
+/// On virtual time, so that nothing depends on how loaded this machine is.
+struct GpioScene {
+  ProgramRun run;
+  std::string positions;  ///< the position file afterwards
+  struct Levels {
+    std::int64_t at_ns = 0;
+    unsigned levels = 0;
+  };
+  std::vector<Levels> record;  ///< of the watched chip: how it was, and every change
+
+  explicit GpioScene(const GpioSceneOptions& options);
+
+  [[nodiscard]] std::string path(const std::string& name) const { return (folder_.path() / name).string(); }
+  /// When a line rose.
+  [[nodiscard]] std::vector<std::int64_t> rises(unsigned line) const;
+  /// When a line fell.
+  [[nodiscard]] std::vector<std::int64_t> falls(unsigned line) const;
+  [[nodiscard]] bool is_high(std::size_t entry, unsigned line) const {
+    return (record[entry].levels >> line & 1U) != 0;
+  }
+  [[nodiscard]] bool has_ever_been_high(unsigned line) const;
+  [[nodiscard]] bool is_high_at_the_end(unsigned line) const {
+    return !record.empty() && is_high(record.size() - 1, line);
+  }
+
+ private:
+  [[nodiscard]] std::vector<std::int64_t> changes_to(bool level, unsigned line) const;
+
+  TemporaryFolder folder_;
+};
+
+}  // namespace inbetween
