@@ -3,6 +3,13 @@
 #include <algorithm>
 
 namespace inbetween {
+namespace {
+
+/// So long at most after its time a tick reads its lines. An edge that comes before the level is read and
+/// after the events were has a level now and its event on the next tick.
+constexpr std::int64_t most_reading_ns = 500'000;
+
+}  // namespace
 
 Result<SwitchInput> SwitchInput::make(const SwitchSettings& settings) {
   if (settings.quiet_ns < 1'000'000 || settings.quiet_ns > 3'000'000) {
@@ -44,8 +51,10 @@ SwitchChange SwitchInput::update(std::int64_t now_ns, bool level, std::span<cons
 }
 
 void SwitchInput::take_edge(std::int64_t at_ns, bool is_active, bool is_timed) {
-  if (is_changing_ && !is_timed_ && is_timed && at_ns <= edge_ns_) {
+  const bool is_told_by_level = is_changing_ && !is_starting_ && !is_timed_;
+  if (is_told_by_level && is_timed && at_ns < edge_ns_ + most_reading_ns) {
     edge_ns_ = at_ns;
+    last_edge_ns_ = std::max(last_edge_ns_, at_ns);
     is_timed_ = true;
     return;
   }

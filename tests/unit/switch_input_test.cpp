@@ -117,6 +117,14 @@ TEST(SwitchInput, WhatOnlyTheLevelTellsHasNoTimeUntilItsEventComes) {
   EXPECT_EQ(watched.input.edge_ns(), ms(1.9));
   EXPECT_EQ(watched.tick(4, true), SwitchChange::activated);
 
+  Watched between;
+  EXPECT_EQ(between.tick(2, true), SwitchChange::edge);
+  EXPECT_EQ(between.tick(3, true, {edge(2.1)}), SwitchChange::none) << "after the events, before the level";
+  EXPECT_TRUE(between.input.is_timed());
+  EXPECT_EQ(between.input.edge_ns(), ms(2.1));
+  EXPECT_EQ(between.tick(4, true), SwitchChange::none) << "not yet quiet for 2 ms";
+  EXPECT_EQ(between.tick(4.2, true), SwitchChange::activated);
+
   Watched silent;
   EXPECT_EQ(silent.tick(2, true), SwitchChange::edge);
   EXPECT_EQ(silent.tick(3, true, {edge(2.5)}), SwitchChange::none) << "an edge of later, not the first";
