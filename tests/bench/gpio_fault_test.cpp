@@ -29,16 +29,20 @@ constexpr std::int64_t told_in_a_tick = 10 * contacts, taken_in_a_tick = 64, kep
 constexpr std::int64_t fewest_ticks_to_lose = kept / told_in_a_tick;
 constexpr std::int64_t ticks_to_lose = kept / (told_in_a_tick - taken_in_a_tick) + 1;
 
-/// A loop so slow, and so many lines that change, that more edges come in a tick than it can take.
-std::string rig_with_loose_contacts() {
-  std::string text = R"(name = "bench"
-rate_hz = 10
-[emergency_stop]
+/// What the rig has beside its loose contacts.
+const std::string with_emergency_stop = R"([emergency_stop]
 chip = "head"
 line = 6
 stops_at = "high"
 bias = "none"
-[[axis]]
+)";
+const std::string with_home =
+    R"(home = { chip = "head", line = 7, direction = "positive", fast = 10, slow = 1, back_off = 1, bias = "none" }
+)";
+
+/// A loop so slow, and so many lines that change, that more edges come in a tick than it can take.
+std::string rig_with_loose_contacts(const std::string& of_rig, const std::string& of_x) {
+  std::string text = "name = \"bench\"\nrate_hz = 10\n" + of_rig + R"([[axis]]
 name = "x"
 unit = "mm"
 min = -1
@@ -46,7 +50,7 @@ max = 60
 max_velocity = 33
 max_acceleration = 100
 drive = { type = "step-dir", chip = "head", step = 0, dir = 1, enable = 4, enable_active = "high", steps_per_unit = 10, max_step_rate = 333, pulse_us = 1000, pause_us = 1000 }
-)";
+)" + of_x;
   for (unsigned i = 0; i < contacts; ++i) {
     text += fmt::format(R"([[axis]]
 name = "spare {}"
@@ -74,40 +78,55 @@ speed = [0, 0, 10, 10, 0, 0]
 )";
 
 struct LooseContacts : GpioScene {
-  explicit LooseContacts(const std::string& during)
-      : GpioScene({.rig = rig_with_loose_contacts(),
+  LooseContacts(const std::string& rig, const std::string& command, const std::string& during)
+      : GpioScene({.rig = rig,
                    .move = long_move,
                    .at_zero = {"x"},
+                   .command = command,
                    .during = fmt::format("shake() {{ {} $chips/head {} {} & contacts=$!; }}\n{}",
                                          INBETWEEN_SHAKE_LINES, first_contact, contacts, during),
                    .bench = {"--gpio", "head:56"},
                    .lines = first_contact + 1}) {}
+
+  /// x went on until edges were lost, then it stopped, and nobody knows where it is.
+  void expect_a_stop_when_edges_were_lost(std::int64_t ticks_to_stop) const {
+    EXPECT_EQ(run.status, 4) << run.err;
+    const std::vector<std::int64_t> steps = rises(step);
+    EXPECT_GT(steps.size(), 50U);
+    EXPECT_LT(steps.size(), 450U);
+    const std::int64_t begun_ns = rises(first_contact).front();
+    EXPECT_GT(steps.back(), begun_ns + fewest_ticks_to_lose * tick_ns) << "nothing was lost yet";
+    EXPECT_LT(steps.back(), begun_ns + (ticks_to_lose + ticks_to_stop) * tick_ns);
+    ASSERT_THAT(falls(enable), SizeIs(1));
+    EXPECT_GT(falls(enable).front(), steps.back());
+    EXPECT_FALSE(is_high_at_the_end(enable));
+    EXPECT_THAT(positions, HasSubstr("unreferenced x\n"));
+  }
 };
 
-// faults.md 31. The kernel keeps the last 1024 edges of a chip. The emergency stop itself is not touched, but
-// a moment in which it was pressed would not be known of any more.
+// The kernel keeps the last 1024 edges of a chip. The emergency stop itself is not touched, but a moment in
+// which it was pressed would not be known of any more.
 TEST(GpioFault, EdgesThatTheKernelLostOnTheChipOfTheEmergencyStopAreAnEmergencyStop) {
-  const LooseContacts scene("shake");
-  EXPECT_EQ(scene.run.status, 4) << scene.run.err << scene.run.out;
+  const LooseContacts scene(rig_with_loose_contacts(with_emergency_stop, ""), GpioSceneOptions{}.command,
+                            "shake");
   EXPECT_THAT(scene.run.out,
               AllOf(HasSubstr("edges were lost on the chip of the emergency stop, line 6 of chip \"head\""),
                     HasSubstr("find the line that changes so often")));
   EXPECT_FALSE(scene.has_ever_been_high(emergency_stop));
-  const std::vector<std::int64_t> steps = scene.rises(step);
-  EXPECT_GT(steps.size(), 50U);
-  EXPECT_LT(steps.size(), 450U);
-  const std::int64_t begun_ns = scene.rises(first_contact).front();
-  EXPECT_GT(steps.back(), begun_ns + fewest_ticks_to_lose * tick_ns) << "nothing was lost yet";
-  EXPECT_LT(steps.back(), begun_ns + (ticks_to_lose + 3) * tick_ns);
-  ASSERT_THAT(scene.falls(enable), SizeIs(1));
-  EXPECT_GT(scene.falls(enable).front(), steps.back());
-  EXPECT_FALSE(scene.is_high_at_the_end(enable));
-  // Nobody measures where a motor without power went.
-  EXPECT_THAT(scene.positions, HasSubstr("unreferenced x\n"));
+  scene.expect_a_stop_when_edges_were_lost(3);
+}
+
+// faults.md 31
+TEST(GpioFault, EdgesThatTheKernelLostWhileAnAxisLooksForItsSwitchEndTheHoming) {
+  const LooseContacts scene(rig_with_loose_contacts("", with_home),
+                            "home --rig rig.toml --positions positions x", "shake");
+  EXPECT_THAT(scene.run.out, HasSubstr("bench: axis \"x\": edges of the switches were lost"));
+  scene.expect_a_stop_when_edges_were_lost(6);
 }
 
 TEST(GpioFault, LinesThatChangeOftenAndAreAllHeardStopNothing) {
-  const LooseContacts scene("shake; sleep 0.4; kill $contacts");
+  const LooseContacts scene(rig_with_loose_contacts(with_emergency_stop, ""), GpioSceneOptions{}.command,
+                            "shake; sleep 0.4; kill $contacts");
   EXPECT_EQ(scene.run.status, 0) << scene.run.err << scene.run.out;
   EXPECT_GE(scene.rises(first_contact).size(), 15U);
   EXPECT_THAT(scene.rises(step), SizeIs(500));

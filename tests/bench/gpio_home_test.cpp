@@ -1,9 +1,13 @@
-// `home` on the kernel's GPIO: switches that do not do what switches do.
+// `home` on the kernel's GPIO: with switches on the way of the motors, and with some that do not do what
+// switches do.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cstdint>
+#include <limits>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -16,6 +20,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 
 constexpr unsigned step_x = 0, dir_x = 1, step_y = 2, dir_y = 3, enable_x = 4, enable_y = 5;
+constexpr double steps_per_unit = 10;
 constexpr std::int64_t ms = 1'000'000;
 
 const std::string rig_text = R"(name = "bench"
@@ -61,6 +66,14 @@ struct HomeScene : GpioScene {
     }
     return ways;
   }
+  /// Where the position file has an axis; not a number where it does not know.
+  [[nodiscard]] double kept(const std::string& axis) const {
+    std::istringstream lines(positions);
+    for (std::string line; std::getline(lines, line);) {
+      if (line.starts_with("at ") && line.ends_with(" " + axis)) return std::stod(line.substr(3));
+    }
+    return std::numeric_limits<double>::quiet_NaN();
+  }
   /// y was on its way at the speed of `fast`, and slowed down when x failed.
   void expect_y_was_stopped_with_x() const {
     const std::vector<std::int64_t> x = rises(step_x);
@@ -85,6 +98,26 @@ struct HomeScene : GpioScene {
     }
   }
 };
+
+TEST(GpioHome, AxesThatFindTheirSwitchesKnowToTheStepWhereTheyAre) {
+  constexpr int switch_x = -150, switch_y = -260;
+  const std::string turn = INBETWEEN_TURN_SWITCH;
+  const HomeScene scene(fmt::format("{0} $chips/head {1} {2} 6 {3} 4 & {0} $chips/head {4} {5} 7 {6} 4 &",
+                                    turn, step_x, dir_x, switch_x, step_y, dir_y, switch_y),
+                        "");
+  EXPECT_EQ(scene.run.status, 0) << scene.run.err;
+  EXPECT_THAT(scene.run.out, HasSubstr("bench: the axes are home"));
+  struct Axis {
+    const char* name;
+    unsigned step, dir;
+    int closes;
+  };
+  for (const Axis& axis : {Axis{"x", step_x, dir_x, switch_x}, Axis{"y", step_y, dir_y, switch_y}}) {
+    const HomeScene::Ways ways = scene.ways(axis.step, axis.dir);
+    EXPECT_GT(ways.up, 20) << "it backed off";
+    EXPECT_NEAR(scene.kept(axis.name) * steps_per_unit, ways.up - ways.down - axis.closes, 1) << axis.name;
+  }
+}
 
 // faults.md 33
 TEST(GpioHome, ASwitchThatIsActuatedFromTheBeginningAndStaysSoStopsAllAxes) {
