@@ -2,7 +2,7 @@
 //
 //   inbetween positions 1
 //   rig 8f2a0c53d1e07b94 slider with pan head
-//   at 7012 slide
+//   at 412.5 slide
 //   moving pan
 //   unreferenced focus
 //   sum 5be1a89cc4bb1b35
