@@ -21,7 +21,6 @@ namespace inbetween {
 namespace {
 
 using testing::HasSubstr;
-using testing::Not;
 
 constexpr double steps_per_unit = 10;
 constexpr std::int64_t ms = 1'000'000;

@@ -5,11 +5,11 @@
 //   inbetween_shake_lines FOLDER_OF_THE_CHIP FIRST_LINE COUNT
 #include <fcntl.h>
 #include <sched.h>
-#include <time.h>
 #include <unistd.h>
 
 #include <cstdint>
 #include <cstdlib>
+#include <ctime>
 #include <string>
 #include <string_view>
 #include <vector>

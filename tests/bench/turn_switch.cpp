@@ -8,11 +8,11 @@
 //   inbetween_turn_switch FOLDER_OF_THE_CHIP STEP DIR SWITCH AT HYSTERESIS
 #include <fcntl.h>
 #include <sched.h>
-#include <time.h>
 #include <unistd.h>
 
 #include <cstdint>
 #include <cstdlib>
+#include <ctime>
 #include <string>
 #include <string_view>
 

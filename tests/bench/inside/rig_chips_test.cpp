@@ -93,7 +93,7 @@ TEST(RigChips, EachLineOfTheRigIsRefusedAtItsPlaceWhileSomebodyElseHasIt) {
   struct Use {
     unsigned line;
     int place;  // in the text
-    std::string name = "";
+    std::string name = {};
   };
   const Use uses[] = {{0, 5},  {1, 10},        {2, 13}, {3, 14}, {4, 17},  {5, 19, "MARK"},
                       {6, 20}, {7, 20, "DIR"}, {8, 20}, {9, 28}, {10, 29}, {11, 30}};
