@@ -48,8 +48,8 @@ class SwitchInput {
   /// From now on, with the level that is read at `now_ns`; what was before is forgotten, also events that are
   /// told later. It is changing until that level has stayed, which is no change that is told.
   void start(std::int64_t now_ns, bool level);
-  /// Once a tick: the level that was read at `now_ns`, after the events that have been read since the last
-  /// tick. They come in the order of their times; those of other lines are passed over. O(events).
+  /// Once a tick, at `now_ns`: the level that was read then or up to 0.5 ms later, after the events since the
+  /// last tick. They come in the order of their times; those of other lines are passed over. O(events).
   SwitchChange update(std::int64_t now_ns, bool level, std::span<const LineEvent> events);
 
   [[nodiscard]] bool is_active() const { return is_active_; }
