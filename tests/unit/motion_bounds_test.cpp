@@ -208,7 +208,7 @@ TEST(MotionBounds, TheEndOfThePathIsBoundedThoughTheLastFrameIsARoundingShortOfI
   RandomMove move;
   move.keys.kind = oracle::Kind::tcb;
   move.keys.at = {{183, 0, 0}, {21, 0, -3}, {0, -1, 1}, {0, -1, -7}, {0, 46, 0}};
-  move.keys.tension_continuity_bias = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {0.99999, 0, 0}};
+  move.keys.tension_continuity_bias = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {0.99999L, 0, 0}};
   move.speed = {0.25, 0.25, 0.25, 0.5, 0.5, 3.5, 0, 0, 3, 0.25};
   move.frames = 1;
   const TrackInput<double> input(move);
