@@ -62,6 +62,10 @@ class RigLines {
   /// In the last tick a limit switch has become active, or was found never to be quiet. An axis that stands
   /// on its switch may leave it.
   [[nodiscard]] bool limit_hit() const { return limit_hit_; }
+  void begin() {
+    stop_ = Stop::none;
+    last_limit_.reset();
+  }
   [[nodiscard]] bool is_gone() const;
 
   /// Of all lines in the last tick, in the order of their times. Lines are numbered through the rig.

@@ -51,7 +51,9 @@ class SimulatedRig {
 struct SimulatedLines {
   bool is_pressed = false;
   bool is_at_limit = false;
+  int begins = 0;
   void read(std::int64_t /*now_ns*/) {}
+  void begin() { ++begins; }
   [[nodiscard]] bool limit_hit() const { return is_at_limit; }
   [[nodiscard]] bool emergency_stop() const { return is_pressed; }
 };

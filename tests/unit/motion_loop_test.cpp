@@ -121,8 +121,10 @@ TEST(MotionLoop, NothingStartsThatIsNotReady) {
   EXPECT_FALSE(crane.loop.post(SupervisorEvent::start));
   EXPECT_EQ(crane.loop.state(), SupervisorState::disarmed);
   crane.arm();
+  EXPECT_EQ(crane.lines.begins, 0);
   ASSERT_TRUE(crane.loop.post(SupervisorEvent::start));
   EXPECT_FALSE(crane.loop.post(SupervisorEvent::start)) << "it runs already";
+  EXPECT_EQ(crane.lines.begins, 1) << "of what was begun the lines know";
   EXPECT_FALSE(crane.loop.post(SupervisorEvent::acknowledge));
   EXPECT_FALSE(
       crane.loop.load({&crane.plan.played(), &crane.playhead, crane.drive_of, crane.plan.limits(), tick_s}));

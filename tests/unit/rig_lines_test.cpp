@@ -114,6 +114,8 @@ TEST_F(RigLinesTest, AnEdgeOfTheEmergencyStopAloneStops) {
   tick();
   EXPECT_FALSE(lines->emergency_stop());
   EXPECT_THAT(lines->trouble(), HasSubstr("emergency stop was pressed"));
+  lines->begin();
+  EXPECT_EQ(lines->trouble(), "") << "whoever moves the rig again knows of it";
 }
 
 TEST_F(RigLinesTest, TheSignalIsAnEmergencyStopBesideTheWiredOne) {
@@ -131,6 +133,9 @@ TEST_F(RigLinesTest, ALimitSwitchIsHitOnceAndCanBeLeft) {
       lines->trouble(),
       "axis \"pan\" reached its limit switch (line 26 of chip \"head\"); move it off slowly, and look why");
   EXPECT_TRUE(lines->homing_input(1).limit_hit) << "it stands on it";
+  lines->begin();
+  EXPECT_EQ(lines->trouble(), "");
+  EXPECT_TRUE(lines->homing_input(1).limit_hit) << "that it is known does not open it";
   EXPECT_EQ(move(1, 95, 80, 50), 0);
   EXPECT_FALSE(lines->homing_input(1).limit_hit);
   EXPECT_EQ(move(1, 80, 95, 50), 1) << "and again";

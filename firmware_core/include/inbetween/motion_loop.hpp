@@ -121,6 +121,7 @@ class MotionLoop {
     if (spec_.still != nullptr) {
       if (const Status can_play = spec_.still->play(direction); !can_play) return can_play;
     }
+    lines_->begin();
     apply(SupervisorEvent::start);
     return Done{};
   }
@@ -130,6 +131,7 @@ class MotionLoop {
   /// within what max_acceleration covers in a tick).
   Status begin() {
     if (const Status possible = can_begin(); !possible) return possible;
+    lines_->begin();
     apply(SupervisorEvent::start);
     return Done{};
   }

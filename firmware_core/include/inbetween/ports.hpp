@@ -52,6 +52,8 @@ concept LinePort = requires(Lines& lines, std::int64_t now_ns) {
   { lines.emergency_stop() } -> std::convertible_to<bool>;
   /// A limit switch has been reached since the last tick.
   { lines.limit_hit() } -> std::convertible_to<bool>;
+  /// Somebody begins to move the rig: what stopped it before is known and over.
+  lines.begin();
 };
 
 /// The camera of a rig that is shot frame by frame.
