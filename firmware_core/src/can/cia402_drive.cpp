@@ -182,11 +182,12 @@ void Cia402Drive::take_feedback(const Frame& frame) {
     ++counters_.bad_frames;
     return take_bad_frame();
   }
-  if (awaited_ == 0) {
+  // A drive that has just been started may answer a SYNC that was sent before.
+  if (awaited_ == 0 && phase_ != starting) {
     ++counters_.duplicates;
     return take_bad_frame();
   }
-  --awaited_;
+  awaited_ = std::max(awaited_ - 1, 0);
   ++counters_.feedback;
   feedback_ = *feedback;
   has_feedback_ = true;

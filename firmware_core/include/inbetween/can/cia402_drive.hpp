@@ -48,7 +48,7 @@ struct DriveCounters {
   std::uint32_t feedback = 0;        ///< frames of process data taken
   std::uint32_t missed = 0;          ///< ticks without
   std::uint32_t bad_frames = 0;      ///< short, long, or not to be understood
-  std::uint32_t duplicates = 0;      ///< process data that no SYNC asked for
+  std::uint32_t duplicates = 0;      ///< process data that no SYNC asked for, once it has been started
   std::uint32_t stray_answers = 0;   ///< SDO answers that nobody waited for
   std::uint32_t emergencies = 0;     ///< EMCY with a code
   std::uint32_t foreign_frames = 0;  ///< frames that only the host sends, from somebody else
