@@ -1,5 +1,9 @@
 #include "host_tools/free_axes.hpp"
 
+#include <fmt/format.h>
+
+#include "host_tools/diagnostics.hpp"
+
 namespace inbetween {
 
 FreeAxisLimits<double> free_limits_of(const RigAxis& axis, double share) {
@@ -9,6 +13,14 @@ FreeAxisLimits<double> free_limits_of(const RigAxis& axis, double share) {
           .jerk = axis.max_jerk ? share * *axis.max_jerk : acceleration / seconds_to_acceleration,
           .min = axis.min,
           .max = axis.max};
+}
+
+FreeAxis<double> free_axis_of(const RigAxis& axis, const FreeAxisLimits<double>& limits, double position,
+                              double tick_seconds) {
+  const auto free = FreeAxis<double>::make(limits, position, tick_seconds);
+  if (free) return *free;
+  throw InputError(axis.place, fmt::format("axis {} cannot be moved: {}; {}", in_quotes(axis.name),
+                                           free.error().what, free.error().remedy));
 }
 
 }  // namespace inbetween

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <stdexcept>
 #include <utility>
 
 #include "host_tools/axis_positions.hpp"
@@ -32,21 +33,14 @@ std::int64_t ticks_to_rest(FreeAxis<double> axis) {
   return ticks;
 }
 
-/// The limits of an axis let it go wherever they do, so that nothing is refused but by a fault of this
-/// program.
-template <class T>
-T granted(const Result<T>& result) {
-  if (result) return *result;
-  throw std::logic_error(result.error().what);
-}
-
 Way way_to(const RigSession& session, const std::vector<GoTarget>& targets, double share) {
   Way way;
   for (const GoTarget& target : targets) {
     const double from = session.positions()[target.axis];
     if (from == target.position) continue;
     const RigAxis& axis = session.rig().axes[target.axis];
-    auto free = granted(FreeAxis<double>::make(free_limits_of(axis, share), from, session.tick_seconds()));
+    FreeAxis<double> free = free_axis_of(axis, free_limits_of(axis, share), from, session.tick_seconds());
+    // Its limits let it go wherever they do, so that only a fault of this program is refused.
     if (const Status going = free.go_to(target.position); !going) throw std::logic_error(going.error().what);
     way.drive_of.push_back(target.axis);
     way.limits.push_back(limits_of(axis));

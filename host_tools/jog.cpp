@@ -30,18 +30,11 @@ FreeAxisLimits<double> jog_limits(const RigAxis& axis, double share) {
   return limits;
 }
 
-FreeAxis<double> free_axis_of(const RigAxis& axis, double share, double position, double tick_seconds) {
-  const auto free = FreeAxis<double>::make(jog_limits(axis, share), position, tick_seconds);
-  if (free) return *free;
-  throw InputError(axis.place, fmt::format("axis {} cannot be moved: {}; {}", in_quotes(axis.name),
-                                           free.error().what, free.error().remedy));
-}
-
 }  // namespace
 
 double jog_speed(const RigAxis& axis, double share, double tick_seconds) {
   const double left = jog_stops_within_s - jog_key_missed_s - key_way_s - ticks_beside_stop * tick_seconds;
-  return free_axis_of(axis, share, axis.min, tick_seconds).velocity_that_stops_within(left);
+  return free_axis_of(axis, jog_limits(axis, share), axis.min, tick_seconds).velocity_that_stops_within(left);
 }
 
 Jog::Jog(RunLoop& loop, const FreeSpec<double>& spec, FreeAxes& free, std::vector<JogAxis> axes,
@@ -177,7 +170,8 @@ JogRig jog_rig(const RigSession& session, const RigReference& reference, double 
     const bool is_referenced = reference.is_referenced(a);
     rig.drive_of.push_back(a);
     rig.limits.push_back(limits_of(axis));
-    rig.free.push_back(free_axis_of(axis, share, session.positions()[a], session.tick_seconds()));
+    rig.free.push_back(
+        free_axis_of(axis, jog_limits(axis, share), session.positions()[a], session.tick_seconds()));
     rig.axes.push_back({.name = axis.name.c_str(),
                         .unit = to_string(axis.unit).data(),
                         .speed = jog_speed(axis, is_referenced ? share : unreferenced_jog_share * share,

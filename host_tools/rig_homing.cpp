@@ -2,19 +2,10 @@
 
 #include <fmt/format.h>
 
-#include "host_tools/free_axes.hpp"
-
 namespace inbetween {
 namespace {
 
 constexpr double backs_to_leave = 4;
-
-template <class T>
-T granted(const Result<T>& result, const RigAxis& axis) {
-  if (result) return *result;
-  throw InputError(axis.home->place, fmt::format("axis {} cannot home: {}; {}", in_quotes(axis.name),
-                                                 result.error().what, result.error().remedy));
-}
 
 }  // namespace
 
@@ -32,12 +23,11 @@ HomingSpec<double> homing_spec_of(const RigAxis& axis, const SwitchSettings& hom
           .home = home};
 }
 
-FreeAxis<double> homing_axis_of(const RigAxis& axis, double position, double tick_seconds) {
-  return granted(FreeAxis<double>::make(free_limits_of(axis, 1), position, tick_seconds), axis);
-}
-
 AxisHoming<double> axis_homing_of(const RigAxis& axis, const SwitchSettings& home, FreeAxis<double>& free) {
-  return granted(AxisHoming<double>::make(homing_spec_of(axis, home), free), axis);
+  const auto homing = AxisHoming<double>::make(homing_spec_of(axis, home), free);
+  if (homing) return *homing;
+  throw InputError(axis.home->place, fmt::format("axis {} cannot home: {}; {}", in_quotes(axis.name),
+                                                 homing.error().what, homing.error().remedy));
 }
 
 }  // namespace inbetween

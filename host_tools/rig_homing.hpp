@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "host_tools/diagnostics.hpp"
+#include "host_tools/free_axes.hpp"
 #include "host_tools/rig_file.hpp"
 #include "inbetween/homing.hpp"
 #include "inbetween/line_event.hpp"
@@ -32,8 +33,7 @@ concept HomeLines = requires(const Lines& lines, std::size_t axis) {
 /// through the rig.
 HomingSpec<double> homing_spec_of(const RigAxis& axis, const SwitchSettings& home);
 
-/// Of an axis with a `home`. Throws InputError at the place of one whose `home` cannot be done.
-FreeAxis<double> homing_axis_of(const RigAxis& axis, double position, double tick_seconds);
+/// Of an axis with a `home`. Throws InputError at the place of one that cannot be done.
 AxisHoming<double> axis_homing_of(const RigAxis& axis, const SwitchSettings& home, FreeAxis<double>& free);
 
 /// A FreeSource: the axes home together from where they stand when the loop begins. Refers to the rig, the
@@ -58,7 +58,8 @@ class RigHoming {
     free_.reserve(indices_.size());
     homings_.reserve(indices_.size());
     for (const std::size_t a : indices_) {
-      free_.push_back(homing_axis_of(rig.axes[a], setting.positions[a], setting.tick_seconds));
+      free_.push_back(free_axis_of(rig.axes[a], free_limits_of(rig.axes[a], 1), setting.positions[a],
+                                   setting.tick_seconds));
       homings_.push_back(axis_homing_of(rig.axes[a], lines.home_switch(a), free_.back()));
     }
     homing_.emplace(homings_, setting.delay_ns);
