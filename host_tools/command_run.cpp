@@ -118,6 +118,8 @@ void print_run_summary(const RunReport& report, const Plan& plan, const RunArgum
     fmt::print(out, "  {:<16}{:>14.4f}{:>14.4f}{:>24.4f}  {}\n", axis.name, axis.last_commanded,
                axis.last_actual, axis.following_error_peak, axis.unit);
   }
+  const std::string trouble = trouble_of(report.counts);
+  if (!trouble.empty()) fmt::print(out, "  counted: {}\n", trouble);
   if (report.record) print_log(*report.record, "ticks", *arguments.record, out);
   if (report.cue_log) print_log(*report.cue_log, "pulses", *arguments.cue_log, out);
 }

@@ -310,6 +310,17 @@ double RigDrives::true_position(std::size_t axis) const {
   return ideal_->axes()[are_ideal_.find(axis).value()].actual();
 }
 
+RigCounts RigDrives::counts() const {
+  RigCounts counts;
+  for (std::size_t l = 0; l < lanes_.size(); ++l) {
+    counts.buses.push_back({buses_[l].name, counts_of(port_->counters(l), buses_[l].link->counters())});
+  }
+  for (std::size_t i = 0; i < on_can_.axes.size(); ++i) {
+    counts.drives.push_back({rig_.axes[on_can_.axes[i]].name, counts_of(port_->drive(i).counters())});
+  }
+  return counts;
+}
+
 std::string RigDrives::trouble() const {
   for (const BusOfRig& bus : buses_) {
     if (!bus.link->is_up()) {

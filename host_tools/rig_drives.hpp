@@ -16,6 +16,7 @@
 #include "drivers/linux/instance_lock.hpp"
 #include "host_tools/fault_schedule.hpp"
 #include "host_tools/fault_script.hpp"
+#include "host_tools/rig_counts.hpp"
 #include "host_tools/rig_file.hpp"
 #include "host_tools/rig_steps.hpp"
 #include "inbetween/can/cia402_port.hpp"
@@ -38,6 +39,8 @@ class HostLink {
   std::size_t receive(std::span<can::Frame> in, std::int64_t now_ns);
   std::size_t send(std::span<const can::Frame> out);
   std::size_t drain();
+  /// Null for a bus in this process.
+  [[nodiscard]] const can::CanCounters* counters() const { return socket_ ? &socket_->counters() : nullptr; }
 
  private:
   void look_at_socket();
@@ -90,6 +93,8 @@ class RigDrives {
 
   /// What is wrong with a drive and what to do, the first found; "" for nothing. Not for the loop's thread.
   [[nodiscard]] std::string trouble() const;
+  /// Of the buses and the drives on them. Once no tick follows.
+  [[nodiscard]] RigCounts counts() const;
 
  private:
   struct BusOfRig {

@@ -77,6 +77,8 @@ class Run {
                               traced.following_error_peak});
     }
     if (record_) report_.record = record_->finish();
+    report_.counts = rig_.drives().counts();
+    if (cues_) report_.counts.pulses = counts_of(cues_->counters());
     return std::move(report_);
   }
 

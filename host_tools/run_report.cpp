@@ -17,6 +17,34 @@ const char* name_of(Ending ending) {
   return "fault";
 }
 
+void write_log(const char* name, const char* records, const LoopLogEnd& log, JsonWriter& json) {
+  json.key(name);
+  json.begin_object();
+  json.member(records, log.written);
+  json.member("lost", log.lost);
+  json.member("why", log.why);
+  json.end_object();
+}
+
+void write_counts(const std::vector<Count>& counts, JsonWriter& json) {
+  for (const Count& count : counts) json.member(count.name, count.count);
+}
+
+/// An object each, with what it is of as `named`.
+void write_counted(const char* name, const char* named, const std::vector<Counted>& all, JsonWriter& json) {
+  json.line();
+  json.key(name);
+  json.begin_array();
+  for (const Counted& each : all) {
+    json.line();
+    json.begin_object();
+    json.member(named, each.of);
+    write_counts(each.counts, json);
+    json.end_object();
+  }
+  json.end_array();
+}
+
 }  // namespace
 
 void write_run_json(const RunReport& report, std::FILE* file) {
@@ -28,14 +56,8 @@ void write_run_json(const RunReport& report, std::FILE* file) {
   json.member("ticks", report.ticks);
   json.member("late_ticks", report.late_ticks);
   if (report.exposures) json.member("exposures", *report.exposures);
-  if (report.record) {
-    json.key("record");
-    json.begin_object();
-    json.member("ticks", report.record->written);
-    json.member("lost", report.record->lost);
-    json.member("why", report.record->why);
-    json.end_object();
-  }
+  if (report.record) write_log("record", "ticks", *report.record, json);
+  if (report.cue_log) write_log("cue_log", "pulses", *report.cue_log, json);
   json.line();
   json.key("axes");
   json.begin_array();
@@ -67,6 +89,15 @@ void write_run_json(const RunReport& report, std::FILE* file) {
   }
   json.end_array();
   json.end_object();
+  write_counted("buses", "name", report.counts.buses, json);
+  write_counted("drives", "axis", report.counts.drives, json);
+  if (!report.counts.pulses.empty()) {
+    json.line();
+    json.key("pulses");
+    json.begin_object();
+    write_counts(report.counts.pulses, json);
+    json.end_object();
+  }
   json.end_object();
   json.finish();
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "host_tools/loop_log.hpp"
+#include "host_tools/rig_counts.hpp"
 #include "host_tools/wake_latency.hpp"
 
 namespace inbetween {
@@ -32,6 +33,7 @@ struct RunReport {
   WakeLatency wake_latency;                    ///< all 0 on a virtual clock
   std::optional<LoopLogEnd> record = {};
   std::optional<LoopLogEnd> cue_log = {};
+  RigCounts counts = {};
 };
 
 /// Version 1 of the format that docs/formats.md describes.

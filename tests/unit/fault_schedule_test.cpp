@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -51,6 +52,32 @@ TEST(FaultSchedule, AfterMotionCountsFromTheFirstMotionAndAtFromPowerOn) {
   const int from_power = ticks_of(run_with_text(sticks + "at = 4"));
   EXPECT_LT(from_power, late) << "the drives boot and are set up before anything moves";
   EXPECT_GT(from_power, 0);
+}
+
+TEST(FaultSchedule, WhatIsCountedIsToldOfWhomItIsAndOfNobodyElse) {
+  EXPECT_THAT(run_with_text("[[fault]]\naxis = \"pan\"\nwhat = \"reboot\"\nafter_motion = 100\n").out,
+              testing::Not(HasSubstr("counted:")));
+  const TemporaryFile faults(
+      "faults.toml",
+      "[[fault]]\naxis = \"pan\"\nwhat = \"duplicate-frames\"\nafter_motion = 1\ncount = 3\n"
+      "[[fault]]\naxis = \"tilt\"\nwhat = \"short-frames\"\nafter_motion = 2\ncount = 2\n");
+  const TemporaryFolder folder;
+  const std::string json_file = (folder.path() / "run.json").string();
+  const ProgramRun run =
+      run_program({"run", examples + "reveal.toml", "--rig", examples + "camera_rig.toml", "--sim", "--fast",
+                   "--faults", faults.path().string(), "--json", json_file});
+  EXPECT_EQ(run.status, 0) << run.out;
+  const auto json = nlohmann::json::parse(file_contents(json_file));
+  const auto& drives = json["drives"];
+  ASSERT_EQ(drives.size(), 3U);
+  EXPECT_EQ(drives[1]["duplicates"], 3);
+  EXPECT_EQ(drives[2]["bad_frames"], 2);
+  EXPECT_EQ(drives[2]["missed"], 2);
+  EXPECT_EQ(drives[0]["duplicates"], 0);
+  EXPECT_EQ(drives[0]["bad_frames"], 0);
+  EXPECT_EQ(drives[1]["bad_frames"], 0);
+  EXPECT_EQ(drives[2]["duplicates"], 0);
+  EXPECT_THAT(run.out, HasSubstr("  counted: pan: duplicates 3; tilt: missed 2, bad frames 2\n"));
 }
 
 TEST(FaultSchedule, AFaultAfterTheMoveHarmsNothing) {

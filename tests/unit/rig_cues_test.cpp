@@ -7,6 +7,7 @@
 #include <fstream>
 #include <iterator>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -17,6 +18,7 @@
 #include "host_tools/rig_file.hpp"
 #include "host_tools/run.hpp"
 #include "host_tools/start_signal.hpp"
+#include "tests/support/run_program.hpp"
 #include "tests/support/temporary_file.hpp"
 
 namespace inbetween {
@@ -82,6 +84,16 @@ TEST(RigCues, EveryFrameOfARunHasItsPulseAtItsTimeAndTheClapperFramesIt) {
     EXPECT_EQ(rows[i].frame, static_cast<double>(i - 1) + 0.25);
     EXPECT_EQ(rows[i].width_ms, 15);
   }
+}
+
+TEST(RigCues, TheReportTellsHowManyPulsesAreInTheLogAndWhatWentWrongWithThem) {
+  const TemporaryFolder folder;
+  const ProgramRun run = run_program({"run", slide_and_pan, "--rig", slider_rig, "--sim", "--fast", "--yes",
+                                      "--cue-log", (folder.path() / "cues.csv").string(), "--json", "-"});
+  EXPECT_EQ(run.status, 0) << run.err;
+  const auto json = nlohmann::ordered_json::parse(run.out);
+  EXPECT_EQ(json["cue_log"].dump(), R"({"pulses":290,"lost":0,"why":""})");
+  EXPECT_EQ(json["pulses"].dump(), R"({"merged":0,"lost":0,"late_ends":0})");
 }
 
 TEST(RigCues, AfterAStopInTheMiddleNoPulseBegins) {

@@ -170,8 +170,8 @@ TEST(Run, ItsReportHasTheFieldsOfItsFormatInTheirOrder) {
   const ProgramRun run = run_program({"run", reveal, "--rig", camera_rig, "--sim", "--fast", "--json", "-"});
   EXPECT_EQ(run.status, 0);
   const Json json = Json::parse(run.out);
-  EXPECT_THAT(fields(json),
-              ElementsAre("format", "ended", "reason", "ticks", "late_ticks", "axes", "wake_latency_us"));
+  EXPECT_THAT(fields(json), ElementsAre("format", "ended", "reason", "ticks", "late_ticks", "axes",
+                                        "wake_latency_us", "buses", "drives"));
   EXPECT_EQ(json["format"], 1);
   EXPECT_EQ(json["ended"], "finished");
   EXPECT_NE(json["reason"], "");
@@ -186,6 +186,17 @@ TEST(Run, ItsReportHasTheFieldsOfItsFormatInTheirOrder) {
   EXPECT_GT(json["axes"][2]["following_error_peak"], 0);
   EXPECT_THAT(fields(json["wake_latency_us"]),
               ElementsAre("p50", "p99", "p99_9", "max", "max_at_s", "histogram"));
+  ASSERT_THAT(json["buses"], SizeIs(1));
+  EXPECT_THAT(fields(json["buses"][0]), ElementsAre("name", "unsent", "floods", "drained"));
+  EXPECT_EQ(json["buses"][0]["name"], "can0");
+  ASSERT_THAT(json["drives"], SizeIs(3));
+  for (const Json& drive : json["drives"]) {
+    EXPECT_THAT(fields(drive), ElementsAre("axis", "feedback", "missed", "bad_frames", "duplicates",
+                                           "stray_answers", "emergencies", "foreign_frames"));
+    EXPECT_GE(drive["feedback"], 2001);
+    EXPECT_EQ(drive["bad_frames"], 0);
+    EXPECT_EQ(drive["duplicates"], 0);
+  }
 }
 
 TEST(Run, ItsSummaryShowsEveryAxisAndMakesWayForTheReport) {

@@ -1,0 +1,42 @@
+// What is counted on the buses and outputs of a rig while it is used.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "drivers/can/socket_can.hpp"
+#include "inbetween/can/cia402_drive.hpp"
+#include "inbetween/can/cia402_port.hpp"
+#include "inbetween/cue_timer.hpp"
+
+namespace inbetween {
+
+/// A counter by the name that it has in reports.
+struct Count {
+  const char* name = "";
+  std::int64_t count = 0;
+  bool is_traffic = false;  ///< grows also where nothing is wrong
+};
+
+/// The counters of one bus or drive.
+struct Counted {
+  std::string of;  ///< the name of the bus, or of the axis of the drive
+  std::vector<Count> counts;
+};
+
+struct RigCounts {
+  std::vector<Counted> buses;   ///< in the order of the first axis on each
+  std::vector<Counted> drives;  ///< on buses, in the order of their axes
+  std::vector<Count> pulses;    ///< on the outputs; empty for a rig without
+};
+
+/// Of a bus; `socket` is null for a simulated one.
+std::vector<Count> counts_of(const can::LaneCounters& lane, const can::CanCounters* socket);
+std::vector<Count> counts_of(const can::DriveCounters& drive);
+std::vector<Count> counts_of(const CueCounters& pulses);
+
+/// All that are not 0 and no mere traffic: "bus can0: floods 2; tilt: bad frames 12, missed 12"; "" for none.
+std::string trouble_of(const RigCounts& counts);
+
+}  // namespace inbetween
