@@ -234,7 +234,20 @@ void explain(CLI::App& app) {
       "the "
       "share of\n"
       "the frame between the angles at a constant rate in --exposure seconds, and runs out, inside its "
-      "limits.\n\n"
+      "limits.\n"
+      "The line of the rig's [camera] is on while a frame is exposed. Where the camera has a "
+      "line that asks, on a\n"
+      "rig that asks for each next frame as well; with --sim no line is touched.\n\n"
+      "A move with start = \"trigger\" is made ready, with the drives on, and waits: on a rig "
+      "for its [start_trigger] to\n"
+      "become active (what came before it waited starts nothing), with --sim for a trigger "
+      "that comes by itself after\n"
+      "a second. Enter starts it too, and q leaves.\n\n"
+      "The cues of a move are pulses on the [output.NAME] and [camera] lines of the rig, each "
+      "when the axes are at its\n"
+      "place, forward only. --cue-log writes a line for each that begins: seconds, line, "
+      "frame, width_ms, merged; with\n"
+      "--sim too.\n\n"
       "Exit status: 0 played to its end; 3 refused; 4 stopped before its end.\n\n"
       "Axes that no drive knows (see reference in docs/formats.md) must have been homed, or placed by "
       "somebody:\n"
@@ -250,7 +263,8 @@ void explain(CLI::App& app) {
       "  inbetween run move.toml --rig rig.toml --sim --from pan=10 from elsewhere, slowly to its start "
       "first\n"
       "  inbetween run move.toml --rig rig.toml --sim --step        stop motion\n"
-      "  inbetween run move.toml --rig rig.toml --sim --shutter 0..180 --exposure 0.5");
+      "  inbetween run move.toml --rig rig.toml --sim --shutter 0..180 --exposure 0.5\n"
+      "  inbetween run move.toml --rig rig.toml --sim --fast --cue-log cues.csv");
 }
 
 void describe(CLI::App& app, RunArguments& arguments) {

@@ -63,7 +63,8 @@ TEST(CommandLine, TheHelpOfPlanNamesEveryOption) {
 }
 
 TEST(CommandLine, TheHelpOfRunNamesEveryOption) {
-  expect_help({"run", "--help"}, {"MOVE", "--rig ", "--sim ", "--fast ", "--json ", "--help"});
+  expect_help({"run", "--help"}, {"MOVE", "--rig ", "--sim ", "--fast ", "--json ", "--help", "--cue-log ",
+                                  "start = \"trigger\"", "[start_trigger]", "[camera]", "[output.NAME]"});
 }
 
 TEST(CommandLine, SaysItsVersion) {
