@@ -53,6 +53,12 @@ std::vector<Count> counts_of(const can::DriveCounters& drive) {
           count_of("foreign_frames", drive.foreign_frames)};
 }
 
+std::vector<Count> counts_of(const gpio::StepPlayerCounters& edges) {
+  return {traffic_of("played", edges.played), traffic_of("discarded", edges.discarded),
+          count_of("refused", edges.refused), count_of("late", edges.late),
+          Count{.name = "worst_late_ns", .count = edges.worst_late_ns, .is_traffic = true}};
+}
+
 std::vector<Count> counts_of(const CueCounters& pulses) {
   return {count_of("merged", pulses.merged), count_of("lost", pulses.lost),
           count_of("late_ends", pulses.late_ends)};
@@ -62,6 +68,7 @@ std::string trouble_of(const RigCounts& counts) {
   std::string words;
   for (const Counted& bus : counts.buses) add_trouble("bus " + bus.of, bus.counts, words);
   for (const Counted& drive : counts.drives) add_trouble(drive.of, drive.counts, words);
+  for (const Counted& chip : counts.chips) add_trouble("chip " + chip.of, chip.counts, words);
   add_trouble("pulses", counts.pulses, words);
   return words;
 }

@@ -200,6 +200,13 @@ std::optional<LoopLogEnd> RigCues::end_log() {
   return end;
 }
 
+std::vector<Counted> RigCues::chip_counts() const {
+  std::vector<Counted> counts;
+  counts.reserve(chips_.size());
+  for (const Chip& chip : chips_) counts.push_back({chip.label, counts_of(chip.played.player()->counters())});
+  return counts;
+}
+
 std::string RigCues::trouble() const {
   for (const Chip& chip : chips_) {
     if (chip.played.player() != nullptr && chip.played.player()->has_ended()) {

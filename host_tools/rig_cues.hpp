@@ -17,6 +17,7 @@
 #include "host_tools/move_cue.hpp"
 #include "host_tools/move_file.hpp"
 #include "host_tools/played_chip.hpp"
+#include "host_tools/rig_counts.hpp"
 #include "host_tools/rig_file.hpp"
 #include "host_tools/rig_steps.hpp"
 #include "inbetween/cue_timer.hpp"
@@ -64,6 +65,8 @@ class RigCues {
   void finish(const std::function<bool()>& interrupted);
   [[nodiscard]] std::optional<LoopLogEnd> end_log();
   [[nodiscard]] const CueCounters& counters() const { return timer_->counters(); }
+  /// Of the chips; none in simulation.
+  [[nodiscard]] std::vector<Counted> chip_counts() const;
   /// What is wrong and what to do, the first found; "" for nothing.
   [[nodiscard]] std::string trouble() const;
   /// Of simulated lines: what was put out, by name. The line's level against its idle one.

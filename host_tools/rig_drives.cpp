@@ -318,6 +318,7 @@ RigCounts RigDrives::counts() const {
   for (std::size_t i = 0; i < on_can_.axes.size(); ++i) {
     counts.drives.push_back({rig_.axes[on_can_.axes[i]].name, counts_of(port_->drive(i).counters())});
   }
+  if (steps_) counts.chips = steps_->counts();
   return counts;
 }
 

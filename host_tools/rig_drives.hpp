@@ -93,7 +93,7 @@ class RigDrives {
 
   /// What is wrong with a drive and what to do, the first found; "" for nothing. Not for the loop's thread.
   [[nodiscard]] std::string trouble() const;
-  /// Of the buses and the drives on them. Once no tick follows.
+  /// Of the buses, the drives on them and the chips that steps go to. Once no tick follows.
   [[nodiscard]] RigCounts counts() const;
 
  private:

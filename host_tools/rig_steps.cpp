@@ -182,6 +182,16 @@ double RigSteps::shaft(std::size_t lane) const {
   return 0;
 }
 
+std::vector<Counted> RigSteps::counts() const {
+  std::vector<Counted> counts;
+  for (const Chip& chip : chips_) {
+    if (const gpio::StepPlayer* const player = chip.played.player(); player != nullptr) {
+      counts.push_back({chip.label, counts_of(player->counters())});
+    }
+  }
+  return counts;
+}
+
 std::string RigSteps::trouble() const {
   for (const Chip& chip : chips_) {
     if (chip.played.player() != nullptr && chip.played.player()->has_ended()) {

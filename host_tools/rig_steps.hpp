@@ -12,6 +12,7 @@
 
 #include "drivers/gpio/step_player.hpp"
 #include "host_tools/played_chip.hpp"
+#include "host_tools/rig_counts.hpp"
 #include "host_tools/rig_file.hpp"
 #include "inbetween/step_port.hpp"
 #include "sim/simulated_step_chip.hpp"
@@ -83,6 +84,8 @@ class RigSteps {
   [[nodiscard]] double shaft(std::size_t lane) const;
   /// What is wrong and what to do, the first found; "" for nothing. Not for the loop's thread.
   [[nodiscard]] std::string trouble() const;
+  /// Of the chips; none in simulation.
+  [[nodiscard]] std::vector<Counted> counts() const;
 
  private:
   struct Chip {

@@ -78,7 +78,10 @@ class Run {
     }
     if (record_) report_.record = record_->finish();
     report_.counts = rig_.drives().counts();
-    if (cues_) report_.counts.pulses = counts_of(cues_->counters());
+    if (cues_) {
+      report_.counts.pulses = counts_of(cues_->counters());
+      for (Counted& chip : cues_->chip_counts()) report_.counts.chips.push_back(std::move(chip));
+    }
     return std::move(report_);
   }
 

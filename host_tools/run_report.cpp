@@ -91,6 +91,7 @@ void write_run_json(const RunReport& report, std::FILE* file) {
   json.end_object();
   write_counted("buses", "name", report.counts.buses, json);
   write_counted("drives", "axis", report.counts.drives, json);
+  write_counted("chips", "label", report.counts.chips, json);
   if (!report.counts.pulses.empty()) {
     json.line();
     json.key("pulses");

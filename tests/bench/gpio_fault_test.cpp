@@ -272,6 +272,7 @@ frames = [10, 35, 85]
 width_ms = 40
 )",
                          .at_zero = {"x"},
+                         .command = "run move.toml --rig rig.toml --positions positions --cue-log cues.csv",
                          .bench = {"--gpio", "head:8", "--gpio", "far:4", "--name", "far:2:CAMERA"},
                          .watched = "far",
                          .lines = 4});
@@ -289,6 +290,11 @@ width_ms = 40
   EXPECT_THAT(rises[2] - rises[0], about(3000 * ms));
   for (std::size_t i = 0; i < rises.size(); ++i) EXPECT_THAT(falls[i] - rises[i], about(40 * ms)) << i;
   EXPECT_FALSE(scene.has_ever_been_high(lamp));
+  // The log tells how late each was, which the run would not have forgiven beyond a millisecond.
+  const std::string one = "[0-9.]+,shutter,%,40,0,[0-9][0-9.e-]*\n";
+  std::string log = "seconds,line,frame,width_ms,merged,late_us\n";
+  for (const char* const frame : {"10", "35", "85"}) log += std::string(one).replace(one.find('%'), 1, frame);
+  EXPECT_THAT(file_contents(scene.path("cues.csv")), testing::MatchesRegex(log));
 }
 
 }  // namespace

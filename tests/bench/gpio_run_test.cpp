@@ -21,6 +21,7 @@ namespace inbetween {
 namespace {
 
 using testing::HasSubstr;
+using testing::MatchesRegex;
 
 constexpr double steps_per_unit = 10;
 constexpr std::int64_t ms = 1'000'000;
@@ -269,6 +270,8 @@ speed = [0, 0, 10, 0, 0]
   EXPECT_THAT(drives, HasSubstr(",115000")) << "230 mm of 500 counts";
   EXPECT_THAT(run.out, HasSubstr(R"("ended":"finished")"));
   EXPECT_THAT(run.out, HasSubstr(R"("name":"focus","last_commanded":9,"last_actual":9,)"));
+  EXPECT_THAT(run.out, MatchesRegex(R"re(.*"label":"pinctrl-bcm2711","played":[1-9][0-9]*,.*)re"))
+      << "what its chip was told is counted";
 }
 
 }  // namespace
