@@ -187,7 +187,7 @@ void Cia402Drive::take_feedback(const Frame& frame) {
     ++counters_.duplicates;
     return take_bad_frame();
   }
-  awaited_ = std::max(awaited_ - 1, 0);
+  if (awaited_ > 0) --awaited_;
   ++counters_.feedback;
   feedback_ = *feedback;
   has_feedback_ = true;
