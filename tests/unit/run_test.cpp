@@ -171,7 +171,7 @@ TEST(Run, ItsReportHasTheFieldsOfItsFormatInTheirOrder) {
   EXPECT_EQ(run.status, 0);
   const Json json = Json::parse(run.out);
   EXPECT_THAT(fields(json), ElementsAre("format", "ended", "reason", "ticks", "late_ticks", "axes",
-                                        "wake_latency_us", "buses", "drives"));
+                                        "wake_latency_us", "buses", "drives", "chips"));
   EXPECT_EQ(json["format"], 1);
   EXPECT_EQ(json["ended"], "finished");
   EXPECT_NE(json["reason"], "");
@@ -189,6 +189,7 @@ TEST(Run, ItsReportHasTheFieldsOfItsFormatInTheirOrder) {
   ASSERT_THAT(json["buses"], SizeIs(1));
   EXPECT_THAT(fields(json["buses"][0]), ElementsAre("name", "unsent", "floods", "drained"));
   EXPECT_EQ(json["buses"][0]["name"], "can0");
+  EXPECT_THAT(json["chips"], testing::IsEmpty());
   ASSERT_THAT(json["drives"], SizeIs(3));
   for (const Json& drive : json["drives"]) {
     EXPECT_THAT(fields(drive), ElementsAre("axis", "feedback", "missed", "bad_frames", "duplicates",
