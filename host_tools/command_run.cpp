@@ -246,7 +246,7 @@ void explain(CLI::App& app) {
       "The cues of a move are pulses on the [output.NAME] and [camera] lines of the rig, each "
       "when the axes are at its\n"
       "place, forward only. --cue-log writes a line for each that begins: seconds, line, "
-      "frame, width_ms, merged; with\n"
+      "frame, width_ms, merged, late_us; with\n"
       "--sim too.\n\n"
       "Exit status: 0 played to its end; 3 refused; 4 stopped before its end.\n\n"
       "Axes that no drive knows (see reference in docs/formats.md) must have been homed, or placed by "
