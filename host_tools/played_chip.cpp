@@ -29,4 +29,9 @@ std::optional<Refusal> PlayedChip::open(const std::string& label, std::span<cons
   return std::nullopt;
 }
 
+std::optional<double> PlayedChip::too_late_us() const {
+  if (!player_ || !player_->is_too_late()) return std::nullopt;
+  return static_cast<double>(player_->counters().worst_late_ns) * 1e-3;
+}
+
 }  // namespace inbetween

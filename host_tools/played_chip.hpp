@@ -29,6 +29,10 @@ class PlayedChip {
   /// Null before it is open: in simulation.
   [[nodiscard]] gpio::StepPlayer* player() { return player_ ? &*player_ : nullptr; }
   [[nodiscard]] const gpio::StepPlayer* player() const { return player_ ? &*player_ : nullptr; }
+  /// The chip was there, and is no more.
+  [[nodiscard]] bool has_gone() const { return player_ && player_->has_ended(); }
+  /// By how much an instant was late, if that was more than its limit.
+  [[nodiscard]] std::optional<double> too_late_us() const;
 
  private:
   gpio::GpioOutputs outputs_;

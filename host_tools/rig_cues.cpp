@@ -179,8 +179,7 @@ void RigCues::finish(const std::function<bool()>& interrupted) {
   if (count) put_out(*count);
   const MonotonicClock clock;
   const auto is_busy = [](const Chip& chip) {
-    return chip.played.player() != nullptr && chip.played.player()->waiting() > 0 &&
-           !chip.played.player()->has_ended();
+    return chip.played.player() != nullptr && chip.played.player()->waiting() > 0 && !chip.played.has_gone();
   };
   while (std::ranges::any_of(chips_, is_busy) && !(interrupted && interrupted())) {
     clock.sleep_until_ns(clock.now_ns() + ns_between_looks);
@@ -209,13 +208,12 @@ std::vector<Counted> RigCues::chip_counts() const {
 
 std::string RigCues::trouble() const {
   for (const Chip& chip : chips_) {
-    if (chip.played.player() != nullptr && chip.played.player()->has_ended()) {
+    if (chip.played.has_gone()) {
       return fmt::format("chip {} of the outputs has gone; plug it in again", in_quotes(chip.label));
     }
-    if (chip.played.player() != nullptr && chip.played.player()->is_too_late()) {
+    if (const auto late_us = chip.played.too_late_us()) {
       return fmt::format("pulses on chip {} came {:.0f} us late; free the machine of other work",
-                         in_quotes(chip.label),
-                         static_cast<double>(chip.played.player()->counters().worst_late_ns) * 1e-3);
+                         in_quotes(chip.label), *late_us);
     }
   }
   if (counters().lost > 0) return fmt::format("{} pulses found no room in their tick", counters().lost);

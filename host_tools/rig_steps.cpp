@@ -194,14 +194,14 @@ std::vector<Counted> RigSteps::counts() const {
 
 std::string RigSteps::trouble() const {
   for (const Chip& chip : chips_) {
-    if (chip.played.player() != nullptr && chip.played.player()->has_ended()) {
+    if (chip.played.has_gone()) {
       return fmt::format("chip {} of the rig has gone; plug it in again", in_quotes(chip.label));
     }
-    if (chip.played.player() != nullptr && chip.played.player()->is_too_late()) {
+    if (const auto late_us = chip.played.too_late_us()) {
       return fmt::format(
           "steps on chip {} came {:.0f} us late; free the machine of other work, or lower "
           "the step rate",
-          in_quotes(chip.label), static_cast<double>(chip.played.player()->counters().worst_late_ns) * 1e-3);
+          in_quotes(chip.label), *late_us);
     }
   }
   for (std::size_t lane = 0; lane < lanes_.size(); ++lane) {
