@@ -14,8 +14,8 @@ if(INBETWEEN_CCACHE)
 endif()
 
 add_library(inbetween_settings INTERFACE)
-# Every file in the project is included by its path from the root: "host_tools/plan.hpp".
-# The core is included by its public name: "inbetween/path.hpp".
+# Every file in the project is included by its path from the root: "host_tools/plan/plan.hpp".
+# The core is included by its public name: "inbetween/path/path.hpp".
 target_include_directories(inbetween_settings INTERFACE "${PROJECT_SOURCE_DIR}")
 # Under the sanitizers clang compiles the tests, and would warn of every double that an oracle counts on in long double.
 set(double_promotion -Wdouble-promotion)

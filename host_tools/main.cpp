@@ -1,4 +1,4 @@
-#include "host_tools/command_line.hpp"
+#include "host_tools/cli/command_line.hpp"
 
 int main(int argc, char** argv) {
   return inbetween::run_command_line(argc, argv);

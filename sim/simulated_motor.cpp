@@ -10,7 +10,7 @@ void SimulatedMotor::follow(const Demand& demand, double seconds) {
   const double omega = 2 * std::numbers::pi * settings_.bandwidth_hz;
   const double wanted = demand.acceleration + omega * omega * (demand.position - position_) +
                         2 * omega * (demand.velocity - velocity_);
-  integrate(std::clamp(wanted, -settings_.most_acceleration, settings_.most_acceleration), settings_.friction,
+  integrate(std::clamp(wanted, -settings_.max_acceleration, settings_.max_acceleration), settings_.friction,
             seconds);
 }
 

@@ -8,7 +8,7 @@ class SimulatedMotor {
  public:
   struct Settings {
     double bandwidth_hz = 30;        ///< of the position controller, critically damped
-    double most_acceleration = 5e6;  ///< counts/s^2 at the limit of the current
+    double max_acceleration = 5e6;   ///< counts/s^2 at the limit of the current
     double friction = 2e3;           ///< counts/s^2, against the motion
     double viscous_friction = 1;     ///< 1/s
     double coasting_friction = 2e5;  ///< counts/s^2 without current: the load brakes

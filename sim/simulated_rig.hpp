@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "inbetween/ports.hpp"
+#include "inbetween/loop/ports.hpp"
 #include "sim/simulated_axis.hpp"
 
 namespace inbetween {

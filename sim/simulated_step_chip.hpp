@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <deque>
 
-#include "inbetween/step_instant.hpp"
+#include "inbetween/steps/edge_instant.hpp"
 #include "sim/simulated_stepper.hpp"
 
 namespace inbetween {
@@ -19,7 +19,7 @@ class SimulatedStepChip {
   }
 
   // StepSink
-  bool push(const StepInstant& instant) {
+  bool push(const EdgeInstant& instant) {
     if (has_ended_) return false;
     waiting_.push_back(instant);
     return true;
@@ -46,7 +46,7 @@ class SimulatedStepChip {
 
  private:
   std::deque<SimulatedStepper> steppers_;
-  std::deque<StepInstant> waiting_;
+  std::deque<EdgeInstant> waiting_;
   std::uint64_t levels_ = 0;
   bool has_ended_ = false;
 };

@@ -40,7 +40,7 @@ Result<SimulatedStepper> SimulatedStepper::make(const Settings& settings, double
   return SimulatedStepper(settings, position);
 }
 
-Status SimulatedStepper::take(const StepInstant& instant) {
+Status SimulatedStepper::take(const EdgeInstant& instant) {
   if (instant.at_ns < last_ns_) {
     return Error{.code = ErrorCode::out_of_range,
                  .what = "an instant lies before the last one",

@@ -4,10 +4,10 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "inbetween/fixed_vector.hpp"
-#include "inbetween/result.hpp"
-#include "inbetween/step_instant.hpp"
-#include "inbetween/step_merge.hpp"
+#include "inbetween/base/fixed_vector.hpp"
+#include "inbetween/base/result.hpp"
+#include "inbetween/steps/edge_instant.hpp"
+#include "inbetween/steps/step_merge.hpp"
 
 namespace inbetween {
 
@@ -40,7 +40,7 @@ struct StepViolations {
 /// resonance, and that a real one slips by whole electrical turns.
 class SimulatedStepper {
  public:
-  static constexpr std::size_t most_points = 16;
+  static constexpr std::size_t max_points = 16;
 
   struct Settings {
     StepLines lines;
@@ -48,8 +48,8 @@ class SimulatedStepper {
     double steps_per_turn = 200;
     double inertia_kg_m2 = 0;  ///< of rotor and load, at the motor
     double friction_nm = 0;
-    double start_rate = 0;                         ///< steps/s
-    FixedVector<TorquePoint, most_points> torque;  ///< by growing rate; empty: never stalls
+    double start_rate = 0;                        ///< steps/s
+    FixedVector<TorquePoint, max_points> torque;  ///< by growing rate; empty: never stalls
   };
 
   /// At `position`, in units, both lines low.
@@ -60,7 +60,7 @@ class SimulatedStepper {
 
   /// The lines change. Instants come in the order of time; lines that are not its own do not concern it.
   /// Errors: out_of_range (an instant before the last one).
-  Status take(const StepInstant& instant);
+  Status take(const EdgeInstant& instant);
 
   /// Where the shaft is, in units.
   [[nodiscard]] double position() const {

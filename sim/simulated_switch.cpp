@@ -85,8 +85,8 @@ void SimulatedSwitch::move(std::int64_t from_ns, const Setpoint<double>& from, s
 /// The change itself, and an even number of toggles after it.
 void SimulatedSwitch::add_change(std::int64_t at_ns) {
   toggles_ns_.push_back(at_ns);
-  if (settings_.most_bounces == 0) return;
-  for (auto i = random_() % (settings_.most_bounces + 1); i > 0; --i) {
+  if (settings_.max_bounces == 0) return;
+  for (auto i = random_() % (settings_.max_bounces + 1); i > 0; --i) {
     for (int edge = 0; edge < 2; ++edge)
       toggles_ns_.push_back(at_ns + 1 + nanoseconds(random(0, settings_.bounce_s)));
   }

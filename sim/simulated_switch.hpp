@@ -4,8 +4,8 @@
 #include <random>
 #include <vector>
 
-#include "inbetween/line_event.hpp"
-#include "inbetween/setpoint.hpp"
+#include "inbetween/base/setpoint.hpp"
+#include "inbetween/homing/line_event.hpp"
 
 namespace inbetween {
 
@@ -26,10 +26,10 @@ class SimulatedSwitch {
     bool active_level = true;
     bool is_above = true;  ///< actuated at `closes` and above; otherwise there and below
     double closes = 0;
-    double hysteresis = 0;           ///< opens so far before the place where it closes
-    double bounce_s = 0;             ///< after a change it bounces for no longer than this
-    std::uint32_t most_bounces = 0;  ///< times that it opens and closes meanwhile
-    double noise_hz = 0;             ///< spikes a second, at random
+    double hysteresis = 0;          ///< opens so far before the place where it closes
+    double bounce_s = 0;            ///< after a change it bounces for no longer than this
+    std::uint32_t max_bounces = 0;  ///< times that it opens and closes meanwhile
+    double noise_hz = 0;            ///< spikes a second, at random
     double longest_noise_s = 1e-4;
     Fault fault = Fault::none;
   };

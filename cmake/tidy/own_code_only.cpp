@@ -1,9 +1,10 @@
-// A plugin for clang-tidy: the checks look at the project's own declarations, not at those of the system's headers.
+// A plugin for clang-tidy: the checks look at the project's own declarations, not at those of the system's
+// headers.
 //
-// Before version 21 clang-tidy matches every check against everything that a file includes, and then throws away
-// what it found in system headers. For a file of ours that is 40 times as much code as is ours, and three quarters
-// of the time. What is found in our own code does not change: the declarations of system headers are still there
-// to be looked up, the checks only do not begin at them.
+// Before version 21 clang-tidy matches every check against everything that a file includes, and then throws
+// away what it found in system headers. For a file of ours that is 40 times as much code as is ours, and
+// three quarters of the time. What is found in our own code does not change: the declarations of system
+// headers are still there to be looked up, the checks only do not begin at them.
 #include <vector>
 
 #include "clang-tidy/ClangTidyCheck.h"
@@ -43,6 +44,7 @@ class Module : public clang::tidy::ClangTidyModule {
   }
 };
 
-const clang::tidy::ClangTidyModuleRegistry::Add<Module> added("inbetween", "What the project adds to clang-tidy.");
+const clang::tidy::ClangTidyModuleRegistry::Add<Module> added("inbetween",
+                                                              "What the project adds to clang-tidy.");
 
 }  // namespace

@@ -107,7 +107,7 @@ bool set_options(int socket, std::span<const CanFilter> filters) {
 }  // namespace
 
 SocketCan::SocketCan() {
-  for (std::size_t i = 0; i < most_frames; ++i) {
+  for (std::size_t i = 0; i < max_frames; ++i) {
     out_parts_[i] = {.iov_base = &out_frames_[i], .iov_len = sizeof(can_frame)};
     out_headers_[i].msg_hdr.msg_iov = &out_parts_[i];
     out_headers_[i].msg_hdr.msg_iovlen = 1;
@@ -180,7 +180,7 @@ void SocketCan::note_link_error(int error, std::uint64_t& otherwise) {
 
 std::size_t SocketCan::send(std::span<const Frame> frames) {
   if (frames.empty()) return 0;
-  if (link_ != LinkState::up || frames.size() > most_frames ||
+  if (link_ != LinkState::up || frames.size() > max_frames ||
       !std::all_of(frames.begin(), frames.end(), is_classic)) {
     counters_.unsent += frames.size();
     ++counters_.failed_sends;
@@ -264,7 +264,7 @@ std::optional<Frame> SocketCan::take(std::size_t index) {
 }
 
 std::size_t SocketCan::receive(std::span<Frame> frames) {
-  const std::size_t most = std::min(frames.size(), most_frames);
+  const std::size_t most = std::min(frames.size(), max_frames);
   const int count = most > 0 ? receive_batch(most) : 0;
   std::size_t given = 0;
   for (int i = 0; i < count; ++i) {
@@ -276,9 +276,9 @@ std::size_t SocketCan::receive(std::span<Frame> frames) {
 
 SocketCan::Drained SocketCan::drain() {
   Drained drained;
-  for (std::size_t thrown_away = 0; thrown_away < most_drained; thrown_away += most_frames) {
+  for (std::size_t thrown_away = 0; thrown_away < max_drained; thrown_away += max_frames) {
     const LinkState before = link_;
-    const int count = receive_batch(most_frames);
+    const int count = receive_batch(max_frames);
     for (int i = 0; i < count; ++i) {
       if (take(static_cast<std::size_t>(i))) ++drained.stale;
     }

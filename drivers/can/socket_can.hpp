@@ -60,7 +60,7 @@ struct CanFilter {
 class SocketCan {
  public:
   /// Of one system call, to send or to receive.
-  static constexpr std::size_t most_frames = 64;
+  static constexpr std::size_t max_frames = 64;
 
   SocketCan();
   ~SocketCan();
@@ -77,11 +77,11 @@ class SocketCan {
 
   /// Gives frames to the kernel, in their order, by one sendmmsg, and says how many it took: always the first
   /// ones. The others are counted and forgotten, for a setpoint that comes late is wrong. While the link is
-  /// not up, and for more than `most_frames` frames, none is sent.
+  /// not up, and for more than `max_frames` frames, none is sent.
   std::size_t send(std::span<const Frame> frames);
 
   /// Takes what has come in, by one recvmmsg, and says how many frames it put at the beginning of `frames`:
-  /// at most as many as fit, and at most `most_frames`. Error frames are not among them; they show in
+  /// at most as many as fit, and at most `max_frames`. Error frames are not among them; they show in
   /// `controller` and in `counters`, and take the place of a frame in the call.
   std::size_t receive(std::span<Frame> frames);
 
@@ -90,9 +90,9 @@ class SocketCan {
     bool is_empty = false;    ///< false: they came in faster than they could be thrown away
   };
   /// Throws away what waits in the queue, before setpoints of now meet answers of then. Ends after at most
-  /// `most_drained` frames, whatever comes in meanwhile. Error frames count as in `receive`.
+  /// `max_drained` frames, whatever comes in meanwhile. Error frames count as in `receive`.
   Drained drain();
-  static constexpr std::size_t most_drained = 64 * most_frames;
+  static constexpr std::size_t max_drained = 64 * max_frames;
 
   /// As `send`, `receive` and `drain` have found it; asks nobody.
   [[nodiscard]] LinkState link() const { return link_; }
@@ -118,9 +118,9 @@ class SocketCan {
   CanCounters counters_;
   std::uint32_t drops_seen_ = 0;
 
-  std::array<can_frame, most_frames> out_frames_{};
-  std::array<iovec, most_frames> out_parts_{};
-  std::array<mmsghdr, most_frames> out_headers_{};
+  std::array<can_frame, max_frames> out_frames_{};
+  std::array<iovec, max_frames> out_parts_{};
+  std::array<mmsghdr, max_frames> out_headers_{};
 
   struct DropCount {
     alignas(cmsghdr) std::array<unsigned char, CMSG_SPACE(sizeof(std::uint32_t))> bytes{};
@@ -130,10 +130,10 @@ class SocketCan {
     can_frame frame{};
     std::uint8_t beyond = 0;
   };
-  std::array<InBytes, most_frames> in_frames_{};
-  std::array<iovec, most_frames> in_parts_{};
-  std::array<DropCount, most_frames> in_drops_{};
-  std::array<mmsghdr, most_frames> in_headers_{};
+  std::array<InBytes, max_frames> in_frames_{};
+  std::array<iovec, max_frames> in_parts_{};
+  std::array<DropCount, max_frames> in_drops_{};
+  std::array<mmsghdr, max_frames> in_headers_{};
 };
 
 }  // namespace inbetween::can

@@ -248,9 +248,9 @@ std::optional<Refusal> GpioChip::find(std::span<const LineChoice> lines,
 
 std::optional<Refusal> GpioChip::take(std::span<const LineUse> lines, HeldLines& held) const {
   if (!is_open()) return Refusal{.what = "no GPIO chip is open", .remedy = "open it first"};
-  if (lines.empty() || lines.size() > most_lines) {
+  if (lines.empty() || lines.size() > max_lines) {
     return Refusal{.what = std::to_string(lines.size()) + " lines of chip " + label_ +
-                           " are asked for at once, and the kernel gives 1 to " + std::to_string(most_lines),
+                           " are asked for at once, and the kernel gives 1 to " + std::to_string(max_lines),
                    .remedy = "use fewer lines of this chip"};
   }
   held.reset(request(chip_.get(), lines));

@@ -53,7 +53,7 @@ using HeldLines = std::unique_ptr<gpiod_line_request, GiveBack>;
 class GpioChip {
  public:
   /// Of one request.
-  static constexpr std::size_t most_lines = 64;
+  static constexpr std::size_t max_lines = 64;
 
   GpioChip();
   ~GpioChip();
@@ -76,7 +76,7 @@ class GpioChip {
                                             std::vector<unsigned>& offsets) const;
 
   /// Takes lines, all or none, in one request; line i of the request is lines[i]. They must be as `find`
-  /// gives them; at least 1, at most `most_lines`. Inputs tell of both edges at CLOCK_MONOTONIC, without the
+  /// gives them; at least 1, at most `max_lines`. Inputs tell of both edges at CLOCK_MONOTONIC, without the
   /// kernel's debouncing.
   [[nodiscard]] std::optional<Refusal> take(std::span<const LineUse> lines, HeldLines& held) const;
 

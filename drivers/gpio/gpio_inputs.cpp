@@ -51,7 +51,7 @@ std::optional<Refusal> GpioInputs::open(const GpioChip& chip, std::span<const In
 std::optional<std::uint64_t> GpioInputs::levels() {
   if (!held_ || error_ != 0) return std::nullopt;
   gpio_v2_line_values values{};
-  values.mask = ~std::uint64_t{0} >> (GpioChip::most_lines - count_);
+  values.mask = ~std::uint64_t{0} >> (GpioChip::max_lines - count_);
   if (::ioctl(file_, GPIO_V2_LINE_GET_VALUES_IOCTL, &values) == 0) return values.bits & values.mask;
   error_ = errno;
   return std::nullopt;
@@ -74,7 +74,7 @@ LineEvent GpioInputs::take(const gpio_v2_line_event& raw) {
 }
 
 std::size_t GpioInputs::read(std::span<LineEvent> events) {
-  const std::size_t most = std::min(events.size(), most_events);
+  const std::size_t most = std::min(events.size(), max_events);
   if (!held_ || error_ != 0 || most == 0) return 0;
   const ssize_t bytes = ::read(file_, raw_.data(), most * sizeof(gpio_v2_line_event));
   if (bytes < 0) {

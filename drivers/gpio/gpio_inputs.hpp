@@ -10,7 +10,7 @@
 
 #include "drivers/gpio/gpio_chip.hpp"
 #include "drivers/refusal.hpp"
-#include "inbetween/line_event.hpp"
+#include "inbetween/homing/line_event.hpp"
 
 namespace inbetween::gpio {
 
@@ -29,7 +29,7 @@ struct InputLine {
 class GpioInputs {
  public:
   /// Of one `read`.
-  static constexpr std::size_t most_events = 64;
+  static constexpr std::size_t max_events = 64;
 
   GpioInputs() = default;
   GpioInputs(const GpioInputs&) = delete;
@@ -45,7 +45,7 @@ class GpioInputs {
   [[nodiscard]] std::optional<std::uint64_t> levels();
 
   /// Takes the edges that have come, oldest first, by one read, and says how many it put at the beginning of
-  /// `events`: at most as many as fit, and at most `most_events`.
+  /// `events`: at most as many as fit, and at most `max_events`.
   ///
   /// The kernel keeps the last 1024 edges and throws older ones away: then numbers are missing, and the next
   /// event says so. Two lines that change at once may come in either order; an event that overtook another
@@ -69,11 +69,11 @@ class GpioInputs {
   int file_ = -1;
   int error_ = 0;
   std::size_t count_ = 0;
-  std::array<unsigned, GpioChip::most_lines> offsets_{};
+  std::array<unsigned, GpioChip::max_lines> offsets_{};
   std::uint64_t received_ = 0;
   std::uint64_t told_ = 0;  ///< the highest number of an edge, over all lines
-  std::array<std::uint32_t, GpioChip::most_lines> line_told_{};  ///< the same of each line
-  std::array<gpio_v2_line_event, most_events> raw_{};
+  std::array<std::uint32_t, GpioChip::max_lines> line_told_{};  ///< the same of each line
+  std::array<gpio_v2_line_event, max_events> raw_{};
 };
 
 }  // namespace inbetween::gpio

@@ -9,7 +9,7 @@ namespace inbetween::gpio {
 struct StepPaceLimits {
   std::int64_t tolerated_late_ns = 50'000;  ///< what is later counts as late
   std::int64_t rest_ns = 50'000'000;        ///< a motor that has made no step for so long stands
-  std::int64_t least_spacing_ns = 5'000;    ///< on the wire, between instants planned at least that far apart
+  std::int64_t min_spacing_ns = 5'000;      ///< on the wire, between instants planned at least that far apart
 };
 
 /// When each of a series of instants is to be played, if the one before was late. An instant is never left
@@ -34,10 +34,10 @@ class StepPace {
   [[nodiscard]] std::int64_t due_ns(std::int64_t at_ns) const {
     if (!has_before_) return at_ns + shift_ns_;
     const std::int64_t spacing = std::max<std::int64_t>(at_ns - at_before_ns_, 0);
-    const std::int64_t most_hurried =
+    const std::int64_t max_hurried =
         begun_before_ns_ + std::min(spacing - spacing / made_good_by, limits_.rest_ns);
-    const std::int64_t apart = ended_before_ns_ + std::min(spacing, limits_.least_spacing_ns);
-    return std::max({at_ns + shift_ns_, most_hurried, apart});
+    const std::int64_t apart = ended_before_ns_ + std::min(spacing, limits_.min_spacing_ns);
+    return std::max({at_ns + shift_ns_, max_hurried, apart});
   }
 
   /// The instant planned for `at_ns` was given to the kernel between these times. Says whether it was late:

@@ -15,7 +15,7 @@ void count(std::atomic<std::uint64_t>& number) {
 StepPlayer::StepPlayer(GpioOutputs& outputs, const StepPlayerSettings& settings, PlayedRing* played)
     : outputs_(outputs), settings_(settings), played_ring_(played), pace_(settings.pace) {}
 
-bool StepPlayer::push(const StepInstant& instant) {
+bool StepPlayer::push(const EdgeInstant& instant) {
   const bool is_taken =
       !has_ended() && ring_.push({.instant = instant, .discards = discards_.load(std::memory_order_relaxed)});
   count(is_taken ? pushed_ : refused_);
@@ -47,7 +47,7 @@ std::int64_t StepPlayer::wait(std::int64_t now_ns, std::int64_t due_ns) const {
 }
 
 /// Returns the time after it.
-std::int64_t StepPlayer::play(const StepInstant& instant, std::int64_t begun_ns) {
+std::int64_t StepPlayer::play(const EdgeInstant& instant, std::int64_t begun_ns) {
   const bool is_taken = outputs_.set(instant.levels, instant.mask);
   const std::int64_t ended_ns = clock_.now_ns();
   if (!is_taken) return ended_ns;
@@ -55,7 +55,7 @@ std::int64_t StepPlayer::play(const StepInstant& instant, std::int64_t begun_ns)
   const std::int64_t late_ns = begun_ns - instant.at_ns;
   if (late_ns > worst_late_ns_.load(std::memory_order_relaxed)) {
     worst_late_ns_.store(late_ns, std::memory_order_relaxed);
-    if (late_ns > settings_.most_late_ns) is_too_late_.store(true, std::memory_order_relaxed);
+    if (late_ns > settings_.max_late_ns) is_too_late_.store(true, std::memory_order_relaxed);
   }
   if (played_ring_ != nullptr) played_ring_->push({.instant = instant, .late_ns = late_ns});
   count(played_);

@@ -9,14 +9,14 @@
 #include "drivers/gpio/step_pace.hpp"
 #include "drivers/linux/monotonic_clock.hpp"
 #include "drivers/linux/telemetry_ring.hpp"
-#include "inbetween/step_instant.hpp"
+#include "inbetween/steps/edge_instant.hpp"
 
 namespace inbetween::gpio {
 
 struct StepPlayerSettings {
   StepPaceLimits pace{};
   /// Of an instant against its plan; beyond it the rig is to be stopped.
-  std::int64_t most_late_ns = 1'000'000;
+  std::int64_t max_late_ns = 1'000'000;
   /// How long before an instant the sleep ends and the clock is watched instead: longer than waking up takes.
   /// The processor does nothing else meanwhile. 0: the sleep ends at the instant.
   std::int64_t watch_ns = 100'000;
@@ -37,13 +37,13 @@ struct StepPlayerCounters {
 
 /// An instant that the chip took, for whoever wants to know.
 struct PlayedInstant {
-  StepInstant instant{};
+  EdgeInstant instant{};
   std::int64_t late_ns = 0;  ///< when it was given to the kernel, against its plan
 };
 
 /// An instant in the ring of a StepPlayer.
 struct WaitingInstant {
-  StepInstant instant{};
+  EdgeInstant instant{};
   std::uint64_t discards = 0;  ///< how many there had been when it was pushed
 };
 
@@ -68,7 +68,7 @@ class StepPlayer {
 
   /// Adds an instant behind the others, at_ns on CLOCK_MONOTONIC, not before theirs; one that is too early
   /// for the order counts as late. false: it will not be played, for the ring is full or `run` has returned.
-  bool push(const StepInstant& instant);
+  bool push(const EdgeInstant& instant);
   /// Takes out all instants that wait. None of them is played any more, but one that is being given to the
   /// kernel at this moment: when `waiting` is 0, that is over. What is pushed from now on is played; a full
   /// ring has room again after a nap. A pulse that has begun is not ended: the lines stay as they are.
@@ -80,7 +80,7 @@ class StepPlayer {
 
   // Of any thread.
 
-  /// An instant was later than `most_late_ns`. Stays true.
+  /// An instant was later than `max_late_ns`. Stays true.
   [[nodiscard]] bool is_too_late() const { return is_too_late_.load(std::memory_order_relaxed); }
   /// `run` has returned: it was told to, or the chip has failed (GpioOutputs::state).
   [[nodiscard]] bool has_ended() const { return has_ended_.load(std::memory_order_acquire); }
@@ -91,7 +91,7 @@ class StepPlayer {
 
  private:
   std::int64_t wait(std::int64_t now_ns, std::int64_t due_ns) const;
-  std::int64_t play(const StepInstant& instant, std::int64_t begun_ns);
+  std::int64_t play(const EdgeInstant& instant, std::int64_t begun_ns);
 
   GpioOutputs& outputs_;
   const StepPlayerSettings settings_;

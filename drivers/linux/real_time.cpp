@@ -136,9 +136,9 @@ void RealTimeThread::bind_to(int cpu) {
 void RealTimeThread::keep_awake() {
   constexpr const char* name = "no deep sleep of processors";
   constexpr const char* path = "/dev/cpu_dma_latency";
-  constexpr std::int32_t most_us = 0;
+  constexpr std::int32_t max_us = 0;
   latency_file_ = ::open(path, O_WRONLY | O_CLOEXEC);
-  if (latency_file_ >= 0 && ::write(latency_file_, &most_us, sizeof most_us) == sizeof most_us) {
+  if (latency_file_ >= 0 && ::write(latency_file_, &max_us, sizeof max_us) == sizeof max_us) {
     return note(name, false, std::nullopt);
   }
   const int error = errno;

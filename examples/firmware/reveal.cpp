@@ -6,9 +6,9 @@
 #include <type_traits>
 
 #include "examples/firmware/board.hpp"
-#include "inbetween/count_track.hpp"
-#include "inbetween/frame_table.hpp"
-#include "inbetween/track.hpp"
+#include "inbetween/timing/count_track.hpp"
+#include "inbetween/timing/frame_table.hpp"
+#include "inbetween/timing/track.hpp"
 
 /// The move examples/reveal.toml on a controller without an operating system: solved on the controller, then
 /// sent to the drives tick by tick, in counts. The "drives" are the serial port: a line per tick.

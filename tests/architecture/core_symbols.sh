@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# What the core asks of the system it runs on: whatever its archive needs from outside must be on the list
+# What the core asks of the system it runs on: whatever its archives need from outside must be on the list
 # below, so no heap, no exception, no clock, no output. Prints every other symbol and fails.
 #
-#   core_symbols.sh ARCHIVE [NM]
+#   core_symbols.sh NM ARCHIVE...
 set -euo pipefail
-archive=$1
-nm=${2:-nm}
+nm=$1
+shift
 
 # Memory that the compiler moves on its own account, the table of addresses of position-independent code, and
 # those of <cmath> whose result IEEE 754 fixes to the last bit: sin or pow differ from one C library to the next,
@@ -14,9 +14,9 @@ allowed='mem(cpy|move|set|cmp)|_GLOBAL_OFFSET_TABLE_'
 allowed+='|(sqrt|fabs|floor|ceil|trunc|round|lround|llround|nearbyint|rint|lrint|llrint|fmod|remainder)[fl]?'
 allowed+='|(fma|fmin|fmax|copysign|nextafter|ldexp|scalbn|scalbln|frexp|logb|ilogb|modf)[fl]?'
 
-symbols=$("$nm" --format=posix "$archive")
+symbols=$("$nm" --format=posix "$@")
 [[ -n $symbols ]] || {
-  printf '%s: error: no symbols in it; give the archive of the core\n' "$archive" >&2
+  printf '%s: error: no symbols in it; give the archives of the core\n' "$*" >&2
   exit 1
 }
 
@@ -28,6 +28,6 @@ forbidden=$(grep --invert-match --line-regexp --extended-regexp "$allowed|" <<<"
 
 while read -r name; do
   printf '%s: error: the core needs %s, which is not among the symbols that it may; see %s\n' \
-    "$archive" "$(c++filt "$name")" "tests/architecture/core_symbols.sh"
+    "$*" "$(c++filt "$name")" "tests/architecture/core_symbols.sh"
 done <<<"$forbidden"
 exit 1

@@ -19,7 +19,7 @@ verdict_on() { # verdict_on CODE...: one member of the archive for each
     members+=("$scratch/member_${#members[@]}.o")
   done
   "$ar" rcs "$scratch/sample.a" "${members[@]}"
-  bash "$check" "$scratch/sample.a" "$nm" 2>&1
+  bash "$check" "$nm" "$scratch/sample.a" 2>&1
 }
 
 refuses() { # refuses SYMBOL CODE
@@ -75,7 +75,7 @@ refuses elsewhere 'int elsewhere(int); int f() { return elsewhere(1); }'
 
 "$ar" rcs "$scratch/empty.a"
 for nothing in "$scratch/empty.a" "$scratch/absent.a"; do
-  if bash "$check" "$nothing" "$nm" >/dev/null 2>&1; then
+  if bash "$check" "$nm" "$nothing" >/dev/null 2>&1; then
     printf 'FAILED: %s passes\n' "$nothing"
     failures=$((failures + 1))
   fi

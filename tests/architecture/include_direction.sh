@@ -20,12 +20,33 @@ BEGIN {
         " numeric optional span tuple type_traits utility", names)
   for (i in names) free_standing[names[i]] = 1
 
-  # Which rooms a room may look into, besides itself.
+  # Which folders a folder may look into, besides itself.
   sees["firmware_core"] = ""
   sees["drivers"] = " firmware_core "
   sees["sim"] = " firmware_core "
   sees["host_tools"] = " firmware_core drivers sim "
   sees["tests"] = " firmware_core drivers sim host_tools "
+
+  # Which rooms of the same folder a room may look into, besides itself. The CMakeLists.txt of the folder says the same.
+  rooms["firmware_core/base"] = ""
+  rooms["firmware_core/path"] = " base "
+  rooms["firmware_core/timing"] = " path base "
+  rooms["firmware_core/limits"] = " timing path base "
+  rooms["firmware_core/play"] = " limits timing base "
+  rooms["firmware_core/homing"] = " play base "
+  rooms["firmware_core/loop"] = " play limits base "
+  rooms["firmware_core/steps"] = " loop play timing base "
+  rooms["firmware_core/can"] = " loop base "
+  rooms["host_tools/files"] = ""
+  rooms["host_tools/plot"] = " files "
+  rooms["host_tools/plan"] = " plot files "
+  rooms["host_tools/check"] = " plan files "
+  rooms["host_tools/fit"] = " check plan plot files "
+  rooms["host_tools/rig"] = " files "
+  rooms["host_tools/reference"] = " rig files "
+  rooms["host_tools/loop"] = " reference rig files "
+  rooms["host_tools/motions"] = " loop reference rig check plan files "
+  rooms["host_tools/cli"] = " motions loop reference rig fit check plan plot files "
 }
 
 function refuse(why) {
@@ -33,16 +54,29 @@ function refuse(why) {
   refused = 1
 }
 
-function beside(name,    path, ignored, there) {
-  path = FILENAME
-  sub(/[^\/]*$/, name, path)
+function exists(path,    ignored, there) {
   there = (getline ignored < path) >= 0
   close(path)
   return there
 }
 
-# The room that a quoted include looks into; the core goes by its public name.
-function room_of(path) {
+function beside(name,    path) {
+  path = FILENAME
+  sub(/[^\/]*$/, name, path)
+  return exists(path)
+}
+
+# The room of a file or of a quoted include, such as "firmware_core/path"; empty where there is none.
+function room_in(path) {
+  sub(/^firmware_core\/(include\/inbetween|src)\//, "firmware_core/", path)
+  sub(/^inbetween\//, "firmware_core/", path)
+  if (path !~ /^(firmware_core|host_tools)\/[^\/]+\//) return ""
+  match(path, /^[^\/]+\/[^\/]+/)
+  return substr(path, 1, RLENGTH)
+}
+
+# The folder that a quoted include looks into; the core goes by its public name.
+function folder_of(path) {
   if (path ~ /(^|\/)\.\.?\//) return ""
   if (path ~ /^inbetween\//) return "firmware_core"
   sub(/\/.*/, "", path)
@@ -50,8 +84,8 @@ function room_of(path) {
 }
 
 /^[ \t]*#[ \t]*include/ {
-  room = FILENAME
-  sub(/\/.*/, "", room)
+  folder = FILENAME
+  sub(/\/.*/, "", folder)
   oracle = FILENAME ~ /^tests\/support\/oracle_/
   line = $0
   sub(/^[ \t]*#[ \t]*include(_next)?[ \t]*/, "", line)
@@ -62,7 +96,7 @@ function room_of(path) {
     sub(/\/.*/, "", first)
     if (first == "inbetween" || first in sees)
       refuse("a header of the project is included in quotes")
-    else if (room == "firmware_core" && !(name in free_standing))
+    else if (folder == "firmware_core" && !(name in free_standing))
       refuse("the core depends on nothing but the free-standing headers listed in include_direction.sh")
     next
   }
@@ -71,21 +105,38 @@ function room_of(path) {
     next
   }
   name = substr(line, 2, RLENGTH - 2)
-  target = room_of(name)
-  # What is private to the core lies beside its sources and goes by its bare name, so that the core compiles
-  # without the rest of the checkout.
-  if (FILENAME ~ /^firmware_core\/src\// && name !~ /\// && beside(name)) next
+  target = folder_of(name)
+  # What is private to the core lies beside its sources. It goes by its bare name in its own room and by "ROOM/NAME" in
+  # another, so that the core compiles without the rest of the checkout.
+  if (FILENAME ~ /^firmware_core\/src\//) {
+    if (name !~ /\// && beside(name)) next
+    if (("firmware_core/" name) ~ /^firmware_core\/[a-z]+\/[^\/]+$/ && exists("firmware_core/src/" name)) {
+      name = "firmware_core/" name
+      target = "firmware_core"
+    }
+  }
   # Tests see everything, the private parts of the core and the example firmware too.
   if (FILENAME ~ /^tests\// && FILENAME !~ /oracle_/ && name ~ /^(firmware_core\/src|examples\/firmware)\//) next
-  if (name ~ /^firmware_core\//)
+  if (name ~ /^firmware_core\// && target != "firmware_core")
     refuse("the core is included by its public name, \"inbetween/...\"")
   else if (!(target in sees))
     refuse("a header of the project is included by its path from the root, e.g. \"host_tools/plan.hpp\"; " \
            "any other in angle brackets")
   else if (oracle && name !~ /^tests\/support\/oracle_/)
     refuse("an oracle is independent: it may include oracle_* and the standard library only")
-  else if (target != room && index(sees[room], " " target " ") == 0)
-    refuse(room " may not look into " target)
+  else if (target != folder && index(sees[folder], " " target " ") == 0)
+    refuse(folder " may not look into " target)
+  else {
+    here = room_in(FILENAME)
+    there = room_in(name)
+    if (here == "" || target != folder || here == there) next
+    name_there = there
+    sub(/.*\//, "", name_there)
+    if (!(here in rooms))
+      refuse("the room " here " is not in the list of include_direction.sh; add it with what it may look into")
+    else if (there == "" || index(rooms[here], " " name_there " ") == 0)
+      refuse(here " may not look into " (there == "" ? name : there))
+  }
 }
 
 END { exit refused }

@@ -4,11 +4,11 @@
 #include <stdexcept>
 #include <vector>
 
-#include "host_tools/solved_track.hpp"
-#include "inbetween/limits.hpp"
-#include "inbetween/motion_bounds.hpp"
-#include "inbetween/move.hpp"
-#include "inbetween/stop_bounds.hpp"
+#include "host_tools/plan/solved_track.hpp"
+#include "inbetween/limits/limits.hpp"
+#include "inbetween/limits/motion_bounds.hpp"
+#include "inbetween/limits/move.hpp"
+#include "inbetween/limits/stop_bounds.hpp"
 
 /// What it costs to prove the peaks of a move, and that it can be stopped everywhere.
 

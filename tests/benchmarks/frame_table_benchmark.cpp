@@ -6,12 +6,12 @@
 #include <random>
 #include <vector>
 
-#include "inbetween/arc_length.hpp"
-#include "inbetween/frame_table.hpp"
-#include "inbetween/ode_frame_table.hpp"
-#include "inbetween/path.hpp"
-#include "inbetween/speed_profile.hpp"
-#include "inbetween/track.hpp"
+#include "inbetween/path/arc_length.hpp"
+#include "inbetween/path/path.hpp"
+#include "inbetween/timing/frame_table.hpp"
+#include "inbetween/timing/ode_frame_table.hpp"
+#include "inbetween/timing/speed_profile.hpp"
+#include "inbetween/timing/track.hpp"
 
 /// The speed of a frame table by both solvers, building the path included, and of the tick.
 

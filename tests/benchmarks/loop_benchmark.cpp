@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/loop_room.hpp"
-#include "host_tools/planned_stops.hpp"
+#include "host_tools/check/planned_stops.hpp"
+#include "host_tools/loop/loop_storage.hpp"
 #include "inbetween/can/cia402_port.hpp"
 #include "sim/cia402_drive.hpp"
 #include "sim/simulated_link.hpp"
@@ -148,7 +148,7 @@ class Rig {
   std::vector<can::Cia402Axis<double>> axes_;
   std::optional<can::Cia402Port<double, ReplayedLink>> port_;
   SimulatedLines lines_;
-  LoopRoom room_;
+  LoopStorage room_;
   std::optional<MotionLoop<double, can::Cia402Port<double, ReplayedLink>, SimulatedLines>> loop_;
   std::int64_t now_ns_ = 0;
 };

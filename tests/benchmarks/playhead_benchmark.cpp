@@ -5,10 +5,10 @@
 #include <stdexcept>
 #include <vector>
 
-#include "host_tools/solved_track.hpp"
-#include "inbetween/limits.hpp"
-#include "inbetween/motion_bounds.hpp"
-#include "inbetween/playhead.hpp"
+#include "host_tools/plan/solved_track.hpp"
+#include "inbetween/limits/limits.hpp"
+#include "inbetween/limits/motion_bounds.hpp"
+#include "inbetween/play/playhead.hpp"
 
 /// A tick of a move that is played: where the playhead is, and the positions of all axes there.
 

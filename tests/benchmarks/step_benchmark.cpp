@@ -8,8 +8,8 @@
 #include <stdexcept>
 #include <vector>
 
-#include "inbetween/step_generator.hpp"
-#include "inbetween/step_merge.hpp"
+#include "inbetween/steps/step_generator.hpp"
+#include "inbetween/steps/step_merge.hpp"
 
 /// A tick of STEP/DIR axes: the edges of each, and the instants of their chip. Two figures matter: the time
 /// of a tick, and the time of a step (its two edges), which is the inverse of what is printed as steps/s.
@@ -30,7 +30,7 @@ class SwingingAxes {
       const StepSpec<Real> spec{
           .steps_per_unit = 1, .timing = timing, .max_step_rate = 100'000, .tick_ns = tick_ns};
       generators_.push_back(StepGenerator<Real>::make(spec).value());
-      memory_.emplace_back(generators_.back().most_edges());
+      memory_.emplace_back(generators_.back().max_edges());
       const auto first = static_cast<std::int32_t>(2 * i);
       lines.push_back({.step = first, .dir = first + 1, .timing = timing});
     }
@@ -75,7 +75,7 @@ class SwingingAxes {
   std::vector<StepGenerator<Real>> generators_;
   std::vector<std::vector<StepEdge>> memory_;
   std::vector<std::span<const StepEdge>> edges_;
-  std::vector<StepInstant> instants_;
+  std::vector<EdgeInstant> instants_;
   std::vector<StepMerge> merge_;
   std::vector<Setpoint<Real>> setpoints_;
 };

@@ -1,4 +1,4 @@
-#include "host_tools/budget.hpp"
+#include "host_tools/cli/budget.hpp"
 
 #include <gtest/gtest.h>
 
@@ -37,17 +37,17 @@ Measured measured(const std::string& kind, const std::string& target) {
 
 /// Every limit is kept, and is not so far above that nobody would notice a change for the worse. Below
 /// `negligible` nobody needs to.
-void expect_kept(const Measured& numbers, const std::string& name, std::int32_t limit, double least_share,
+void expect_kept(const Measured& numbers, const std::string& name, std::int32_t limit, double min_share,
                  std::int32_t negligible) {
   const auto found = numbers.find(name);
   ASSERT_NE(found, numbers.end()) << name << " has a limit, but is not measured";
   EXPECT_LE(found->second, limit) << name;
   if (limit <= negligible) return;
-  EXPECT_GE(found->second, least_share * limit) << name << " takes far less than its limit: lower the limit";
+  EXPECT_GE(found->second, min_share * limit) << name << " takes far less than its limit: lower the limit";
 }
 
 /// And whatever is measured has a limit.
-void expect_all_kept(const std::string& kind, std::span<const FunctionBudget> limits, double least_share,
+void expect_all_kept(const std::string& kind, std::span<const FunctionBudget> limits, double min_share,
                      std::int32_t negligible) {
   for (const std::string target : {"cortex-m7", "cortex-m4f"}) {
     const Measured numbers = measured(kind, target);
@@ -59,7 +59,7 @@ void expect_all_kept(const std::string& kind, std::span<const FunctionBudget> li
            {std::pair("/double", limit.in_double), {"/float", limit.in_float}}) {
         const std::string name = std::string(function.name) + precision;
         limited.insert(name);
-        expect_kept(numbers, name, most, least_share, negligible);
+        expect_kept(numbers, name, most, min_share, negligible);
       }
     }
     for (const auto& [name, number] : numbers) {

@@ -18,7 +18,7 @@
 #include "inbetween/can/sync.hpp"
 
 namespace inbetween::can {
-namespace {
+namespace canopen_frames_test {
 
 Frame frame_of(const nlohmann::json& entry) {
   const std::string bytes = entry.at("data_hex");
@@ -230,5 +230,5 @@ TEST(CanopenFrames, NoneIsUnderstoodWithAByteLessOrMoreOrAsAnotherKindOfFrame) {
   }
 }
 
-}  // namespace
+}  // namespace canopen_frames_test
 }  // namespace inbetween::can

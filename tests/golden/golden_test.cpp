@@ -7,13 +7,13 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/plan.hpp"
+#include "host_tools/plan/plan.hpp"
 #include "tests/support/golden_table.hpp"
 #include "tests/support/oracle_table.hpp"
 #include "tests/support/solved_move.hpp"
 
 namespace inbetween {
-namespace {
+namespace golden_test {
 
 std::string example_file(const std::string& name) {
   return INBETWEEN_SOURCE_DIR "/examples/" + name + ".toml";
@@ -113,5 +113,5 @@ TEST_P(GoldenTable, IsWhatTheOracleComputesToday) {
 INSTANTIATE_TEST_SUITE_P(Examples, GoldenTable, testing::ValuesIn(golden_examples()),
                          [](const auto& test) { return test.param; });
 
-}  // namespace
+}  // namespace golden_test
 }  // namespace inbetween

@@ -8,14 +8,14 @@
 #include <cstdint>
 #include <vector>
 
-#include "inbetween/cue_timer.hpp"
+#include "inbetween/steps/cue_timer.hpp"
 #include "tests/support/property.hpp"
 
 /// Pulses against an oracle that knows only the way of the playhead as a function of time, samples it, and
 /// keeps for each pulse whether it is armed.
 
 namespace inbetween {
-namespace {
+namespace cue_timer_property_test {
 
 constexpr int many_plays = 2000;
 constexpr int ticks_of_play = 120;
@@ -117,7 +117,7 @@ std::vector<TimedPulse<double>> random_pulses() {
 struct Lines {
   std::array<std::vector<std::int64_t>, 4> edges;  ///< on, off, on, ...
 
-  void take(const StepInstant& instant) {
+  void take(const EdgeInstant& instant) {
     for (std::size_t line = 0; line < edges.size(); ++line) {
       if ((instant.mask >> line & 1) == 0) continue;
       const bool on = (instant.levels >> line & 1) != 0;
@@ -289,7 +289,7 @@ class Play {
   Oracle oracle_;
   std::vector<CueTimer<double>> timer_;
   std::vector<BegunPulse> begun_room_ = std::vector<BegunPulse>(room);
-  std::vector<StepInstant> instants_ = std::vector<StepInstant>(instants_for(room));
+  std::vector<EdgeInstant> instants_ = std::vector<EdgeInstant>(instants_for(room));
   std::int64_t tick_ns_ = 0;
   std::int64_t now_ns_ = 0;
   long double place_ = 0;
@@ -310,5 +310,5 @@ TEST(CueTimerProperty, PulsesBeginWhereTheOracleSaysToAMicrosecondAndLastTheirWi
   });
 }
 
-}  // namespace
+}  // namespace cue_timer_property_test
 }  // namespace inbetween

@@ -12,7 +12,7 @@
 /// The frame table against the oracle, on random moves of every kind of path.
 
 namespace inbetween {
-namespace {
+namespace frame_table_property_test {
 
 constexpr int many_moves = 10'000;
 
@@ -82,5 +82,5 @@ TEST(FrameTableProperty, ARowIsWhatTheTickEvaluatesAtThatFrame) {
   });
 }
 
-}  // namespace
+}  // namespace frame_table_property_test
 }  // namespace inbetween

@@ -8,14 +8,14 @@
 #include <string>
 #include <vector>
 
-#include "inbetween/free_axis.hpp"
+#include "inbetween/play/free_axis.hpp"
 #include "tests/support/property.hpp"
 
 /// Commands in any order at any tick: what comes out is differentiated again here, and held against the
 /// limits.
 
 namespace inbetween {
-namespace {
+namespace free_axis_property_test {
 
 constexpr int many_sequences = 2000;
 constexpr int commanded_ticks = 600;
@@ -232,5 +232,5 @@ TEST(FreeAxisProperty, TheVelocityThatStopsInTimeDoesAtAnyTick) {
   EXPECT_GT(fullest, 0.95);
 }
 
-}  // namespace
+}  // namespace free_axis_property_test
 }  // namespace inbetween

@@ -7,7 +7,7 @@
 #include <iostream>
 #include <vector>
 
-#include "inbetween/homing.hpp"
+#include "inbetween/homing/homing.hpp"
 #include "tests/support/property.hpp"
 #include "tests/support/simulated_homing.hpp"
 
@@ -15,7 +15,7 @@
 /// within a count.
 
 namespace inbetween {
-namespace {
+namespace homing_property_test {
 
 constexpr int many_homings = 1000;
 constexpr double counts_per_unit = 100;
@@ -53,7 +53,7 @@ LostAxis any_lost_axis(double unit, std::uint8_t line) {
                 .closes = unit * any_between(-1000, 1000),
                 .hysteresis = hysteresis,
                 .bounce_s = 0.95 * quiet_s,
-                .most_bounces = static_cast<std::uint32_t>(*rc::gen::inRange(0, 6)),
+                .max_bounces = static_cast<std::uint32_t>(*rc::gen::inRange(0, 6)),
                 .noise_hz = *rc::gen::arbitrary<bool>() ? any_between(0.1, 5) : 0,
                 .longest_noise_s = 0.3 * quiet_s};
   const double before = unit * any_between(-3, 25);
@@ -103,5 +103,5 @@ TEST(HomingProperty, AThousandHomingsWithBounceAndNoiseEndWithinOneCount) {
   EXPECT_GT(spikes, 0U);
 }
 
-}  // namespace
+}  // namespace homing_property_test
 }  // namespace inbetween

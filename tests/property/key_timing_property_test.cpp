@@ -7,8 +7,8 @@
 #include <optional>
 #include <vector>
 
-#include "host_tools/solved_track.hpp"
-#include "inbetween/key_timing.hpp"
+#include "host_tools/plan/solved_track.hpp"
+#include "inbetween/timing/key_timing.hpp"
 #include "tests/support/oracle_least_squares.hpp"
 #include "tests/support/oracle_table.hpp"
 #include "tests/support/property.hpp"
@@ -18,11 +18,11 @@
 /// Keys locked to frames on random moves: met, and by the least change of the drawn curve.
 
 namespace inbetween {
-namespace {
+namespace key_timing_property_test {
 
 constexpr int many_moves = 150;
 /// The dense oracle takes its time: larger curves are not compared with it.
-constexpr int most_spans = 80;
+constexpr int max_spans = 80;
 
 using Values = std::vector<long double>;
 
@@ -133,8 +133,8 @@ Values mobility(const Values& drawn, int refinements) {
 }
 
 /// What the product had to solve, from the oracle's own lengths and integrals.
-oracle::LeastChange problem_of(const LockedMove& locked, int refinements) {
-  oracle::LeastChange problem;
+oracle::QuadraticProgram problem_of(const LockedMove& locked, int refinements) {
+  oracle::QuadraticProgram problem;
   problem.drawn.assign(locked.move.speed.begin(), locked.move.speed.end());
   const oracle::Profile profile(problem.drawn);
   const long double total = profile.integral(static_cast<long double>(profile.spans()));
@@ -211,7 +211,7 @@ TEST(KeyTimingProperty, TheAdjustedValuesStayInRangeAndKeepTheAreaAndTheRests) {
     const std::vector<double>& values = track->control_values();
     RC_ASSERT(*std::ranges::min_element(values) >= 0);
     RC_ASSERT(*std::ranges::max_element(values) <= 100);
-    const oracle::LeastChange problem = problem_of(locked, track->key_timing()->refinements);
+    const oracle::QuadraticProgram problem = problem_of(locked, track->key_timing()->refinements);
     RC_ASSERT(values.size() == problem.drawn.size());
     const auto f = static_cast<long double>(values.size() - 1);
     const long double area = oracle::Profile(values).integral(f);
@@ -237,8 +237,8 @@ TEST(KeyTimingProperty, NoOtherCurveThatMeetsTheKeysChangesLess) {
     showLocks(locked);
     const TrackInput<double> input(locked.move);
     const auto track = solved(input, locked);
-    if (!track || track->control_values().size() > most_spans) return;
-    const oracle::LeastChange problem = problem_of(locked, track->key_timing()->refinements);
+    if (!track || track->control_values().size() > max_spans) return;
+    const oracle::QuadraticProgram problem = problem_of(locked, track->key_timing()->refinements);
     const std::optional<Values> least = oracle::solve(problem);
     RC_ASSERT(least.has_value());
     const long double best = oracle::change(problem, *least);
@@ -293,7 +293,7 @@ TEST(KeyTimingProperty, TheCurveIsRefinedOnlyWhereNoCurveOfFewerValuesMeetsTheKe
     if (refinements == 0) return;
     ++refined;
     int spans = static_cast<int>(locked.move.speed.size()) - 1;
-    for (int level = 0; level < refinements && spans <= most_spans; ++level, spans *= 2) {
+    for (int level = 0; level < refinements && spans <= max_spans; ++level, spans *= 2) {
       RC_LOG() << "refined " << level << " times\n";
       RC_ASSERT(!oracle::solve(problem_of(locked, level)).has_value());
     }
@@ -302,5 +302,5 @@ TEST(KeyTimingProperty, TheCurveIsRefinedOnlyWhereNoCurveOfFewerValuesMeetsTheKe
   EXPECT_GT(refined, 0);
 }
 
-}  // namespace
+}  // namespace key_timing_property_test
 }  // namespace inbetween

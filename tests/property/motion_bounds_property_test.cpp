@@ -7,7 +7,7 @@
 #include <limits>
 #include <vector>
 
-#include "inbetween/motion_bounds.hpp"
+#include "inbetween/limits/motion_bounds.hpp"
 #include "tests/support/oracle_limits.hpp"
 #include "tests/support/property.hpp"
 #include "tests/support/random_move.hpp"
@@ -16,7 +16,7 @@
 /// The proven bounds of every axis against a dense search of the exact motion in long double.
 
 namespace inbetween {
-namespace {
+namespace motion_bounds_property_test {
 
 constexpr int many_moves = 2000;
 /// Refined at the peaks; 1571 samples find nothing more (OracleLimits.RefinementFindsNothingMore).
@@ -132,5 +132,5 @@ TEST(MotionBoundsProperty, NoPeakIsAboveItsBoundAndNoBoundIsOnePercentAboveItsPe
   EXPECT_LE(unresolved, compared / 20 + 3);
 }
 
-}  // namespace
+}  // namespace motion_bounds_property_test
 }  // namespace inbetween

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "inbetween/ode_frame_table.hpp"
+#include "inbetween/timing/ode_frame_table.hpp"
 #include "tests/support/oracle_table.hpp"
 #include "tests/support/property.hpp"
 #include "tests/support/random_move.hpp"
@@ -15,7 +15,7 @@
 /// The Runge-Kutta solver against the oracle and against the closed form, on random moves.
 
 namespace inbetween {
-namespace {
+namespace ode_frame_table_property_test {
 
 constexpr int many_moves = 600;
 
@@ -158,5 +158,5 @@ TEST(RungeKuttaProperty, MoreStepsAFrameShrinkTheErrorOnTheWhole) {
   EXPECT_GT(2 * better, compared);
 }
 
-}  // namespace
+}  // namespace ode_frame_table_property_test
 }  // namespace inbetween

@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include "inbetween/path.hpp"
+#include "inbetween/path/path.hpp"
 #include "tests/support/oracle_path.hpp"
 #include "tests/support/property.hpp"
 #include "tests/support/random_move.hpp"
@@ -15,7 +15,7 @@
 /// The path and its arc length against the oracle, on random moves of every kind of path.
 
 namespace inbetween {
-namespace {
+namespace path_property_test {
 
 constexpr int many_moves = 2000;
 
@@ -172,5 +172,5 @@ TEST(ArcLengthProperty, OrdinaryPathsTakeFewPieces) {
   EXPECT_LE(pieces_per_segment(1e-9), 96);
 }
 
-}  // namespace
+}  // namespace path_property_test
 }  // namespace inbetween

@@ -5,9 +5,9 @@
 #include <iostream>
 #include <optional>
 
-#include "host_tools/check.hpp"
-#include "host_tools/planned_stops.hpp"
-#include "inbetween/playhead.hpp"
+#include "host_tools/check/check.hpp"
+#include "host_tools/check/planned_stops.hpp"
+#include "inbetween/play/playhead.hpp"
 #include "tests/support/property.hpp"
 #include "tests/support/random_move.hpp"
 #include "tests/support/recorded_play.hpp"
@@ -17,7 +17,7 @@
 /// foretold.
 
 namespace inbetween {
-namespace {
+namespace playhead_property_test {
 
 constexpr int many_sequences = 1500;
 constexpr int ticks = 1000;
@@ -149,5 +149,5 @@ TEST(PlayheadProperty, AnyCommandsAtAnyTimeKeepTheStopLimits) {
   EXPECT_LE(tried.refused, tried.played / 5);
 }
 
-}  // namespace
+}  // namespace playhead_property_test
 }  // namespace inbetween

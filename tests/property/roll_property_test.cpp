@@ -13,14 +13,14 @@
 #include <type_traits>
 #include <vector>
 
-#include "inbetween/roll.hpp"
+#include "inbetween/limits/roll.hpp"
 #include "tests/support/oracle_limits.hpp"
 #include "tests/support/property.hpp"
 
 /// Pre-rolls and post-rolls against the five conditions that define them, solved here, in long double.
 
 namespace inbetween {
-namespace {
+namespace roll_property_test {
 
 /// The quartic about the joint from Cramer's rule on velocity = acceleration = 0 at `far` seconds.
 struct Quartic {
@@ -72,11 +72,11 @@ double share() {
   return any_int(0, 8) == 0 ? 0 : any_int(-1'000'000, 1'000'001) * 1e-6;
 }
 
-RollSpan any_span(int most_frames) {
+RollSpan any_span(int max_frames) {
   RollSpan span;
   span.end = *rc::gen::element(RollEnd::before, RollEnd::after);
   span.joint_frame = span.end == RollEnd::before ? 0 : any_int(1, 1000);
-  span.frames = any_int(1, most_frames + 1);
+  span.frames = any_int(1, max_frames + 1);
   span.fps = *rc::gen::element(FrameRate{24, 1}, FrameRate{24000, 1001}, FrameRate{120, 1});
   return span;
 }
@@ -365,5 +365,5 @@ TYPED_TEST(RollPropertyIn, NoSmallerNumberOfFramesFits) {
   EXPECT_GT(refused, 100);
 }
 
-}  // namespace
+}  // namespace roll_property_test
 }  // namespace inbetween

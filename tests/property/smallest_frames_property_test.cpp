@@ -4,8 +4,8 @@
 #include <iostream>
 #include <optional>
 
-#include "host_tools/check.hpp"
-#include "host_tools/check_frames.hpp"
+#include "host_tools/check/check.hpp"
+#include "host_tools/check/check_frames.hpp"
 #include "tests/support/property.hpp"
 #include "tests/support/random_move.hpp"
 #include "tests/support/rig_near.hpp"
@@ -13,7 +13,7 @@
 /// The number of frames that `check` names, tried: it fits, and one less does not.
 
 namespace inbetween {
-namespace {
+namespace smallest_frames_property_test {
 
 constexpr int many_moves = 1000;
 
@@ -54,5 +54,5 @@ TEST(SmallestFramesProperty, FitsAndOneFrameLessDoesNot) {
   EXPECT_GT(with_roll, many_moves / 20);
 }
 
-}  // namespace
+}  // namespace smallest_frames_property_test
 }  // namespace inbetween

@@ -12,11 +12,11 @@
 #include <string_view>
 #include <vector>
 
-#include "host_tools/speed_fit.hpp"
+#include "host_tools/fit/speed_fit.hpp"
 #include "tests/support/property.hpp"
 
 namespace inbetween {
-namespace {
+namespace speed_fit_property_test {
 
 int number(int below) {
   return *rc::gen::resize(rc::kNominalSize, rc::gen::inRange(0, below));
@@ -370,5 +370,5 @@ TEST(SpeedFitProperty, WhatIsFoundKeepsEveryLimit) {
   }
 }
 
-}  // namespace
+}  // namespace speed_fit_property_test
 }  // namespace inbetween

@@ -6,14 +6,14 @@
 #include <limits>
 #include <vector>
 
-#include "inbetween/speed_profile.hpp"
+#include "inbetween/timing/speed_profile.hpp"
 #include "tests/support/oracle_profile.hpp"
 #include "tests/support/property.hpp"
 
 /// The speed curve against the oracle's Cox-de Boor recursion, on random control values.
 
 namespace inbetween {
-namespace {
+namespace speed_profile_property_test {
 
 constexpr int many_curves = 2000;
 
@@ -167,5 +167,5 @@ TEST(SpeedProfileProperty, RandomEditsKeepTheListALegalCurve) {
   });
 }
 
-}  // namespace
+}  // namespace speed_profile_property_test
 }  // namespace inbetween

@@ -8,12 +8,12 @@
 #include <string_view>
 #include <vector>
 
-#include "host_tools/move_file.hpp"
-#include "host_tools/speed_rewrite.hpp"
+#include "host_tools/files/move_file.hpp"
+#include "host_tools/files/speed_rewrite.hpp"
 #include "tests/support/property.hpp"
 
 namespace inbetween {
-namespace {
+namespace speed_rewrite_property_test {
 
 int number(int below) {
   return *rc::gen::resize(rc::kNominalSize, rc::gen::inRange(0, below));
@@ -100,5 +100,5 @@ TEST(SpeedRewriteProperty, OnlyTheNumbersOfOneListChange) {
   });
 }
 
-}  // namespace
+}  // namespace speed_rewrite_property_test
 }  // namespace inbetween

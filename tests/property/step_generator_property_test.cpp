@@ -11,7 +11,7 @@
 #include <span>
 #include <vector>
 
-#include "inbetween/step_generator.hpp"
+#include "inbetween/steps/step_generator.hpp"
 #include "sim/simulated_stepper.hpp"
 #include "tests/support/oracle_steps.hpp"
 #include "tests/support/property.hpp"
@@ -19,7 +19,7 @@
 #include "tests/support/step_run.hpp"
 
 namespace inbetween {
-namespace {
+namespace step_generator_property_test {
 
 /// In steps and ticks.
 template <Precise Real>
@@ -303,7 +303,7 @@ TEST(StepGeneratorProperties, TheCountIsExactAfterTenMillionSteps) {
       .tick_ns = 1'000'000};
   const std::vector<Swing> swings{{100, 2}, {10, 7.7}, {0.01, 41}};
   StepGenerator<double> generator = StepGenerator<double>::make(spec).value();
-  std::vector<StepEdge> edges(generator.most_edges());
+  std::vector<StepEdge> edges(generator.max_edges());
   const double offset = 98765.4321;
   ASSERT_TRUE(generator.place(offset));
   std::int64_t count = nearest_step(offset, spec);
@@ -337,5 +337,5 @@ TEST(StepGeneratorProperties, TheCountIsExactAfterTenMillionSteps) {
             << generator.delays().longest_ns << " ns at most\n";
 }
 
-}  // namespace
+}  // namespace step_generator_property_test
 }  // namespace inbetween

@@ -8,14 +8,14 @@
 #include <span>
 #include <vector>
 
-#include "inbetween/step_merge.hpp"
+#include "inbetween/steps/step_merge.hpp"
 #include "sim/simulated_stepper.hpp"
 #include "tests/support/property.hpp"
 #include "tests/support/random_steps.hpp"
 #include "tests/support/step_run.hpp"
 
 namespace inbetween {
-namespace {
+namespace step_merge_property_test {
 
 /// One of the axes of a chip, and whether what the chip does is what its generator asked for.
 class Axis {
@@ -37,7 +37,7 @@ class Axis {
     }
     return edges_;
   }
-  void take(const StepInstant& instant, std::int64_t grain_ns) {
+  void take(const EdgeInstant& instant, std::int64_t grain_ns) {
     RC_ASSERT(stepper_.take(instant).has_value());
     const std::uint64_t step = std::uint64_t{1} << lines.step;
     const std::uint64_t dir = std::uint64_t{1} << lines.dir;
@@ -90,7 +90,7 @@ TEST(StepMergeProperties, EdgesKeepTheMinimaOfEveryAxisAndAreAtMostAGrainLate) {
       lines.push_back(axes.back().lines);
     }
     const StepMerge merge = StepMerge::make(lines, grain_ns).value();
-    std::vector<StepInstant> memory(4000);
+    std::vector<EdgeInstant> memory(4000);
     std::int64_t last_ns = -1;
     for (int tick = 0; tick < 25; ++tick) {
       const std::int64_t start_ns = tick * tick_ns;
@@ -101,7 +101,7 @@ TEST(StepMergeProperties, EdgesKeepTheMinimaOfEveryAxisAndAreAtMostAGrainLate) {
       }
       const std::size_t size = merge.merge(start_ns, edges, memory).value();
       instant_count += size;
-      for (const StepInstant& instant : std::span(memory).first(size)) {
+      for (const EdgeInstant& instant : std::span(memory).first(size)) {
         RC_ASSERT(instant.at_ns > last_ns);
         RC_ASSERT(instant.at_ns < start_ns + tick_ns);
         RC_ASSERT(instant.mask != 0U);
@@ -118,5 +118,5 @@ TEST(StepMergeProperties, EdgesKeepTheMinimaOfEveryAxisAndAreAtMostAGrainLate) {
   }
 }
 
-}  // namespace
+}  // namespace step_merge_property_test
 }  // namespace inbetween

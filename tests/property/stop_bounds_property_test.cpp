@@ -9,7 +9,7 @@
 #include <sstream>
 #include <vector>
 
-#include "inbetween/stop_bounds.hpp"
+#include "inbetween/limits/stop_bounds.hpp"
 #include "tests/support/oracle_stop.hpp"
 #include "tests/support/property.hpp"
 #include "tests/support/random_move.hpp"
@@ -18,7 +18,7 @@
 /// Stops from anywhere, in any permitted state, against the limits of every axis by the exact derivatives.
 
 namespace inbetween {
-namespace {
+namespace stop_bounds_property_test {
 
 constexpr double fps = 24;
 constexpr int steps_of_a_stop = 1500;
@@ -119,9 +119,9 @@ class AxesUnderPlayhead {
       : move_(move), limits_(limits), counts_(counts), motion_(limits.size()) {}
 
   void operator()(const oracle::PlayheadStep& step) {
-    RC_ASSERT(std::fabs(step.change) <= step.most_change * (1 + 1e-9));
-    if (!(std::fabs(step.jerk) <= step.most_jerk * (1 + 2e-6))) {
-      RC_LOG() << "jerk " << step.jerk << " above " << step.most_jerk << " at u " << step.u << "\n";
+    RC_ASSERT(std::fabs(step.change) <= step.max_change * (1 + 1e-9));
+    if (!(std::fabs(step.jerk) <= step.max_jerk * (1 + 2e-6))) {
+      RC_LOG() << "jerk " << step.jerk << " above " << step.max_jerk << " at u " << step.u << "\n";
       RC_FAIL("a jerk above R2");
     }
     ++counts_.steps;
@@ -266,5 +266,5 @@ TEST(StopBoundsProperty, EveryStopKeepsTheStopLimitsAndEndsWherePredicted) {
   EXPECT_GE(counts.nearest_seconds, 0.5);
 }
 
-}  // namespace
+}  // namespace stop_bounds_property_test
 }  // namespace inbetween

@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "inbetween/track.hpp"
+#include "inbetween/timing/track.hpp"
 #include "tests/support/oracle_table.hpp"
 #include "tests/support/property.hpp"
 #include "tests/support/random_move.hpp"
@@ -17,7 +17,7 @@
 /// What the real-time loop evaluates, between the frames too, against the oracle on random moves.
 
 namespace inbetween {
-namespace {
+namespace track_property_test {
 
 constexpr int many_moves = 1000;
 
@@ -257,5 +257,5 @@ TEST(TrackProperty, FloatIsWithinAFewMillionthsOfTheDoublesPath) {
   });
 }
 
-}  // namespace
+}  // namespace track_property_test
 }  // namespace inbetween

@@ -19,7 +19,7 @@ extern "C" int __sanitizer_install_malloc_and_free_hooks(  // NOLINT
 #define INBETWEEN_ALLOCATOR_HOOKS 0
 #endif
 
-namespace {
+namespace armed_allocator {
 
 // Constant-initialised and of the executable itself: to read them takes no memory.
 thread_local bool armed = false;
@@ -29,17 +29,17 @@ void count() {
   if (armed) ++calls;
 }
 
-}  // namespace
+}  // namespace armed_allocator
 
 #if INBETWEEN_ALLOCATOR_HOOKS
 
-namespace {
+namespace armed_allocator {
 
 const bool hooks_installed =
     __sanitizer_install_malloc_and_free_hooks([](const volatile void*, std::size_t) { count(); },
                                               [](const volatile void*) { count(); }) != 0;
 
-}  // namespace
+}  // namespace armed_allocator
 
 #else
 

@@ -12,7 +12,7 @@
 #include "tests/support/simulated_can_rig.hpp"
 
 namespace inbetween {
-namespace {
+namespace can_no_allocation_test {
 
 using can::DrivePhase;
 using Kind = DriveTrouble::Kind;
@@ -72,5 +72,5 @@ TEST(NoAllocationOnTheCanBus, FromTheFirstFrameToTheLastFault) {
   EXPECT_EQ(watched.hits, 0U);
 }
 
-}  // namespace
+}  // namespace can_no_allocation_test
 }  // namespace inbetween

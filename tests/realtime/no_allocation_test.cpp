@@ -13,19 +13,19 @@
 #include <type_traits>
 #include <vector>
 
-#include "inbetween/frame_shoot.hpp"
-#include "inbetween/frame_table.hpp"
-#include "inbetween/frame_time.hpp"
-#include "inbetween/ode_frame_table.hpp"
-#include "inbetween/playhead.hpp"
-#include "inbetween/roll.hpp"
-#include "inbetween/stop_bounds.hpp"
-#include "inbetween/supervisor.hpp"
-#include "inbetween/track.hpp"
+#include "inbetween/limits/roll.hpp"
+#include "inbetween/limits/stop_bounds.hpp"
+#include "inbetween/loop/supervisor.hpp"
+#include "inbetween/play/frame_shoot.hpp"
+#include "inbetween/play/playhead.hpp"
+#include "inbetween/timing/frame_table.hpp"
+#include "inbetween/timing/frame_time.hpp"
+#include "inbetween/timing/ode_frame_table.hpp"
+#include "inbetween/timing/track.hpp"
 #include "tests/realtime/armed_allocator.hpp"
 
 namespace inbetween {
-namespace {
+namespace no_allocation_test {
 
 using testing::Each;
 using testing::Gt;
@@ -448,5 +448,5 @@ TEST(ArmedAllocator, CountsOnlyWhileItIsArmed) {
   EXPECT_EQ(armed.hits(), 0U);
 }
 
-}  // namespace
+}  // namespace no_allocation_test
 }  // namespace inbetween

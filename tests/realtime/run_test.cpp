@@ -1,12 +1,12 @@
 // `run --sim` on the real clock. Nothing here asserts how late a tick may be: that is the machine's affair.
-#include "host_tools/run.hpp"
+#include "host_tools/motions/run.hpp"
 
 #include <gtest/gtest.h>
 
 #include "drivers/linux/monotonic_clock.hpp"
 
 namespace inbetween {
-namespace {
+namespace run_test {
 
 const std::string there = R"(name = "there"
 fps = 50
@@ -64,5 +64,5 @@ TEST(MonotonicClock, DoesNotWaitForWhatHasPassed) {
   SUCCEED();
 }
 
-}  // namespace
+}  // namespace run_test
 }  // namespace inbetween

@@ -9,20 +9,20 @@
 #include <span>
 #include <vector>
 
-#include "inbetween/step_generator.hpp"
-#include "inbetween/step_merge.hpp"
+#include "inbetween/steps/step_generator.hpp"
+#include "inbetween/steps/step_merge.hpp"
 #include "tests/realtime/armed_allocator.hpp"
 
 namespace inbetween {
-namespace {
+namespace step_no_allocation_test {
 
 TEST(NoAllocationOfTheStepGenerator, FromTheFirstStepToARefusal) {
   constexpr std::size_t axes = 3;
   constexpr StepTiming timing{.pulse_ns = 2500, .pause_ns = 2500, .dir_setup_ns = 5000, .dir_hold_ns = 5000};
   constexpr StepSpec<double> spec{
       .steps_per_unit = 100, .timing = timing, .max_step_rate = 50'000, .tick_ns = 1'000'000};
-  std::vector<StepEdge> memory(axes * StepGenerator<double>::make(spec).value().most_edges());
-  std::vector<StepInstant> instants(memory.size());
+  std::vector<StepEdge> memory(axes * StepGenerator<double>::make(spec).value().max_edges());
+  std::vector<EdgeInstant> instants(memory.size());
   const std::array<StepLines, axes> lines{{{0, 1, timing}, {2, 3, timing}, {4, 5, timing}}};
 
   const ArmedAllocator armed;
@@ -49,5 +49,5 @@ TEST(NoAllocationOfTheStepGenerator, FromTheFirstStepToARefusal) {
   EXPECT_GT(instant_count, 2000U);
 }
 
-}  // namespace
+}  // namespace step_no_allocation_test
 }  // namespace inbetween

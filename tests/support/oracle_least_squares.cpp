@@ -87,7 +87,7 @@ Vector coefficients(const std::vector<Vector>& rows, const Basis& basis, const V
 /// The problem in y = (x - drawn) / sqrt(mobility), of which the sum of squares is to be least.
 class ActiveSet {
  public:
-  explicit ActiveSet(const LeastChange& problem) {
+  explicit ActiveSet(const QuadraticProgram& problem) {
     for (std::size_t i = 0; i < problem.drawn.size(); ++i) {
       if (problem.mobility[i] > 0 && problem.ceiling[i] > 0) moving_.push_back(i);
     }
@@ -112,7 +112,7 @@ class ActiveSet {
     multiplier_.assign(moving_.size(), 0);
   }
 
-  std::optional<Vector> run(const LeastChange& problem) {
+  std::optional<Vector> run(const QuadraticProgram& problem) {
     if (!meet_rows()) return std::nullopt;
     for (std::size_t count = 0; count <= 20 * y_.size(); ++count) {
       const std::size_t bound = most_violated();
@@ -217,11 +217,11 @@ class ActiveSet {
 
 }  // namespace
 
-std::optional<std::vector<long double>> solve(const LeastChange& problem) {
+std::optional<std::vector<long double>> solve(const QuadraticProgram& problem) {
   return ActiveSet(problem).run(problem);
 }
 
-long double change(const LeastChange& problem, const std::vector<long double>& values) {
+long double change(const QuadraticProgram& problem, const std::vector<long double>& values) {
   long double sum = 0;
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (!(problem.mobility[i] > 0 && problem.ceiling[i] > 0)) continue;

@@ -9,7 +9,7 @@ namespace inbetween::oracle {
 
 /// sum (x_i - drawn_i)^2 / mobility_i least, rows x = targets, 0 <= x_i <= ceiling_i. Where the mobility or
 /// the ceiling is 0, x_i = 0 and takes no part in the sum.
-struct LeastChange {
+struct QuadraticProgram {
   std::vector<std::vector<long double>> rows;
   std::vector<long double> targets;
   std::vector<long double> drawn;
@@ -21,10 +21,10 @@ struct LeastChange {
 /// solution without bounds one violated bound after the other is made active, never losing optimality. Meets
 /// the constraints within 1e-15 of the largest target. Throws std::runtime_error where 20 bounds per value
 /// do not suffice.
-std::optional<std::vector<long double>> solve(const LeastChange& problem);
+std::optional<std::vector<long double>> solve(const QuadraticProgram& problem);
 
 /// The sum that solve() makes least.
-long double change(const LeastChange& problem, const std::vector<long double>& values);
+long double change(const QuadraticProgram& problem, const std::vector<long double>& values);
 
 /// For every pair of neighbours in `bounds` (places a on a curve of that many spans) how the integral of phi
 /// between them depends on each control value: the integral of the curve in which this one is 1 and the

@@ -23,9 +23,9 @@ void StoppingPlayhead::show(const PlayheadState& from, const PlayheadState& to, 
   const PlayheadBound begin = rule_.at(from.u);
   const PlayheadBound end = rule_.at(to.u);
   // A step may pass into another cell.
-  const double most_jerk = std::max(begin.rate_jerk, end.rate_jerk);
-  visit({from.u, side_ * from.rate, side_ * from.change, side_ * jerk, begin.rate_change, most_jerk});
-  visit({to.u, side_ * to.rate, side_ * to.change, side_ * jerk, end.rate_change, most_jerk});
+  const double max_jerk = std::max(begin.rate_jerk, end.rate_jerk);
+  visit({from.u, side_ * from.rate, side_ * from.change, side_ * jerk, begin.rate_change, max_jerk});
+  visit({to.u, side_ * to.rate, side_ * to.change, side_ * jerk, end.rate_change, max_jerk});
 }
 
 double StoppingPlayhead::step(PlayheadState& state, bool speeding_up,

@@ -32,7 +32,7 @@ struct PlayheadRule {
 struct PlayheadStep {
   double u = 0;
   double rate = 0, change = 0, jerk = 0;
-  double most_change = 0, most_jerk = 0;  ///< the bounds there
+  double max_change = 0, max_jerk = 0;  ///< the bounds there
 };
 
 /// Brakes or speeds up as hard as the bounds permit.

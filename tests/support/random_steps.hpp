@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "inbetween/step_generator.hpp"
+#include "inbetween/steps/step_generator.hpp"
 
 /// Random axes with STEP and DIR, and random motions for them.
 
@@ -27,7 +27,7 @@ StepSpec<Real> random_spec() {
                  .dir_setup_ns = time(200'000),
                  .dir_hold_ns = time(100'000)};
   spec.tick_ns = *rc::gen::element<std::int64_t>(250'000, 1'000'000, 4'000'000);
-  const double most = std::min(1e9 / static_cast<double>(least_period_ns(spec.timing)),
+  const double most = std::min(1e9 / static_cast<double>(min_period_ns(spec.timing)),
                                40e9 / static_cast<double>(spec.tick_ns));
   spec.max_step_rate = static_cast<Real>(0.999 * most * between(0.05, 1));
   const double scale = std::pow(10.0, between(-1, 3));

@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
-#include "host_tools/plan.hpp"
-#include "host_tools/planned_stops.hpp"
-#include "inbetween/playhead.hpp"
+#include "host_tools/check/planned_stops.hpp"
+#include "host_tools/plan/plan.hpp"
+#include "inbetween/play/playhead.hpp"
 
 namespace inbetween {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/check.hpp"
+#include "host_tools/check/check.hpp"
 
 namespace inbetween {
 

@@ -105,7 +105,7 @@ ProgramRun run_command(std::vector<std::string> words, const ProgramStreams& str
     if (errno != EINTR) fail("wait4");
   }
   run.status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-  run.most_memory_kb = usage.ru_maxrss;
+  run.max_memory_kb = usage.ru_maxrss;
   if (streams.out_path.empty()) run.out = file_contents(out);
   if (streams.err_path.empty() && !streams.err_on_terminal) run.err = file_contents(err);
   return run;

@@ -14,10 +14,10 @@ struct ProgramStreams {
 };
 
 struct ProgramRun {
-  int status = 0;         ///< exit status; 128 + n after signal n
-  std::string out;        ///< standard output
-  std::string err;        ///< standard error
-  long most_memory_kb{};  ///< largest resident set
+  int status = 0;        ///< exit status; 128 + n after signal n
+  std::string out;       ///< standard output
+  std::string err;       ///< standard error
+  long max_memory_kb{};  ///< largest resident set
 };
 
 /// Runs a command, the path of its program first, with nothing on standard input, and waits for its end.

@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "inbetween/free_axis.hpp"
-#include "inbetween/homing.hpp"
+#include "inbetween/homing/homing.hpp"
+#include "inbetween/play/free_axis.hpp"
 #include "sim/simulated_switch.hpp"
 
 namespace inbetween {

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "host_tools/solved_track.hpp"
+#include "host_tools/plan/solved_track.hpp"
 #include "tests/support/random_move.hpp"
 
 /// A move of the oracle handed to the product, number by number.

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "inbetween/step_generator.hpp"
+#include "inbetween/steps/step_generator.hpp"
 
 /// A step generator that is run, and everything that it puts out.
 
@@ -51,7 +51,7 @@ class StepRun {
   std::vector<PutStep> steps;
 
  private:
-  explicit StepRun(const StepGenerator<Real>& made) : generator(made), memory_(made.most_edges()) {}
+  explicit StepRun(const StepGenerator<Real>& made) : generator(made), memory_(made.max_edges()) {}
 
   void take(const StepEdge& edge) {
     edges.push_back(edge);

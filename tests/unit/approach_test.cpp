@@ -1,5 +1,5 @@
 // The slow way of a rig from where it stands to where a move starts.
-#include "host_tools/approach.hpp"
+#include "host_tools/motions/approach.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,12 +7,12 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/check.hpp"
-#include "host_tools/run.hpp"
+#include "host_tools/check/check.hpp"
+#include "host_tools/motions/run.hpp"
 #include "tests/support/run_program.hpp"
 
 namespace inbetween {
-namespace {
+namespace approach_test {
 
 using testing::AllOf;
 using testing::HasSubstr;
@@ -149,5 +149,5 @@ TEST(Approach, AnAxisThatTheRigDoesNotHaveIsRefused) {
   EXPECT_EQ(twice.status, 2);
 }
 
-}  // namespace
+}  // namespace approach_test
 }  // namespace inbetween

@@ -1,4 +1,4 @@
-#include "inbetween/arc_length.hpp"
+#include "inbetween/path/arc_length.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,11 +11,11 @@
 #include <type_traits>
 #include <vector>
 
-#include "firmware_core/src/piece_fit.hpp"
-#include "firmware_core/src/segment_speed.hpp"
+#include "firmware_core/src/path/piece_fit.hpp"
+#include "firmware_core/src/path/segment_speed.hpp"
 
 namespace inbetween {
-namespace {
+namespace arc_length_test {
 
 /// A path and its arc length with the memory they stand in.
 template <Precise Real>
@@ -409,5 +409,5 @@ TEST(ArcLength, EvenAPathThatStaysNeedsABucket) {
   EXPECT_TRUE(ArcLength<double>::make(path.path(), {}, enough.memory()));
 }
 
-}  // namespace
+}  // namespace arc_length_test
 }  // namespace inbetween

@@ -1,9 +1,9 @@
-#include "host_tools/awaited_pulses.hpp"
+#include "host_tools/rig/awaited_pulses.hpp"
 
 #include <gtest/gtest.h>
 
 namespace inbetween {
-namespace {
+namespace awaited_pulses_test {
 
 constexpr BegunPulse pulse(std::size_t number, std::int64_t at_ns, bool is_merged = false) {
   return {.pulse = number, .at_ns = at_ns, .is_merged = is_merged};
@@ -67,5 +67,5 @@ TEST(AwaitedPulses, ThereIsRoomForAsManyAsWereAskedForAgainAndAgain) {
   EXPECT_FALSE(awaited.add(pulse(3, 1000), 0, 1));
 }
 
-}  // namespace
+}  // namespace awaited_pulses_test
 }  // namespace inbetween

@@ -16,7 +16,7 @@
 #include "tests/support/temporary_file.hpp"
 
 namespace inbetween {
-namespace {
+namespace bad_input_test {
 
 namespace fs = std::filesystem;
 using testing::HasSubstr;
@@ -183,8 +183,8 @@ TEST(BadInput, AFolder) {
 }
 
 /// What a run takes that reads nothing: the program itself, and the test that it was begun from.
-long least_memory_kb() {
-  return run_program({"plan", "/nowhere/move.toml"}).most_memory_kb;
+long min_memory_kb() {
+  return run_program({"plan", "/nowhere/move.toml"}).max_memory_kb;
 }
 
 TEST(BadInput, AFileOf100MegabytesIsNotEvenRead) {
@@ -193,13 +193,13 @@ TEST(BadInput, AFileOf100MegabytesIsNotEvenRead) {
   const std::string file = move.path().string();
   const ProgramRun run = run_program({"plan", file});
   expect_one_line_at(run, file, {"has 100000000 bytes"});
-  EXPECT_LT(run.most_memory_kb, least_memory_kb() + 50'000);
+  EXPECT_LT(run.max_memory_kb, min_memory_kb() + 50'000);
 }
 
 TEST(BadInput, AFileWithoutEndIsReadToTheLimitOnly) {
   const ProgramRun run = run_program({"plan", "/dev/zero"});
   expect_one_line_at(run, "/dev/zero", {"goes on beyond"});
-  EXPECT_LT(run.most_memory_kb, least_memory_kb() + 50'000);
+  EXPECT_LT(run.max_memory_kb, min_memory_kb() + 50'000);
 }
 
 TEST(BadInput, TextThatIsNotUtf8) {
@@ -333,5 +333,5 @@ TEST(BadInput, ACueOnALineThatTheRigDoesNotHave) {
                       {"--rig", machine.path().string()});
 }
 
-}  // namespace
+}  // namespace bad_input_test
 }  // namespace inbetween

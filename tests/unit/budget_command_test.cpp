@@ -13,20 +13,20 @@
 #include <string_view>
 #include <vector>
 
-#include "host_tools/budget.hpp"
-#include "host_tools/move_file.hpp"
-#include "host_tools/plan.hpp"
-#include "inbetween/count_track.hpp"
-#include "inbetween/key_timing.hpp"
-#include "inbetween/ode_frame_table.hpp"
-#include "inbetween/playhead.hpp"
-#include "inbetween/roll.hpp"
-#include "inbetween/stop_bounds.hpp"
-#include "inbetween/track.hpp"
+#include "host_tools/cli/budget.hpp"
+#include "host_tools/files/move_file.hpp"
+#include "host_tools/plan/plan.hpp"
+#include "inbetween/limits/roll.hpp"
+#include "inbetween/limits/stop_bounds.hpp"
+#include "inbetween/play/playhead.hpp"
+#include "inbetween/timing/count_track.hpp"
+#include "inbetween/timing/key_timing.hpp"
+#include "inbetween/timing/ode_frame_table.hpp"
+#include "inbetween/timing/track.hpp"
 #include "tests/support/run_program.hpp"
 
 namespace inbetween {
-namespace {
+namespace budget_command_test {
 
 using testing::HasSubstr;
 using testing::StartsWith;
@@ -242,5 +242,5 @@ TEST(Budget, CoversTheHeapThatTheExampleTakes) {
 }
 #endif
 
-}  // namespace
+}  // namespace budget_command_test
 }  // namespace inbetween

@@ -14,7 +14,7 @@
 #include "tests/support/drive_objects.hpp"
 
 namespace inbetween::can {
-namespace {
+namespace can_bus_test {
 
 constexpr std::int64_t ms = 1'000'000;
 
@@ -224,5 +224,5 @@ TEST_F(BusOfTwo, ADriveThatIsGoneDoesNotKeepTheOtherFromItsTargets) {
   EXPECT_EQ(drives[1].target(), 101);
 }
 
-}  // namespace
+}  // namespace can_bus_test
 }  // namespace inbetween::can

@@ -18,7 +18,7 @@
 #include "inbetween/can/sync.hpp"
 
 namespace inbetween::can {
-namespace {
+namespace can_canopen_test {
 
 constexpr std::int64_t ms = 1'000'000;
 
@@ -273,7 +273,7 @@ TEST(BusLoad, IsThatOfTheTable) {
       use.drives = drives.at(i);
       EXPECT_NEAR(static_cast<double>(bus_load_per_mille(use)) / 10, row.percent[i], 0.6);
     }
-    EXPECT_EQ(most_drives(use), row.most) << row.bitrate << " at " << row.rate_hz;
+    EXPECT_EQ(max_drives(use), row.most) << row.bitrate << " at " << row.rate_hz;
     use.drives = row.most;
     EXPECT_TRUE(check_bus_load(use));
     use.drives = row.most + 1;
@@ -295,5 +295,5 @@ TEST(BusLoad, RefusesWhatIsNoCanBus) {
   EXPECT_GT(cyclic_bits_per_second({.counts_sync = true}), cyclic_bits_per_second({}));
 }
 
-}  // namespace
+}  // namespace can_canopen_test
 }  // namespace inbetween::can

@@ -15,7 +15,7 @@
 #include "tests/support/drive_objects.hpp"
 
 namespace inbetween::can {
-namespace {
+namespace can_cia402_test {
 
 constexpr std::int64_t ms = 1'000'000;
 
@@ -377,5 +377,5 @@ TEST_F(SetupOfNode5, SettingsThatLeaveADriveUnwatchedAreRefused) {
   EXPECT_TRUE(refuses([](Cia402Setup& bad) { bad.rate_hz = 240; }));
 }
 
-}  // namespace
+}  // namespace can_cia402_test
 }  // namespace inbetween::can

@@ -14,7 +14,7 @@
 #include "tests/support/drive_objects.hpp"
 
 namespace inbetween::can {
-namespace {
+namespace can_drive_test {
 
 constexpr std::int64_t ms = 1'000'000;
 
@@ -558,5 +558,5 @@ TEST(DriveMemory, ADriveFitsIntoTwoKilobytes) {
   EXPECT_LE(sizeof(Cia402Drive), 2048U);
 }
 
-}  // namespace
+}  // namespace can_drive_test
 }  // namespace inbetween::can

@@ -9,18 +9,18 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/loop_room.hpp"
-#include "host_tools/plan.hpp"
-#include "host_tools/planned_stops.hpp"
+#include "host_tools/check/planned_stops.hpp"
+#include "host_tools/loop/loop_storage.hpp"
+#include "host_tools/plan/plan.hpp"
 #include "inbetween/can/cia402_port.hpp"
-#include "inbetween/motion_loop.hpp"
+#include "inbetween/loop/motion_loop.hpp"
 #include "sim/can_bus.hpp"
 #include "sim/cia402_drive.hpp"
 #include "sim/simulated_link.hpp"
 #include "sim/simulated_rig.hpp"
 
 namespace inbetween {
-namespace {
+namespace can_loop_test {
 
 using State = SupervisorState;
 
@@ -76,7 +76,7 @@ struct Crane {
   std::array<can::Cia402Axis<double>, 2> axes{{{0, 0, counts_per_unit}, {0, 1, counts_per_unit}}};
   std::vector<can::Cia402Port<double, SimulatedLink>> port;
   SimulatedLines lines;
-  LoopRoom room{2, 2};
+  LoopStorage room{2, 2};
   std::vector<MotionLoop<double, can::Cia402Port<double, SimulatedLink>, SimulatedLines>> loops;
   std::int64_t now_ns = 0;
 
@@ -378,5 +378,5 @@ TEST(CanLoop, AnAxisStandsWhereItIsKnownToWhateverItsDriveCounts) {
   EXPECT_NEAR(crane.drives[0].position(), -777 + (end - 10) * counts_per_unit, 2);
 }
 
-}  // namespace
+}  // namespace can_loop_test
 }  // namespace inbetween

@@ -14,7 +14,7 @@
 #include "tests/support/simulated_can_rig.hpp"
 
 namespace inbetween {
-namespace {
+namespace can_simulated_drive_test {
 
 using can::Cia402State;
 using can::DriveFinding;
@@ -428,5 +428,5 @@ TEST_F(CanRig, ADriveMovedByHandWhileOffIsSwitchedOnWhereItIs) {
   EXPECT_NEAR(rig->drive(1).position(), there, 1);
 }
 
-}  // namespace
+}  // namespace can_simulated_drive_test
 }  // namespace inbetween

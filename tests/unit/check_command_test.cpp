@@ -10,13 +10,13 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/check.hpp"
+#include "host_tools/check/check.hpp"
 #include "tests/support/refused_text.hpp"
 #include "tests/support/run_program.hpp"
 #include "tests/support/temporary_file.hpp"
 
 namespace inbetween {
-namespace {
+namespace check_command_test {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
@@ -349,5 +349,5 @@ TEST(CheckCommand, StartNeedsFit) {
   EXPECT_THAT(run.err, HasSubstr("--fit"));
 }
 
-}  // namespace
+}  // namespace check_command_test
 }  // namespace inbetween

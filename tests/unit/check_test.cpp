@@ -1,6 +1,6 @@
 // Whether a move stays inside the limits of its rig: peaks, positions, steps, and in how many frames it
 // would.
-#include "host_tools/check.hpp"
+#include "host_tools/check/check.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -11,14 +11,14 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/check_frames.hpp"
-#include "inbetween/motion_steps.hpp"
+#include "host_tools/check/check_frames.hpp"
+#include "inbetween/limits/motion_steps.hpp"
 #include "tests/support/oracle_limits.hpp"
 #include "tests/support/refused_text.hpp"
 #include "tests/support/solved_move.hpp"
 
 namespace inbetween {
-namespace {
+namespace check_test {
 
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -450,5 +450,5 @@ TEST(SmallestFrames, TellsWhatItTries) {
   EXPECT_THAT(tried, testing::Contains(*smallest.frames));
 }
 
-}  // namespace
+}  // namespace check_test
 }  // namespace inbetween

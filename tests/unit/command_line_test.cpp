@@ -15,7 +15,7 @@
 #include "tests/support/temporary_file.hpp"
 
 namespace inbetween {
-namespace {
+namespace command_line_test {
 
 namespace fs = std::filesystem;
 using testing::ContainsRegex;
@@ -223,5 +223,5 @@ TEST(CommandLine, AnEmptyNameIsNoName) {
   }
 }
 
-}  // namespace
+}  // namespace command_line_test
 }  // namespace inbetween

@@ -1,4 +1,4 @@
-#include "host_tools/control_curve.hpp"
+#include "host_tools/fit/control_curve.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 #include <vector>
 
 namespace inbetween {
-namespace {
+namespace control_curve_test {
 
 using testing::ElementsAre;
 
@@ -98,5 +98,5 @@ TEST(ControlCurve, RestsAreTwoZerosAtAnEndAndThreeInside) {
               ElementsAre(true, true, false, false, false, false, true, true, true, false, false));
 }
 
-}  // namespace
+}  // namespace control_curve_test
 }  // namespace inbetween

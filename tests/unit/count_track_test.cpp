@@ -1,4 +1,4 @@
-#include "inbetween/count_track.hpp"
+#include "inbetween/timing/count_track.hpp"
 
 #include <gtest/gtest.h>
 
@@ -13,10 +13,10 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/solved_track.hpp"
+#include "host_tools/plan/solved_track.hpp"
 
 namespace inbetween {
-namespace {
+namespace count_track_test {
 
 constexpr double twenty_bits = 1048576.0;
 
@@ -393,5 +393,5 @@ TEST(CountTrack, CutsShortCurvesOnly) {
   EXPECT_EQ(count_span_count(1000), 1000);
 }
 
-}  // namespace
+}  // namespace count_track_test
 }  // namespace inbetween

@@ -1,4 +1,4 @@
-#include "inbetween/cue_timer.hpp"
+#include "inbetween/steps/cue_timer.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include <vector>
 
 namespace inbetween {
-namespace {
+namespace cue_timer_test {
 
 constexpr std::int64_t tick_ns = 10'000'000;
 constexpr std::int64_t ms = 1'000'000;
@@ -90,7 +90,7 @@ class Timed {
 
   std::vector<Pulse> pulses_;
   std::vector<BegunPulse> begun_;
-  std::vector<StepInstant> instants_;
+  std::vector<EdgeInstant> instants_;
   CueTimer<double> timer_;
   std::int64_t now_ns_ = 0;
   Changes changes_;
@@ -319,7 +319,7 @@ TEST(CueTimer, TicksOutOfOrderAndTooLittleRoomAreRefused) {
   Timed timed(one_at(0));
   timed.pass(0, 0.25);
   std::vector<BegunPulse> begun(4);
-  std::vector<StepInstant> instants(instants_for(4));
+  std::vector<EdgeInstant> instants(instants_for(4));
   const CueTick<double> early{Timed::at(0.25), Timed::at(0.5), Repeat::none, 9 * ms, 19 * ms};
   const CueTick<double> no_time{Timed::at(0.25), Timed::at(0.5), Repeat::none, 10 * ms, 10 * ms};
   const CueTick<double> good{Timed::at(0.25), Timed::at(0.5), Repeat::none, 10 * ms, 20 * ms};
@@ -331,5 +331,5 @@ TEST(CueTimer, TicksOutOfOrderAndTooLittleRoomAreRefused) {
   EXPECT_TRUE(timed.timer().advance(good, {begun, instants}));
 }
 
-}  // namespace
+}  // namespace cue_timer_test
 }  // namespace inbetween

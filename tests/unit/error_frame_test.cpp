@@ -6,7 +6,7 @@
 #include <cstdint>
 
 namespace inbetween::can {
-namespace {
+namespace error_frame_test {
 
 // The numbers are those of linux/can/error.h, written out: the test does not include it.
 constexpr std::uint32_t error_flag = 0x20000000;
@@ -46,5 +46,5 @@ TEST(ErrorFrame, OneFrameMaySaySeveralThings) {
   EXPECT_EQ(decoded(0x044, 0x20), (ErrorFrame{.is_passive = true, .is_bus_off = true}));
 }
 
-}  // namespace
+}  // namespace error_frame_test
 }  // namespace inbetween::can

@@ -9,12 +9,12 @@
 #include <variant>
 #include <vector>
 
-#include "host_tools/plan.hpp"
-#include "host_tools/run.hpp"
+#include "host_tools/motions/run.hpp"
+#include "host_tools/plan/plan.hpp"
 #include "tests/support/golden_table.hpp"
 
 namespace inbetween {
-namespace {
+namespace examples_test {
 
 namespace fs = std::filesystem;
 
@@ -143,5 +143,5 @@ TEST(Examples, MovesForRigsStayInsideTheLimitsOfEveryAxis) {
   }
 }
 
-}  // namespace
+}  // namespace examples_test
 }  // namespace inbetween

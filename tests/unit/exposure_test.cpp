@@ -8,14 +8,14 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/plan.hpp"
-#include "host_tools/planned_stops.hpp"
-#include "inbetween/playhead.hpp"
+#include "host_tools/check/planned_stops.hpp"
+#include "host_tools/plan/plan.hpp"
+#include "inbetween/play/playhead.hpp"
 #include "tests/support/recorded_play.hpp"
 #include "tests/support/rig_near.hpp"
 
 namespace inbetween {
-namespace {
+namespace exposure_test {
 
 using testing::HasSubstr;
 
@@ -186,5 +186,5 @@ TEST(Exposure, CanBeStoppedAtEveryTick) {
   EXPECT_GT(ticks, 50);
 }
 
-}  // namespace
+}  // namespace exposure_test
 }  // namespace inbetween

@@ -1,5 +1,5 @@
 // Faults of a script, in the whole program on a simulated rig.
-#include "host_tools/fault_schedule.hpp"
+#include "host_tools/rig/fault_schedule.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -14,7 +14,7 @@
 #include "tests/support/temporary_file.hpp"
 
 namespace inbetween {
-namespace {
+namespace fault_schedule_test {
 
 using testing::HasSubstr;
 
@@ -105,5 +105,5 @@ TEST(FaultSchedule, FaultsAreForSimulatedDrives) {
   EXPECT_THAT(run.err, HasSubstr("--faults is for simulated drives; add --sim"));
 }
 
-}  // namespace
+}  // namespace fault_schedule_test
 }  // namespace inbetween

@@ -1,4 +1,4 @@
-#include "host_tools/fault_script.hpp"
+#include "host_tools/files/fault_script.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@
 #include "tests/support/temporary_file.hpp"
 
 namespace inbetween {
-namespace {
+namespace fault_script_test {
 
 using Kind = DriveTrouble::Kind;
 
@@ -230,5 +230,5 @@ TEST(FaultScript, AFileThatIsNotThere) {
   EXPECT_THROW(read_fault_script("/nowhere/faults.toml", rig()), InputError);
 }
 
-}  // namespace
+}  // namespace fault_script_test
 }  // namespace inbetween

@@ -1,4 +1,4 @@
-#include "inbetween/fixed_vector.hpp"
+#include "inbetween/base/fixed_vector.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,7 +7,7 @@
 #include <span>
 
 namespace inbetween {
-namespace {
+namespace fixed_vector_test {
 
 using testing::ElementsAre;
 using testing::IsEmpty;
@@ -107,5 +107,5 @@ TEST(FixedVectorDeathTest, IndexingOutsideEndsTheProgram) {
   EXPECT_DEATH(static_cast<void>(unchangeable[2]), "");
 }
 
-}  // namespace
+}  // namespace fixed_vector_test
 }  // namespace inbetween

@@ -12,13 +12,13 @@
 #include <string_view>
 #include <vector>
 
-#include "host_tools/fault_script.hpp"
-#include "host_tools/move_file.hpp"
-#include "host_tools/rig_file.hpp"
+#include "host_tools/files/fault_script.hpp"
+#include "host_tools/files/move_file.hpp"
+#include "host_tools/files/rig_file.hpp"
 #include "tests/support/refused_text.hpp"
 
 namespace inbetween {
-namespace {
+namespace formats_document_test {
 
 using Fields = std::vector<std::string>;
 
@@ -238,5 +238,5 @@ TEST(FormatsDocument, HasEveryWordThatAFieldMayBe) {
   }
 }
 
-}  // namespace
+}  // namespace formats_document_test
 }  // namespace inbetween

@@ -1,5 +1,5 @@
 // A move shot frame by frame: who waits for whom, and when the camera has its signal.
-#include "inbetween/frame_shoot.hpp"
+#include "inbetween/play/frame_shoot.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,14 +9,14 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/loop_room.hpp"
-#include "host_tools/plan.hpp"
-#include "host_tools/planned_stops.hpp"
-#include "inbetween/motion_loop.hpp"
+#include "host_tools/check/planned_stops.hpp"
+#include "host_tools/loop/loop_storage.hpp"
+#include "host_tools/plan/plan.hpp"
+#include "inbetween/loop/motion_loop.hpp"
 #include "sim/simulated_rig.hpp"
 
 namespace inbetween {
-namespace {
+namespace frame_shoot_test {
 
 using testing::Each;
 using testing::ElementsAre;
@@ -63,7 +63,7 @@ struct Set {
   std::vector<std::size_t> drive_of{0, 1};
   SimulatedRig rig{std::vector<double>{10, 100}};
   SimulatedLines lines;
-  LoopRoom room{2, 2};
+  LoopStorage room{2, 2};
   MotionLoop<double, SimulatedRig, SimulatedLines> loop{rig, lines, room.memory()};
   FrameShoot<double> shoot;
 
@@ -283,5 +283,5 @@ TEST(FrameShoot, FinishesOnlyAtRest) {
   EXPECT_FALSE(set.loop.finish()) << "it does not run any more";
 }
 
-}  // namespace
+}  // namespace frame_shoot_test
 }  // namespace inbetween

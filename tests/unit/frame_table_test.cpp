@@ -1,4 +1,4 @@
-#include "inbetween/frame_table.hpp"
+#include "inbetween/timing/frame_table.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,12 +10,12 @@
 #include <type_traits>
 #include <vector>
 
-#include "host_tools/solved_track.hpp"
+#include "host_tools/plan/solved_track.hpp"
 #include "tests/support/oracle_table.hpp"
 #include "tests/support/solved_move.hpp"
 
 namespace inbetween {
-namespace {
+namespace frame_table_test {
 
 using testing::HasSubstr;
 
@@ -297,5 +297,5 @@ TEST(FrameTable, TheDeviationIsThatOfTheWorstStep) {
   EXPECT_EQ(deviation.absolute_frame, -1);
 }
 
-}  // namespace
+}  // namespace frame_table_test
 }  // namespace inbetween

@@ -1,11 +1,11 @@
-#include "inbetween/frame_time.hpp"
+#include "inbetween/timing/frame_time.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cstdint>
 
 namespace inbetween {
-namespace {
+namespace frame_time_test {
 
 constexpr FrameRate film{24, 1};
 constexpr FrameRate ntsc_film{24000, 1001};
@@ -92,5 +92,5 @@ TEST(FrameTime, IsKnownWhileTheProgramIsCompiled) {
   static_assert(frame_time_of_tick<float>(1001, ntsc_film, 250).frame == 96);
 }
 
-}  // namespace
+}  // namespace frame_time_test
 }  // namespace inbetween

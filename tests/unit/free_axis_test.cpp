@@ -1,5 +1,5 @@
 // A free axis by numbers that are worked out by hand.
-#include "inbetween/free_axis.hpp"
+#include "inbetween/play/free_axis.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <limits>
 
 namespace inbetween {
-namespace {
+namespace free_axis_test {
 
 constexpr double tick_s = 0.004;
 /// 100 mm/s after 0.5 s: 0.25 s bends of 200 mm/s^2 at most, and 0.25 s straight.
@@ -247,5 +247,5 @@ TEST(FreeMotion, TicksAndStopsAllAxes) {
   EXPECT_TRUE(motion.is_resting());
 }
 
-}  // namespace
+}  // namespace free_axis_test
 }  // namespace inbetween

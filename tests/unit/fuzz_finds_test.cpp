@@ -14,11 +14,11 @@
 #include <type_traits>
 #include <vector>
 
-#include "host_tools/solved_track.hpp"
-#include "host_tools/toml_source.hpp"
+#include "host_tools/files/toml_source.hpp"
+#include "host_tools/plan/solved_track.hpp"
 
 namespace inbetween {
-namespace {
+namespace fuzz_finds_test {
 
 template <Precise Real>
 struct Move {
@@ -456,5 +456,5 @@ TEST(FuzzFinds, AQuoteDirectlyAfterABareWordIsRefusedBeforeTomlSeesIt) {
   EXPECT_NO_THROW(parse_toml("a = ['x','y']\nb = {'c'='d'}\n'e' = \"\"\"f\"\"\"\n", "f.toml"));
 }
 
-}  // namespace
+}  // namespace fuzz_finds_test
 }  // namespace inbetween

@@ -8,12 +8,12 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/go_to.hpp"
+#include "host_tools/motions/go_to.hpp"
 #include "tests/support/run_program.hpp"
 #include "tests/support/temporary_file.hpp"
 
 namespace inbetween {
-namespace {
+namespace goto_command_test {
 
 using testing::AllOf;
 using testing::HasSubstr;
@@ -265,5 +265,5 @@ TEST(GotoCommand, NothingIsBegunWithARigThatHasChanged) {
   EXPECT_THROW(go_to(rig, {{.axis = 0, .position = 400}}, reference, options), InputError);
 }
 
-}  // namespace
+}  // namespace goto_command_test
 }  // namespace inbetween

@@ -17,7 +17,7 @@
 #include "tests/support/solved_move.hpp"
 
 namespace inbetween {
-namespace {
+namespace hard_cases_test {
 
 using oracle::Kind;
 
@@ -157,7 +157,7 @@ void expect_finite(const SolvedTrack<Real>& solution) {
 
 /// What the pieces of a path cost, at most. A segment without a cusp takes about 20 pieces at the default
 /// delta; measured here are at most 62 in double and 40 in single precision.
-constexpr int most_pieces_per_segment = 600;
+constexpr int max_pieces_per_segment = 600;
 
 /// Solves a move in closed form and judges the speed of every frame, the invariants and the number of pieces.
 template <Precise Real>
@@ -169,7 +169,7 @@ void expect_as_drawn(const RandomMove& drawn, Real delta = Precision<Real>::defa
   EXPECT_TRUE(invariants) << (invariants ? "" : invariants.error().what);
   expect_finite(solution);
   EXPECT_LE(solution.track().arc_length().piece_count(),
-            most_pieces_per_segment * solution.track().path().segment_count());
+            max_pieces_per_segment * solution.track().path().segment_count());
 }
 
 /// The paper's solver gives a table that is as good as it says, or an error; never a wrong table.
@@ -279,7 +279,7 @@ TEST(HardCases, NearCuspsAreAsDrawnAtEveryDelta) {
       const RandomMove move = cusp(std::pow(10.0L, -i));
       const SolvedTrack<double> solution = solved<double>(rounded<double>(move), delta);
       EXPECT_LE(worst_step(rounded<double>(move), solution), 1.0L);
-      EXPECT_LE(solution.track().arc_length().piece_count(), 3 * 4 * most_pieces_per_segment);
+      EXPECT_LE(solution.track().arc_length().piece_count(), 3 * 4 * max_pieces_per_segment);
     }
   }
 }
@@ -704,5 +704,5 @@ TYPED_TEST(HardCasesIn, AWeightFarFromOneChangesNoBitOfTheTable) {
   }
 }
 
-}  // namespace
+}  // namespace hard_cases_test
 }  // namespace inbetween

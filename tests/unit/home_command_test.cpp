@@ -12,19 +12,19 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/free_play.hpp"
-#include "host_tools/home.hpp"
-#include "host_tools/loop_preparations.hpp"
-#include "host_tools/loop_room.hpp"
-#include "host_tools/loop_runner.hpp"
-#include "host_tools/move_rolls.hpp"
-#include "host_tools/rig_homing.hpp"
+#include "host_tools/loop/loop_preparations.hpp"
+#include "host_tools/loop/loop_runner.hpp"
+#include "host_tools/loop/loop_storage.hpp"
+#include "host_tools/loop/manual_motion.hpp"
+#include "host_tools/motions/home.hpp"
+#include "host_tools/motions/rig_homing.hpp"
+#include "host_tools/plan/move_rolls.hpp"
 #include "sim/simulated_switch.hpp"
 #include "tests/support/run_program.hpp"
 #include "tests/support/temporary_file.hpp"
 
 namespace inbetween {
-namespace {
+namespace home_command_test {
 
 using testing::AllOf;
 using testing::HasSubstr;
@@ -89,8 +89,8 @@ struct Bench {
   std::vector<double> truly;  ///< slide and pan, at the beginning
   Switches switches;
   std::unique_ptr<RigDrives> drives = RigDrives::simulated(rig, {0, 0, 0});
-  std::unique_ptr<RigLines> lines = RigLines::simulated(rig, {0, 0, 0});
-  LoopRoom room{3, 3};
+  std::unique_ptr<RigInputs> lines = RigInputs::simulated(rig, {0, 0, 0});
+  LoopStorage room{3, 3};
   RunLoop loop{*drives, *lines, room.memory()};
   LoopTrace trace{3};
   LoopAudience audience;
@@ -111,7 +111,7 @@ struct Bench {
                                                          .closes = home.at,
                                                          .hysteresis = 0.5,
                                                          .bounce_s = 0.001,
-                                                         .most_bounces = 4},
+                                                         .max_bounces = 4},
                                truly[i], 7 + static_cast<std::uint32_t>(i));
     }
     homing.emplace(rig, axes, switches,
@@ -150,7 +150,7 @@ struct Bench {
     FastRunner runner(loop, 250, audience, trace);
     Arming arming(loop);
     runner.run(act_of(arming, true), std::nullopt);
-    FreePlay play(
+    ManualMotion play(
         loop,
         {.source = source_of<double>(*this), .drive_of = axes, .limits = limits, .tick_seconds = tick_s});
     const ActEnd end = runner.run(act_of(play), std::nullopt);
@@ -246,11 +246,11 @@ TEST(RigHoming, AnEmergencyStopEndsIt) {
 TEST(RigHoming, OnTheLinesOfARigEveryAxisKnowsWhereItsShaftIs) {
   const RigFile rig = parse_rig(slider, "rig.toml");
   const std::vector<double> truly{310, 0, -40};
-  const std::unique_ptr<RigLines> lines = RigLines::simulated(rig, truly);
+  const std::unique_ptr<RigInputs> lines = RigInputs::simulated(rig, truly);
   const std::unique_ptr<RigDrives> drives = RigDrives::simulated(rig, truly);
   lines->follow(*drives);
   for (std::size_t a = 0; a < 3; ++a) drives->place(a, 7);  // whatever was counted
-  LoopRoom room(3, 3);
+  LoopStorage room(3, 3);
   RunLoop loop(*drives, *lines, room.memory());
   LoopTrace trace(3);
   const LoopAudience audience;
@@ -259,12 +259,12 @@ TEST(RigHoming, OnTheLinesOfARigEveryAxisKnowsWhereItsShaftIs) {
   runner.run(act_of(arming, true), std::nullopt);
   const std::vector<std::size_t> axes{0, 2};
   const std::vector<AxisLimits<double>> limits{limits_of(rig.axes[0]), limits_of(rig.axes[2])};
-  RigHoming<RigLines> homing(rig, axes, *lines,
-                             {.positions = arming.positions(),
-                              .drives = loop.drive_states(),
-                              .tick_seconds = tick_s,
-                              .delay_ns = 2 * tick_ns});
-  FreePlay play(
+  RigHoming<RigInputs> homing(rig, axes, *lines,
+                              {.positions = arming.positions(),
+                               .drives = loop.drive_states(),
+                               .tick_seconds = tick_s,
+                               .delay_ns = 2 * tick_ns});
+  ManualMotion play(
       loop,
       {.source = source_of<double>(homing), .drive_of = axes, .limits = limits, .tick_seconds = tick_s});
   ASSERT_TRUE(runner.run(act_of(play), std::nullopt).begun);
@@ -343,5 +343,5 @@ TEST(HomeCommand, HomesASimulatedRigAndKeepsWhereItStands) {
   EXPECT_FALSE(kept.is_referenced(1)) << "it has no switch";
 }
 
-}  // namespace
+}  // namespace home_command_test
 }  // namespace inbetween

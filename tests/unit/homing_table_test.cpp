@@ -1,5 +1,5 @@
 // The table of the homing, whole: every phase times every signal.
-#include "inbetween/homing_table.hpp"
+#include "inbetween/homing/homing_table.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include <vector>
 
 namespace inbetween {
-namespace {
+namespace homing_table_test {
 
 using Phase = HomingPhase;
 using Signal = HomingSignal;
@@ -131,5 +131,5 @@ TEST(HomingTable, EveryPhaseAndFailureHasItsOwnWords) {
   EXPECT_EQ(words.size(), homing_failures);
 }
 
-}  // namespace
+}  // namespace homing_table_test
 }  // namespace inbetween

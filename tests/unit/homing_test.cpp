@@ -1,5 +1,5 @@
 // Axes that look for their switches, with what switches do.
-#include "inbetween/homing.hpp"
+#include "inbetween/homing/homing.hpp"
 
 #include <gtest/gtest.h>
 
@@ -13,7 +13,7 @@
 #include "tests/support/simulated_homing.hpp"
 
 namespace inbetween {
-namespace {
+namespace homing_test {
 
 constexpr int rate_hz = 1000;
 
@@ -238,7 +238,7 @@ TEST(HomingFault31, LostEdgesFailTheHomingAndNoAxisIsReferenced) {
   std::vector<LostAxis> slides = three_slides();
   for (LostAxis& each : slides) {
     each.there.bounce_s = 0.002;
-    each.there.most_bounces = 5;
+    each.there.max_bounces = 5;
   }
   SimulatedHoming homing(slides, rate_hz, 1);
   ASSERT_TRUE(homing.start());
@@ -272,7 +272,7 @@ TEST(Homing, ALimitSwitchADriveAndTheOperatorStopAllAxesInAnyPhase) {
       std::vector<LostAxis> slides = three_slides();
       slides[1].true_position = 75;
       slides[1].there.bounce_s = 0.004;
-      slides[1].there.most_bounces = 5;
+      slides[1].there.max_bounces = 5;
       slides[1].spec.home.quiet_ns = 3'000'000;
       SimulatedHoming homing(slides, rate_hz, 1);
       ASSERT_TRUE(homing.start());
@@ -381,5 +381,5 @@ TEST(Homing, IllegalSpecsAreRefused) {
   EXPECT_FALSE(is_legal(bad));
 }
 
-}  // namespace
+}  // namespace homing_test
 }  // namespace inbetween

@@ -1,5 +1,5 @@
 // Hold to run: an axis moves as long as its key comes, and rests soon after it does not.
-#include "host_tools/jog.hpp"
+#include "host_tools/motions/jog.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -14,13 +14,13 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/loop_preparations.hpp"
-#include "host_tools/move_rolls.hpp"
+#include "host_tools/loop/loop_preparations.hpp"
+#include "host_tools/plan/move_rolls.hpp"
 #include "tests/support/run_program.hpp"
 #include "tests/support/temporary_file.hpp"
 
 namespace inbetween {
-namespace {
+namespace jog_test {
 
 using testing::HasSubstr;
 
@@ -56,8 +56,8 @@ constexpr double speed = 5;
 struct Bench {
   RigFile rig = parse_rig(crane, "rig.toml");
   std::unique_ptr<RigDrives> drives;
-  std::unique_ptr<RigLines> lines = RigLines::simulated(rig, {0, 0});
-  LoopRoom room{2, 2};
+  std::unique_ptr<RigInputs> lines = RigInputs::simulated(rig, {0, 0});
+  LoopStorage room{2, 2};
   std::optional<RunLoop> loop;
   LoopTrace trace{2};
   LoopAudience audience;
@@ -385,5 +385,5 @@ TEST(JogCommand, ItsHelpTeachesIt) {
   }
 }
 
-}  // namespace
+}  // namespace jog_test
 }  // namespace inbetween

@@ -1,5 +1,5 @@
 // JSON as it is streamed: every text reads back as what was written.
-#include "host_tools/json_writer.hpp"
+#include "host_tools/files/json_writer.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@
 #include <vector>
 
 namespace inbetween {
-namespace {
+namespace json_writer_test {
 
 /// What `write` gives to the writer, as text.
 template <class Write>
@@ -126,5 +126,5 @@ TEST(JsonWriter, MoreThanItsBufferArrivesWhole) {
   EXPECT_EQ(list.at(99'999), 99'999.125);
 }
 
-}  // namespace
+}  // namespace json_writer_test
 }  // namespace inbetween

@@ -1,4 +1,4 @@
-#include "inbetween/key_timing.hpp"
+#include "inbetween/timing/key_timing.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,14 +9,14 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/solved_track.hpp"
+#include "host_tools/plan/solved_track.hpp"
 #include "tests/support/oracle_least_squares.hpp"
 #include "tests/support/oracle_profile.hpp"
 #include "tests/support/run_program.hpp"
 #include "tests/support/temporary_file.hpp"
 
 namespace inbetween {
-namespace {
+namespace key_timing_test {
 
 using Storage = KeyTimingStorage<double, 4, 1025>;
 
@@ -77,13 +77,13 @@ SolvedTrack<double> solved(const Wishes& wishes) {
 
 // --- the oracle itself
 
-TEST(LeastChangeOracle, SolvesWhatCanBeSolvedByHand) {
+TEST(QuadraticProgramOracle, SolvesWhatCanBeSolvedByHand) {
   // x + y + z = 9 from (1, 1, 1): each gains 2; with z at most 2, the others gain 2.5.
-  oracle::LeastChange problem{.rows = {{1, 1, 1}},
-                              .targets = {9},
-                              .drawn = {1, 1, 1},
-                              .mobility = {1, 1, 1},
-                              .ceiling = {100, 100, 100}};
+  oracle::QuadraticProgram problem{.rows = {{1, 1, 1}},
+                                   .targets = {9},
+                                   .drawn = {1, 1, 1},
+                                   .mobility = {1, 1, 1},
+                                   .ceiling = {100, 100, 100}};
   EXPECT_THAT(oracle::solve(problem).value(), testing::Each(3));
   problem.ceiling[2] = 2;
   EXPECT_THAT(oracle::solve(problem).value(), testing::ElementsAre(3.5L, 3.5L, 2));
@@ -93,7 +93,7 @@ TEST(LeastChangeOracle, SolvesWhatCanBeSolvedByHand) {
   EXPECT_FALSE(oracle::solve(problem).has_value());
 }
 
-TEST(LeastChangeOracle, RefinementKeepsTheCurve) {
+TEST(QuadraticProgramOracle, RefinementKeepsTheCurve) {
   const std::vector<long double> drawn = {3, 0, 100, 7, 7, 20};
   const oracle::Profile coarse(drawn);
   const oracle::Profile fine(oracle::refined(drawn));
@@ -236,16 +236,16 @@ TEST(Hold, TheRestIsHardlyLongerThanAsked) {
 
 TEST(Hold, TheAccelerationNeverSteps) {
   const SolvedTrack<double> track = solved({.locks = {{.key = 2, .frame = 100, .hold = 24}}});
-  double most_jerk = 0;
-  double most_step = 0;
+  double max_jerk = 0;
+  double max_step = 0;
   double before = 0;
   for (std::int32_t step = 0; step < 240 * 64; ++step) {
     const AlongPath<double> here = track.track().along({step / 64, (step % 64) / 64.0});
-    most_jerk = std::max(most_jerk, std::fabs(here.jerk));
-    most_step = std::max(most_step, std::fabs(here.acceleration - before));
+    max_jerk = std::max(max_jerk, std::fabs(here.jerk));
+    max_step = std::max(max_step, std::fabs(here.acceleration - before));
     before = here.acceleration;
   }
-  EXPECT_LE(most_step, 1.01 * most_jerk / (24 * 64));
+  EXPECT_LE(max_step, 1.01 * max_jerk / (24 * 64));
 }
 
 TEST(Hold, WithoutAFrameTheKeyIsMetWhereTheDrawnCurveReachesItInTheFramesThatAreNoHolds) {
@@ -347,5 +347,5 @@ TEST(KeyTiming, WhatTheFileAsksInVainIsOneLineAtTheKey) {
   }
 }
 
-}  // namespace
+}  // namespace key_timing_test
 }  // namespace inbetween

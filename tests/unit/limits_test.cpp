@@ -1,4 +1,4 @@
-#include "inbetween/limits.hpp"
+#include "inbetween/limits/limits.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <vector>
 
 namespace inbetween {
-namespace {
+namespace limits_test {
 
 template <class Real>
 class AxisLimitsIn : public testing::Test {};
@@ -119,5 +119,5 @@ TYPED_TEST(AxisLimitsIn, IllegalValuesAreRefusedByName) {
   }
 }
 
-}  // namespace
+}  // namespace limits_test
 }  // namespace inbetween

@@ -1,4 +1,4 @@
-#include "inbetween/motion_bounds.hpp"
+#include "inbetween/limits/motion_bounds.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,14 +7,14 @@
 #include <limits>
 #include <vector>
 
-#include "host_tools/solved_track.hpp"
+#include "host_tools/plan/solved_track.hpp"
 #include "tests/support/random_move.hpp"
 #include "tests/support/solved_move.hpp"
 
 /// The proven bounds on moves whose peaks are known; random moves are in tests/property.
 
 namespace inbetween {
-namespace {
+namespace motion_bounds_test {
 
 template <Precise Real>
 SolvedTrack<Real> solved(const PathSpec<Real>& path, const std::vector<Real>& speed, std::int32_t frames,
@@ -247,5 +247,5 @@ TEST(MotionBounds, ASharpTurnIsBoundedSoonWhateverTheLimits) {
   }
 }
 
-}  // namespace
+}  // namespace motion_bounds_test
 }  // namespace inbetween

@@ -1,5 +1,5 @@
 // The loop that moves a rig, on a simulated one: who may move when, and what happens when something fails.
-#include "inbetween/motion_loop.hpp"
+#include "inbetween/loop/motion_loop.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,14 +9,14 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/free_axes.hpp"
-#include "host_tools/loop_room.hpp"
-#include "host_tools/plan.hpp"
-#include "host_tools/planned_stops.hpp"
+#include "host_tools/check/planned_stops.hpp"
+#include "host_tools/loop/loop_storage.hpp"
+#include "host_tools/motions/free_axes.hpp"
+#include "host_tools/plan/plan.hpp"
 #include "sim/simulated_rig.hpp"
 
 namespace inbetween {
-namespace {
+namespace motion_loop_test {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -70,7 +70,7 @@ struct Crane {
   std::vector<std::size_t> drive_of{2, 0};
   SimulatedRig rig;
   SimulatedLines lines;
-  LoopRoom room{3, 2};
+  LoopStorage room{3, 2};
   MotionLoop<double, SimulatedRig, SimulatedLines> loop{rig, lines, room.memory()};
 
   explicit Crane(const std::vector<double>& at = {100, 0.25, 10}) : rig(at) {
@@ -465,5 +465,5 @@ TEST(MotionLoop, WithoutPowerFreeAxesRestWhereTheyWereAtOnce) {
   EXPECT_FALSE(crane.loop.sends_setpoints());
 }
 
-}  // namespace
+}  // namespace motion_loop_test
 }  // namespace inbetween

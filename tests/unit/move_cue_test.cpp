@@ -1,5 +1,5 @@
 // Cues: what a move does on lines of the rig, and at which frames.
-#include "host_tools/move_cue.hpp"
+#include "host_tools/files/move_cue.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -10,12 +10,12 @@
 #include <string_view>
 #include <vector>
 
-#include "host_tools/move_file.hpp"
-#include "host_tools/rig_file.hpp"
+#include "host_tools/files/move_file.hpp"
+#include "host_tools/files/rig_file.hpp"
 #include "tests/support/refused_text.hpp"
 
 namespace inbetween {
-namespace {
+namespace move_cue_test {
 
 using testing::ElementsAre;
 
@@ -261,5 +261,5 @@ TEST(MoveCue, ACameraAndATriggerMustBeThere) {
                     {"the rig \"table\" has no trigger; add a [start_trigger]"});
 }
 
-}  // namespace
+}  // namespace move_cue_test
 }  // namespace inbetween

@@ -1,4 +1,4 @@
-#include "host_tools/move_file.hpp"
+#include "host_tools/files/move_file.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -13,7 +13,7 @@
 #include "tests/support/temporary_file.hpp"
 
 namespace inbetween {
-namespace {
+namespace move_file_test {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -569,5 +569,5 @@ TEST(MoveFile, AMoveHasAtMost64Tracks) {
   expect_move_refused(tracks, {"track has 65 elements; write at most 64"});
 }
 
-}  // namespace
+}  // namespace move_file_test
 }  // namespace inbetween

@@ -1,5 +1,5 @@
 // Moves that start or end moving: the rolls that plan, check and run give them.
-#include "host_tools/move_rolls.hpp"
+#include "host_tools/plan/move_rolls.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -11,14 +11,14 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/check.hpp"
-#include "host_tools/check_frames.hpp"
-#include "host_tools/run.hpp"
+#include "host_tools/check/check.hpp"
+#include "host_tools/check/check_frames.hpp"
+#include "host_tools/motions/run.hpp"
 #include "tests/support/run_program.hpp"
 #include "tests/support/temporary_file.hpp"
 
 namespace inbetween {
-namespace {
+namespace move_rolls_test {
 
 using Json = nlohmann::ordered_json;
 using testing::HasSubstr;
@@ -223,5 +223,5 @@ TEST(Rolls, AreInTheJsonTheCsvAndTheSummary) {
   EXPECT_THAT(summary, HasSubstr(fmt::format("post-roll: {} frames, to rest at track", after)));
 }
 
-}  // namespace
+}  // namespace move_rolls_test
 }  // namespace inbetween

@@ -1,5 +1,5 @@
 // A move on its time line: tracks side by side between a pre-roll and a post-roll.
-#include "inbetween/move.hpp"
+#include "inbetween/limits/move.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,10 +7,10 @@
 #include <array>
 #include <vector>
 
-#include "host_tools/solved_track.hpp"
+#include "host_tools/plan/solved_track.hpp"
 
 namespace inbetween {
-namespace {
+namespace move_test {
 
 constexpr FrameRate film{24, 1};
 
@@ -143,5 +143,5 @@ TEST(Move, RefusesTracksOfDifferentTimesAndRollsThatDoNotJoin) {
   EXPECT_EQ(refused.error().axis, 1);
 }
 
-}  // namespace
+}  // namespace move_test
 }  // namespace inbetween

@@ -1,4 +1,4 @@
-#include "inbetween/ode_frame_table.hpp"
+#include "inbetween/timing/ode_frame_table.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,11 +10,11 @@
 #include <type_traits>
 #include <vector>
 
-#include "firmware_core/src/zeroin.hpp"
-#include "host_tools/solved_track.hpp"
+#include "firmware_core/src/base/zeroin.hpp"
+#include "host_tools/plan/solved_track.hpp"
 
 namespace inbetween {
-namespace {
+namespace ode_frame_table_test {
 
 using testing::HasSubstr;
 
@@ -393,5 +393,5 @@ TEST(Zeroin, NeverAsksForMoreThanItMayAndReturnsTheBestItSaw) {
   }
 }
 
-}  // namespace
+}  // namespace ode_frame_table_test
 }  // namespace inbetween

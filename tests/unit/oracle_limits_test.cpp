@@ -21,7 +21,7 @@
 #include "tests/support/random_move.hpp"
 
 namespace inbetween::oracle {
-namespace {
+namespace oracle_limits_test {
 
 using Points = std::vector<std::vector<long double>>;
 using Values = std::vector<double>;
@@ -418,5 +418,5 @@ TEST(OracleLimits, RefusesWhatHasNoAnswer) {
   EXPECT_THROW(motion.extremes(0), std::invalid_argument);
 }
 
-}  // namespace
+}  // namespace oracle_limits_test
 }  // namespace inbetween::oracle

@@ -20,7 +20,7 @@
 #include "tests/support/random_move.hpp"
 
 namespace inbetween::oracle {
-namespace {
+namespace oracle_test {
 
 using Points = std::vector<std::vector<long double>>;
 
@@ -650,11 +650,11 @@ TEST(OracleMotion, RefusesPlacesWhereTheMoveIsNotSmooth) {
   EXPECT_NO_THROW(at_distance(cusp(), 0.95L));
 }
 
-}  // namespace
+}  // namespace oracle_test
 }  // namespace inbetween::oracle
 
 namespace inbetween {
-namespace {
+namespace oracle_test {
 
 // --- random moves
 // -------------------------------------------------------------------------------------------------
@@ -734,5 +734,5 @@ weights = [1.0, 0.5]
 )");
 }
 
-}  // namespace
+}  // namespace oracle_test
 }  // namespace inbetween

@@ -1,5 +1,5 @@
 // A file is written whole or not at all.
-#include "host_tools/output_file.hpp"
+#include "host_tools/files/output_file.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@
 #include "tests/support/temporary_file.hpp"
 
 namespace inbetween {
-namespace {
+namespace output_file_test {
 
 namespace fs = std::filesystem;
 using testing::EndsWith;
@@ -132,5 +132,5 @@ TEST(OutputFile, CheckingCreatesAndChangesNothing) {
   EXPECT_EQ(files_in(old.path().parent_path()), 1);
 }
 
-}  // namespace
+}  // namespace output_file_test
 }  // namespace inbetween

@@ -1,4 +1,4 @@
-#include "inbetween/path.hpp"
+#include "inbetween/path/path.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 #include <vector>
 
 namespace inbetween {
-namespace {
+namespace path_test {
 
 using testing::HasSubstr;
 
@@ -593,5 +593,5 @@ TYPED_TEST(PathIn, StatesTheCapacityNeededWhichSuffices) {
   }
 }
 
-}  // namespace
+}  // namespace path_test
 }  // namespace inbetween

@@ -1,5 +1,5 @@
 // `plan --json` and `plan --csv`, as design and docs/formats.md promise them, by the program itself.
-#include "host_tools/plan_output.hpp"
+#include "host_tools/plan/plan_output.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -23,7 +23,7 @@
 #include "tests/support/temporary_file.hpp"
 
 namespace inbetween {
-namespace {
+namespace plan_output_test {
 
 using Json = nlohmann::ordered_json;  // the order of the fields counts, too
 using testing::ElementsAre;
@@ -417,5 +417,5 @@ TEST(PlanPicture, ShowsTheAxesOfTheMoveOnly) {
   EXPECT_THAT(plot.tracks[1].control_values, ElementsAre(3, 3));
 }
 
-}  // namespace
+}  // namespace plan_output_test
 }  // namespace inbetween

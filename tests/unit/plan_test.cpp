@@ -1,5 +1,5 @@
 // A move, solved: what a plan knows of axes and units, and at which place of the file it complains.
-#include "host_tools/plan.hpp"
+#include "host_tools/plan/plan.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@
 #include "tests/support/refused_text.hpp"
 
 namespace inbetween {
-namespace {
+namespace plan_test {
 
 using testing::ElementsAre;
 using testing::IsEmpty;
@@ -174,5 +174,5 @@ TEST(Plan, AnAxisThatMovesOnAPathWithoutLengthNamesKeyAndAxis) {
   expect_plan_refused(move, {"axis \"pan\"", "key 1"});
 }
 
-}  // namespace
+}  // namespace plan_test
 }  // namespace inbetween

@@ -1,5 +1,5 @@
 // Time as an axis: playing, stopping at every tick, frames, loops.
-#include "inbetween/playhead.hpp"
+#include "inbetween/play/playhead.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -9,15 +9,15 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/check.hpp"
-#include "host_tools/plan.hpp"
-#include "host_tools/planned_stops.hpp"
+#include "host_tools/check/check.hpp"
+#include "host_tools/check/planned_stops.hpp"
+#include "host_tools/plan/plan.hpp"
 #include "tests/support/property.hpp"
 #include "tests/support/recorded_play.hpp"
 #include "tests/support/rig_near.hpp"
 
 namespace inbetween {
-namespace {
+namespace playhead_test {
 
 using testing::HasSubstr;
 
@@ -436,5 +436,5 @@ TEST(Playhead, AtItsEndThereIsNothingMoreToPlay) {
   EXPECT_TRUE(playhead.is_resting());
 }
 
-}  // namespace
+}  // namespace playhead_test
 }  // namespace inbetween

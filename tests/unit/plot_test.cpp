@@ -1,5 +1,5 @@
 // The pictures of a plan: files of the right kind, numbers that read well, and nothing lost or off the page.
-#include "host_tools/plot.hpp"
+#include "host_tools/plot/plot.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -18,13 +18,13 @@
 #include <string_view>
 #include <vector>
 
-#include "host_tools/plot_canvas.hpp"
-#include "host_tools/plot_line.hpp"
-#include "host_tools/plot_scale.hpp"
+#include "host_tools/plot/plot_canvas.hpp"
+#include "host_tools/plot/plot_line.hpp"
+#include "host_tools/plot/plot_scale.hpp"
 #include "tests/support/temporary_file.hpp"
 
 namespace inbetween {
-namespace {
+namespace plot_test {
 
 using ::testing::AllOf;
 using ::testing::Each;
@@ -670,5 +670,5 @@ TEST(ElidedText, IsWholeWhereItFitsAndIsCutBetweenLettersWhereNot) {
   EXPECT_EQ(shown.size() % 2, 1U) << "an é has two bytes, the ellipsis three";
 }
 
-}  // namespace
+}  // namespace plot_test
 }  // namespace inbetween

@@ -1,6 +1,6 @@
 // Where axes rest is kept through a power cut at any moment: what is read afterwards is the old position, the
 // new one, or none; never a wrong one.
-#include "host_tools/position_file.hpp"
+#include "host_tools/reference/position_file.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -25,14 +25,14 @@
 #include <variant>
 #include <vector>
 
-#include "host_tools/toml_source.hpp"
+#include "host_tools/files/toml_source.hpp"
 #include "tests/support/property.hpp"
 #include "tests/support/refused_text.hpp"
 #include "tests/support/simulated_disk.hpp"
 #include "tests/support/temporary_file.hpp"
 
 namespace inbetween {
-namespace {
+namespace position_file_test {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -603,5 +603,5 @@ TEST(PositionFile, RigsOfDifferentNamesHaveDifferentFiles) {
   EXPECT_LT(std::filesystem::path(file_of(std::string(255, 'x'))).filename().string().size(), 100U);
 }
 
-}  // namespace
+}  // namespace position_file_test
 }  // namespace inbetween

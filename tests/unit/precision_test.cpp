@@ -1,4 +1,4 @@
-#include "inbetween/precision.hpp"
+#include "inbetween/base/precision.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <type_traits>
 
 namespace inbetween {
-namespace {
+namespace precision_test {
 
 using Precisions = testing::Types<double, float>;
 
@@ -118,5 +118,5 @@ TEST(PathPoint, IsEqualOnlyToTheSameSegmentAndT) {
   EXPECT_NE((PathPoint<double>{0, 1}), (PathPoint<double>{1, 0}));
 }
 
-}  // namespace
+}  // namespace precision_test
 }  // namespace inbetween

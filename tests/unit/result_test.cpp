@@ -1,11 +1,11 @@
-#include "inbetween/result.hpp"
+#include "inbetween/base/result.hpp"
 
 #include <gtest/gtest.h>
 
 #include <type_traits>
 
 namespace inbetween {
-namespace {
+namespace result_test {
 
 constexpr Error no_room{.code = ErrorCode::capacity, .what = "full", .remedy = "make room", .needed = 7};
 
@@ -88,5 +88,5 @@ TEST(ResultDeathTest, AskingAValueForItsErrorEndsTheProgram) {
   EXPECT_DEATH(static_cast<void>(value.error()), "");
 }
 
-}  // namespace
+}  // namespace result_test
 }  // namespace inbetween

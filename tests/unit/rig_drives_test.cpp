@@ -1,5 +1,5 @@
 // What a rig file says of its CAN drives, and what is refused before a bus is opened.
-#include "host_tools/rig_drives.hpp"
+#include "host_tools/rig/rig_drives.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -11,10 +11,10 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/diagnostics.hpp"
+#include "host_tools/files/diagnostics.hpp"
 
 namespace inbetween {
-namespace {
+namespace rig_drives_test {
 
 using testing::HasSubstr;
 using testing::StartsWith;
@@ -148,5 +148,5 @@ TEST(RigDrives, APlaceThatADriveCannotCountToIsRefusedAtItsAxis) {
   }
 }
 
-}  // namespace
+}  // namespace rig_drives_test
 }  // namespace inbetween

@@ -1,4 +1,4 @@
-#include "host_tools/rig_file.hpp"
+#include "host_tools/files/rig_file.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -14,7 +14,7 @@
 #include "tests/support/temporary_file.hpp"
 
 namespace inbetween {
-namespace {
+namespace rig_file_test {
 
 using testing::HasSubstr;
 
@@ -473,5 +473,5 @@ TEST(RigFile, ARigHasAtMost64Axes) {
   expect_rig_refused(axes, {"axis has 65 elements; write at most 64"});
 }
 
-}  // namespace
+}  // namespace rig_file_test
 }  // namespace inbetween

@@ -9,11 +9,11 @@
 #include <string_view>
 #include <variant>
 
-#include "host_tools/rig_file.hpp"
+#include "host_tools/files/rig_file.hpp"
 #include "tests/support/refused_text.hpp"
 
 namespace inbetween {
-namespace {
+namespace rig_gpio_test {
 
 constexpr const char* slider = R"(name = "slider"
 rate_hz = 250
@@ -380,5 +380,5 @@ TEST(RigGpio, ARigHasAtMost64Outputs) {
                      {"output has 65 lines; write at most 64"});
 }
 
-}  // namespace
+}  // namespace rig_gpio_test
 }  // namespace inbetween

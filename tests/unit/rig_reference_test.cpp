@@ -1,5 +1,5 @@
 // Which axes know where they are, from one run to the next.
-#include "host_tools/rig_reference.hpp"
+#include "host_tools/reference/rig_reference.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@
 #include "tests/support/temporary_file.hpp"
 
 namespace inbetween {
-namespace {
+namespace rig_reference_test {
 
 using testing::AllOf;
 using testing::HasSubstr;
@@ -291,5 +291,5 @@ TEST(RigReference, OneAtATimeHasAFileByWhateverNameItHasIt) {
   EXPECT_NO_THROW(reference_of(stage.rig, stage.file, false)) << "the first has ended";
 }
 
-}  // namespace
+}  // namespace rig_reference_test
 }  // namespace inbetween

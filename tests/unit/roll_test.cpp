@@ -1,4 +1,4 @@
-#include "inbetween/roll.hpp"
+#include "inbetween/limits/roll.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 #include <vector>
 
 namespace inbetween {
-namespace {
+namespace roll_test {
 
 constexpr FrameRate film{24, 1};
 constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -218,7 +218,7 @@ TEST(Roll, WhatDoesNotMakeARollIsRefused) {
   };
   const RollSpan span{RollEnd::before, 0, 24, film};
   EXPECT_EQ(refusal({RollEnd::before, 0, 0, film}, joint), ErrorCode::out_of_range);
-  EXPECT_EQ(refusal({RollEnd::before, 0, most_roll_frames + 1, film}, joint), ErrorCode::out_of_range);
+  EXPECT_EQ(refusal({RollEnd::before, 0, max_roll_frames + 1, film}, joint), ErrorCode::out_of_range);
   EXPECT_EQ(refusal({RollEnd::before, 0, 24, {24, 0}}, joint), ErrorCode::out_of_range);
   EXPECT_EQ(refusal({RollEnd::before, 0, 24, {-24, 1}}, joint), ErrorCode::out_of_range);
   EXPECT_EQ(refusal(span, {.position = infinity}), ErrorCode::not_finite);
@@ -363,10 +363,10 @@ TEST(RollFrames, ARollOfMinutesIsRefused) {
   const auto frames = roll_frames(machine.before());
   ASSERT_FALSE(frames.has_value());
   EXPECT_TRUE(says(frames.error().what, "pre-roll exceeds max_acceleration"));
-  EXPECT_EQ((*roll_obstacle(machine.before()))->frames, most_roll_frames);
-  const double longest = most_roll_frames / 24.0;
+  EXPECT_EQ((*roll_obstacle(machine.before()))->frames, max_roll_frames);
+  const double longest = max_roll_frames / 24.0;
   const Machine just{{{.position = 0, .velocity = 1}}, {wide(2, 1.5 / longest * 1.00001)}};
-  EXPECT_EQ(*roll_frames(just.before()), most_roll_frames);
+  EXPECT_EQ(*roll_frames(just.before()), max_roll_frames);
 }
 
 TEST(RollFrames, AMoveThatItselfBreaksALimitAtTheJointIsRefusedForThat) {
@@ -428,5 +428,5 @@ TEST(RollFrames, AnAxisWithoutAFiniteMotionIsNamed) {
   EXPECT_EQ(frames.error().axis, 1);
 }
 
-}  // namespace
+}  // namespace roll_test
 }  // namespace inbetween

@@ -1,6 +1,6 @@
 // `run --record`: every tick is in the file, and a file that takes none holds nothing up (faults.md 43). And
 // a rig file that is changed while the rig is armed (faults.md 11).
-#include "host_tools/run_record.hpp"
+#include "host_tools/loop/run_record.hpp"
 
 #include <fcntl.h>
 #include <gmock/gmock.h>
@@ -13,13 +13,13 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/rig_watch.hpp"
-#include "host_tools/run.hpp"
+#include "host_tools/motions/run.hpp"
+#include "host_tools/rig/rig_watch.hpp"
 #include "tests/support/run_program.hpp"
 #include "tests/support/temporary_file.hpp"
 
 namespace inbetween {
-namespace {
+namespace run_record_test {
 
 using testing::HasSubstr;
 
@@ -146,5 +146,5 @@ TEST(RigWatch, SeesAnotherTextAndAFileThatHasGone) {
   EXPECT_TRUE(watch.has_changed());
 }
 
-}  // namespace
+}  // namespace run_record_test
 }  // namespace inbetween

@@ -7,13 +7,13 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/plan.hpp"
-#include "host_tools/rig_reference.hpp"
+#include "host_tools/plan/plan.hpp"
+#include "host_tools/reference/rig_reference.hpp"
 #include "tests/support/run_program.hpp"
 #include "tests/support/temporary_file.hpp"
 
 namespace inbetween {
-namespace {
+namespace run_reference_test {
 
 using testing::AllOf;
 using testing::HasSubstr;
@@ -95,5 +95,5 @@ TEST_F(RunReference, ARunThatIsRefusedOnTheWayHasNotMovedThem) {
   expect_kept(elsewhere);
 }
 
-}  // namespace
+}  // namespace run_reference_test
 }  // namespace inbetween

@@ -1,11 +1,11 @@
 // The line that somebody at a terminal reads while a move runs.
-#include "host_tools/run_snapshot.hpp"
+#include "host_tools/loop/run_snapshot.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 namespace inbetween {
-namespace {
+namespace run_snapshot_test {
 
 using testing::AllOf;
 using testing::EndsWith;
@@ -46,5 +46,5 @@ TEST(StatusLine, OfAMoveThatIsShotTellsTheFrameAndTheCamera) {
   EXPECT_THAT(status_line(now), AllOf(StartsWith("latched"), HasSubstr("a acknowledges")));
 }
 
-}  // namespace
+}  // namespace run_snapshot_test
 }  // namespace inbetween

@@ -1,5 +1,5 @@
 // `run --sim`: every setpoint reaches its axis, and a move that a rig cannot make moves nothing.
-#include "host_tools/run.hpp"
+#include "host_tools/motions/run.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -12,13 +12,13 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/check.hpp"
+#include "host_tools/check/check.hpp"
 #include "tests/support/refused_text.hpp"
 #include "tests/support/run_program.hpp"
 #include "tests/support/temporary_file.hpp"
 
 namespace inbetween {
-namespace {
+namespace run_test {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
@@ -232,5 +232,5 @@ TEST(ProgressBar, FillsOneLineOfATerminal) {
   EXPECT_EQ(run.err.back(), '\n');
 }
 
-}  // namespace
+}  // namespace run_test
 }  // namespace inbetween

@@ -1,4 +1,4 @@
-#include "inbetween/setpoint_trail.hpp"
+#include "inbetween/homing/setpoint_trail.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <optional>
 
 namespace inbetween {
-namespace {
+namespace setpoint_trail_test {
 
 std::int64_t ms(double milliseconds) {
   return std::llround(milliseconds * 1e6);
@@ -48,5 +48,5 @@ TEST(SetpointTrail, IsTheQuinticBetweenItsEnds) {
   }
 }
 
-}  // namespace
+}  // namespace setpoint_trail_test
 }  // namespace inbetween

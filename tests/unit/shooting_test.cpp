@@ -1,5 +1,5 @@
 // `run --step` and `run --shutter`: keys, the camera, and what is refused.
-#include "host_tools/shooting.hpp"
+#include "host_tools/motions/shooting.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,11 +8,11 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/run.hpp"
+#include "host_tools/motions/run.hpp"
 #include "tests/support/run_program.hpp"
 
 namespace inbetween {
-namespace {
+namespace shooting_test {
 
 using testing::HasSubstr;
 
@@ -145,5 +145,5 @@ TEST(TopRate, LetsTheOverrideGoAboveTheDrawnSpeed) {
   EXPECT_NEAR(static_cast<double>(report.ticks), 2001 / 1.1, 30);
 }
 
-}  // namespace
+}  // namespace shooting_test
 }  // namespace inbetween

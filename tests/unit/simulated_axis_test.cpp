@@ -6,7 +6,7 @@
 #include "sim/virtual_clock.hpp"
 
 namespace inbetween {
-namespace {
+namespace simulated_axis_test {
 
 TEST(SimulatedAxis, StandsWhereItWasPut) {
   const SimulatedAxis axis(12.5);
@@ -46,5 +46,5 @@ TEST(VirtualClock, NeverGoesBack) {
   EXPECT_EQ(clock.now_ns(), 4'000'000);
 }
 
-}  // namespace
+}  // namespace simulated_axis_test
 }  // namespace inbetween

@@ -13,7 +13,7 @@
 #include "sim/simulated_motor.hpp"
 
 namespace inbetween {
-namespace {
+namespace simulated_cia402_test {
 
 using can::Cia402State;
 using can::Frame;
@@ -336,7 +336,7 @@ TEST(SimulatedMotor, SettlesWhereItIsWantedInSpiteOfFriction) {
 }
 
 TEST(SimulatedMotor, ItsAccelerationIsLimitedByItsCurrent) {
-  SimulatedMotor motor({.most_acceleration = 1000, .friction = 0, .viscous_friction = 0}, 0);
+  SimulatedMotor motor({.max_acceleration = 1000, .friction = 0, .viscous_friction = 0}, 0);
   for (int i = 0; i < 400; ++i) motor.follow({.position = 1e6}, 250e-6);
   EXPECT_NEAR(motor.velocity(), 100, 1e-6);
 }
@@ -373,5 +373,5 @@ TEST(SimulatedCanBus, TheLowestIdentifierIsHeardFirstAndNobodyHearsHimself) {
   EXPECT_EQ(bus.run(5).size(), 1U);
 }
 
-}  // namespace
+}  // namespace simulated_cia402_test
 }  // namespace inbetween

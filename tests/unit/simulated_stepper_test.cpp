@@ -8,7 +8,7 @@
 #include <vector>
 
 namespace inbetween {
-namespace {
+namespace simulated_stepper_test {
 
 constexpr std::int32_t step_line = 5;
 constexpr std::int32_t dir_line = 9;
@@ -89,12 +89,12 @@ TEST(SimulatedStepper, LinesOfOthersAndLevelsThatStayDoNotConcernIt) {
 TEST(SimulatedStepper, EveryMinimumIsWatched) {
   struct Case {
     const char* name;
-    std::vector<StepInstant> instants;
+    std::vector<EdgeInstant> instants;
     StepViolations expected;
   };
-  const auto up = [](std::int64_t at) { return StepInstant{at, step_bit, step_bit}; };
-  const auto down = [](std::int64_t at) { return StepInstant{at, 0, step_bit}; };
-  const auto turn = [](std::int64_t at) { return StepInstant{at, dir_bit, dir_bit}; };
+  const auto up = [](std::int64_t at) { return EdgeInstant{at, step_bit, step_bit}; };
+  const auto down = [](std::int64_t at) { return EdgeInstant{at, 0, step_bit}; };
+  const auto turn = [](std::int64_t at) { return EdgeInstant{at, dir_bit, dir_bit}; };
   const auto cases = std::vector<Case>{
       {"all just kept", {up(0), down(3000), up(7000), down(10'000), turn(20'000), up(40'000)}, {}},
       {"pulse", {up(0), down(2999)}, {.pulse = 1}},
@@ -107,7 +107,7 @@ TEST(SimulatedStepper, EveryMinimumIsWatched) {
   };
   for (const Case& one : cases) {
     Bench bench(plain_settings());
-    for (const StepInstant& instant : one.instants) ASSERT_TRUE(bench.stepper.take(instant));
+    for (const EdgeInstant& instant : one.instants) ASSERT_TRUE(bench.stepper.take(instant));
     EXPECT_EQ(bench.stepper.violations(), one.expected) << one.name;
   }
 }
@@ -214,5 +214,5 @@ TEST(SimulatedStepper, FiguresOfNoMotorAndTimeThatRunsBackAreRefused) {
   EXPECT_FALSE(bench.stepper.take({.at_ns = 9, .levels = 0, .mask = step_bit}));
 }
 
-}  // namespace
+}  // namespace simulated_stepper_test
 }  // namespace inbetween

@@ -7,7 +7,7 @@
 #include <vector>
 
 namespace inbetween {
-namespace {
+namespace simulated_switch_test {
 
 constexpr std::int64_t tick_ns = 4'000'000;
 constexpr double speed = 10;  // mm/s, 0.04 mm a tick
@@ -72,7 +72,7 @@ TEST(SimulatedSwitch, TheTimeOfAnEdgeIsThatOfTheCurvedMotion) {
 TEST(SimulatedSwitch, BouncesForNoLongerThanItSaysAndEndsActuated) {
   int bounced = 0;
   for (std::uint32_t seed = 0; seed < 50; ++seed) {
-    Ride ride({.closes = 1.0, .bounce_s = 0.003, .most_bounces = 5}, 0, seed);
+    Ride ride({.closes = 1.0, .bounce_s = 0.003, .max_bounces = 5}, 0, seed);
     ride.go(speed, 50);
     ASSERT_EQ(ride.events.size() % 2, 1U);
     EXPECT_LE(ride.events.size(), 11U);
@@ -132,5 +132,5 @@ TEST(SimulatedSwitch, ChatteringItOpensAgainAndAgainWhileItIsActuated) {
   EXPECT_FALSE(ride.there.level());
 }
 
-}  // namespace
+}  // namespace simulated_switch_test
 }  // namespace inbetween

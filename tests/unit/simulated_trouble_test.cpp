@@ -10,7 +10,7 @@
 #include "tests/support/simulated_can_rig.hpp"
 
 namespace inbetween {
-namespace {
+namespace simulated_trouble_test {
 
 using Kind = DriveTrouble::Kind;
 
@@ -132,5 +132,5 @@ TEST_F(Trouble, ATargetThatIsIgnoredLetsTheDriveComeToRestByItsRamp) {
   EXPECT_EQ(rig.drive(0).state(), can::Cia402State::operation_enabled);
 }
 
-}  // namespace
+}  // namespace simulated_trouble_test
 }  // namespace inbetween

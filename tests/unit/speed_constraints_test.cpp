@@ -1,4 +1,4 @@
-#include "host_tools/speed_constraints.hpp"
+#include "host_tools/fit/speed_constraints.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/plan.hpp"
+#include "host_tools/plan/plan.hpp"
 
 namespace inbetween {
-namespace {
+namespace speed_constraints_test {
 
 const std::vector<double> drawn = {0, 0, 6, 16, 6, 7, 0, 0};
 
@@ -90,5 +90,5 @@ TEST(MotionSamples, TellHowTheSharesFollowTheCurve) {
   }
 }
 
-}  // namespace
+}  // namespace speed_constraints_test
 }  // namespace inbetween

@@ -1,5 +1,5 @@
 // A speed curve that is changed as little as can be until the move keeps the limits of its rig.
-#include "host_tools/speed_fit.hpp"
+#include "host_tools/fit/speed_fit.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -11,11 +11,11 @@
 #include <utility>
 #include <vector>
 
-#include "host_tools/speed_rewrite.hpp"
+#include "host_tools/files/speed_rewrite.hpp"
 #include "tests/support/refused_text.hpp"
 
 namespace inbetween {
-namespace {
+namespace speed_fit_test {
 
 using testing::AllOf;
 using testing::Each;
@@ -274,5 +274,5 @@ TEST(SpeedFit, TheCurvatureStartMakesTheAccelerationAcrossAnEllipseEven) {
   EXPECT_GT(curved.tracks[0].change, drawn.tracks[0].change) << "the price of it";
 }
 
-}  // namespace
+}  // namespace speed_fit_test
 }  // namespace inbetween

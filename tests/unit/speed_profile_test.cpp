@@ -1,4 +1,4 @@
-#include "inbetween/speed_profile.hpp"
+#include "inbetween/timing/speed_profile.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@
 #include <vector>
 
 namespace inbetween {
-namespace {
+namespace speed_profile_test {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -277,5 +277,5 @@ TEST(ControlValues, OneMoreThanTheMemoryHoldsStatesTheCapacityNeeded) {
   EXPECT_THAT(values, ElementsAre(1, 2, 3, 4));
 }
 
-}  // namespace
+}  // namespace speed_profile_test
 }  // namespace inbetween

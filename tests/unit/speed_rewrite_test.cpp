@@ -1,4 +1,4 @@
-#include "host_tools/speed_rewrite.hpp"
+#include "host_tools/files/speed_rewrite.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -12,12 +12,12 @@
 #include <string_view>
 #include <vector>
 
-#include "host_tools/move_file.hpp"
-#include "host_tools/toml_source.hpp"
+#include "host_tools/files/move_file.hpp"
+#include "host_tools/files/toml_source.hpp"
 #include "tests/support/refused_text.hpp"
 
 namespace inbetween {
-namespace {
+namespace speed_rewrite_test {
 
 using testing::ElementsAreArray;
 
@@ -179,5 +179,5 @@ TEST(SpeedRewrite, RefusesNumbersThatAreNoControlValues) {
   EXPECT_THROW(with_speed(text, "file.toml", 1, std::vector<double>{1}), std::out_of_range);
 }
 
-}  // namespace
+}  // namespace speed_rewrite_test
 }  // namespace inbetween

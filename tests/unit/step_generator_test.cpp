@@ -1,4 +1,4 @@
-#include "inbetween/step_generator.hpp"
+#include "inbetween/steps/step_generator.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 #include "tests/support/step_run.hpp"
 
 namespace inbetween {
-namespace {
+namespace step_generator_test {
 
 constexpr std::int64_t tick_ns = 1'000'000;
 constexpr StepTiming timing{
@@ -245,11 +245,11 @@ TEST(StepGenerator, AnAxisThatCannotBeFollowedStandsAndItsCountIsTrue) {
 
 TEST(StepGenerator, TooLittleMemoryIsRefusedWithWhatIsNeeded) {
   auto generator = StepGenerator<double>::make(spec).value();
-  std::vector<StepEdge> small(generator.most_edges() - 1);
+  std::vector<StepEdge> small(generator.max_edges() - 1);
   const Result<std::size_t> refused = generator.advance({}, small);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::capacity);
-  EXPECT_EQ(refused.error().needed, static_cast<std::int64_t>(generator.most_edges()));
+  EXPECT_EQ(refused.error().needed, static_cast<std::int64_t>(generator.max_edges()));
 }
 
 TEST(StepGenerator, MoreWaitingStepsThanFitAreRefused) {
@@ -327,5 +327,5 @@ TEST(StepGenerator, AVelocityThatNeedsMoreThanTheHighestRateIsRefusedWithWhatItN
             ErrorCode::not_finite);
 }
 
-}  // namespace
+}  // namespace step_generator_test
 }  // namespace inbetween

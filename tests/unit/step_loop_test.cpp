@@ -8,15 +8,15 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/loop_room.hpp"
-#include "host_tools/planned_stops.hpp"
-#include "inbetween/motion_loop.hpp"
-#include "inbetween/step_port.hpp"
+#include "host_tools/check/planned_stops.hpp"
+#include "host_tools/loop/loop_storage.hpp"
+#include "inbetween/loop/motion_loop.hpp"
+#include "inbetween/steps/step_port.hpp"
 #include "sim/simulated_rig.hpp"
 #include "sim/simulated_step_chip.hpp"
 
 namespace inbetween {
-namespace {
+namespace step_loop_test {
 
 using State = SupervisorState;
 
@@ -68,13 +68,13 @@ struct Slider {
   std::array<StepLines, 2> wires{};
   std::vector<StepLane<double>> lanes;
   std::vector<std::vector<StepEdge>> edges;
-  std::vector<StepInstant> instants;
+  std::vector<EdgeInstant> instants;
   std::vector<StepChip<SimulatedStepChip>> chips;
   std::vector<StepLaneState> states{2};
   std::vector<std::span<const StepEdge>> lists{2};
   std::vector<Port> ports;
   SimulatedLines lines;
-  LoopRoom room{2, 2};
+  LoopStorage room{2, 2};
   std::vector<MotionLoop<double, Port, SimulatedLines>> loops;
   std::int64_t now_ns = 1'000'000'000;
 
@@ -87,7 +87,7 @@ struct Slider {
       auto generator =
           StepGenerator<double>::make({steps_per_unit[i], timing, i == 0 ? 60'000.0 : 10'000.0, tick_ns})
               .value();
-      edges.emplace_back(generator.most_edges());
+      edges.emplace_back(generator.max_edges());
       room_for_instants += edges.back().size();
       lanes.push_back({.generator = generator, .edges = {}});
       const double at = i == 0 ? 10 : 100;
@@ -271,5 +271,5 @@ TEST(StepPort, WrongSizesAreRefused) {
   EXPECT_EQ(Port::make(slider.lanes, slider.chips, slider.states, slider.lists, timing).error().axis, 1);
 }
 
-}  // namespace
+}  // namespace step_loop_test
 }  // namespace inbetween

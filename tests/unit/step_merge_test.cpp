@@ -1,4 +1,4 @@
-#include "inbetween/step_merge.hpp"
+#include "inbetween/steps/step_merge.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include <vector>
 
 namespace inbetween {
-namespace {
+namespace step_merge_test {
 
 constexpr StepTiming timing{.pulse_ns = 30, .pause_ns = 50, .dir_setup_ns = 20, .dir_hold_ns = 10};
 constexpr std::int64_t start_ns = 1'000'000;
@@ -50,7 +50,7 @@ void PrintTo(const Instant& instant, std::ostream* out) {
 std::vector<Instant> merged(const std::vector<Edges>& axes, std::int64_t grain_ns = 0) {
   const StepMerge merge = StepMerge::make(lines_of(axes.size()), grain_ns).value();
   std::vector<std::span<const StepEdge>> edges(axes.begin(), axes.end());
-  std::vector<StepInstant> memory(100);
+  std::vector<EdgeInstant> memory(100);
   const std::size_t size = merge.merge(start_ns, edges, memory).value();
   std::vector<Instant> instants;
   for (std::size_t i = 0; i < size; ++i)
@@ -145,7 +145,7 @@ TEST(StepMerge, LinesThatCannotBeAreRefused) {
 
 TEST(StepMerge, EdgesThatBreakTheTimingAreRefused) {
   const StepMerge merge = StepMerge::make(lines_of(2)).value();
-  std::vector<StepInstant> memory(20);
+  std::vector<EdgeInstant> memory(20);
   const Edges good{rise(0), fall(30), rise(80)};
   const auto error_of = [&](const Edges& edges) {
     const std::vector<std::span<const StepEdge>> axes{good, edges};
@@ -166,7 +166,7 @@ TEST(StepMerge, EdgesThatBreakTheTimingAreRefused) {
 TEST(StepMerge, MissingListsAndTooLittleMemoryAreRefused) {
   const StepMerge merge = StepMerge::make(lines_of(2)).value();
   const Edges edges{rise(0), fall(30)};
-  std::vector<StepInstant> memory(1);
+  std::vector<EdgeInstant> memory(1);
   const std::vector<std::span<const StepEdge>> one{edges};
   EXPECT_EQ(merge.merge(0, one, memory).error().code, ErrorCode::wrong_count);
   const std::vector<std::span<const StepEdge>> two{edges, edges};
@@ -176,5 +176,5 @@ TEST(StepMerge, MissingListsAndTooLittleMemoryAreRefused) {
   EXPECT_EQ(refused.error().needed, 4);
 }
 
-}  // namespace
+}  // namespace step_merge_test
 }  // namespace inbetween

@@ -8,9 +8,9 @@
 #include <vector>
 
 namespace inbetween::gpio {
-namespace {
+namespace step_pace_test {
 
-constexpr StepPaceLimits limits{.tolerated_late_ns = 50'000, .least_spacing_ns = 5'000};
+constexpr StepPaceLimits limits{.tolerated_late_ns = 50'000, .min_spacing_ns = 5'000};
 constexpr std::int64_t ms = 1'000'000;
 
 /// A call that begins this late takes no time.
@@ -128,5 +128,5 @@ TEST(StepPace, AfterAnyLatenessThereIsNoBurst) {
   }
 }
 
-}  // namespace
+}  // namespace step_pace_test
 }  // namespace inbetween::gpio

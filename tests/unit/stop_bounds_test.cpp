@@ -1,4 +1,4 @@
-#include "inbetween/stop_bounds.hpp"
+#include "inbetween/limits/stop_bounds.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,12 +8,12 @@
 #include <limits>
 #include <vector>
 
-#include "host_tools/solved_track.hpp"
+#include "host_tools/plan/solved_track.hpp"
 
 /// Stop bounds of moves that are known by hand; random moves and stops are in tests/property.
 
 namespace inbetween {
-namespace {
+namespace stop_bounds_test {
 
 /// Of the playhead, in seconds.
 constexpr double tick = 0.001;
@@ -230,13 +230,13 @@ TEST(StopBounds, TheyFallAndRiseNoFasterThanAStopCanFollow) {
   const double seconds = 10.0 / cells;
   for (std::size_t i = 0; i < cells; ++i) {
     const double jerk = all[i].rate_jerk;
-    const double most_change = std::max(all[i].rate_change, all[i + 1].rate_change);
+    const double max_change = std::max(all[i].rate_change, all[i + 1].rate_change);
     const double low = std::min(all[i].release_jerk, all[i + 1].release_jerk);
     const double high = std::max(all[i].release_jerk, all[i + 1].release_jerk);
     EXPECT_LE(std::fabs(all[i + 1].rate_change - all[i].rate_change) / seconds, jerk * (1 + 1e-12));
     EXPECT_LE(high, jerk);
     EXPECT_LE((high - low) / seconds,
-              2 * low * (jerk - high) / std::min(most_change, std::sqrt(2 * jerk)) * (1 + 1e-9) + 1e-12);
+              2 * low * (jerk - high) / std::min(max_change, std::sqrt(2 * jerk)) * (1 + 1e-9) + 1e-12);
   }
 }
 
@@ -328,5 +328,5 @@ TEST(HighestRate, OfSeveralAxesIsThatOfTheOneNearestItsLimit) {
   EXPECT_NEAR(highest_rate<double>(axes, limits), 2, 1e-12);
 }
 
-}  // namespace
+}  // namespace stop_bounds_test
 }  // namespace inbetween

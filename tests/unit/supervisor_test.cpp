@@ -1,5 +1,5 @@
 // The supervisor's table, whole: every state times every event.
-#include "inbetween/supervisor.hpp"
+#include "inbetween/loop/supervisor.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 #include <vector>
 
 namespace inbetween {
-namespace {
+namespace supervisor_test {
 
 using State = SupervisorState;
 using Event = SupervisorEvent;
@@ -186,5 +186,5 @@ TEST(Supervisor, EveryStateAndEventHasAName) {
   EXPECT_EQ(names.size(), supervisor_events);
 }
 
-}  // namespace
+}  // namespace supervisor_test
 }  // namespace inbetween

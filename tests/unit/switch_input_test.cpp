@@ -1,5 +1,5 @@
 // A switch told by edges and levels, tick by tick, with times in milliseconds.
-#include "inbetween/switch_input.hpp"
+#include "inbetween/homing/switch_input.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <vector>
 
 namespace inbetween {
-namespace {
+namespace switch_input_test {
 
 constexpr std::uint8_t line = 2;
 
@@ -138,7 +138,7 @@ TEST(SwitchInput, MoreEdgesThanASwitchThatBouncesIsChattering) {
     Watched watched({.line = line, .quiet_ns = every_ms > 2 ? 1'000'000 : 3'000'000});
     std::size_t edges = 0;
     bool level = false;
-    for (double now = every_ms; edges < SwitchInput::most_edges; now += every_ms, ++edges) {
+    for (double now = every_ms; edges < SwitchInput::max_edges; now += every_ms, ++edges) {
       level = !level;
       watched.tick(now, level, {edge(now, level)});
     }
@@ -214,5 +214,5 @@ TEST(EmergencyInput, LevelEdgeBrokenWireAndLostEventsAllStopInBothPolarities) {
   }
 }
 
-}  // namespace
+}  // namespace switch_input_test
 }  // namespace inbetween

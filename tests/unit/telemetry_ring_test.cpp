@@ -9,7 +9,7 @@
 #include <thread>
 
 namespace inbetween {
-namespace {
+namespace telemetry_ring_test {
 
 /// Wide enough that a record which is read while it is written shows.
 struct Sample {
@@ -93,5 +93,5 @@ TEST(TelemetryRing, BetweenTwoThreadsEveryRecordArrivesWholeAndInOrderOrIsCounte
   EXPECT_GT(received, 0U);
 }
 
-}  // namespace
+}  // namespace telemetry_ring_test
 }  // namespace inbetween

@@ -1,9 +1,9 @@
-#include "inbetween/tick_chain.hpp"
+#include "inbetween/loop/tick_chain.hpp"
 
 #include <gtest/gtest.h>
 
 namespace inbetween {
-namespace {
+namespace tick_chain_test {
 
 TEST(TickChain, MotionsFollowEachOtherWithoutAGapHoweverTheLoopWakesUp) {
   TickChain chain(1000, 1'000'000);
@@ -60,5 +60,5 @@ TEST(TickChain, AfterAnEndTheNextBeginsAtItsOwnTime) {
   EXPECT_EQ(chain.start_ns(), 20'000'000);
 }
 
-}  // namespace
+}  // namespace tick_chain_test
 }  // namespace inbetween

@@ -1,4 +1,4 @@
-#include "inbetween/track.hpp"
+#include "inbetween/timing/track.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,10 +9,10 @@
 #include <type_traits>
 #include <vector>
 
-#include "host_tools/solved_track.hpp"
+#include "host_tools/plan/solved_track.hpp"
 
 namespace inbetween {
-namespace {
+namespace track_test {
 
 struct PrecisionName {
   template <class Real>
@@ -408,5 +408,5 @@ TEST(Track, KeysInOnePlaceAtTheEndsAreLeftAndReachedAtTheDrawnSpeed) {
   }
 }
 
-}  // namespace
+}  // namespace track_test
 }  // namespace inbetween

@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "host_tools/solved_track.hpp"
-#include "inbetween/track.hpp"
+#include "host_tools/plan/solved_track.hpp"
+#include "inbetween/timing/track.hpp"
 #include "tests/support/oracle_path.hpp"
 #include "tests/support/oracle_profile.hpp"
 #include "tests/support/run_program.hpp"
@@ -17,7 +17,7 @@
 /// The ways of timing other than one drawn curve: portions between breaks, and a frame for every key.
 
 namespace inbetween {
-namespace {
+namespace track_timing_test {
 
 long double widened(double value) {
   return static_cast<long double>(value);
@@ -370,5 +370,5 @@ TEST(KeyFrames, WhatTheFileGetsWrongIsOneLineAtTheKey) {
   }
 }
 
-}  // namespace
+}  // namespace track_timing_test
 }  // namespace inbetween

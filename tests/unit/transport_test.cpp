@@ -1,5 +1,5 @@
 // The tape recorder: keys as a terminal sends them, and what they do to a running move.
-#include "host_tools/transport.hpp"
+#include "host_tools/motions/transport.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,14 +10,14 @@
 #include <vector>
 
 #include "drivers/linux/interrupt_watch.hpp"
-#include "host_tools/loop_room.hpp"
-#include "host_tools/run.hpp"
-#include "host_tools/staged_move.hpp"
-#include "host_tools/start_signal.hpp"
+#include "host_tools/loop/loop_storage.hpp"
+#include "host_tools/motions/run.hpp"
+#include "host_tools/motions/staged_move.hpp"
+#include "host_tools/motions/start_signal.hpp"
 #include "tests/support/run_program.hpp"
 
 namespace inbetween {
-namespace {
+namespace transport_test {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -189,9 +189,9 @@ TEST(Transport, ATriggerThatCameBeforeAnybodyWaitedStartsNothing) {
   plan.played().positions({plan.played().first_frame(), 0}, start);
   std::vector<double> standing(rig.axes.size());
   for (std::size_t d = 0; d < start.size(); ++d) standing[plan.axis_of(d)] = start[d];
-  const auto lines = RigLines::simulated(rig, standing);
+  const auto lines = RigInputs::simulated(rig, standing);
   const auto drives = RigDrives::simulated(rig, standing);
-  LoopRoom room(rig.axes.size(), rig.axes.size());
+  LoopStorage room(rig.axes.size(), rig.axes.size());
   RunLoop loop(*drives, *lines, room.memory());
   StagedMove staged(plan);
   PressedTooEarly trigger;
@@ -210,5 +210,5 @@ TEST(Transport, ATriggerThatCameBeforeAnybodyWaitedStartsNothing) {
   EXPECT_EQ(loop.state(), SupervisorState::running);
 }
 
-}  // namespace
+}  // namespace transport_test
 }  // namespace inbetween

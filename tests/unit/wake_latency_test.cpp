@@ -1,4 +1,4 @@
-#include "host_tools/wake_latency.hpp"
+#include "host_tools/loop/wake_latency.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 #include <vector>
 
 namespace inbetween {
-namespace {
+namespace wake_latency_test {
 
 TEST(WakeLatency, IsZeroWhereNothingWasCounted) {
   const WakeLatency summary = WakeLatencyCounter().summary();
@@ -83,5 +83,5 @@ TEST(WakeLatency, ItsHistogramHasAnOctaveALineAndEveryTick) {
   EXPECT_TRUE(WakeLatencyCounter().summary().histogram.empty());
 }
 
-}  // namespace
+}  // namespace wake_latency_test
 }  // namespace inbetween

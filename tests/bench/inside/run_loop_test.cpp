@@ -16,13 +16,13 @@
 #include "drivers/linux/monotonic_clock.hpp"
 #include "drivers/linux/real_time.hpp"
 #include "drivers/linux/telemetry_ring.hpp"
-#include "host_tools/loop_preparations.hpp"
-#include "host_tools/loop_room.hpp"
-#include "host_tools/loop_runner.hpp"
-#include "host_tools/plan.hpp"
-#include "host_tools/sim_drives.hpp"
-#include "host_tools/staged_move.hpp"
-#include "host_tools/transport.hpp"
+#include "host_tools/loop/loop_preparations.hpp"
+#include "host_tools/loop/loop_runner.hpp"
+#include "host_tools/loop/loop_storage.hpp"
+#include "host_tools/motions/sim_drives.hpp"
+#include "host_tools/motions/staged_move.hpp"
+#include "host_tools/motions/transport.hpp"
+#include "host_tools/plan/plan.hpp"
 #include "tests/bench/inside/allowed_calls.hpp"
 
 namespace inbetween {
@@ -95,8 +95,8 @@ struct LoopOnBus {
   Plan plan{parse_move(there, "move.toml"), parse_rig(bench, "rig.toml"), {}};
   StagedMove staged{plan};
   std::unique_ptr<RigDrives> drives = RigDrives::on_rig(*plan.rig());
-  std::unique_ptr<RigLines> lines = RigLines::on_chips(*plan.rig());
-  LoopRoom room{2, 2};
+  std::unique_ptr<RigInputs> lines = RigInputs::on_chips(*plan.rig());
+  LoopStorage room{2, 2};
   RunLoop loop{*drives, *lines, room.memory()};
   LoopTrace trace{2};
   Arming arming{loop};

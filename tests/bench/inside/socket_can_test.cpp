@@ -50,7 +50,7 @@ bool comes_true(Condition condition) {
 /// What comes in until a frame with this first byte does, that one included; at most five seconds.
 std::vector<Frame> received_until(SocketCan& bus, std::uint8_t last) {
   std::vector<Frame> all;
-  std::array<Frame, SocketCan::most_frames> some;
+  std::array<Frame, SocketCan::max_frames> some;
   const bool has_come = comes_true([&] {
     const std::size_t count = bus.receive(some);
     all.insert(all.end(), some.begin(), some.begin() + static_cast<std::ptrdiff_t>(count));
@@ -137,8 +137,8 @@ TEST(SocketCan, OneCallTakesNoMoreThanItIsMadeFor) {
   ASSERT_TRUE(comes_true([&] { return bus.receive(std::span(frames).first(1)) == 1; }));
   EXPECT_EQ(bus.receive(std::span(frames).first(3)), 3U);
   EXPECT_EQ(frames[2], frame_of(0x181, {3}));
-  EXPECT_EQ(bus.receive(frames), SocketCan::most_frames);
-  EXPECT_EQ(bus.receive(frames), 100 - 4 - SocketCan::most_frames);
+  EXPECT_EQ(bus.receive(frames), SocketCan::max_frames);
+  EXPECT_EQ(bus.receive(frames), 100 - 4 - SocketCan::max_frames);
   EXPECT_EQ(bus.receive(frames), 0U);
   EXPECT_EQ(bus.receive({}), 0U);
 }
@@ -147,7 +147,7 @@ TEST(SocketCan, FramesThatAreNotClassicCanAreNotSentNorTheirNeighbours) {
   SocketCan bus;
   open_can0(bus);
   RawBus other("can0");
-  const std::vector<Frame> too_many(SocketCan::most_frames + 1, frame_of(0x201));
+  const std::vector<Frame> too_many(SocketCan::max_frames + 1, frame_of(0x201));
   Frame long_one = frame_of(0x201);
   long_one.length = 9;
   EXPECT_EQ(bus.send(too_many), 0U);

@@ -5,17 +5,17 @@
 #include <span>
 #include <string_view>
 
-#include "inbetween/frame_time.hpp"
-#include "inbetween/path.hpp"
+#include "inbetween/path/path.hpp"
+#include "inbetween/timing/frame_time.hpp"
 
 /// Moves that are the same on every target, because they are constants of the program.
 
 namespace inbetween::embedded {
 
-inline constexpr std::size_t most_keys = 8;
-inline constexpr std::size_t most_axes = 3;
-inline constexpr std::size_t most_values = 12;
-inline constexpr std::int32_t most_move_frames = 240;
+inline constexpr std::size_t max_keys = 8;
+inline constexpr std::size_t max_axes = 3;
+inline constexpr std::size_t max_values = 12;
+inline constexpr std::int32_t max_move_frames = 240;
 
 struct Move {
   std::string_view name;

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <span>
 
-#include "inbetween/hash.hpp"
-#include "inbetween/playhead.hpp"
+#include "inbetween/base/hash.hpp"
+#include "inbetween/play/playhead.hpp"
 #include "tests/embedded/target/played_move.hpp"
 #include "tests/embedded/target/report_line.hpp"
 #include "tests/embedded/target/solved_move.hpp"
@@ -89,7 +89,7 @@ class PlaySession {
     places_.add(playhead_.time().fraction);
     places_.add(playhead_.rate());
     places_.add(playhead_.rate_change());
-    std::array<Real, most_axes> at{};
+    std::array<Real, max_axes> at{};
     played_.move().positions(playhead_.time(), std::span(at).first(played_.move().axis_count()));
     for (const Real position : at) positions_.add(position);
   }

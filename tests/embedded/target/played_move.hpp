@@ -4,12 +4,12 @@
 #include <optional>
 #include <span>
 
-#include "inbetween/limits.hpp"
-#include "inbetween/motion_bounds.hpp"
-#include "inbetween/move.hpp"
-#include "inbetween/roll.hpp"
-#include "inbetween/stop_bounds.hpp"
-#include "inbetween/track.hpp"
+#include "inbetween/limits/limits.hpp"
+#include "inbetween/limits/motion_bounds.hpp"
+#include "inbetween/limits/move.hpp"
+#include "inbetween/limits/roll.hpp"
+#include "inbetween/limits/stop_bounds.hpp"
+#include "inbetween/timing/track.hpp"
 #include "tests/embedded/target/moves.hpp"
 
 /// A solved move as it is played, in memory of its own: with rolls where it needs them, on a rig whose limits
@@ -58,8 +58,8 @@ class PlayedMove {
   Status make_limits() {
     constexpr auto room = Real(1.25);
     constexpr auto anywhere = Real(1e4);
-    std::array<AxisPeaks<Real>, most_axes> peaks;
-    const std::array<PeakSlack<Real>, most_axes> slack{};
+    std::array<AxisPeaks<Real>, max_axes> peaks;
+    const std::array<PeakSlack<Real>, max_axes> slack{};
     if (const Status bounded = bound_motion<Real>(*track_, slack, {stops_.turns}, peaks); !bounded) {
       return bounded;
     }
@@ -99,12 +99,12 @@ class PlayedMove {
   std::optional<inbetween::Move<Real>> move_;
   std::optional<StopBounds<Real>> bounds_;
   std::size_t axes_ = 0;
-  std::array<AxisLimits<Real>, most_axes> limits_{no_limits(), no_limits(), no_limits()};
-  std::array<PlayedAxis<Real>, most_axes> played_;
-  std::array<AxisPeaks<Real>, most_axes> stop_peaks_;
-  std::array<AxisMotion<Real>, most_axes> joints_;
-  std::array<RollAxis<Real>, most_axes> before_, after_;
-  StopBoundsStorage<Real, 256, most_axes> stops_;
+  std::array<AxisLimits<Real>, max_axes> limits_{no_limits(), no_limits(), no_limits()};
+  std::array<PlayedAxis<Real>, max_axes> played_;
+  std::array<AxisPeaks<Real>, max_axes> stop_peaks_;
+  std::array<AxisMotion<Real>, max_axes> joints_;
+  std::array<RollAxis<Real>, max_axes> before_, after_;
+  StopBoundsStorage<Real, 256, max_axes> stops_;
 };
 
 }  // namespace inbetween::embedded

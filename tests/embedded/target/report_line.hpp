@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <string_view>
 
-#include "inbetween/precision.hpp"
-#include "inbetween/result.hpp"
+#include "inbetween/base/precision.hpp"
+#include "inbetween/base/result.hpp"
 #include "tests/embedded/target/console.hpp"
 #include "tests/embedded/target/moves.hpp"
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <array>
 
-#include "inbetween/frame_table.hpp"
-#include "inbetween/track.hpp"
+#include "inbetween/timing/frame_table.hpp"
+#include "inbetween/timing/track.hpp"
 #include "tests/embedded/target/moves.hpp"
 
 /// A constant move, solved in memory of its own.
@@ -43,12 +43,12 @@ class SolvedMove {
     return result.first(numbers.size());
   }
 
-  TrackStorage<Real, most_keys, most_axes, most_values, 500> storage_;
-  std::array<Real, most_keys * most_axes> keys_;
-  std::array<Real, most_axes> weights_;
-  std::array<KeyShape<Real>, most_keys> shapes_;
-  std::array<Real, most_values> speed_;
-  std::array<PathPoint<Real>, most_move_frames + 1> points_;
+  TrackStorage<Real, max_keys, max_axes, max_values, 500> storage_;
+  std::array<Real, max_keys * max_axes> keys_;
+  std::array<Real, max_axes> weights_;
+  std::array<KeyShape<Real>, max_keys> shapes_;
+  std::array<Real, max_values> speed_;
+  std::array<PathPoint<Real>, max_move_frames + 1> points_;
 };
 
 }  // namespace inbetween::embedded

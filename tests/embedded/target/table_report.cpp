@@ -3,14 +3,14 @@
 #include <span>
 #include <string_view>
 
-#include "inbetween/count_track.hpp"
-#include "inbetween/frame_table.hpp"
-#include "inbetween/hash.hpp"
-#include "inbetween/key_timing.hpp"
-#include "inbetween/motion_bounds.hpp"
-#include "inbetween/ode_frame_table.hpp"
-#include "inbetween/playhead.hpp"
-#include "inbetween/track.hpp"
+#include "inbetween/base/hash.hpp"
+#include "inbetween/limits/motion_bounds.hpp"
+#include "inbetween/play/playhead.hpp"
+#include "inbetween/timing/count_track.hpp"
+#include "inbetween/timing/frame_table.hpp"
+#include "inbetween/timing/key_timing.hpp"
+#include "inbetween/timing/ode_frame_table.hpp"
+#include "inbetween/timing/track.hpp"
 #include "tests/embedded/target/console.hpp"
 #include "tests/embedded/target/moves.hpp"
 #include "tests/embedded/target/play_report.hpp"
@@ -34,8 +34,8 @@ constexpr bool has_fused_double = true;
 
 template <Precise Real>
 void hash_ticks(const Track<Real>& track, const Move& move) {
-  std::array<Real, most_axes> positions{};
-  std::array<AxisMotion<Real>, most_axes> motion{};
+  std::array<Real, max_axes> positions{};
+  std::array<AxisMotion<Real>, max_axes> motion{};
   Fnv1a position_hash;
   Fnv1a motion_hash;
   const auto axes = static_cast<std::size_t>(move.axis_count);
@@ -57,9 +57,9 @@ void hash_ticks(const Track<Real>& track, const Move& move) {
 /// What is proven of the move's peaks.
 template <Precise Real>
 void hash_bounds(const Track<Real>& track, const Move& move) {
-  std::array<AxisTurn<Real>, most_axes> turns;
-  const std::array<PeakSlack<Real>, most_axes> slack{};
-  std::array<AxisPeaks<Real>, most_axes> peaks;
+  std::array<AxisTurn<Real>, max_axes> turns;
+  const std::array<PeakSlack<Real>, max_axes> slack{};
+  std::array<AxisPeaks<Real>, max_axes> peaks;
   if (const Status bounded = bound_motion<Real>(track, slack, {turns}, peaks); !bounded) {
     fail(name_of<Real>, move, bounded.error());
     return;
@@ -76,7 +76,7 @@ void hash_bounds(const Track<Real>& track, const Move& move) {
 
 template <Precise Real>
 void hash_counts(const Track<double>& track, const Move& move) {
-  static CountTrackStorage<Real, most_axes, most_values, 560> storage;
+  static CountTrackStorage<Real, max_axes, max_values, 560> storage;
   const std::array scale{move.counts_per_unit, -move.counts_per_unit, move.counts_per_unit / 7};
   const auto axes = static_cast<std::size_t>(move.axis_count);
   const auto counts = CountTrack<Real>::make(track, std::span(scale).first(axes), storage.memory());
@@ -84,7 +84,7 @@ void hash_counts(const Track<double>& track, const Move& move) {
     fail(name_of<Real>, move, counts.error());
     return;
   }
-  std::array<std::int32_t, most_axes> position{};
+  std::array<std::int32_t, max_axes> position{};
   Fnv1a count_hash;
   Fnv1a offset_hash;
   for (std::int64_t tick = 0; tick <= last_tick(move.frames, move.fps, move.rate_hz); ++tick) {
@@ -166,7 +166,7 @@ void report_sizes() {
 /// The paper's solver takes a million evaluations for a table; one short move shows that it is the same too.
 void report_runge_kutta(const Move& move) {
   static SolvedMove<double> solved;
-  static std::array<OdeSegment<double>, most_keys + 1> segments;
+  static std::array<OdeSegment<double>, max_keys + 1> segments;
   const Result<Track<double>> track = solved.solve(move);
   if (!track) {
     fail("runge_kutta", move, track.error());

@@ -5,9 +5,9 @@
 #include <string_view>
 
 #include "examples/firmware/board.hpp"
-#include "inbetween/count_track.hpp"
-#include "inbetween/playhead.hpp"
-#include "inbetween/track.hpp"
+#include "inbetween/play/playhead.hpp"
+#include "inbetween/timing/count_track.hpp"
+#include "inbetween/timing/track.hpp"
 #include "tests/embedded/target/console.hpp"
 #include "tests/embedded/target/moves.hpp"
 #include "tests/embedded/target/played_move.hpp"

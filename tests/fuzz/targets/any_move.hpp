@@ -11,11 +11,11 @@
 #include <limits>
 #include <vector>
 
-#include "inbetween/arc_length.hpp"
-#include "inbetween/frame_time.hpp"
-#include "inbetween/key_timing.hpp"
-#include "inbetween/path.hpp"
-#include "inbetween/track.hpp"
+#include "inbetween/path/arc_length.hpp"
+#include "inbetween/path/path.hpp"
+#include "inbetween/timing/frame_time.hpp"
+#include "inbetween/timing/key_timing.hpp"
+#include "inbetween/timing/track.hpp"
 
 /// A move made from any bytes: mostly one that an animator could draw, often one of the hard cases, and now
 /// and then numbers that must be refused.

@@ -8,26 +8,26 @@
 #include <span>
 #include <vector>
 
-#include "inbetween/arc_length.hpp"
-#include "inbetween/frame_table.hpp"
-#include "inbetween/key_timing.hpp"
-#include "inbetween/ode_frame_table.hpp"
-#include "inbetween/path.hpp"
-#include "inbetween/speed_profile.hpp"
-#include "inbetween/track.hpp"
+#include "inbetween/path/arc_length.hpp"
+#include "inbetween/path/path.hpp"
+#include "inbetween/timing/frame_table.hpp"
+#include "inbetween/timing/key_timing.hpp"
+#include "inbetween/timing/ode_frame_table.hpp"
+#include "inbetween/timing/speed_profile.hpp"
+#include "inbetween/timing/track.hpp"
 #include "tests/fuzz/targets/any_move.hpp"
 
 namespace inbetween {
 namespace {
 
 /// The Runge-Kutta solver takes up to a hundred integrations of the whole move.
-constexpr std::int32_t most_frames_by_runge_kutta = 300;
-constexpr std::int32_t most_frames_here = 2000;
+constexpr std::int32_t max_frames_by_runge_kutta = 300;
+constexpr std::int32_t max_frames_here = 2000;
 /// How far a curve with locked keys may be refined.
-constexpr std::size_t most_values = 200;
+constexpr std::size_t max_values = 200;
 /// Far above what is needed at the smallest delta (about 80) even with cusps; a count that runs away is a
 /// find.
-constexpr std::size_t most_pieces_per_segment = 4000;
+constexpr std::size_t max_pieces_per_segment = 4000;
 
 template <Precise Real>
 class MoveUnderTest {
@@ -52,13 +52,13 @@ class MoveUnderTest {
     const auto track = time(*path, *arc_length);
     if (!checked(track)) return;
     require_finite(track->constant());
-    if (move_.frames > most_frames_here) {
+    if (move_.frames > max_frames_here) {
       evaluate(*track, move_.frames - 3, move_.frames);
       return;
     }
     solve_closed_form(*track);
     evaluate(*track, -1, move_.frames + 1);
-    if (move_.substeps > 0 && move_.frames <= most_frames_by_runge_kutta) solve_runge_kutta(*track);
+    if (move_.substeps > 0 && move_.frames <= max_frames_by_runge_kutta) solve_runge_kutta(*track);
   }
 
  private:
@@ -96,7 +96,7 @@ class MoveUnderTest {
     const auto small = with_room(1);
     if (small || small.error().code != ErrorCode::capacity) return small;
     const auto needed = static_cast<std::size_t>(small.error().needed);
-    require(needed > 1 && needed <= most_pieces_per_segment * segments, "the number of pieces stays bounded");
+    require(needed > 1 && needed <= max_pieces_per_segment * segments, "the number of pieces stays bounded");
     return with_room(needed);
   }
 
@@ -117,7 +117,7 @@ class MoveUnderTest {
       span_distances_.resize(f + 1);
       return Track<Real>::make(path, arc_length, *drawn, move_.frames, move_.fps, {span_distances_});
     }
-    if (move_.frames > most_frames_here) return no_need();
+    if (move_.frames > max_frames_here) return no_need();
     const auto timing = adjust(values, path, arc_length);
     if (!timing) return timing.error();
     return time_with_locks(path, arc_length, *timing);
@@ -129,7 +129,7 @@ class MoveUnderTest {
       key_distances_.push_back(arc_length.segment_begin(i).high);
     }
     const std::size_t rows = move_.locks.size() + 1;
-    for (std::vector<Real>* part : {&adjusted_, &drawn_, &mobility_, &ceiling_}) part->resize(most_values);
+    for (std::vector<Real>* part : {&adjusted_, &drawn_, &mobility_, &ceiling_}) part->resize(max_values);
     locks_.resize(rows + 1);
     targets_.resize(rows);
     multipliers_.resize(4 * rows);

@@ -1,6 +1,6 @@
-// Any text is a script of faults that keeps every promise of host_tools/fault_script.hpp, or is refused in
-// one line.
-#include "host_tools/fault_script.hpp"
+// Any text is a script of faults that keeps every promise of host_tools/files/fault_script.hpp, or is refused
+// in one line.
+#include "host_tools/files/fault_script.hpp"
 
 #include <cstddef>
 #include <cstdint>
@@ -45,10 +45,10 @@ void require_fault(const ScriptedFault& fault) {
   fuzz_require(std::holds_alternative<Cia402Drive>(rig().axes[fault.axis].drive),
                "its drive can have faults");
   fuzz_require(!fault.what.empty(), "a fault has a word");
-  const std::int64_t most_ns = static_cast<std::int64_t>(max_fault_seconds) * 1'000'000'000;
-  fuzz_require(trouble.at_ns >= 0 && trouble.at_ns <= most_ns, "a fault has a time in its range");
+  const std::int64_t max_ns = static_cast<std::int64_t>(max_fault_seconds) * 1'000'000'000;
+  fuzz_require(trouble.at_ns >= 0 && trouble.at_ns <= max_ns, "a fault has a time in its range");
   fuzz_require(trouble.for_ns > 0, "a fault lasts");
-  fuzz_require(trouble.for_ns <= most_ns || trouble.for_ns == DriveTrouble{}.for_ns, "a while, or for good");
+  fuzz_require(trouble.for_ns <= max_ns || trouble.for_ns == DriveTrouble{}.for_ns, "a while, or for good");
   fuzz_require(trouble.frames > 0, "a fault takes frames");
   const bool is_device =
       trouble.kind == DriveTrouble::Kind::no_window || trouble.kind == DriveTrouble::Kind::no_watchdog;

@@ -7,8 +7,8 @@
 #include <string_view>
 #include <variant>
 
-#include "host_tools/position_text.hpp"
-#include "inbetween/hash.hpp"
+#include "host_tools/reference/position_text.hpp"
+#include "inbetween/base/hash.hpp"
 #include "tests/fuzz/targets/fuzz_require.hpp"
 
 namespace inbetween {

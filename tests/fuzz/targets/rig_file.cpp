@@ -1,5 +1,5 @@
-// Any text is a rig that keeps every promise of host_tools/rig_file.hpp, or is refused in one line.
-#include "host_tools/rig_file.hpp"
+// Any text is a rig that keeps every promise of host_tools/files/rig_file.hpp, or is refused in one line.
+#include "host_tools/files/rig_file.hpp"
 
 #include <cmath>
 #include <cstddef>
@@ -26,7 +26,7 @@ void require_scale(const RigAxis& axis, double scale, double most) {
 }
 
 void require_step_times(const RigAxis& axis, const StepDirDrive& drive) {
-  fuzz_require(drive.max_step_rate > 0 && drive.max_step_rate <= most_step_rate,
+  fuzz_require(drive.max_step_rate > 0 && drive.max_step_rate <= max_step_rate,
                "a step rate is in its range");
   fuzz_require(std::fabs(drive.steps_per_unit) * axis.max_velocity <= drive.max_step_rate,
                "an axis is no faster than its drive may step");
@@ -105,10 +105,10 @@ void require_lines(const RigFile& rig) {
 }
 
 void require_drive(const RigAxis& axis) {
-  const double most_counts = std::numeric_limits<std::int32_t>::max();
+  const double max_counts = std::numeric_limits<std::int32_t>::max();
   if (const auto* cia402 = std::get_if<Cia402Drive>(&axis.drive)) {
     fuzz_require(cia402->node >= 1 && cia402->node <= 127, "a CiA 402 node is in 1..127");
-    require_scale(axis, cia402->counts_per_unit, most_counts);
+    require_scale(axis, cia402->counts_per_unit, max_counts);
   } else if (const auto* odrive = std::get_if<OdriveDrive>(&axis.drive)) {
     fuzz_require(odrive->node >= 0 && odrive->node <= 63, "an ODrive node is in 0..63");
     require_scale(axis, odrive->turns_per_unit, max_turns);
@@ -117,11 +117,11 @@ void require_drive(const RigAxis& axis) {
     require_scale(axis, moteus->turns_per_unit, max_turns);
   } else if (const auto* step_dir = std::get_if<StepDirDrive>(&axis.drive)) {
     fuzz_require(!step_dir->chip.empty() && step_dir->step != step_dir->dir, "step and dir are two lines");
-    require_scale(axis, step_dir->steps_per_unit, most_counts);
+    require_scale(axis, step_dir->steps_per_unit, max_counts);
     require_step_times(axis, *step_dir);
   } else if (const auto* pipe = std::get_if<PipeDrive>(&axis.drive)) {
     fuzz_require(!pipe->path.empty(), "a pipe has a path");
-    require_scale(axis, pipe->counts_per_unit, most_counts);
+    require_scale(axis, pipe->counts_per_unit, max_counts);
   }
 }
 

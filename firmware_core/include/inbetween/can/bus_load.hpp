@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "inbetween/result.hpp"
+#include "inbetween/base/result.hpp"
 
 /// How much of a CAN bus the setpoints of a rig take, at worst.
 
@@ -41,7 +41,7 @@ constexpr std::int64_t bus_load_per_mille(const BusUse& use) {
 }
 
 /// How many drives stay within the limit.
-constexpr std::int64_t most_drives(const BusUse& use) {
+constexpr std::int64_t max_drives(const BusUse& use) {
   std::int64_t drives = 0;
   while (drives < 127) {
     BusUse more = use;

@@ -2,8 +2,8 @@
 
 #include <cstdint>
 
+#include "inbetween/base/result.hpp"
 #include "inbetween/can/frame.hpp"
-#include "inbetween/result.hpp"
 
 /// Who sends what under which identifier: the pre-defined connection set of CiA 301, section 7.3.5.
 

@@ -4,10 +4,10 @@
 #include <cstdint>
 #include <optional>
 
+#include "inbetween/base/result.hpp"
 #include "inbetween/can/canopen_id.hpp"
 #include "inbetween/can/frame.hpp"
 #include "inbetween/can/pdo.hpp"
-#include "inbetween/result.hpp"
 
 /// The drive profile CiA 402 (IEC 61800-7-201): its states, the words that move between them, and the process
 /// data of a drive in cyclic synchronous position mode.

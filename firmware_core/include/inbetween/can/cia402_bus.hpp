@@ -5,12 +5,12 @@
 #include <optional>
 #include <span>
 
+#include "inbetween/base/result.hpp"
 #include "inbetween/can/canopen_id.hpp"
 #include "inbetween/can/cia402_drive.hpp"
 #include "inbetween/can/frame.hpp"
 #include "inbetween/can/heartbeat.hpp"
 #include "inbetween/can/sync.hpp"
-#include "inbetween/result.hpp"
 
 namespace inbetween::can {
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "inbetween/base/result.hpp"
 #include "inbetween/can/canopen_id.hpp"
 #include "inbetween/can/cia402.hpp"
 #include "inbetween/can/cia402_setup.hpp"
@@ -12,7 +13,6 @@
 #include "inbetween/can/emergency.hpp"
 #include "inbetween/can/frame.hpp"
 #include "inbetween/can/heartbeat.hpp"
-#include "inbetween/result.hpp"
 
 /// One CiA 402 drive as the host sees it: set up, switched on, given a target every tick, watched.
 

@@ -10,13 +10,13 @@
 #include <optional>
 #include <span>
 
+#include "inbetween/base/precision.hpp"
+#include "inbetween/base/result.hpp"
 #include "inbetween/can/cia402_bus.hpp"
 #include "inbetween/can/cia402_drive.hpp"
 #include "inbetween/can/drive_finding.hpp"
 #include "inbetween/can/frame.hpp"
-#include "inbetween/ports.hpp"
-#include "inbetween/precision.hpp"
-#include "inbetween/result.hpp"
+#include "inbetween/loop/ports.hpp"
 
 /// CiA 402 drives on any number of buses as the drives of a rig (DrivePort).
 
@@ -89,12 +89,12 @@ inline constexpr std::int32_t unsent_ticks_limit = 3;
 template <Precise Real, FrameLink Link>
 class Cia402Port {
  public:
-  static constexpr std::size_t most_lanes = 8;
+  static constexpr std::size_t max_lanes = 8;
 
-  /// Errors: wrong_count (no lane, more than most_lanes, memory that does not fit a bus), out_of_range with
+  /// Errors: wrong_count (no lane, more than max_lanes, memory that does not fit a bus), out_of_range with
   /// axis (no such lane or drive, a scale of 0).
   static Result<Cia402Port> make(std::span<const Cia402Lane<Link>> lanes, std::span<Cia402Axis<Real>> axes) {
-    if (lanes.empty() || lanes.size() > most_lanes) {
+    if (lanes.empty() || lanes.size() > max_lanes) {
       return Error{.code = ErrorCode::wrong_count,
                    .what = "a rig has no bus, or more than its port can serve",
                    .remedy = "use 1 to 8 buses"};
@@ -289,9 +289,9 @@ class Cia402Port {
 
   std::span<const Cia402Lane<Link>> lanes_;
   std::span<Cia402Axis<Real>> axes_;
-  std::array<LaneCounters, most_lanes> counters_{};
-  std::array<std::int32_t, most_lanes> unsent_ticks_{};
-  std::array<bool, most_lanes> was_unsent_{};
+  std::array<LaneCounters, max_lanes> counters_{};
+  std::array<std::int32_t, max_lanes> unsent_ticks_{};
+  std::array<bool, max_lanes> was_unsent_{};
   std::int64_t now_ns_ = 0;
   bool wants_on_ = false;
   bool is_out_of_range_ = false;  ///< a setpoint was: setpoints cease

@@ -4,12 +4,12 @@
 #include <cstdint>
 #include <optional>
 
+#include "inbetween/base/fixed_vector.hpp"
+#include "inbetween/base/result.hpp"
 #include "inbetween/can/canopen_id.hpp"
 #include "inbetween/can/cia402.hpp"
 #include "inbetween/can/drive_finding.hpp"
 #include "inbetween/can/sdo_client.hpp"
-#include "inbetween/fixed_vector.hpp"
-#include "inbetween/result.hpp"
 
 /// How a drive is made ready for cyclic synchronous position mode: a list of objects that are checked or
 /// written, each read back, in the order that CiA 301 asks for.

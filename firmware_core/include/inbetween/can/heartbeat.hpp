@@ -4,10 +4,10 @@
 #include <cstdint>
 #include <optional>
 
+#include "inbetween/base/result.hpp"
 #include "inbetween/can/canopen_id.hpp"
 #include "inbetween/can/frame.hpp"
 #include "inbetween/can/nmt.hpp"
-#include "inbetween/result.hpp"
 
 /// Heartbeats, CiA 301 section 7.2.8.3.2.2. Times are nanoseconds of one monotonic clock of the caller's.
 

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <span>
 
+#include "inbetween/base/fixed_vector.hpp"
+#include "inbetween/base/result.hpp"
 #include "inbetween/can/sdo.hpp"
-#include "inbetween/fixed_vector.hpp"
-#include "inbetween/result.hpp"
 
 /// Which objects travel in a PDO, CiA 301 section 7.5.2.35 ff.
 

@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <optional>
 
+#include "inbetween/base/result.hpp"
 #include "inbetween/can/frame.hpp"
-#include "inbetween/result.hpp"
 
 /// SYNC, CiA 301 section 7.2.5: every drive applies what it has received and samples what it sends.
 

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include "inbetween/base/precision.hpp"
+#include "inbetween/base/setpoint.hpp"
+
+/// Where an axis was at a moment that is told afterwards.
+
+namespace inbetween {
+
+/// The last setpoints of an axis with the times at which they are reached.
+template <Precise Real>
+class SetpointTrail {
+ public:
+  /// Some ticks: an edge is told on the first or second tick after it.
+  static constexpr std::size_t capacity = 16;
+
+  void clear() { count_ = 0; }
+  /// `at_ns` is later than that of the setpoint before; the oldest is forgotten.
+  void push(std::int64_t at_ns, const Setpoint<Real>& setpoint);
+  /// The commanded position, on the polynomial of lowest degree between the two setpoints around it. None
+  /// outside of the trail. O(capacity).
+  [[nodiscard]] std::optional<Real> position_at(std::int64_t at_ns) const;
+
+ private:
+  struct Step {
+    std::int64_t at_ns = 0;
+    Setpoint<Real> setpoint;
+  };
+  [[nodiscard]] const Step& step(std::size_t age) const;
+  static Real between(const Step& from, const Step& to, std::int64_t at_ns);
+
+  std::array<Step, capacity> steps_{};
+  std::size_t count_ = 0;
+  std::size_t newest_ = 0;
+};
+
+extern template class SetpointTrail<double>;
+extern template class SetpointTrail<float>;
+
+}  // namespace inbetween

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "inbetween/timing/track.hpp"
+
+/// Where the motion steps: a corner of the path, a key at which its curvature jumps, a break in the speed, a
+/// move that does not begin or end at rest. Between keys nothing steps but at a cusp, which bound_motion
+/// tells.
+
+namespace inbetween {
+
+/// How much one axis steps, as a magnitude, in axis units and seconds.
+template <Precise Real>
+struct AxisStep {
+  Real velocity = 0;      ///< |velocity leaving - velocity arriving|
+  Real acceleration = 0;  ///< the same of the acceleration
+};
+
+/// The steps of every axis at a key, 0..segment_count (the last is the end of the move, of a closed path the
+/// return to key 0), and the frame, which need not be a whole one, on which the key is met. Before key 0 and
+/// behind the end the rig is at rest.
+///
+/// Both sides are evaluated analytically at the end of one segment and the beginning of the next. Of keys
+/// that lie in one place the first has the steps and the others none. Where the path stands still at the
+/// key (tension 1), the acceleration is that along the path; across it there is no bound, as bound_motion
+/// says. A key that the move comes to rest at, within what a lock promises (1e-12 of the length in double,
+/// 1e-5 in single precision), is met at rest.
+///
+/// `out` has an entry for every axis. No allocation. Cost: a bisection in time, O(log N + axes).
+template <Precise Real>
+Real steps_at_key(const Track<Real>& track, std::int32_t key, std::span<AxisStep<Real>> out);
+
+/// Where the path stands still, P' = 0, between the keys of a segment: there a drawn speed turns its
+/// direction round. At most two. None in a move timed by frames, whose parameter passes such a point
+/// smoothly.
+template <Precise Real>
+struct Standstills {
+  std::array<Real, 2> t{};
+  std::size_t count = 0;
+};
+template <Precise Real>
+Standstills<Real> standstills_within(const Track<Real>& track, std::int32_t segment);
+
+/// As steps_at_key, at a standstill of standstills_within. The acceleration is that along the path.
+template <Precise Real>
+Real steps_at_standstill(const Track<Real>& track, const PathPoint<Real>& point,
+                         std::span<AxisStep<Real>> out);
+
+}  // namespace inbetween

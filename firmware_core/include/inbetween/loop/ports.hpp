@@ -1,0 +1,68 @@
+#pragma once
+
+#include <concepts>
+#include <cstdint>
+#include <span>
+
+#include "inbetween/base/precision.hpp"
+#include "inbetween/base/setpoint.hpp"
+
+/// What the motion loop needs of a rig: hardware and simulation offer the same.
+
+namespace inbetween {
+
+/// What is wrong with a drive, by what the whole rig has to do.
+enum class DriveCondition : std::uint8_t {
+  fine,
+  cannot_follow,  ///< the others can: all slow down together on the path
+  unreachable,    ///< setpoints do not or must not arrive any more
+};
+
+/// What a drive has told until now.
+template <Precise Real>
+struct DriveState {
+  Real actual = 0;  ///< position in axis units
+  bool is_on = false;
+  DriveCondition condition = DriveCondition::fine;
+};
+
+/// The drives of a rig, one for each axis, in its order. Nothing waits. `now_ns` is a monotonic time.
+template <class Drives, class Real>
+concept DrivePort = Precise<Real> &&
+    requires(Drives& drives, std::span<DriveState<Real>> states, std::span<const Setpoint<Real>> setpoints,
+             std::int64_t now_ns) {
+  /// Takes what has arrived, a bounded amount. Once a tick, before anything else.
+  drives.read(states, now_ns);
+  /// The setpoints that the drives shall have reached one tick from now; or none, and then nothing may be
+  /// sent that keeps a drive moving. Once a tick, after everything else.
+  drives.write(setpoints, now_ns);
+  /// Begins to switch the drives on, after whatever has been; DriveState::is_on tells when they are.
+  drives.enable();
+  /// Begins to switch them off.
+  drives.disable();
+  /// Each drive stops by its own ramp.
+  drives.quick_stop();
+};
+
+/// The lines of a rig that are no drive's. Nothing waits.
+template <class Lines>
+concept LinePort = requires(Lines& lines, std::int64_t now_ns) {
+  /// Takes what the inputs tell, a bounded amount. Once a tick, after the drives were read.
+  lines.read(now_ns);
+  { lines.emergency_stop() } -> std::convertible_to<bool>;
+  /// A limit switch has been reached since the last tick.
+  { lines.limit_hit() } -> std::convertible_to<bool>;
+  /// Somebody begins to move the rig: what stopped it before is known and over.
+  lines.begin();
+};
+
+/// The camera of a rig that is shot frame by frame.
+template <class Camera>
+concept CameraPort = requires(Camera& camera, bool is_exposing) {
+  /// The signal that opens its shutter, given once a tick.
+  camera.signal(is_exposing);
+  /// Whether it has asked for the next frame since the last call.
+  { camera.has_triggered() } -> std::convertible_to<bool>;
+};
+
+}  // namespace inbetween

@@ -1,0 +1,155 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "inbetween/base/fixed_vector.hpp"
+#include "inbetween/base/precision.hpp"
+#include "inbetween/base/result.hpp"
+#include "inbetween/play/playhead.hpp"
+#include "inbetween/steps/edge_instant.hpp"
+#include "inbetween/timing/frame_time.hpp"
+
+/// Pulses on lines at places of the time line, at the time at which the playhead passes them.
+
+namespace inbetween {
+
+/// A pulse on a line, 0..63 in its request, that begins when the playhead passes `at`.
+template <Precise Real>
+struct TimedPulse {
+  FrameTime<Real> at;
+  std::int64_t width_ns = 0;  ///< above 0, on the clock, whatever the playhead does meanwhile
+  std::int32_t line = 0;
+};
+
+/// Where a playhead is and how fast time runs there.
+template <Precise Real>
+struct PlayheadPlace {
+  FrameTime<Real> time;
+  Real rate = 0;         ///< Playhead::rate
+  Real rate_change = 0;  ///< Playhead::rate_change
+};
+template <Precise Real>
+PlayheadPlace<Real> place_of(const Playhead<Real>& playhead) {
+  return {playhead.time(), playhead.rate(), playhead.rate_change()};
+}
+
+/// What the playhead did from one place to another, and when.
+template <Precise Real>
+struct CueTick {
+  PlayheadPlace<Real> from, to;
+  Repeat repeated = Repeat::none;  ///< how it went on at an end of the time line, if it passed one
+  std::int64_t start_ns = 0;
+  std::int64_t end_ns = 0;
+};
+
+/// A pulse that begins.
+struct BegunPulse {
+  std::size_t pulse = 0;  ///< of those that CueTimer::make was given
+  std::int64_t at_ns = 0;
+  bool is_merged = false;  ///< its line was still on
+};
+
+/// Room for what a tick brings about, owned by the caller.
+struct CueRoom {
+  std::span<BegunPulse> begun;
+  std::span<EdgeInstant> instants;  ///< instants_for(begun.size())
+};
+constexpr std::size_t instants_for(std::size_t begun) {
+  return 2 * begun + 64;
+}
+
+/// How much of a CueRoom holds something.
+struct CueCount {
+  std::size_t begun = 0;
+  std::size_t instants = 0;
+};
+
+/// Since construction.
+struct CueCounters {
+  std::uint64_t merged = 0;     ///< pulses that began while their line was on
+  std::uint64_t lost = 0;       ///< pulses for which a tick had no room
+  std::uint64_t late_ends = 0;  ///< pulses that were to end between two ticks, and ended with the later one
+};
+
+/// Decides when lines go on and off while a playhead moves.
+///
+/// A pulse begins when the playhead comes to its place, or leaves it, forward; once, even if it rests there.
+/// Backward it begins none, but all that were passed are armed again, that at the turn included. So are those
+/// that a loop or a turn at an end comes to, and all where the playhead is put down elsewhere. What is passed
+/// exactly at the end of a tick begins with the next.
+///
+/// A line is on until the last of its pulses is over. Pulses that overlap, as they may where time runs faster
+/// than drawn, or touch, are one on the line, and counted.
+///
+/// Method: between two ticks the playhead moves as axes between two setpoints do, on the polynomial of lowest
+/// degree, 5, that has place, rate and rate change at both; bisection finds the time. That is how the
+/// playhead moves if the rate change does not bend within the tick; if it does, it is off by less than
+/// |r''| tick^3 / 100 seconds of the time line. Where it comes to an end of the time line it keeps its rate
+/// change until there.
+///
+/// Refers to the pulses. No allocation.
+template <Precise Real>
+class CueTimer {
+ public:
+  static constexpr std::size_t max_lines = 64;
+
+  /// `pulses` are in the order of their places, on a time line from first to last frame.
+  /// Errors: out_of_range with key, the number of the pulse (out of order; its place, line or width).
+  /// O(pulses).
+  static Result<CueTimer> make(std::span<const TimedPulse<Real>> pulses, std::int32_t first_frame,
+                               std::int32_t last_frame, FrameRate fps);
+
+  /// Pulses that begin in the tick and the instants at which lines change, all in [start, end), in the order
+  /// of time. In `levels` on is 1. Errors, with which nothing happens: out_of_range (the tick takes no time,
+  /// or begins before the last one ended), capacity (the instants of the room).
+  /// O(log pulses + 40 a pulse that begins + lines a pulse that ends).
+  Result<CueCount> advance(const CueTick<Real>& tick, CueRoom room);
+  /// For when no tick follows: what was passed exactly at the end of the last tick begins then, and all
+  /// pulses that have begun end, however much later. Errors: capacity.
+  Result<CueCount> end_all(CueRoom room);
+
+  [[nodiscard]] const CueCounters& counters() const { return counters_; }
+
+ private:
+  /// Pulses first..last-1.
+  struct Range {
+    std::size_t first = 0, last = 0;
+  };
+  /// The way of the playhead within a tick, in frames, as a function of time.
+  struct Way;
+  struct Leg;
+  struct Output;
+
+  CueTimer(std::span<const TimedPulse<Real>> pulses, std::int32_t first_frame, std::int32_t last_frame,
+           Real fps)
+      : pulses_(pulses), first_{first_frame, 0}, last_{last_frame, 0}, fps_(fps) {}
+
+  [[nodiscard]] std::size_t first_at(const FrameTime<Real>& time) const;
+  [[nodiscard]] std::size_t first_behind(const FrameTime<Real>& time) const;
+  void go_through(const CueTick<Real>& tick, Output& out);
+  void go(const Leg& leg, const Way& way, Output& out);
+  void begin_due(Output& out);
+  void begin(std::size_t pulse, std::int64_t at_ns, Output& out);
+  void end_before(std::int64_t at_ns, Output& out);
+  [[nodiscard]] static Status check_room(const CueRoom& room);
+
+  std::span<const TimedPulse<Real>> pulses_;
+  FrameTime<Real> first_, last_;
+  Real fps_;
+  bool has_place_ = false;
+  FrameTime<Real> here_;
+  std::size_t next_ = 0;        ///< the first pulse that the playhead comes to on its way forward
+  FixedVector<Range, 2> due_;   ///< passed exactly at the end of the last tick: of both sides of an end
+  std::int64_t ended_ns_ = 0;   ///< the last tick
+  std::uint64_t lines_on_ = 0;  ///< bit i: line i
+  std::array<std::int64_t, max_lines> off_at_ns_{};
+  CueCounters counters_;
+};
+
+extern template class CueTimer<double>;
+extern template class CueTimer<float>;
+
+}  // namespace inbetween

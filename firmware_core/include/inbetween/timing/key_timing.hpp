@@ -1,0 +1,91 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "inbetween/base/precision.hpp"
+#include "inbetween/base/result.hpp"
+
+/// Keys that must be met on a frame, by the least change of the drawn speed curve.
+
+namespace inbetween {
+
+/// A wish about when a key is met.
+struct KeyLock {
+  std::int32_t key = 0;
+  std::int32_t frame = -1;  ///< -1: none, only for a hold; then where the drawn curve arrives
+  std::int32_t hold = 0;    ///< frames that the rig rests at the key, from `frame` on
+  bool breaks = false;      ///< the speed may jump here: each side keeps the drawn shape, with a K of its own
+};
+
+template <Precise Real>
+struct KeyTimingSpec {
+  std::span<const Real> control_values;  ///< as drawn, valid for SpeedProfile::make
+  std::span<const Real> key_distances;   ///< arc length from the start to each key; the last is the total
+  std::span<const KeyLock> locks;        ///< in order of their keys
+  std::int32_t frames = 0;               ///< N
+};
+
+/// The memory of the adjustment, owned by the caller. `locks` etc. are counts: the ends of the move are
+/// two locks more.
+template <Precise Real>
+struct KeyTimingMemory {
+  std::span<Real> adjusted;     ///< control values: the answer; its size bounds the refinement
+  std::span<Real> drawn;        ///< control values
+  std::span<Real> mobility;     ///< control values
+  std::span<Real> ceiling;      ///< control values
+  std::span<KeyLock> locks;     ///< locks + 2
+  std::span<Real> targets;      ///< locks + 1
+  std::span<Real> multipliers;  ///< 4 * (locks + 1)
+  std::span<Real> matrix;       ///< (locks + 1)^2
+};
+
+/// What was done to the drawn curve.
+template <Precise Real>
+struct KeyTiming {
+  std::span<const Real> control_values;  ///< f + 1 of them, in KeyTimingMemory::adjusted
+  std::span<const KeyLock> locks;        ///< the wishes with every frame filled in, in KeyTimingMemory::locks
+  std::int32_t refinements = 0;          ///< how often f was doubled (exactly, without changing the curve)
+  Real largest_change = 0;               ///< of a control value of the refined curve
+  std::int32_t largest_change_at = 0;    ///< its index
+};
+
+/// The control values x nearest to the drawn ones v, sum (x - v)^2 / w least, for which
+/// Phi(a at the lock's frame) / Phi(f) is the key's share of the length, 0 <= x <= 100, and Phi between two
+/// breaks is as drawn. Where the drawn curve stands still (two zeros at an end, three in a row inside) it
+/// goes on to. For a hold the drawn curve is first brought to rest and back within one of its spans on either
+/// side. w is 1, so that the change is the least in the ordinary sense, as long as the curve is not refined.
+/// On a refined curve w rises from 0 at what stands still to 1 within one drawn span: otherwise all of the
+/// change would be piled up beside the rests, and the rig would start with a jerk.
+/// Where no such curve exists, the drawn one is refined, f -> 2 f, up to the memory.
+///
+/// Method: the dual of the problem is smooth and concave in one multiplier per lock, x = clip(v + A^T
+/// lambda); semismooth Newton steps (Qi and Sun 1993), each followed to where the dual is highest. A dual
+/// value above the cost of every curve from 0 to 100 proves that there is none.
+///
+/// Accuracy: each lock is met within 1e-12 (double) or 1e-5 (float) of the length.
+///
+/// Errors: out_of_range (no such key, a frame outside 0..N, the first key not on 0, the last not on N, order
+/// reversed, two keys on one frame: with key and frame), no_solution (with a key that cannot be met),
+/// capacity.
+///
+/// Cost: iterations * f * 5; tens of iterations at most.
+template <Precise Real>
+Result<KeyTiming<Real>> adjust_to_locks(const KeyTimingSpec<Real>& spec, const KeyTimingMemory<Real>& memory);
+
+template <Precise Real, std::size_t Locks, std::size_t Values>
+struct KeyTimingStorage {
+  std::array<Real, Values> adjusted, drawn, mobility, ceiling;
+  std::array<KeyLock, Locks + 2> locks;
+  std::array<Real, Locks + 1> targets;
+  std::array<Real, 4 * (Locks + 1)> multipliers;
+  std::array<Real, (Locks + 1) * (Locks + 1)> matrix;
+
+  [[nodiscard]] KeyTimingMemory<Real> memory() {
+    return {adjusted, drawn, mobility, ceiling, locks, targets, multipliers, matrix};
+  }
+};
+
+}  // namespace inbetween

@@ -1,0 +1,160 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "inbetween/base/fixed_vector.hpp"
+#include "inbetween/base/precision.hpp"
+#include "inbetween/base/result.hpp"
+
+/// The speed curve phi(a) that the animator draws: how fast, in proportion, with no notion of distance.
+
+namespace inbetween {
+
+inline constexpr int largest_control_value = 100;
+
+/// One span of the curve, a in [i, i + 1], as Bezier ordinates. All four are means of neighbouring
+/// control values with weights >= 0, so nothing computed from them leaves the hull of the control
+/// values, and a curve that is >= 0 has an integral that never falls.
+template <Precise Real>
+struct SpeedSpan {
+  Real b0 = 0, b1 = 0, b2 = 0, b3 = 0;
+
+  [[nodiscard]] constexpr Real value(Real t) const {
+    const Real r = 1 - t;
+    return r * r * (r * b0 + 3 * t * b1) + t * t * (3 * r * b2 + t * b3);
+  }
+  [[nodiscard]] constexpr Real derivative(Real t) const {
+    const Real r = 1 - t;
+    return 3 * (r * r * (b1 - b0) + 2 * r * t * (b2 - b1) + t * t * (b3 - b2));
+  }
+  [[nodiscard]] constexpr Real second(Real t) const {
+    return 6 * ((1 - t) * ((b2 - b1) - (b1 - b0)) + t * ((b3 - b2) - (b2 - b1)));
+  }
+  /// Integral from 0 to t: the quartic with Bezier ordinates 0, b0/4, (b0+b1)/4, ...
+  [[nodiscard]] constexpr Real integral(Real t) const {
+    const Real r = 1 - t;
+    const Real s01 = b0 + b1;
+    const Real s02 = s01 + b2;
+    return t * (r * r * r * b0 + t * (Real(1.5) * r * r * s01 + t * (r * s02 + t * (s02 + b3) / 4)));
+  }
+  [[nodiscard]] constexpr Real integral() const { return ((b0 + b1) + (b2 + b3)) / 4; }
+};
+
+/// The memory of a speed profile, owned by the caller.
+template <Precise Real>
+struct SpeedProfileMemory {
+  std::span<SpeedSpan<Real>> spans;   ///< f
+  std::span<TwoSum<Real>> integrals;  ///< f + 1
+};
+
+/// Uniform cubic B-spline with control values v_0..v_f over a = 0..f and natural ends: the phantom
+/// values v_-1 = 2 v_0 - v_1 and v_f+1 = 2 v_f - v_f-1 make the second derivative zero there
+/// (Bartels, Beatty and Barsky 1987, ch. 4). Hence phi(0) = v_0, phi(f) = v_f and
+/// min v <= phi <= max v. Refers to the caller's memory.
+template <Precise Real>
+class SpeedProfile {
+ public:
+  /// No curve, for a track that is timed by the frames of its keys: span_count() is 0.
+  static SpeedProfile none() { return {}; }
+  /// Errors: wrong_count (none), not_finite, out_of_range (outside [0, 100], with the index of the
+  /// control value), capacity. One value means two equal ones. Cost: linear in f.
+  static Result<SpeedProfile> make(std::span<const Real> control_values,
+                                   const SpeedProfileMemory<Real>& memory);
+
+  /// f, the number of spans: a runs over [0, f].
+  [[nodiscard]] std::int32_t span_count() const { return static_cast<std::int32_t>(spans_.size()); }
+  [[nodiscard]] const SpeedSpan<Real>& span(std::int32_t index) const {
+    return spans_[static_cast<std::size_t>(index)];
+  }
+  /// Phi at the start of span `index`, 0..f; Phi(f) at index f.
+  [[nodiscard]] const TwoSum<Real>& integral_before(std::int32_t index) const {
+    return integrals_[static_cast<std::size_t>(index)];
+  }
+  [[nodiscard]] Real total_integral() const { return integrals_.back().high; }
+
+  /// phi, phi', phi'' and Phi at a in [0, f]; a outside is a defect of the caller.
+  [[nodiscard]] Real value(Real a) const { return at(a).value(local(a)); }
+  [[nodiscard]] Real derivative(Real a) const { return at(a).derivative(local(a)); }
+  [[nodiscard]] Real second(Real a) const { return at(a).second(local(a)); }
+  [[nodiscard]] Real integral(Real a) const {
+    const TwoSum<Real>& before = integral_before(index(a));
+    return before.high + (before.low + at(a).integral(local(a)));
+  }
+
+ private:
+  SpeedProfile() = default;
+  [[nodiscard]] std::int32_t index(Real a) const {
+    const auto whole = static_cast<std::int32_t>(a);
+    return whole < span_count() ? whole : span_count() - 1;
+  }
+  [[nodiscard]] const SpeedSpan<Real>& at(Real a) const { return span(index(a)); }
+  [[nodiscard]] Real local(Real a) const { return a - static_cast<Real>(index(a)); }
+
+  std::span<const SpeedSpan<Real>> spans_;
+  std::span<const TwoSum<Real>> integrals_;
+};
+
+template <Precise Real, std::size_t ControlValues>
+struct SpeedProfileStorage {
+  std::array<SpeedSpan<Real>, (ControlValues > 1 ? ControlValues : 2) - 1> spans;
+  std::array<TwoSum<Real>, (ControlValues > 1 ? ControlValues : 2)> integrals;
+
+  [[nodiscard]] SpeedProfileMemory<Real> memory() { return {spans, integrals}; }
+};
+
+/// The drawn list of control values, as the animator edits it; SpeedProfile::make turns it into a curve.
+template <Precise Real, std::size_t Capacity>
+using ControlValues = FixedVector<Real, Capacity>;
+
+/// Finite and within 0..100, or the error that names the control value.
+template <Precise Real>
+Status check_control_value(Real value, std::int32_t index);
+
+/// The four edits of a drawn curve. `index` as in FixedVector; a value that would leave 0..100 is
+/// refused, never clamped, and the list stays as it was.
+template <Precise Real, std::size_t Capacity>
+Status insert_control_value(ControlValues<Real, Capacity>& values, std::size_t index, Real value) {
+  if (const Status valid = check_control_value(value, static_cast<std::int32_t>(index)); !valid) return valid;
+  return values.insert(index, value);
+}
+
+/// The last control value cannot be erased: a curve has at least one.
+template <Precise Real, std::size_t Capacity>
+Status erase_control_value(ControlValues<Real, Capacity>& values, std::size_t index) {
+  if (values.size() == 1) {
+    return Error{.code = ErrorCode::wrong_count,
+                 .what = "the last control value cannot be erased",
+                 .remedy = "insert another one first",
+                 .control_value = 0};
+  }
+  return values.erase(index);
+}
+
+/// Adds `by` (negative lowers) to one control value.
+template <Precise Real, std::size_t Capacity>
+Status raise_control_value(ControlValues<Real, Capacity>& values, std::size_t index, Real by) {
+  if (index >= values.size()) {
+    return Error{.code = ErrorCode::out_of_range,
+                 .what = "there is no such control value",
+                 .remedy = "name one from 0 to the number of values less one",
+                 .control_value = static_cast<std::int32_t>(index)};
+  }
+  const Real raised = values[index] + by;
+  if (const Status valid = check_control_value(raised, static_cast<std::int32_t>(index)); !valid)
+    return valid;
+  values[index] = raised;
+  return Done{};
+}
+
+template <Precise Real, std::size_t Capacity>
+Status lower_control_value(ControlValues<Real, Capacity>& values, std::size_t index, Real by) {
+  return raise_control_value(values, index, -by);
+}
+
+extern template class SpeedProfile<double>;
+extern template class SpeedProfile<float>;
+
+}  // namespace inbetween

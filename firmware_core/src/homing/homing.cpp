@@ -1,0 +1,285 @@
+#include "inbetween/homing/homing.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace inbetween {
+namespace {
+
+HomingSignal signal_of(SwitchChange change) {
+  switch (change) {
+    case SwitchChange::noise:
+      return HomingSignal::noise;
+    case SwitchChange::activated:
+      return HomingSignal::activated;
+    case SwitchChange::released:
+      return HomingSignal::released;
+    case SwitchChange::edge:
+    case SwitchChange::none:
+      break;
+  }
+  return HomingSignal::edge;
+}
+
+Error refusal(const char* what, const char* remedy) {
+  return {.code = ErrorCode::out_of_range, .what = what, .remedy = remedy};
+}
+
+}  // namespace
+
+template <Precise Real>
+Result<AxisHoming<Real>> AxisHoming<Real>::make(const HomingSpec<Real>& spec, FreeAxis<Real>& axis) {
+  for (const Real number : {spec.at, spec.fast, spec.slow, spec.search, spec.leave, spec.back_off}) {
+    if (!std::isfinite(number)) {
+      return Error{.code = ErrorCode::not_finite,
+                   .what = "a number of the homing is not finite",
+                   .remedy = "give numbers"};
+    }
+  }
+  for (const Real magnitude : {spec.fast, spec.slow, spec.search, spec.leave, spec.back_off}) {
+    if (!(magnitude > 0)) {
+      return refusal("a way or a speed of the homing is not above 0", "give ways and speeds as magnitudes");
+    }
+  }
+  if (spec.slow > spec.fast || spec.fast > axis.limits().velocity) {
+    return refusal("a speed of the homing is too high",
+                   "give a slow one up to the fast one, and that up to the velocity of the axis");
+  }
+  const Result<SwitchInput> input = SwitchInput::make(spec.home);
+  if (!input) return input.error();
+  return AxisHoming(spec, *input, axis);
+}
+
+/// As far as any phase may bring it from its start.
+template <Precise Real>
+Real AxisHoming<Real>::reach() const {
+  const FreeAxisLimits<Real>& limits = axis_->limits();
+  const Real stop = spec_.fast * (spec_.fast / limits.acceleration + limits.acceleration / limits.jerk);
+  return spec_.search + spec_.leave + 4 * (spec_.back_off + spike_way() + stop);
+}
+
+/// A spike and a bounce that were taken for the first edge of the fast search made it early by no more.
+template <Precise Real>
+Real AxisHoming<Real>::spike_way() const {
+  constexpr Real second = 1'000'000'000;
+  return spec_.fast * 4 * (static_cast<Real>(spec_.home.quiet_ns) / second);
+}
+
+template <Precise Real>
+Status AxisHoming<Real>::can_begin(const HomingInput& input) const {
+  if (is_moving() || !axis_->is_resting()) return refusal("an axis moves already", "stop it first");
+  if (input.limit_hit) {
+    return refusal("an axis stands on a limit switch",
+                   "drive it off the switch, slowly, and look where it goes");
+  }
+  if (input.drive_fault) return refusal("the drive of an axis has a fault", "see what the drive tells");
+  const Real here = axis_->position();
+  if (!(std::fabs(here) + reach() <= Precision<Real>::largest && here - spec_.back_off < here &&
+        here + spec_.back_off > here)) {
+    return refusal("the ways of the homing are too far to be computed",
+                   "shorten them, or begin with a position near 0");
+  }
+  return Done{};
+}
+
+template <Precise Real>
+bool AxisHoming<Real>::is_moving() const {
+  return phase_ != HomingPhase::waiting && phase_ != HomingPhase::referenced && phase_ != HomingPhase::failed;
+}
+
+template <Precise Real>
+void AxisHoming<Real>::begin(std::int64_t now_ns, const HomingInput& input) {
+  start_ = axis_->position();
+  failure_ = HomingFailure::none;
+  phase_ = HomingPhase::waiting;
+  is_located_ = false;
+  shift_ = 0;
+  trail_.clear();
+  trail_.push(now_ns, axis_->state());
+  switch_.start(now_ns, input.level);
+  if (!axis_->set_range(start_ - reach(), start_ + reach())) __builtin_trap();
+  apply(HomingSignal::begin);
+}
+
+template <Precise Real>
+void AxisHoming<Real>::observe(std::int64_t now_ns, const HomingInput& input,
+                               std::span<const LineEvent> events) {
+  if (!is_moving()) return;
+  const SwitchChange change = switch_.update(now_ns, input.level, events);
+  if (change != SwitchChange::none || switch_.is_changing()) locate_edge();
+  if (phase_ == HomingPhase::stopping) {
+    if (axis_->is_resting()) apply(HomingSignal::rested_off);
+    return;
+  }
+  if (const HomingFailure found = fault(input); found != HomingFailure::none) {
+    fail(found);
+    return;
+  }
+  if (change != SwitchChange::none) apply(signal_of(change));
+  if (axis_->is_resting() && !switch_.is_changing()) {
+    apply(switch_.is_active() ? HomingSignal::rested_on : HomingSignal::rested_off);
+  }
+}
+
+template <Precise Real>
+HomingFailure AxisHoming<Real>::fault(const HomingInput& input) const {
+  if (input.drive_fault) return HomingFailure::drive_fault;
+  if (input.limit_hit) return HomingFailure::limit_hit;
+  if (switch_.has_lost_events()) return HomingFailure::events_lost;
+  if (switch_.is_chattering()) return HomingFailure::chattering;
+  return HomingFailure::none;
+}
+
+/// As soon as its time is known, because the trail is short.
+template <Precise Real>
+void AxisHoming<Real>::locate_edge() {
+  if (is_located_ && switch_.edge_ns() == located_ns_) return;
+  located_ns_ = switch_.edge_ns();
+  const std::optional<Real> position = trail_.position_at(located_ns_);
+  is_located_ = switch_.is_timed() && position.has_value();
+  edge_ = position.value_or(axis_->position());
+}
+
+template <Precise Real>
+void AxisHoming<Real>::apply(HomingSignal signal) {
+  const HomingStep step = homing_step(phase_, signal);
+  phase_ = step.phase;
+  if (step.failure != HomingFailure::none) failure_ = step.failure;
+  act(step.action);
+}
+
+template <Precise Real>
+void AxisHoming<Real>::act(HomingAction action) {
+  switch (action) {
+    case HomingAction::leave:
+      go_to(start_ - towards(spec_.leave), spec_.fast);
+      break;
+    case HomingAction::clear:
+      mark_ = edge_;
+      go_to(mark_ - towards(spec_.back_off), spec_.fast);
+      break;
+    case HomingAction::search:
+      go_to(start_ + towards(spec_.search), spec_.fast);
+      break;
+    case HomingAction::stop:
+      axis_->stop();
+      break;
+    case HomingAction::mark:
+      mark();
+      break;
+    case HomingAction::mark_stop:
+      axis_->stop();
+      mark();
+      break;
+    case HomingAction::back_off:
+      go_to(mark_ - towards(spec_.back_off), spec_.fast);
+      break;
+    case HomingAction::approach:
+      go_to(mark_ + towards(spec_.back_off + spike_way()), spec_.slow);
+      break;
+    case HomingAction::refer:
+      shift_ = spec_.at - mark_;
+      break;
+    case HomingAction::none:
+      break;
+  }
+}
+
+/// The slow approach is worth what the time of its edge is worth.
+template <Precise Real>
+void AxisHoming<Real>::mark() {
+  mark_ = edge_;
+  if (phase_ == HomingPhase::latching && !is_located_) fail(HomingFailure::events_lost);
+}
+
+template <Precise Real>
+void AxisHoming<Real>::fail(HomingFailure failure) {
+  if (homing_step(phase_, HomingSignal::abort).phase == phase_) return;
+  failure_ = failure;
+  apply(HomingSignal::abort);
+}
+
+/// The range has room for every way, so that nothing is refused.
+template <Precise Real>
+void AxisHoming<Real>::go_to(Real position, Real speed) {
+  if (!axis_->go_to(position, speed)) __builtin_trap();
+}
+
+template <Precise Real>
+void AxisHoming<Real>::halt() {
+  axis_->halt();
+  if (!is_moving()) return;
+  if (failure_ == HomingFailure::none) failure_ = HomingFailure::stopped;
+  apply(HomingSignal::cut);
+}
+
+template <Precise Real>
+Status Homing<Real>::start(std::int64_t now_ns, std::span<const HomingInput> inputs) {
+  if (inputs.size() != axes_.size()) {
+    return Error{.code = ErrorCode::wrong_count,
+                 .what = "the homing has not an input for every axis",
+                 .remedy = "give one for each",
+                 .needed = static_cast<std::int64_t>(axes_.size())};
+  }
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    const Status possible = axes_[i].can_begin(inputs[i]);
+    if (possible) continue;
+    Error error = possible.error();
+    error.axis = static_cast<std::int32_t>(i);
+    return error;
+  }
+  failed_axis_ = -1;
+  for (std::size_t i = 0; i < axes_.size(); ++i) axes_[i].begin(now_ns, inputs[i]);
+  return Done{};
+}
+
+template <Precise Real>
+HomingState Homing<Real>::tick(std::int64_t now_ns, std::span<const HomingInput> inputs,
+                               std::span<const LineEvent> events, std::span<Setpoint<Real>> out) {
+  if (inputs.size() < axes_.size() || out.size() < axes_.size()) __builtin_trap();
+  for (std::size_t i = 0; i < axes_.size(); ++i) axes_[i].observe(now_ns, inputs[i], events);
+  for (std::size_t i = 0; i < axes_.size() && failed_axis_ < 0; ++i) {
+    const HomingFailure failure = axes_[i].failure();
+    if (failure == HomingFailure::none || failure == HomingFailure::stopped) continue;
+    failed_axis_ = static_cast<std::int32_t>(i);
+    stop_all_for(HomingFailure::other_axis);
+  }
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    out[i] = axes_[i].axis_->tick();
+    axes_[i].trail_.push(now_ns + delay_ns_, out[i]);
+  }
+  return state();
+}
+
+template <Precise Real>
+void Homing<Real>::stop() {
+  stop_all_for(HomingFailure::stopped);
+}
+
+template <Precise Real>
+void Homing<Real>::stop_all_for(HomingFailure failure) {
+  for (AxisHoming<Real>& axis : axes_) axis.fail(failure);
+}
+
+template <Precise Real>
+void Homing<Real>::halt() {
+  for (AxisHoming<Real>& axis : axes_) axis.halt();
+}
+
+template <Precise Real>
+HomingState Homing<Real>::state() const {
+  const auto is = [](HomingPhase phase) {
+    return [phase](const AxisHoming<Real>& axis) { return axis.phase() == phase; };
+  };
+  if (std::ranges::all_of(axes_, is(HomingPhase::waiting))) return HomingState::waiting;
+  if (std::ranges::any_of(axes_, &AxisHoming<Real>::is_moving)) return HomingState::moving;
+  return std::ranges::any_of(axes_, is(HomingPhase::failed)) ? HomingState::failed : HomingState::done;
+}
+
+template class AxisHoming<double>;
+template class AxisHoming<float>;
+template class Homing<double>;
+template class Homing<float>;
+
+}  // namespace inbetween

@@ -1,0 +1,262 @@
+#include "inbetween/limits/motion_bounds.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "motion_enclosure.hpp"
+#include "time_pieces.hpp"
+
+namespace inbetween {
+namespace {
+
+/// What is proven may be this much above the largest value found: half of what is promised.
+template <Precise Real>
+inline constexpr Real closeness = Real(0.005);
+/// A stretch halved so often is given as it is.
+constexpr std::int32_t max_halvings = 44;
+/// So small that most of the width of a bound can be rounding.
+constexpr std::int32_t halvings_before_rounding = 10;
+/// Of a stretch, before any of it is proven: a peak found early saves work on all that is lower.
+constexpr int samples_per_stretch = 6;
+
+constexpr std::size_t quantities = motion_quantities;
+template <Precise Real>
+using Triple = MotionTriple<Real>;
+
+template <Precise Real>
+class MotionBounds {
+ public:
+  MotionBounds(const Track<Real>& track, std::span<const PeakSlack<Real>> slack,
+               std::span<AxisTurn<Real>> turns, std::span<AxisPeaks<Real>> out)
+      : track_(track),
+        axes_(static_cast<std::size_t>(track.path().axis_count())),
+        slack_(slack),
+        out_(out.first(axes_)),
+        walk_(track),
+        enclosure_(track, turns) {}
+
+  void run() {
+    for (std::size_t d = 0; d < axes_; ++d) bound_position(d);
+    walk_.run([this](const Stretch<Real>& stretch) { sample(stretch); });
+    walk_.run([this](const Stretch<Real>& stretch) { prove(stretch); });
+    for (std::size_t d = 0; d < axes_; ++d) {
+      const auto peaks = peaks_of(out_[d]);
+      for (std::size_t i = 0; i < quantities; ++i) {
+        peaks[i]->value = std::max(peaks[i]->value, best_[d][i]) * (1 + bound_rounding<Real>);
+      }
+    }
+  }
+
+ private:
+  struct Box {
+    MotionBox<Real> box;
+    std::uint64_t open = 0;  ///< axes of which something is not proven yet
+    std::int32_t halvings = 0;
+  };
+
+  static std::array<Peak<Real>*, quantities> peaks_of(AxisPeaks<Real>& axis) {
+    return {&axis.velocity, &axis.acceleration, &axis.jerk};
+  }
+
+  // --- position
+
+  void bound_position(std::size_t d) {
+    AxisPeaks<Real>& axis = out_[d];
+    axis = {};
+    const Path<Real>& path = track_.path();
+    PathPoint<Real> lowest;
+    PathPoint<Real> highest;
+    const Real start = path.segment(0)[d].c0;
+    axis.lowest.value = axis.highest.value = start;
+    const auto take = [&](Real value, const PathPoint<Real>& point) {
+      if (value < axis.lowest.value) {
+        axis.lowest.value = value;
+        lowest = point;
+      }
+      if (value > axis.highest.value) {
+        axis.highest.value = value;
+        highest = point;
+      }
+    };
+    for (std::int32_t i = 0; i < path.segment_count(); ++i) {
+      const Cubic<Real>& cubic = path.segment(i)[d];
+      for (const Real t : turning_points(cubic)) {
+        if (t > 0 && t < 1) take(cubic.value(t), {i, t});
+      }
+      take(path.segment(i + 1)[d].c0, {i + 1, 0});
+    }
+    axis.lowest.frame = frame_of(lowest);
+    axis.highest.frame = frame_of(highest);
+  }
+  /// Where the derivative is 0; what is outside (0, 1) does not matter.
+  static std::array<Real, 2> turning_points(const Cubic<Real>& cubic) {
+    const Real a = 3 * cubic.c3;
+    const Real b = 2 * cubic.c2;
+    const Real discriminant = b * b - 4 * a * cubic.c1;
+    if (discriminant < 0) return {-1, -1};
+    const Real r = -(b + std::copysign(std::sqrt(discriminant), b)) / 2;
+    return {a != 0 ? r / a : Real(-1), r != 0 ? cubic.c1 / r : Real(-1)};
+  }
+  /// The frame on which the move reaches a point of the path.
+  [[nodiscard]] Real frame_of(const PathPoint<Real>& point) const {
+    Real low = 0;
+    auto high = static_cast<Real>(track_.frames());
+    for (int i = 0; i < std::numeric_limits<Real>::digits; ++i) {
+      const Real middle = low + (high - low) / 2;
+      const auto whole = static_cast<std::int32_t>(middle);
+      const PathPoint<Real> here = track_.locate({whole, middle - static_cast<Real>(whole)});
+      const bool is_there =
+          here.segment > point.segment || (here.segment == point.segment && here.t >= point.t);
+      (is_there ? high : low) = middle;
+    }
+    return high;
+  }
+
+  // --- the largest values found
+
+  void sample(const Stretch<Real>& stretch) {
+    enclosure_.show(stretch.path);
+    take_reversal(stretch);
+    for (int i = 0; i <= samples_per_stretch; ++i) {
+      const Real share = static_cast<Real>(i) / samples_per_stretch;
+      const Real x = stretch.begin + share * (stretch.end - stretch.begin);
+      const Real tau = i == 0                     ? stretch.tau_begin
+                       : i == samples_per_stretch ? stretch.tau_end
+                                                  : walk_.tau_at(stretch.time, stretch.path, x);
+      const MotionSurroundings<Real> point = enclosure_.at(stretch.time, x, tau);
+      for (std::size_t d = 0; d < axes_; ++d) raise(d, enclosure_.here(d, point), stretch.time.frame(x));
+    }
+  }
+  void take_reversal(const Stretch<Real>& stretch) {
+    for (const bool at_end : {false, true}) {
+      if (!enclosure_.turns_back(stretch, at_end)) continue;
+      const Real x = at_end ? stretch.end : stretch.begin;
+      for (std::size_t d = 0; d < axes_; ++d) {
+        if (!enclosure_.steps_where_it_turns_back(d)) continue;
+        const Real unbounded = std::numeric_limits<Real>::infinity();
+        out_[d].acceleration = {unbounded, stretch.time.frame(x)};
+        out_[d].jerk = {unbounded, stretch.time.frame(x)};
+      }
+    }
+  }
+
+  void raise(std::size_t d, const Triple<Real>& values, Real frame) {
+    const auto peaks = peaks_of(out_[d]);
+    for (std::size_t i = 0; i < quantities; ++i) {
+      const Real value = std::fabs(values[i]);
+      if (!(value > best_[d][i]) || !std::isfinite(value)) continue;
+      best_[d][i] = value;
+      if (std::isfinite(peaks[i]->value)) peaks[i]->frame = frame;
+    }
+  }
+
+  // --- the proof
+
+  void prove(const Stretch<Real>& stretch) {
+    enclosure_.show(stretch.path);
+    std::array<Box, max_halvings + 2> stack;
+    std::size_t count = 0;
+    Box whole{.box = {.begin = stretch.begin, .end = stretch.end}};
+    whole.box.tau_begin = stretch.tau_begin;
+    whole.box.tau_end = stretch.tau_end;
+    whole.open = axes_ < max_bounded_axes ? (std::uint64_t{1} << axes_) - 1 : ~std::uint64_t{0};
+    stack[count++] = whole;
+    while (count > 0) {
+      Box next = stack[--count];
+      MotionBox<Real>& box = next.box;
+      box.x = box.begin + (box.end - box.begin) / 2;
+      box.tau = walk_.tau_at(stretch.time, stretch.path, box.x);
+      const std::uint64_t open = prove_box(stretch.time, next);
+      if (open == 0) continue;
+      stack[count++] = {{box.x, box.end, box.tau, box.tau_end}, open, next.halvings + 1};
+      stack[count++] = {{box.begin, box.x, box.tau_begin, box.tau}, open, next.halvings + 1};
+    }
+  }
+
+  /// Bounds every open axis on a box and returns those that have to be halved.
+  std::uint64_t prove_box(const TimePiece<Real>& time, const Box& whole) {
+    const MotionBox<Real>& box = whole.box;
+    const MotionSurroundings<Real> surroundings = enclosure_.around(time, box);
+    const bool is_last = whole.halvings >= max_halvings || box.x <= box.begin || box.x >= box.end;
+    std::uint64_t still_open = 0;
+    for (std::size_t d = 0; d < axes_; ++d) {
+      const std::uint64_t bit = std::uint64_t{1} << d;
+      if ((whole.open & bit) == 0) continue;
+      const auto [here, bounds] = enclosure_.range(d, surroundings);
+      raise(d, here, time.frame(box.x));
+      if (is_last || is_close(d, bounds) ||
+          (whole.halvings >= halvings_before_rounding && is_rounding(d, bounds, time, box))) {
+        accept(d, bounds, time.frame(box.x));
+      } else {
+        still_open |= bit;
+      }
+    }
+    return still_open;
+  }
+
+  /// What is found without a bound needs no proof of another.
+  [[nodiscard]] Real allowed(std::size_t d, std::size_t quantity) const {
+    const std::array<Real, quantities> values{out_[d].velocity.value, out_[d].acceleration.value,
+                                              out_[d].jerk.value};
+    if (values[quantity] > std::numeric_limits<Real>::max()) return values[quantity];
+    const Triple<Real> slack{slack_[d].velocity, slack_[d].acceleration, slack_[d].jerk};
+    return best_[d][quantity] * (1 + closeness<Real>)+slack[quantity] / 2;
+  }
+  [[nodiscard]] bool is_close(std::size_t d, const Triple<Real>& bounds) const {
+    for (std::size_t i = 0; i < quantities; ++i) {
+      if (!(bounds[i] <= allowed(d, i))) return false;
+    }
+    return true;
+  }
+  /// Halving does not help any more: at the very point rounding alone, that of the place at a time included,
+  /// takes the bound half as far.
+  [[nodiscard]] bool is_rounding(std::size_t d, const Triple<Real>& bounds, const TimePiece<Real>& time,
+                                 const MotionBox<Real>& box) const {
+    const Triple<Real> floor = enclosure_.range(d, enclosure_.around(time, box.middle())).bound;
+    for (std::size_t i = 0; i < quantities; ++i) {
+      if (!(bounds[i] <= allowed(d, i)) && !(bounds[i] <= 2 * floor[i] && floor[i] > allowed(d, i)))
+        return false;
+    }
+    return true;
+  }
+  void accept(std::size_t d, const Triple<Real>& bounds, Real frame) {
+    const auto peaks = peaks_of(out_[d]);
+    for (std::size_t i = 0; i < quantities; ++i) {
+      if (!(bounds[i] > peaks[i]->value)) continue;
+      peaks[i]->value = bounds[i];
+      if (!(bounds[i] <= allowed(d, i))) peaks[i]->frame = frame;
+    }
+  }
+
+  const Track<Real>& track_;
+  std::size_t axes_;
+  std::span<const PeakSlack<Real>> slack_;
+  std::span<AxisPeaks<Real>> out_;
+  StretchWalk<Real> walk_;
+  MotionEnclosure<Real> enclosure_;
+  std::array<Triple<Real>, max_bounded_axes> best_{};
+};
+
+}  // namespace
+
+template <Precise Real>
+Status bound_motion(const Track<Real>& track, std::span<const PeakSlack<Real>> slack,
+                    const MotionBoundsMemory<Real>& memory, std::span<AxisPeaks<Real>> out) {
+  const auto axes = static_cast<std::size_t>(track.path().axis_count());
+  if (axes > max_bounded_axes || memory.turns.size() < axes || slack.size() < axes || out.size() < axes) {
+    return Error{.code = ErrorCode::capacity,
+                 .what = "the track has more axes than the memory of its bounds",
+                 .remedy = "give it a larger capacity; 64 axes at most",
+                 .needed = static_cast<std::int64_t>(axes)};
+  }
+  MotionBounds<Real>(track, slack, memory.turns, out).run();
+  return Done{};
+}
+
+template Status bound_motion(const Track<double>&, std::span<const PeakSlack<double>>,
+                             const MotionBoundsMemory<double>&, std::span<AxisPeaks<double>>);
+template Status bound_motion(const Track<float>&, std::span<const PeakSlack<float>>,
+                             const MotionBoundsMemory<float>&, std::span<AxisPeaks<float>>);
+
+}  // namespace inbetween

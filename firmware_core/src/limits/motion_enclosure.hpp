@@ -1,0 +1,126 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+
+#include "base/interval.hpp"
+#include "inbetween/limits/motion_bounds.hpp"
+#include "inbetween/timing/track.hpp"
+#include "time_pieces.hpp"
+
+/// Velocity, acceleration and jerk of every axis of a track over a short stretch of time, enclosed. The
+/// method is that of bound_motion (motion_bounds.hpp); what is done with the enclosures is up to the caller.
+
+namespace inbetween {
+
+/// Rounding of a bound as a whole, and of the place in time at which the factors of a product are taken: a
+/// bound that is made of enclosures is multiplied by 1 and this.
+template <Precise Real>
+inline constexpr Real bound_rounding = std::numeric_limits<Real>::digits > 30 ? Real(1e-6) : Real(1e-3);
+
+/// One factor and its derivatives: T, T', T'' along the path, or w, w', w'' in time.
+template <Precise Real>
+struct MotionFactor {
+  std::array<Centred<Real>, motion_quantities> part;
+};
+
+/// A part of a stretch: `x` in its middle and tau there.
+template <Precise Real>
+struct MotionBox {
+  Real begin = 0, end = 1;
+  Real tau_begin = 0, tau_end = 0;
+  Real x = 0;
+  Real tau = 0;
+
+  /// The box that has nothing but its middle.
+  [[nodiscard]] MotionBox middle() const { return {x, x, tau, tau, x, tau}; }
+};
+
+/// What the axes have in common on a box.
+template <Precise Real>
+struct MotionSurroundings {
+  Real tau = 0;
+  Real tau_radius = 0;
+  Real seconds = 0;  ///< from the middle to the further end
+  Centred<Real> speed_squared;
+  MotionFactor<Real> speed;
+};
+
+/// One axis on a box, in axis units and seconds.
+template <Precise Real>
+struct MotionRange {
+  MotionTriple<Real> here;   ///< in the middle
+  MotionTriple<Real> bound;  ///< of the magnitude anywhere on the box; infinity where there is none
+};
+
+/// Usage: show(path) for the piece of the path, around(...) for the box, range(d, ...) for each axis. Refers
+/// to the track and to `turns`, an entry for each axis.
+template <Precise Real>
+class MotionEnclosure {
+ public:
+  MotionEnclosure(const Track<Real>& track, std::span<AxisTurn<Real>> turns)
+      : track_(track),
+        axes_(static_cast<std::size_t>(track.path().axis_count())),
+        turns_(turns.first(axes_)) {}
+
+  /// What follows is about this piece of the path. O(axes^2), nothing if it is the one of before.
+  void show(const PathPiece<Real>& piece);
+
+  /// The surroundings of a single moment.
+  [[nodiscard]] MotionSurroundings<Real> at(const TimePiece<Real>& time, Real x, Real tau) const;
+  [[nodiscard]] MotionSurroundings<Real> around(const TimePiece<Real>& time,
+                                                const MotionBox<Real>& box) const;
+
+  /// Of an axis in the middle of a box. O(1).
+  [[nodiscard]] MotionTriple<Real> here(std::size_t d, const MotionSurroundings<Real>& box) const;
+  /// The same, and how far it can be from that on the box. O(1).
+  [[nodiscard]] MotionRange<Real> range(std::size_t d, const MotionSurroundings<Real>& box) const;
+
+  /// Inside a segment the path stands still and is passed at a speed, at the end or the beginning of this
+  /// stretch: the direction turns to its opposite.
+  [[nodiscard]] bool turns_back(const Stretch<Real>& stretch, bool at_end) const;
+  /// ... which is a step of this axis.
+  [[nodiscard]] bool steps_where_it_turns_back(std::size_t d) const { return turns_[d].first[1] != 0; }
+
+ private:
+  using Triple = MotionTriple<Real>;
+  using Factor = MotionFactor<Real>;
+
+  void show_parameter(std::span<const Cubic<Real>> cubics);
+  void turn(std::size_t d);
+  [[nodiscard]] Factor path_factor(std::size_t d, const MotionSurroundings<Real>& box) const;
+  static Centred<Real> quotient(const Centred<Real>& a, Real scale, Real value, Real low, Real high);
+  [[nodiscard]] Factor time_factor(const TimePiece<Real>& time, Real x, Real radius) const;
+  [[nodiscard]] Real tau_rounding(Real tau) const;
+  [[nodiscard]] Real steepest(std::size_t d) const;
+  [[nodiscard]] Triple bounds_of(const Factor& t, Real steepest, const MotionSurroundings<Real>& box,
+                                 const Triple& here) const;
+  static Triple middle(const Factor& factor) {
+    return {factor.part[0].value, factor.part[1].value, factor.part[2].value};
+  }
+  static Triple product(const Triple& t, const Triple& w) {
+    return {t[0] * w[0], t[1] * w[0] * w[0] + t[0] * w[1],
+            t[2] * w[0] * w[0] * w[0] + 3 * t[1] * w[0] * w[1] + t[0] * w[2]};
+  }
+  /// In the units of the track.
+  [[nodiscard]] Triple scaled_up(const Triple& values) const {
+    return {values[0] * scale_, values[1] * scale_, values[2] * scale_};
+  }
+
+  const Track<Real>& track_;
+  std::size_t axes_;
+  std::span<AxisTurn<Real>> turns_;
+  PathPiece<Real> shown_{.segment = -1, .index = -1, .exponent = 0, .interval = {}};
+  Real scale_ = 1;
+  Real inverse_scale_ = 1;
+};
+
+extern template class MotionEnclosure<double>;
+extern template class MotionEnclosure<float>;
+
+}  // namespace inbetween

@@ -1,0 +1,292 @@
+#include "inbetween/limits/motion_steps.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include "base/scaled_norm.hpp"
+#include "path/segment_speed.hpp"
+
+namespace inbetween {
+namespace {
+
+/// Twice what a lock promises, as a share of the length.
+template <Precise Real>
+inline constexpr Real lock_share = std::numeric_limits<Real>::digits > 30 ? Real(2e-12) : Real(2e-5);
+
+/// Speed and acceleration along the path.
+template <Precise Real>
+struct Pace {
+  Real speed = 0;
+  Real acceleration = 0;
+};
+
+/// The way into a point of the path or out of it, and the pace there.
+template <Precise Real>
+struct Side {
+  std::int32_t segment = 0;
+  Real t = 0;
+  bool arriving = false;
+  Pace<Real> pace;
+};
+
+template <Precise Real>
+Real frame_of(const Track<Real>& track, const CurvePlace<Real>& place) {
+  return (static_cast<Real>(place.span) + place.t) * static_cast<Real>(track.frames()) /
+         static_cast<Real>(track.profile().span_count());
+}
+
+template <Precise Real>
+Pace<Real> pace_at(const Track<Real>& track, const CurvePlace<Real>& place, Real constant) {
+  const SpeedSpan<Real>& span = track.profile().span(place.span);
+  const Real rate = track.curve_rate();
+  return {constant * rate * span.value(place.t), constant * rate * rate * span.derivative(place.t)};
+}
+
+/// The first time behind frame 0, to the last bit, at which `target` plus `offset` is travelled; the end
+/// where it is not.
+template <Precise Real>
+FrameTime<Real> first_time(const Track<Real>& track, const TwoSum<Real>& target, Real offset) {
+  const auto is_there = [&](const FrameTime<Real>& time) {
+    return track.distance(time).minus(target) >= offset;
+  };
+  std::int32_t before = 0;
+  std::int32_t reached = track.frames();
+  while (reached - before > 1) {
+    const std::int32_t middle = before + (reached - before) / 2;
+    (is_there({middle, 0}) ? reached : before) = middle;
+  }
+  if (!is_there({reached, 0})) return {reached, 0};
+  Real low = 0;
+  Real high = 1;
+  for (int i = 0; i < std::numeric_limits<Real>::digits; ++i) {
+    const Real middle = low + (high - low) / 2;
+    (is_there({before, middle}) ? high : low) = middle;
+  }
+  return high < 1 ? FrameTime<Real>{before, high} : FrameTime<Real>{reached, 0};
+}
+
+/// Where on the speed curve a distance is reached. The curve is 0 only where a span begins or ends, or all
+/// along one: of the places that are as near as a lock is, the slowest beginning of a span.
+template <Precise Real>
+CurvePlace<Real> place_of_distance(const Track<Real>& track, const TwoSum<Real>& target) {
+  const Real margin = lock_share<Real> * track.arc_length().total();
+  const CurvePlace<Real> first = track.place(first_time(track, target, -margin));
+  const CurvePlace<Real> last = track.place(first_time(track, target, margin));
+  if (first.span == last.span) return {first.span, first.t + (last.t - first.t) / 2};
+  CurvePlace<Real> slowest{last.span, 0};
+  for (std::int32_t span = last.span - 1; span > first.span; --span) {
+    const SpeedProfile<Real>& profile = track.profile();
+    if (profile.span(span).b0 < profile.span(slowest.span).b0) slowest.span = span;
+  }
+  return slowest;
+}
+
+template <Precise Real>
+bool has_length(const Track<Real>& track, std::int32_t segment) {
+  return track.arc_length().segment_begin(segment + 1).minus(track.arc_length().segment_begin(segment)) > 0;
+}
+
+/// Velocity and acceleration of every axis on one side.
+template <Precise Real>
+class SidedMotion {
+ public:
+  SidedMotion(const Track<Real>& track, const Side<Real>& side)
+      : path_(track.path()),
+        side_(side),
+        cubics_(path_.segment(side.segment)),
+        sigma_(path_.parametric_speed({side.segment, side.t})),
+        second_(norm([&](const Cubic<Real>& cubic) { return cubic.second(side.t); })),
+        third_(norm([](const Cubic<Real>& cubic) { return cubic.third(); })) {
+    const Real t = side.t;
+    // Inside a segment the sides are different only where the path stands still.
+    stands_still_ = (t > 0 && t < 1) || sigma_ <= still_speed_share<Real> * (second_ + third_);
+    if (stands_still_) return;
+    Real change = 0;  // d sigma / dt
+    for (std::size_t d = 0; d < cubics_.size(); ++d) {
+      const Real weight = path_.weights()[d];
+      change += weight * cubics_[d].derivative(t) / sigma_ * (weight * cubics_[d].second(t));
+    }
+    rate_ = side.pace.speed / sigma_;
+    rate_change_ = (side.pace.acceleration - change * rate_ * rate_) / sigma_;
+  }
+
+  [[nodiscard]] AxisStep<Real> axis(std::size_t d) const {
+    const Cubic<Real>& cubic = cubics_[d];
+    const Real t = side_.t;
+    if (stands_still_) {
+      const Real direction = direction_of(cubic);
+      return {direction * side_.pace.speed, direction * side_.pace.acceleration};
+    }
+    const Real first = cubic.derivative(t);
+    return {first * rate_, cubic.second(t) * rate_ * rate_ + first * rate_change_};
+  }
+
+ private:
+  template <class Derivative>
+  [[nodiscard]] Real norm(const Derivative& derivative) const {
+    return scaled_norm<Real>(cubics_.size(),
+                             [&](std::size_t d) { return path_.weights()[d] * derivative(cubics_[d]); });
+  }
+  /// The limit of P' / |P'| on this side.
+  [[nodiscard]] Real direction_of(const Cubic<Real>& cubic) const {
+    if (second_ > still_speed_share<Real> * third_) {
+      return (side_.arriving ? -cubic.second(side_.t) : cubic.second(side_.t)) / second_;
+    }
+    return third_ > 0 ? cubic.third() / third_ : Real(0);
+  }
+
+  const Path<Real>& path_;
+  Side<Real> side_;
+  std::span<const Cubic<Real>> cubics_;
+  Real sigma_ = 0, second_ = 0, third_ = 0;
+  Real rate_ = 0, rate_change_ = 0;  ///< ds/dt and its change
+  bool stands_still_ = false;
+};
+
+/// Adds the velocity and acceleration of one side, with a sign.
+template <Precise Real>
+void add_side(const Track<Real>& track, const Side<Real>& side, Real sign, std::span<AxisStep<Real>> out) {
+  if (side.pace.speed == 0 && side.pace.acceleration == 0) return;
+  const SidedMotion<Real> motion(track, side);
+  for (std::size_t d = 0; d < out.size(); ++d) {
+    const AxisStep<Real> axis = motion.axis(d);
+    out[d].velocity += sign * axis.velocity;
+    out[d].acceleration += sign * axis.acceleration;
+  }
+}
+
+/// A move timed by frames: the pace is that of the parameter.
+template <Precise Real>
+void add_interval(const Track<Real>& track, std::int32_t segment, Real t, Real sign,
+                  std::span<AxisStep<Real>> out) {
+  const KeyInterval<Real>& interval = track.key_intervals()[static_cast<std::size_t>(segment)];
+  const ParameterRates<Real> rates = interval.rates(t, track.frame_rate());
+  const std::span<const Cubic<Real>> cubics = track.path().segment(segment);
+  for (std::size_t d = 0; d < out.size(); ++d) {
+    const Real slope = cubics[d].derivative(t);
+    out[d].velocity += sign * (slope * rates.first);
+    out[d].acceleration += sign * (cubics[d].second(t) * rates.first * rates.first + slope * rates.second);
+  }
+}
+
+template <Precise Real>
+Real add_key_of_frames(const Track<Real>& track, std::int32_t key, std::span<AxisStep<Real>> out) {
+  const std::int32_t segments = track.path().segment_count();
+  if (key > 0) add_interval(track, key - 1, Real(1), Real(-1), out);
+  if (key >= segments) return static_cast<Real>(track.frames());
+  add_interval(track, key, Real(0), Real(1), out);
+  return static_cast<Real>(track.key_intervals()[static_cast<std::size_t>(key)].begin_frame);
+}
+
+/// The constants with which the curve arrives at a place and leaves it, and the place itself: where a portion
+/// begins there, that is its frame.
+template <Precise Real>
+struct MetPlace {
+  CurvePlace<Real> place;
+  Real arriving = 0;
+  Real leaving = 0;
+};
+
+template <Precise Real>
+MetPlace<Real> find_distance(const Track<Real>& track, const TwoSum<Real>& target) {
+  const std::span<const Portion<Real>> portions = track.portions();
+  if (portions.empty()) return {place_of_distance(track, target), track.constant(), track.constant()};
+  const Real margin = lock_share<Real> * track.arc_length().total();
+  for (std::size_t i = 1; i < portions.size(); ++i) {
+    const FrameTime<Real> begin{portions[i].begin_frame, 0};
+    if (std::fabs(track.distance(begin).minus(target)) <= margin) {
+      return {track.place(begin), portions[i - 1].constant, portions[i].constant};
+    }
+  }
+  const CurvePlace<Real> place = place_of_distance(track, target);
+  const Real frame = frame_of(track, place);
+  Real constant = portions.front().constant;
+  for (const Portion<Real>& portion : portions) {
+    if (static_cast<Real>(portion.begin_frame) <= frame) constant = portion.constant;
+  }
+  return {place, constant, constant};
+}
+
+template <Precise Real>
+Real add_key_of_curve(const Track<Real>& track, std::int32_t key, std::span<AxisStep<Real>> out) {
+  const std::int32_t segments = track.path().segment_count();
+  const std::int32_t f = track.profile().span_count();
+  std::int32_t next = key;
+  while (next < segments && !has_length(track, next)) ++next;
+  MetPlace<Real> met;
+  if (key == 0) {
+    met = {{0, 0}, 0, track.portions().empty() ? track.constant() : track.portions().front().constant};
+  } else if (next >= segments) {
+    met = {{f - 1, 1}, track.portions().empty() ? track.constant() : track.portions().back().constant, 0};
+  } else {
+    met = find_distance(track, track.arc_length().segment_begin(key));
+  }
+  const Real frame = frame_of(track, met.place);
+  if (key > 0 && !has_length(track, key - 1)) return frame;  // the key before it is here too
+  if (key > 0) {
+    add_side(track, {key - 1, Real(1), true, pace_at(track, met.place, met.arriving)}, Real(-1), out);
+  }
+  if (next < segments) {
+    add_side(track, {next, Real(0), false, pace_at(track, met.place, met.leaving)}, Real(1), out);
+  }
+  return frame;
+}
+
+template <Precise Real>
+void make_magnitudes(std::span<AxisStep<Real>> axes) {
+  for (AxisStep<Real>& axis : axes) {
+    axis.velocity = std::fabs(axis.velocity);
+    axis.acceleration = std::fabs(axis.acceleration);
+  }
+}
+
+}  // namespace
+
+template <Precise Real>
+Real steps_at_key(const Track<Real>& track, std::int32_t key, std::span<AxisStep<Real>> out) {
+  const std::span<AxisStep<Real>> axes = out.first(static_cast<std::size_t>(track.path().axis_count()));
+  for (AxisStep<Real>& axis : axes) axis = {};
+  if (track.path().segment_count() == 0) return 0;
+  const Real frame =
+      track.has_profile() ? add_key_of_curve(track, key, axes) : add_key_of_frames(track, key, axes);
+  make_magnitudes(axes);
+  return frame;
+}
+
+template <Precise Real>
+Standstills<Real> standstills_within(const Track<Real>& track, std::int32_t segment) {
+  Standstills<Real> found;
+  if (!track.has_profile()) return found;
+  const SegmentSpeed<Real> speed(track.path().segment(segment), track.path().weights());
+  if (speed.is_still()) return found;
+  const AnchoredIntervals<Real> split = split_where_slow(speed);
+  for (std::size_t i = 0; i < split.count; ++i) {
+    const AnchoredInterval<Real>& interval = split.intervals[i];
+    const bool inside = interval.anchor > 0 && interval.anchor < 1;
+    if (!inside || !interval.stands_still || !interval.forward) continue;
+    if (found.count < found.t.size()) found.t[found.count++] = interval.anchor;
+  }
+  return found;
+}
+
+template <Precise Real>
+Real steps_at_standstill(const Track<Real>& track, const PathPoint<Real>& point,
+                         std::span<AxisStep<Real>> out) {
+  const std::span<AxisStep<Real>> axes = out.first(static_cast<std::size_t>(track.path().axis_count()));
+  for (AxisStep<Real>& axis : axes) axis = {};
+  const MetPlace<Real> met = find_distance(track, track.arc_length().distance(track.path(), point));
+  add_side(track, {point.segment, point.t, true, pace_at(track, met.place, met.arriving)}, Real(-1), axes);
+  add_side(track, {point.segment, point.t, false, pace_at(track, met.place, met.leaving)}, Real(1), axes);
+  make_magnitudes(axes);
+  return frame_of(track, met.place);
+}
+
+template double steps_at_key(const Track<double>&, std::int32_t, std::span<AxisStep<double>>);
+template float steps_at_key(const Track<float>&, std::int32_t, std::span<AxisStep<float>>);
+template Standstills<double> standstills_within(const Track<double>&, std::int32_t);
+template Standstills<float> standstills_within(const Track<float>&, std::int32_t);
+template double steps_at_standstill(const Track<double>&, const PathPoint<double>&,
+                                    std::span<AxisStep<double>>);
+template float steps_at_standstill(const Track<float>&, const PathPoint<float>&, std::span<AxisStep<float>>);
+
+}  // namespace inbetween

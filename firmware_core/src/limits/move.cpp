@@ -1,0 +1,122 @@
+#include "inbetween/limits/move.hpp"
+
+#include <algorithm>
+
+namespace inbetween {
+namespace {
+
+template <Precise Real>
+Status check_rolls(std::span<const RollAxis<Real>> rolls, RollEnd end, const Track<Real>& track,
+                   std::size_t axes) {
+  if (rolls.empty()) return Done{};
+  if (rolls.size() != axes) {
+    return Error{.code = ErrorCode::wrong_count,
+                 .what = "a roll has not as many axes as the move",
+                 .remedy = "give it one for each axis of all tracks",
+                 .needed = static_cast<std::int64_t>(axes)};
+  }
+  const std::int32_t joint_frame = end == RollEnd::before ? 0 : track.frames();
+  for (std::size_t d = 0; d < rolls.size(); ++d) {
+    const RollSpan& span = rolls[d].span();
+    if (span.end == end && span.joint_frame == joint_frame && span.frames == rolls.front().span().frames &&
+        span.fps == track.frame_rate()) {
+      continue;
+    }
+    return Error{.code = ErrorCode::out_of_range,
+                 .what = "a roll does not join the move",
+                 .remedy = "give all axes one number of frames, the frame rate of the move and frame 0 or N",
+                 .axis = static_cast<std::int32_t>(d),
+                 .frame = joint_frame};
+  }
+  return Done{};
+}
+
+}  // namespace
+
+template <Precise Real>
+bool is_moving(const Track<Real>& track, RollEnd end) {
+  const bool at_start = end == RollEnd::before;
+  if (!track.has_profile()) {
+    const std::span<const KeyInterval<Real>> intervals = track.key_intervals();
+    const KeyInterval<Real>& interval = at_start ? intervals.front() : intervals.back();
+    return interval.rates(at_start ? Real{0} : Real{1}, track.frame_rate()).first != 0;
+  }
+  const SpeedProfile<Real>& profile = track.profile();
+  return (at_start ? profile.span(0).b0 : profile.span(profile.span_count() - 1).b3) > 0;
+}
+
+template <Precise Real>
+bool joints_of(std::span<const Track<Real>> tracks, RollEnd end, std::span<AxisMotion<Real>> out) {
+  bool moves = false;
+  for (const Track<Real>& track : tracks) {
+    const auto axes = static_cast<std::size_t>(track.path().axis_count());
+    const std::span<AxisMotion<Real>> joints = out.first(axes);
+    out = out.subspan(axes);
+    track.motion({end == RollEnd::before ? 0 : track.frames(), 0}, joints);
+    const bool rests = !is_moving(track, end);
+    for (AxisMotion<Real>& joint : joints) {
+      if (rests) joint = {.position = joint.position};
+      moves = moves || joint.velocity != 0 || joint.acceleration != 0;
+    }
+  }
+  return moves;
+}
+
+template <Precise Real>
+Result<Move<Real>> Move<Real>::make(std::span<const Track<Real>> tracks, const MoveRolls<Real>& rolls) {
+  if (tracks.empty()) {
+    return Error{.code = ErrorCode::wrong_count, .what = "a move has no track", .remedy = "give it one"};
+  }
+  Move move(tracks, rolls);
+  for (const Track<Real>& track : tracks) {
+    if (track.frames() != move.frames() || track.frame_rate() != move.frame_rate()) {
+      return Error{.code = ErrorCode::out_of_range,
+                   .what = "the tracks of a move differ in frames or frame rate",
+                   .remedy = "solve all of them in the same"};
+    }
+    move.axis_count_ += static_cast<std::size_t>(track.path().axis_count());
+  }
+  for (const RollEnd end : {RollEnd::before, RollEnd::after}) {
+    const std::span<const RollAxis<Real>> of_end = end == RollEnd::before ? rolls.before : rolls.after;
+    const Status valid = check_rolls(of_end, end, tracks.front(), move.axis_count_);
+    if (!valid) return valid.error();
+  }
+  move.first_frame_ = rolls.before.empty() ? 0 : -rolls.before.front().span().frames;
+  move.last_frame_ = move.frames() + (rolls.after.empty() ? 0 : rolls.after.front().span().frames);
+  return move;
+}
+
+template <Precise Real>
+void Move<Real>::positions(const FrameTime<Real>& time, std::span<Real> out) const {
+  const std::span<const RollAxis<Real>> rolls = rolls_at(time);
+  for (std::size_t d = 0; d < rolls.size(); ++d) out[d] = rolls[d].motion(time).position;
+  if (!rolls.empty()) return;
+  for (const Track<Real>& track : tracks_) {
+    const auto axes = static_cast<std::size_t>(track.path().axis_count());
+    track.positions(time, out.first(axes));
+    out = out.subspan(axes);
+  }
+}
+
+template <Precise Real>
+Derivatives Move<Real>::motion(const FrameTime<Real>& time, std::span<AxisMotion<Real>> out) const {
+  const std::span<const RollAxis<Real>> rolls = rolls_at(time);
+  for (std::size_t d = 0; d < rolls.size(); ++d) out[d] = rolls[d].motion(time);
+  Derivatives worst = Derivatives::exact;
+  if (!rolls.empty()) return worst;
+  for (const Track<Real>& track : tracks_) {
+    const auto axes = static_cast<std::size_t>(track.path().axis_count());
+    worst = std::max(worst, track.motion(time, out.first(axes)));
+    out = out.subspan(axes);
+  }
+  return worst;
+}
+
+template bool is_moving(const Track<double>&, RollEnd);
+template bool is_moving(const Track<float>&, RollEnd);
+template bool joints_of(std::span<const Track<double>>, RollEnd, std::span<AxisMotion<double>>);
+template bool joints_of(std::span<const Track<float>>, RollEnd, std::span<AxisMotion<float>>);
+template class Move<double>;
+template class Move<float>;
+
+}  // namespace inbetween

@@ -1,0 +1,363 @@
+#include "inbetween/limits/stop_bounds.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/cube_root.hpp"
+#include "motion_cells.hpp"
+#include "stop_pairs.hpp"
+
+namespace inbetween {
+namespace {
+
+/// A release is planned with a little less than could be followed exactly: a playhead that advances in ticks
+/// is off by rounding, which grows while the rate falls, and needs room to come back. The set stays viable:
+/// the smaller Q is, the steeper it may be. Held by playhead_test (AStopAtEveryTick...).
+template <Precise Real>
+inline constexpr Real release_share = Real(0.99);
+
+/// A cell's supremum this share of a limit above the truth costs a thousandth of a stop.
+template <Precise Real>
+inline constexpr Real slack_share = Real(0.001);
+
+template <Precise Real>
+Status check(const StopRequest<Real>& request, const StopBoundsMemory<Real>& memory) {
+  const std::size_t axes = request.move.axis_count();
+  if (request.limits.size() != axes) {
+    return Error{.code = ErrorCode::wrong_count,
+                 .what = "there are not as many limits as axes",
+                 .remedy = "give one for every axis of all tracks, track after track",
+                 .needed = static_cast<std::int64_t>(axes)};
+  }
+  if (!(request.rate > 0) || !std::isfinite(request.rate) || !(request.tick_seconds > 0) ||
+      !std::isfinite(request.tick_seconds)) {
+    return Error{.code = ErrorCode::out_of_range,
+                 .what = "the highest rate of a stop is not above 0",
+                 .remedy = "use 1, or the highest rate that the move is played at"};
+  }
+  if (memory.cells.size() < 2) {
+    return Error{.code = ErrorCode::capacity,
+                 .what = "the memory of the stop bounds has no cell",
+                 .remedy = "give it one entry more than cells",
+                 .needed = 2};
+  }
+  const std::size_t suprema = (memory.cells.size() - 1) * axes;
+  if (memory.suprema.size() < suprema || memory.slack.size() < axes) {
+    return Error{.code = ErrorCode::capacity,
+                 .what = "the memory of the stop bounds is too small for its cells and the axes of the move",
+                 .remedy = "give it suprema of cells times axes, and a slack for each axis",
+                 .needed = static_cast<std::int64_t>(suprema)};
+  }
+  for (const Track<Real>& track : request.move.tracks()) {
+    const auto own = static_cast<std::size_t>(track.path().axis_count());
+    if (own > max_bounded_axes || memory.turns.size() < own) {
+      return Error{.code = ErrorCode::capacity,
+                   .what = "a track has more axes than the memory of its stop bounds",
+                   .remedy = "give it more turns; 64 axes at most",
+                   .needed = static_cast<std::int64_t>(own)};
+    }
+  }
+  return Done{};
+}
+
+/// Velocity matters where it takes a share of the acceleration at the largest rate change.
+template <Precise Real>
+void set_slack(const StopRequest<Real>& request, std::span<PeakSlack<Real>> out) {
+  const Real r = request.rate;
+  for (std::size_t d = 0; d < request.limits.size(); ++d) {
+    const AxisLimits<Real>& limits = request.limits[d];
+    const Real acceleration = slack_share<Real> * limits.stop_acceleration();
+    const Real jerk = slack_share<Real> *
+                      limits.stop_jerk().value_or(request.max_rate_change() * limits.stop_acceleration());
+    out[d] = {std::min(acceleration / request.max_rate_change(), jerk / request.max_rate_jerk()),
+              std::min(acceleration / r / r, jerk / (3 * r * request.max_rate_change())), jerk / r / r / r};
+  }
+}
+
+/// Every cell takes in its neighbours.
+template <Precise Real>
+void widen(const MotionCells<Real>& motion, std::size_t axes) {
+  for (std::size_t d = 0; d < axes; ++d) {
+    MotionTriple<Real> before{};
+    for (std::size_t cell = 0; cell < motion.cells; ++cell) {
+      MotionTriple<Real>& most = motion.suprema[cell * axes + d];
+      const MotionTriple<Real> own = most;
+      for (std::size_t i = 0; i < motion_quantities; ++i) {
+        most[i] = std::max(most[i], before[i]);
+        if (cell + 1 < motion.cells) most[i] = std::max(most[i], motion.suprema[(cell + 1) * axes + d][i]);
+      }
+      before = own;
+    }
+  }
+}
+
+template <Precise Real>
+MotionCells<Real> bounded_cells(const StopRequest<Real>& request, const StopBoundsMemory<Real>& memory) {
+  const std::size_t cells = memory.cells.size() - 1;
+  const std::size_t axes = request.move.axis_count();
+  set_slack(request, memory.slack.first(axes));
+  const MotionCells<Real> motion{
+      .cells = cells, .slack = memory.slack.first(axes), .suprema = memory.suprema.first(cells * axes)};
+  bound_cells(request.move, memory.turns, motion);
+  widen(motion, axes);
+  return motion;
+}
+
+template <Precise Real>
+Real middle_frame(const Move<Real>& move, std::size_t cell, std::size_t cells) {
+  const auto line = static_cast<Real>(move.last_frame() - move.first_frame());
+  return static_cast<Real>(move.first_frame()) +
+         line * ((static_cast<Real>(cell) + Real(0.5)) / static_cast<Real>(cells));
+}
+
+/// The pair of every cell, up to the first without one.
+template <Precise Real>
+std::optional<StopObstacle<Real>> find_pairs(const StopRequest<Real>& request,
+                                             const MotionCells<Real>& motion, std::span<StopCell<Real>> out) {
+  for (std::size_t cell = 0; cell < motion.cells; ++cell) {
+    const PairSearch<Real> search(request, motion, cell);
+    if (std::optional<StopObstacle<Real>> obstacle = search.obstacle()) {
+      obstacle->frame = middle_frame(request.move, cell, motion.cells);
+      return obstacle;
+    }
+    const StopPair<Real> pair = search.quickest();
+    out[cell] = {pair.rate_change, pair.rate_jerk, pair.rate_jerk};
+  }
+  out[motion.cells] = out[motion.cells - 1];
+  return std::nullopt;
+}
+
+template <Precise Real>
+Error refusal(const StopObstacle<Real>& obstacle) {
+  const bool is_jerk = obstacle.quantity == StopQuantity::jerk;
+  return {.code = ErrorCode::no_solution,
+          .what = is_jerk ? "the jerk of the motion leaves nothing of the stop_jerk to slow down with"
+                          : "the acceleration of the motion leaves nothing of the stop_acceleration to slow "
+                            "down with",
+          .remedy = is_jerk ? "raise the stop_jerk of the axis, or make the move gentler there"
+                            : "raise the stop_acceleration of the axis, or make the move gentler there",
+          .axis = obstacle.axis,
+          .frame = obstacle.frame >= 0 ? static_cast<std::int32_t>(obstacle.frame) : -1};
+}
+
+template <Precise Real>
+void raise(Peak<Real>& peak, Real value, Real frame) {
+  if (value > peak.value) peak = {value, frame};
+}
+
+template <Precise Real>
+void find_peaks(const StopRequest<Real>& request, const MotionCells<Real>& motion,
+                std::span<const StopCell<Real>> cells, std::span<AxisPeaks<Real>> out) {
+  const Real r = request.rate;
+  for (AxisPeaks<Real>& axis : out) axis.velocity = axis.acceleration = axis.jerk = {};
+  for (std::size_t cell = 0; cell < motion.cells; ++cell) {
+    const Real frame = middle_frame(request.move, cell, motion.cells);
+    const Real change = std::max(cells[cell].rate_change, cells[cell + 1].rate_change);
+    for (std::size_t d = 0; d < out.size(); ++d) {
+      const auto [p1, p2, p3] = motion.suprema[cell * out.size() + d];
+      raise(out[d].velocity, p1 * r, frame);
+      raise(out[d].acceleration, p2 * r * r + p1 * change, frame);
+      raise(out[d].jerk, p3 * r * r * r + 3 * p2 * r * change + p1 * cells[cell].rate_jerk, frame);
+    }
+  }
+}
+
+/// A stop under constant bounds, in seconds and in seconds of the time line: first a rate change above 0
+/// falls to 0, then the stop from `rate`, on which the rate is as much above half of it as below.
+template <Precise Real>
+struct ConstantStop {
+  Real seconds = 0;
+  Real distance = 0;
+
+  ConstantStop(Real rate, Real rising, const StopPair<Real>& bound) {
+    const auto [change, jerk] = bound;
+    const Real rise = std::min(rising / jerk, std::sqrt(2 * rate / jerk));
+    const Real fall =
+        change * change <= jerk * rate ? rate / change + change / jerk : 2 * std::sqrt(rate / jerk);
+    seconds = rise + fall;
+    distance = rate * rise - jerk * rise * rise * rise / 6 + rate * fall / 2;
+  }
+};
+
+}  // namespace
+
+template <Precise Real>
+StopBounds<Real>::StopBounds(const StopRequest<Real>& request, std::span<StopCell<Real>> cells)
+    : cells_(cells),
+      rate_(request.rate),
+      first_frame_(request.move.first_frame()),
+      frames_(request.move.last_frame() - request.move.first_frame()) {
+  const FrameRate fps = request.move.frame_rate();
+  cell_frames_ = static_cast<Real>(frames_) / static_cast<Real>(cell_count());
+  cell_seconds_ = cell_frames_ * static_cast<Real>(fps.denominator) / static_cast<Real>(fps.numerator);
+}
+
+template <Precise Real>
+Result<StopBounds<Real>> StopBounds<Real>::make(const StopRequest<Real>& request,
+                                                const StopBoundsMemory<Real>& memory,
+                                                std::span<AxisPeaks<Real>> peaks) {
+  if (const Status checked = check(request, memory); !checked) return checked.error();
+  if (!peaks.empty() && peaks.size() != request.limits.size()) {
+    return Error{.code = ErrorCode::wrong_count,
+                 .what = "there are not as many peaks of stops as axes",
+                 .remedy = "give one for every axis of all tracks, or none",
+                 .needed = static_cast<std::int64_t>(request.limits.size())};
+  }
+  const MotionCells<Real> motion = bounded_cells(request, memory);
+  if (const auto obstacle = find_pairs(request, motion, memory.cells)) return refusal(*obstacle);
+  StopBounds result(request, memory.cells);
+  result.make_continuous();
+  result.find_longest();
+  if (!peaks.empty()) find_peaks<Real>(request, motion, memory.cells, peaks);
+  return result;
+}
+
+/// At a border the lower of both sides, so that linear interpolation stays below both cells; then the two
+/// sweeps.
+template <Precise Real>
+void StopBounds<Real>::make_continuous() {
+  const std::size_t count = cell_count();
+  for (std::size_t i = count - 1; i > 0; --i) {
+    cells_[i].rate_change = std::min(cells_[i].rate_change, cells_[i - 1].rate_change);
+    cells_[i].release_jerk = std::min(cells_[i].release_jerk, cells_[i - 1].release_jerk);
+  }
+  for (std::size_t i = 0; i < count; ++i) limit_rate_change(i, i + 1, i);
+  for (std::size_t i = count; i > 0; --i) limit_rate_change(i, i - 1, i - 1);
+  for (std::size_t i = 0; i < count; ++i) limit_release_jerk(i, i + 1, i);
+  for (std::size_t i = count; i > 0; --i) limit_release_jerk(i, i - 1, i - 1);
+  for (StopCell<Real>& cell : cells_) cell.release_jerk *= release_share<Real>;
+}
+
+template <Precise Real>
+void StopBounds<Real>::limit_rate_change(std::size_t from, std::size_t to, std::size_t cell) {
+  const Real most = cells_[from].rate_change + cells_[cell].rate_jerk * (cell_seconds_ / rate_);
+  cells_[to].rate_change = std::min(cells_[to].rate_change, most);
+}
+
+/// From Q to Q' in one cell: Q' - Q <= c Q (R2 - Q') keeps (S) at every Q between them.
+template <Precise Real>
+void StopBounds<Real>::limit_release_jerk(std::size_t from, std::size_t to, std::size_t cell) {
+  const Real jerk = cells_[cell].rate_jerk;
+  const Real change =
+      std::min(std::max(cells_[cell].rate_change, cells_[cell + 1].rate_change), std::sqrt(2 * rate_ * jerk));
+  const Real c = 2 * cell_seconds_ / (rate_ * change);
+  const Real low = cells_[from].release_jerk;
+  cells_[to].release_jerk = std::min(cells_[to].release_jerk, low * ((1 + c * jerk) / (1 + c * low)));
+}
+
+template <Precise Real>
+typename StopBounds<Real>::Place StopBounds<Real>::place(const FrameTime<Real>& time) const {
+  const std::int64_t frame = static_cast<std::int64_t>(time.frame) - first_frame_;
+  const auto count = static_cast<std::int64_t>(cell_count());
+  if (frame < 0) return {0, 0};
+  if (frame >= frames_) return {cell_count() - 1, 1};
+  const std::int64_t scaled = frame * count;
+  // In 32 bits, which a Cortex-M converts without its library.
+  const Real share = (static_cast<Real>(static_cast<std::int32_t>(scaled % frames_)) +
+                      time.fraction * static_cast<Real>(static_cast<std::int32_t>(count))) /
+                     static_cast<Real>(frames_);
+  // One frame may be several cells.
+  const auto whole = static_cast<std::int32_t>(share);
+  const std::int64_t cell = scaled / frames_ + whole;
+  if (cell >= count) return {cell_count() - 1, 1};
+  return {static_cast<std::size_t>(cell), share - static_cast<Real>(whole)};
+}
+
+template <Precise Real>
+StopBound<Real> StopBounds<Real>::at(const FrameTime<Real>& time) const {
+  const auto [cell, share] = place(time);
+  const StopCell<Real>& here = cells_[cell];
+  const StopCell<Real>& next = cells_[cell + 1];
+  return {here.rate_change + share * (next.rate_change - here.rate_change), here.rate_jerk,
+          here.release_jerk + share * (next.release_jerk - here.release_jerk)};
+}
+
+template <Precise Real>
+StopBound<Real> StopBounds<Real>::least(const FrameTime<Real>& from, const FrameTime<Real>& to) const {
+  StopBound<Real> least = at(from);
+  const auto lower = [&least](const StopBound<Real>& other) {
+    least.rate_change = std::min(least.rate_change, other.rate_change);
+    least.rate_jerk = std::min(least.rate_jerk, other.rate_jerk);
+    least.release_jerk = std::min(least.release_jerk, other.release_jerk);
+  };
+  for (std::size_t i = place(from).cell + 1; i <= place(to).cell; ++i) {
+    lower({cells_[i].rate_change, cells_[i].rate_jerk, cells_[i].release_jerk});
+  }
+  lower(at(to));
+  return least;
+}
+
+template <Precise Real>
+StopLength<Real> StopBounds<Real>::stop_from_cell(std::size_t cell, bool forward) const {
+  StopPair<Real> least{cells_[cell].rate_change, cells_[cell].release_jerk};
+  const auto pass = [&](const StopCell<Real>& border) {
+    least = {std::min(least.rate_change, border.rate_change), std::min(least.rate_jerk, border.release_jerk)};
+  };
+  pass(cells_[cell]);
+  pass(cells_[cell + 1]);
+  const Real rising = std::max(cells_[cell].rate_change, cells_[cell + 1].rate_change);
+  ConstantStop<Real> stop(rate_, rising, least);
+  std::size_t border = forward ? cell + 1 : cell;
+  Real passed = 0;
+  while (stop.distance > passed && border != (forward ? cell_count() : 0)) {
+    border = forward ? border + 1 : border - 1;
+    passed += cell_seconds_;
+    pass(cells_[border]);
+    stop = ConstantStop<Real>(rate_, rising, least);
+  }
+  return {stop.seconds, stop.distance / cell_seconds_ * cell_frames_};
+}
+
+template <Precise Real>
+StopLength<Real> StopBounds<Real>::stop_from(const FrameTime<Real>& time, bool forward) const {
+  return stop_from_cell(place(time).cell, forward);
+}
+
+template <Precise Real>
+void StopBounds<Real>::find_longest() {
+  for (std::size_t cell = 0; cell < cell_count(); ++cell) {
+    const Real frame = static_cast<Real>(first_frame_) + (static_cast<Real>(cell) + Real(0.5)) * cell_frames_;
+    for (const bool forward : {true, false}) {
+      const StopLength<Real> length = stop_from_cell(cell, forward);
+      if (length.seconds > longest_in_time_.length.seconds) longest_in_time_ = {length, frame, forward};
+      if (length.frames > longest_in_frames_.length.frames) longest_in_frames_ = {length, frame, forward};
+    }
+  }
+}
+
+template <Precise Real>
+Result<std::optional<StopObstacle<Real>>> stop_obstacle(const StopRequest<Real>& request,
+                                                        const StopBoundsMemory<Real>& memory) {
+  if (const Status checked = check(request, memory); !checked) return checked.error();
+  return find_pairs(request, bounded_cells(request, memory), memory.cells);
+}
+
+template <Precise Real>
+Real highest_rate(std::span<const PlayedAxis<Real>> axes, std::span<const AxisLimits<Real>> limits) {
+  Real rate = std::numeric_limits<Real>::infinity();
+  for (std::size_t d = 0; d < axes.size(); ++d) {
+    const AxisPeaks<Real>& peaks = axes[d].peaks;
+    const Real step = axes[d].acceleration_step;
+    const AxisLimits<Real>& limit = limits[d];
+    if (peaks.velocity.value > 0) rate = std::min(rate, limit.max_velocity() / peaks.velocity.value);
+    if (peaks.acceleration.value > 0) {
+      rate = std::min(rate, std::sqrt(limit.max_acceleration() / peaks.acceleration.value));
+    }
+    if (!limit.max_jerk()) continue;
+    if (peaks.jerk.value > 0) rate = std::min(rate, cube_root(*limit.max_jerk() / peaks.jerk.value));
+    if (step > 0) rate = std::min(rate, std::sqrt(limit.max_acceleration_step() / step));
+  }
+  return rate * (1 - 8 * std::numeric_limits<Real>::epsilon());
+}
+
+template class StopBounds<double>;
+template class StopBounds<float>;
+template Result<std::optional<StopObstacle<double>>> stop_obstacle(const StopRequest<double>&,
+                                                                   const StopBoundsMemory<double>&);
+template Result<std::optional<StopObstacle<float>>> stop_obstacle(const StopRequest<float>&,
+                                                                  const StopBoundsMemory<float>&);
+template double highest_rate(std::span<const PlayedAxis<double>>, std::span<const AxisLimits<double>>);
+template float highest_rate(std::span<const PlayedAxis<float>>, std::span<const AxisLimits<float>>);
+
+}  // namespace inbetween

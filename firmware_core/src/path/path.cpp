@@ -1,0 +1,393 @@
+#include "inbetween/path/path.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/scaled_norm.hpp"
+
+namespace inbetween {
+namespace {
+
+template <Precise Real>
+Error bad_number(Real value, const char* not_finite, const char* too_large) {
+  const bool finite = std::isfinite(value);
+  return {.code = finite ? ErrorCode::out_of_range : ErrorCode::not_finite,
+          .what = finite ? too_large : not_finite,
+          .remedy = "use ordinary numbers in the units of the axis"};
+}
+
+template <Precise Real>
+bool usable(Real value) {
+  return std::fabs(value) <= Precision<Real>::largest;  // false for a NaN
+}
+
+/// The keys of a spec and where the coefficients go, while the path is being made.
+template <Precise Real>
+class Construction {
+ public:
+  Construction(const PathSpec<Real>& spec, const PathMemory<Real>& memory)
+      : spec_(spec),
+        cubics_(memory.cubics),
+        axes_(static_cast<std::size_t>(spec.axis_count)),
+        keys_(spec.keys.size() / axes_),
+        segments_(spec.closed && keys_ > 1 ? keys_ : keys_ - 1) {
+    std::ranges::copy(spec.weights, memory.weights.begin());
+    if (spec.weights.empty()) std::ranges::fill(memory.weights.first(axes_), Real(1));
+    weights_ = memory.weights.first(axes_);
+  }
+
+  void build() {
+    switch (spec_.spline) {
+      case Spline::linear:
+        for (std::size_t i = 0; i < segments_; ++i) straight(i);
+        break;
+      case Spline::smooth:
+        build_smooth();
+        break;
+      case Spline::catmull_rom:
+      case Spline::tcb:
+        build_tcb();
+        break;
+    }
+    append_continuation();
+  }
+
+  /// The first segment on which the path swings beyond the numbers: a smooth path does where an axis of
+  /// little weight goes far between keys that are near to each other as weighted.
+  [[nodiscard]] Status check_range() const {
+    // An ordinary path overshoots a few times; the square of this is still finite for every axis.
+    const Real most = 1000 * Precision<Real>::largest;
+    for (std::size_t i = 0; i < segments_ * axes_; ++i) {
+      const Cubic<Real>& c = cubics_[i];
+      const auto inside = [&](Real x) { return std::fabs(x) <= most; };  // false for a NaN
+      if (inside(c.c1) && inside(c.c2) && inside(c.c3)) continue;
+      return Error{.code = ErrorCode::out_of_range,
+                   .what = "the path swings beyond the range of numbers after this key",
+                   .remedy = "make the weights less unequal, or use a spline that is not smooth",
+                   .key = static_cast<std::int32_t>(i / axes_),
+                   .axis = static_cast<std::int32_t>(i % axes_)};
+    }
+    return Done{};
+  }
+
+  /// The first segment in which an axis moves although the weighted length does not grow.
+  [[nodiscard]] Status check_measured() const {
+    for (std::size_t i = 0; i < segments_; ++i) {
+      std::int32_t moving_axis = -1;
+      bool measured = false;
+      for (std::size_t d = 0; d < axes_; ++d) {
+        const Cubic<Real>& c = cubics_[i * axes_ + d];
+        if (c.c1 == 0 && c.c2 == 0 && c.c3 == 0) continue;
+        if (weights_[d] > 0) measured = true;
+        if (moving_axis < 0) moving_axis = static_cast<std::int32_t>(d);
+      }
+      if (moving_axis >= 0 && !measured) {
+        return Error{
+            .code = ErrorCode::unmeasured,
+            .what = "an axis moves after this key, but with its weight of 0 the path has no length there",
+            .remedy = "give the axis a weight above 0, or a track of its own",
+            .key = static_cast<std::int32_t>(i),
+            .axis = moving_axis};
+      }
+    }
+    return Done{};
+  }
+
+  [[nodiscard]] std::size_t segments() const { return segments_; }
+  [[nodiscard]] std::size_t keys() const { return keys_; }
+  [[nodiscard]] std::span<const Real> weights() const { return weights_; }
+
+ private:
+  [[nodiscard]] Real key(std::size_t i, std::size_t d) const {
+    return spec_.keys[(i < keys_ ? i : i - keys_) * axes_ + d];
+  }
+  [[nodiscard]] Real chord(std::size_t i, std::size_t d) const { return key(i + 1, d) - key(i, d); }
+  [[nodiscard]] Cubic<Real>& cubic(std::size_t i, std::size_t d) { return cubics_[i * axes_ + d]; }
+
+  void straight(std::size_t i) {
+    for (std::size_t d = 0; d < axes_; ++d) cubic(i, d) = {key(i, d), chord(i, d), 0, 0};
+  }
+
+  void build_tcb() {
+    for (std::size_t i = 0; i < segments_; ++i) {
+      for (std::size_t d = 0; d < axes_; ++d) {
+        const Real delta = chord(i, d);
+        const Real leaving = tangent(i, d, +1);
+        const Real arriving = tangent(i + 1, d, -1);
+        cubic(i, d) = {key(i, d), leaving, 3 * delta - 2 * leaving - arriving,
+                       leaving + arriving - 2 * delta};
+      }
+    }
+  }
+
+  /// Kochanek and Bartels' source (side -1, arriving) and destination (side +1, leaving) derivative.
+  [[nodiscard]] Real tangent(std::size_t i, std::size_t d, int side) const {
+    const bool has_previous = spec_.closed || i > 0;
+    const bool has_next = spec_.closed || i + 1 < keys_;
+    const std::size_t k = i < keys_ ? i : i - keys_;
+    const Real before = has_previous ? chord(k > 0 ? k - 1 : keys_ - 1, d) : chord(k, d);
+    const Real after = has_next ? chord(k, d) : before;
+    const bool shaped = spec_.spline == Spline::tcb && !spec_.shapes.empty();
+    const KeyShape<Real> shape = shaped ? spec_.shapes[k] : KeyShape<Real>{};
+    const Real continuity = static_cast<Real>(side) * shape.continuity;
+    return (1 - shape.tension) / 2 *
+           ((1 + continuity) * (1 + shape.bias) * before + (1 - continuity) * (1 - shape.bias) * after);
+  }
+
+  // The smooth spline. Neighbouring equal keys share a knot, so the unknowns are the second
+  // derivatives M_k at the distinct knots k = 0..m, m steps h_k apart. Until the coefficients are
+  // written, the slots of cubic(k, 0) hold c0 = h_k, c1 = 1 / pivot_k, c3 = z_k (the answer of row k
+  // to the last unknown of a closed path), and cubic(k, d).c2 holds the right-hand side, then M_k.
+
+  void build_smooth() {
+    std::size_t steps = 0;
+    exponent_ = chord_exponent();
+    for (std::size_t i = 0; i < segments_; ++i) {
+      if (same_knot(i)) continue;
+      cubic(steps, 0).c0 = std::sqrt(scaled_chord(i));
+      for (std::size_t d = 0; d < axes_; ++d) cubic(steps, d).c2 = chord(i, d) / cubic(steps, 0).c0;
+      ++steps;
+    }
+    if (steps < 2) {
+      for (std::size_t i = 0; i < segments_; ++i) straight(i);
+      return;
+    }
+    for (std::size_t d = 0; d < axes_; ++d) slopes_to_right_hand_side(d, steps);
+    if (spec_.closed) {
+      solve_periodic(steps);
+    } else {
+      factor(1, steps);
+      for (std::size_t d = 0; d < axes_; ++d) {
+        solve(1, steps, [&](std::size_t k) -> Real& { return cubic(k, d).c2; });
+        cubic(0, d).c2 = 0;
+        cubic(steps, d).c2 = 0;
+      }
+    }
+    for (std::size_t d = axes_; d-- > 0;) write_smooth(d, steps);  // axis 0 last: its slots hold h
+  }
+
+  /// Of the power of two that makes the longest chord about 1: only ratios of knots matter, and the roots of
+  /// scaled chords round as those of unscaled ones.
+  [[nodiscard]] int chord_exponent() const {
+    Real longest = 0;
+    for (std::size_t i = 0; i < segments_; ++i) longest = std::max(longest, weighted_chord(i));
+    int exponent = 0;
+    static_cast<void>(std::frexp(longest, &exponent));
+    return exponent;
+  }
+
+  [[nodiscard]] Real weighted_chord(std::size_t i) const {
+    return scaled_norm<Real>(axes_, [&](std::size_t d) { return weights_[d] * chord(i, d); });
+  }
+
+  [[nodiscard]] Real scaled_chord(std::size_t i) const { return std::ldexp(weighted_chord(i), -exponent_); }
+  /// Equal keys, or nearer to each other than the longest chord lets them be told apart.
+  [[nodiscard]] bool same_knot(std::size_t i) const {
+    return scaled_chord(i) < std::numeric_limits<Real>::min();
+  }
+
+  void slopes_to_right_hand_side(std::size_t d, std::size_t steps) {
+    const Real first = cubic(0, d).c2;
+    const Real last = cubic(steps - 1, d).c2;
+    for (std::size_t k = steps - 1; k > 0; --k) {
+      cubic(k, d).c2 = 6 * (cubic(k, d).c2 - cubic(k - 1, d).c2);
+    }
+    cubic(0, d).c2 = 6 * (first - last);  // the row of knot 0, which only a closed path has
+  }
+
+  [[nodiscard]] Real step(std::size_t k) { return cubic(k, 0).c0; }
+
+  /// Rows first..end-1 of h_k-1 M_k-1 + 2 (h_k-1 + h_k) M_k + h_k M_k+1 = r_k, with the unknowns
+  /// outside taken to the right-hand side. In a closed path the step before 0 is the last.
+  void factor(std::size_t first, std::size_t end) {
+    Real inverse_before = 0;
+    for (std::size_t k = first; k < end; ++k) {
+      const Real before = k > 0 ? step(k - 1) : step(end);
+      const Real eliminated = k > first ? before * before * inverse_before : Real(0);
+      inverse_before = 1 / (2 * (before + step(k)) - eliminated);
+      cubic(k, 0).c1 = inverse_before;
+    }
+  }
+  template <class Unknown>
+  void solve(std::size_t first, std::size_t end, Unknown unknown) {
+    for (std::size_t k = first; k < end; ++k) {
+      const Real carried = k > first ? step(k - 1) * unknown(k - 1) : Real(0);
+      unknown(k) = (unknown(k) - carried) * cubic(k, 0).c1;
+    }
+    for (std::size_t k = end - 1; k-- > first;) {
+      unknown(k) -= step(k) * cubic(k, 0).c1 * unknown(k + 1);
+    }
+  }
+
+  /// Rows 0..m-2 are solved with M_m-1 as a parameter; the last row then gives it.
+  void solve_periodic(std::size_t m) {
+    const std::size_t last = m - 1;
+    factor(0, last);
+    const auto z = [&](std::size_t k) -> Real& { return cubic(k, 0).c3; };
+    for (std::size_t k = 0; k < last; ++k) z(k) = 0;
+    z(0) -= step(last);
+    z(last - 1) -= step(last - 1);
+    solve(0, last, z);
+    const Real diagonal =
+        2 * (step(last - 1) + step(last)) + step(last - 1) * z(last - 1) + step(last) * z(0);
+    for (std::size_t d = 0; d < axes_; ++d) {
+      const auto moment = [&](std::size_t k) -> Real& { return cubic(k, d).c2; };
+      solve(0, last, moment);
+      const Real known = step(last - 1) * moment(last - 1) + step(last) * moment(0);
+      moment(last) = (moment(last) - known) / diagonal;
+      for (std::size_t k = 0; k < last; ++k) moment(k) += z(k) * moment(last);
+    }
+  }
+
+  /// From the last segment to the first, because knot k stands at or before its segment's own slot.
+  void write_smooth(std::size_t d, std::size_t steps) {
+    std::size_t k = steps;
+    Real moment_after = spec_.closed ? cubic(0, d).c2 : cubic(steps, d).c2;
+    for (std::size_t i = segments_; i-- > 0;) {
+      const Real delta = chord(i, d);
+      if (same_knot(i)) {
+        cubic(i, d) = {key(i, d), delta, 0, 0};
+        continue;
+      }
+      --k;
+      const Real moment = cubic(k, d).c2;
+      const Real square = step(k) * step(k);
+      cubic(i, d) = {key(i, d), delta - square * (2 * moment + moment_after) / 6, square * moment / 2,
+                     square * (moment_after - moment) / 6};
+      moment_after = moment;
+    }
+  }
+
+  void append_continuation() {
+    for (std::size_t d = 0; d < axes_; ++d) {
+      Cubic<Real>& end = cubic(segments_, d);
+      if (segments_ == 0) {
+        end = {key(0, d), 0, 0, 0};
+        continue;
+      }
+      const Cubic<Real>& c = cubic(segments_ - 1, d);
+      end = {key(segments_, d), c.derivative(1), c.c2 + 3 * c.c3, c.c3};
+    }
+  }
+
+  const PathSpec<Real>& spec_;
+  std::span<Cubic<Real>> cubics_;
+  std::span<const Real> weights_;
+  std::size_t axes_;
+  std::size_t keys_;
+  std::size_t segments_;
+  int exponent_ = 0;
+};
+
+template <Precise Real>
+Status check_counts(const PathSpec<Real>& spec) {
+  const auto axes = static_cast<std::size_t>(std::max<std::int32_t>(spec.axis_count, 0));
+  if (axes == 0) {
+    return Error{
+        .code = ErrorCode::wrong_count, .what = "the path has no axes", .remedy = "name at least one"};
+  }
+  if (spec.keys.empty() || spec.keys.size() % axes != 0) {
+    return Error{.code = ErrorCode::wrong_count,
+                 .what = spec.keys.empty() ? "the path has no keys" : "the keys are of unequal length",
+                 .remedy = "give at least one key, each with one number per axis",
+                 .key = static_cast<std::int32_t>(spec.keys.size() / axes)};
+  }
+  if (!spec.weights.empty() && spec.weights.size() != axes) {
+    return Error{.code = ErrorCode::wrong_count,
+                 .what = "there are not as many weights as axes",
+                 .remedy = "give one weight per axis, or none"};
+  }
+  if (!spec.shapes.empty() && spec.shapes.size() != spec.keys.size() / axes) {
+    return Error{.code = ErrorCode::wrong_count,
+                 .what = "there are not as many tensions, continuities and biases as keys",
+                 .remedy = "give one set per key, or none"};
+  }
+  return Done{};
+}
+
+template <Precise Real>
+Status check_numbers(const PathSpec<Real>& spec) {
+  const auto axes = static_cast<std::size_t>(spec.axis_count);
+  for (std::size_t d = 0; d < spec.weights.size(); ++d) {
+    const Real weight = spec.weights[d];
+    if (usable(weight) && weight >= 0) continue;
+    Error error = bad_number(weight, "a weight is not a finite number",
+                             weight < 0 ? "a weight is negative" : "a weight is too large");
+    error.remedy = "use 0 or more: how much one unit of the axis counts as distance";
+    error.axis = static_cast<std::int32_t>(d);
+    return error;
+  }
+  for (std::size_t i = 0; i < spec.keys.size(); ++i) {
+    const Real value = spec.keys[i];
+    const Real weight = spec.weights.empty() ? Real(1) : spec.weights[i % axes];
+    if (usable(value) && usable(value * weight)) continue;
+    Error error = bad_number(value, "a coordinate is not a finite number", "a coordinate is too large");
+    error.key = static_cast<std::int32_t>(i / axes);
+    error.axis = static_cast<std::int32_t>(i % axes);
+    return error;
+  }
+  for (std::size_t k = 0; k < spec.shapes.size(); ++k) {
+    const KeyShape<Real>& shape = spec.shapes[k];
+    const auto inside = [](Real x) { return x >= -1 && x <= 1; };
+    if (inside(shape.tension) && inside(shape.continuity) && inside(shape.bias)) continue;
+    const bool finite =
+        std::isfinite(shape.tension) && std::isfinite(shape.continuity) && std::isfinite(shape.bias);
+    return Error{.code = finite ? ErrorCode::out_of_range : ErrorCode::not_finite,
+                 .what = "a tension, continuity or bias is outside -1..1",
+                 .remedy = "use numbers from -1 to 1; 0, 0, 0 is a Catmull-Rom key",
+                 .key = static_cast<std::int32_t>(k)};
+  }
+  return Done{};
+}
+
+template <Precise Real>
+Status check_memory(const PathSpec<Real>& spec, const PathMemory<Real>& memory) {
+  const auto axes = static_cast<std::size_t>(spec.axis_count);
+  const std::size_t keys = spec.keys.size() / axes;
+  const std::size_t rows = spec.closed && keys > 1 ? keys + 1 : keys;
+  if (memory.cubics.size() < rows * axes || memory.weights.size() < axes) {
+    return Error{.code = ErrorCode::capacity,
+                 .what = "the path has more keys and axes than its memory",
+                 .remedy = "give it a larger capacity",
+                 .needed = static_cast<std::int64_t>(rows * axes)};
+  }
+  return Done{};
+}
+
+}  // namespace
+
+template <Precise Real>
+Result<Path<Real>> Path<Real>::make(const PathSpec<Real>& spec, const PathMemory<Real>& memory) {
+  if (const Status counts = check_counts(spec); !counts) return counts.error();
+  if (const Status numbers = check_numbers(spec); !numbers) return numbers.error();
+  if (const Status enough = check_memory(spec, memory); !enough) return enough.error();
+
+  Construction<Real> construction(spec, memory);
+  construction.build();
+  if (const Status in_range = construction.check_range(); !in_range) return in_range.error();
+  if (const Status measured = construction.check_measured(); !measured) return measured.error();
+
+  Path path;
+  path.axis_count_ = spec.axis_count;
+  path.key_count_ = static_cast<std::int32_t>(construction.keys());
+  path.segment_count_ = static_cast<std::int32_t>(construction.segments());
+  path.cubics_ =
+      memory.cubics.first((construction.segments() + 1) * static_cast<std::size_t>(spec.axis_count));
+  path.weights_ = construction.weights();
+  path.spline_ = spec.spline;
+  path.closed_ = spec.closed;
+  return path;
+}
+
+template <Precise Real>
+Real Path<Real>::parametric_speed(const PathPoint<Real>& point) const {
+  const std::span<const Cubic<Real>> cubics = segment(point.segment);
+  return scaled_norm<Real>(cubics.size(),
+                           [&](std::size_t d) { return weights_[d] * cubics[d].derivative(point.t); });
+}
+
+template class Path<double>;
+template class Path<float>;
+
+}  // namespace inbetween

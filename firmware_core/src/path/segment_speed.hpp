@@ -1,0 +1,131 @@
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <span>
+
+#include "inbetween/path/path.hpp"
+
+/// |P'(t)|^2 of one segment as polynomials that keep their relative precision near a cusp.
+
+namespace inbetween {
+
+/// q(tau) = q[0] + q[1] tau + ... + q[4] tau^4.
+template <Precise Real>
+struct Quartic {
+  std::array<Real, 5> q{};
+
+  [[nodiscard]] Real value(Real x) const { return q[0] + x * (q[1] + x * (q[2] + x * (q[3] + x * q[4]))); }
+  [[nodiscard]] Real derivative(Real x) const {
+    return q[1] + x * (2 * q[2] + x * (3 * q[3] + x * (4 * q[4])));
+  }
+  /// Bezier ordinates over [0, 1]: their least and largest bound q there.
+  [[nodiscard]] std::array<Real, 5> ordinates() const {
+    return {q[0], q[0] + q[1] / 4, q[0] + q[1] / 2 + q[2] / 6, q[0] + 3 * q[1] / 4 + q[2] / 2 + q[3] / 4,
+            value(Real(1))};
+  }
+};
+
+/// An interval of a segment seen from its anchor, the end where the path is slowest: t = anchor +-
+/// tau, tau in [0, extent]. There q has no cancellation where it is small.
+template <Precise Real>
+struct AnchoredInterval {
+  Real anchor = 0;
+  Real extent = 1;
+  bool forward = true;        ///< t = anchor + tau, else anchor - tau
+  bool stands_still = false;  ///< P' = 0 at the anchor: q = tau^2 g(tau)
+  Quartic<Real> speed_squared;
+
+  [[nodiscard]] Real t(Real tau) const { return forward ? anchor + tau : anchor - tau; }
+};
+
+/// The derivative of one segment, scaled by 2^-exponent so that its largest coefficient is near 1.
+template <Precise Real>
+class SegmentSpeed {
+ public:
+  SegmentSpeed(std::span<const Cubic<Real>> cubics, std::span<const Real> weights)
+      : cubics_(cubics), weights_(weights) {
+    for (std::size_t d = 0; d < cubics.size(); ++d) {
+      const Cubic<Real>& c = cubics[d];
+      for (const Real part : {c.c1, 2 * c.c2, 3 * c.c3}) {
+        if (const Real magnitude = weights[d] * std::fabs(part); magnitude > largest_) largest_ = magnitude;
+      }
+    }
+    // Below the normal numbers there are neither digits nor a reciprocal.
+    if (largest_ < std::numeric_limits<Real>::min()) return;
+    static_cast<void>(std::frexp(largest_, &exponent_));
+    scale_ = std::ldexp(Real(1), -exponent_);
+  }
+
+  /// The segment has no length.
+  [[nodiscard]] bool is_still() const { return scale_ == 0; }
+  /// The largest coefficient of the derivative, in the units of the path.
+  [[nodiscard]] Real largest() const { return largest_; }
+  /// Lengths of this class times 2^exponent are lengths of the path.
+  [[nodiscard]] int exponent() const { return exponent_; }
+
+  /// |P'(t)| from its components: near a cusp the quartic about a distant point has no digits left.
+  [[nodiscard]] Real at(Real t) const {
+    Real sum = 0;
+    for (std::size_t d = 0; d < cubics_.size(); ++d) {
+      const Real component = scale_ * (weights_[d] * cubics_[d].derivative(t));
+      sum += component * component;
+    }
+    return std::sqrt(sum);
+  }
+
+  /// q about t = anchor, in tau = +-(t - anchor).
+  [[nodiscard]] Quartic<Real> about(Real anchor, bool forward) const {
+    Quartic<Real> result;
+    std::array<Real, 5>& q = result.q;
+    for (std::size_t d = 0; d < cubics_.size(); ++d) {
+      // Weighted first: the weight of a segment that is next to nothing overflows when scaled alone.
+      const auto scaled = [&](Real part) { return scale_ * (weights_[d] * part); };
+      const Real c = scaled(3 * cubics_[d].c3);
+      const Real linear = scaled(2 * cubics_[d].c2);
+      const Real a = scaled(cubics_[d].c1) + anchor * (linear + anchor * c);
+      const Real outward = linear + 2 * anchor * c;
+      const Real b = forward ? outward : -outward;
+      q[0] += a * a;
+      q[1] += 2 * (a * b);
+      q[2] += b * b + 2 * (a * c);
+      q[3] += 2 * (b * c);
+      q[4] += c * c;
+    }
+    return result;
+  }
+
+ private:
+  std::span<const Cubic<Real>> cubics_;
+  std::span<const Real> weights_;
+  Real largest_ = 0;
+  Real scale_ = 0;
+  int exponent_ = 0;
+};
+
+/// A segment is cut at the minima of q that are below this share of its maximum ...
+template <Precise Real>
+inline constexpr Real slow_share = Real(1e-2);
+/// ... and at a minimum below this share the path is taken to stand still. The two shares were found
+/// by measurement (numerics: near-cusps of 1e-2 to 1e-12 of the speed); HardCases holds them.
+template <Precise Real>
+inline constexpr Real still_share = std::numeric_limits<Real>::digits > 30 ? Real(1e-24) : Real(1e-12);
+
+/// The same as a share of |P'|.
+template <Precise Real>
+inline constexpr Real still_speed_share = std::numeric_limits<Real>::digits > 30 ? Real(1e-12) : Real(1e-6);
+
+/// At most two minima inside and two at the ends, each seen from both sides.
+template <Precise Real>
+struct AnchoredIntervals {
+  std::array<AnchoredInterval<Real>, 8> intervals;  // not cleared: `count` are set
+  std::size_t count = 0;
+};
+
+/// The intervals of one segment in the order of t.
+template <Precise Real>
+AnchoredIntervals<Real> split_where_slow(const SegmentSpeed<Real>& speed);
+
+}  // namespace inbetween

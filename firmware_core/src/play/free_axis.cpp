@@ -1,0 +1,280 @@
+#include "inbetween/play/free_axis.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace inbetween {
+namespace {
+
+constexpr Error not_finite{
+    .code = ErrorCode::not_finite, .what = "a number of a free axis is not finite", .remedy = "give numbers"};
+
+template <Precise Real>
+Status check_range(Real min, Real max) {
+  if (!std::isfinite(min) || !std::isfinite(max)) return not_finite;
+  if (min < max && -min <= Precision<Real>::largest && max <= Precision<Real>::largest) return Done{};
+  return Error{.code = ErrorCode::out_of_range,
+               .what = "the soft limits leave an axis no way",
+               .remedy = "give a min below max"};
+}
+
+template <Precise Real>
+bool is_magnitude(Real number) {
+  return number > 0 && number <= Precision<Real>::largest;
+}
+
+}  // namespace
+
+template <Precise Real>
+Result<FreeAxis<Real>> FreeAxis<Real>::make(const FreeAxisLimits<Real>& limits, Real position,
+                                            Real tick_seconds) {
+  if (const Status range = check_range(limits.min, limits.max); !range) return range.error();
+  for (const Real number : {limits.velocity, limits.acceleration, limits.jerk, position, tick_seconds}) {
+    if (!std::isfinite(number)) return not_finite;
+  }
+  for (const Real number : {limits.velocity, limits.acceleration, limits.jerk, tick_seconds}) {
+    if (is_magnitude(number)) continue;
+    return Error{.code = ErrorCode::out_of_range,
+                 .what = "a limit or the tick of a free axis is not above 0",
+                 .remedy = "give velocity, acceleration, jerk and tick as magnitudes"};
+  }
+  const Real longest = limits.velocity / limits.acceleration + limits.acceleration / limits.jerk;
+  if (!is_magnitude(limits.velocity * longest) || !(std::fabs(position) <= Precision<Real>::largest)) {
+    return Error{.code = ErrorCode::out_of_range,
+                 .what = "a free axis moves too far to be computed",
+                 .remedy = "use larger units, or limits that fit each other"};
+  }
+  return FreeAxis(limits, position, tick_seconds);
+}
+
+template <Precise Real>
+SpeedRamp<Real> FreeAxis<Real>::stop_ramp() const {
+  return SpeedRamp<Real>::between(state_.velocity, state_.acceleration, 0, ramp());
+}
+
+/// From here to a velocity, and from that at once to rest.
+template <Precise Real>
+Real FreeAxis<Real>::way_over(Real velocity) const {
+  return SpeedRamp<Real>::between(state_.velocity, state_.acceleration, velocity, ramp()).way() +
+         SpeedRamp<Real>::between(velocity, 0, 0, ramp()).way();
+}
+
+/// The highest speed up to `speed`, or nearly, over which the way is no longer than `room`, which the way of
+/// a stop is not. Above the speed that remains when the acceleration is released the way grows with the
+/// speed. Below it the slowing down is interrupted and the way may be longer than over that speed itself;
+/// there the root that is found need not be the only one, and any is good. While the speed rises, the way
+/// over the released speed is that of the stop, so that only rounding can say that there is not the room;
+/// then it stops.
+template <Precise Real>
+Real FreeAxis<Real>::top_speed(Real direction, Real speed, Real room) const {
+  const auto fits = [&](Real tried) { return direction * way_over(direction * tried) <= room; };
+  if (fits(speed)) return speed;
+  Real low = 0;
+  Real high = speed;
+  const Real released =
+      direction * SpeedRamp<Real>::released(state_.velocity, state_.acceleration, limits_.jerk);
+  if (0 < released && released < speed) {
+    (direction * state_.acceleration >= 0 || fits(released) ? low : high) = released;
+  }
+  for (int i = 0; i < 2 * std::numeric_limits<Real>::digits; ++i) {
+    const Real middle = low + (high - low) / 2;
+    if (!(low < middle && middle < high)) break;
+    (fits(middle) ? low : high) = middle;
+  }
+  return low == 0 || fits(low) ? low : Real{0};
+}
+
+template <Precise Real>
+void FreeAxis<Real>::head_for(Real position, Real speed, Activity activity) {
+  const Real room = position - state_.position;
+  const Real direction = room >= stop_distance() ? Real{1} : Real{-1};
+  const Real top = top_speed(direction, speed, direction * room);
+  const Real left = std::max(direction * (room - way_over(direction * top)), Real{0});
+  rise_ = SpeedRamp<Real>::between(state_.velocity, state_.acceleration, direction * top, ramp());
+  fall_ = SpeedRamp<Real>::between(direction * top, 0, 0, ramp());
+  even_s_ = 0;
+  if (top > 0) even_s_ = left / top;
+  // What the last bit of a speed leaves open is a moment at that speed, or, where it is slow, nothing.
+  if (top < speed) even_s_ = std::min(even_s_, tick_s_);
+  from_ = state_.position;
+  end_ = position;
+  risen_ = top > 0 ? from_ + rise_.way() : end_;
+  ticks_ = 0;
+  activity_ = activity;
+}
+
+template <Precise Real>
+Status FreeAxis<Real>::drive(Real velocity) {
+  if (!std::isfinite(velocity)) return not_finite;
+  if (std::fabs(velocity) > limits_.velocity) {
+    return Error{.code = ErrorCode::out_of_range,
+                 .what = "a free axis is driven faster than its limit",
+                 .remedy = "drive it more slowly"};
+  }
+  if (velocity == 0) {
+    stop();
+    return Done{};
+  }
+  if (activity_ == Activity::driving && velocity == driven_) return Done{};
+  const Real direction = velocity > 0 ? Real{1} : Real{-1};
+  const Real limit = velocity > 0 ? limits_.max : limits_.min;
+  const Real room = direction * (limit - state_.position);
+  if (room < 0 || (room == 0 && is_resting())) {
+    return Error{.code = ErrorCode::out_of_range,
+                 .what = "the axis is at its soft limit or beyond it",
+                 .remedy = "drive it the other way"};
+  }
+  head_for(limit, std::fabs(velocity), Activity::driving);
+  driven_ = velocity;
+  return Done{};
+}
+
+template <Precise Real>
+Status FreeAxis<Real>::go_to(Real position, Real speed) {
+  if (!std::isfinite(position) || !std::isfinite(speed)) return not_finite;
+  if (position < limits_.min || position > limits_.max) {
+    return Error{.code = ErrorCode::out_of_range,
+                 .what = "the position is outside the soft limits of the axis",
+                 .remedy = "go to one between min and max"};
+  }
+  if (!(speed > 0 && speed <= limits_.velocity)) {
+    return Error{.code = ErrorCode::out_of_range,
+                 .what = "the speed of a free axis is not above 0, or above its limit",
+                 .remedy = "give a speed up to the limit"};
+  }
+  if (is_resting() && position == state_.position) return Done{};
+  head_for(position, speed, Activity::travelling);
+  return Done{};
+}
+
+template <Precise Real>
+void FreeAxis<Real>::stop() {
+  if (activity_ == Activity::resting || activity_ == Activity::stopping) return;
+  rise_ = stop_ramp();
+  fall_ = SpeedRamp<Real>();
+  even_s_ = 0;
+  from_ = state_.position;
+  end_ = inside(from_ + rise_.way());
+  risen_ = end_;
+  ticks_ = 0;
+  activity_ = Activity::stopping;
+}
+
+template <Precise Real>
+void FreeAxis<Real>::halt() {
+  rest_at(state_.position);
+}
+
+template <Precise Real>
+Status FreeAxis<Real>::place(Real position) {
+  if (!std::isfinite(position)) return not_finite;
+  if (!is_resting() || std::fabs(position) > Precision<Real>::largest) {
+    return Error{.code = ErrorCode::out_of_range,
+                 .what = "an axis that moves is given a position, or one that is too far to be computed",
+                 .remedy = "wait until it rests"};
+  }
+  rest_at(position);
+  return Done{};
+}
+
+template <Precise Real>
+Status FreeAxis<Real>::set_range(Real min, Real max) {
+  if (const Status range = check_range(min, max); !range) return range;
+  if (!is_resting()) {
+    return Error{.code = ErrorCode::out_of_range,
+                 .what = "an axis that moves is given other soft limits",
+                 .remedy = "wait until it rests"};
+  }
+  limits_.min = min;
+  limits_.max = max;
+  return Done{};
+}
+
+template <Precise Real>
+void FreeAxis<Real>::rest_at(Real position) {
+  state_ = {.position = position};
+  from_ = position;
+  end_ = position;
+  activity_ = Activity::resting;
+}
+
+template <Precise Real>
+Setpoint<Real> FreeAxis<Real>::tick() {
+  if (is_resting()) return state_;
+  ++ticks_;
+  const Real seconds = static_cast<Real>(ticks_) * tick_s_;
+  if (seconds - rise_.seconds() - even_s_ >= fall_.seconds()) {
+    rest_at(end_);
+  } else {
+    state_ = at(seconds);
+    state_.position = inside(state_.position);
+  }
+  return state_;
+}
+
+template <Precise Real>
+Setpoint<Real> FreeAxis<Real>::at(Real seconds) const {
+  const auto along = [](const SpeedRamp<Real>& ramp, Real begin, Real end, Real t) {
+    const RampState<Real> state = ramp.at(t);
+    return Setpoint<Real>{(state.to_end ? end : begin) + state.way, state.velocity, state.acceleration};
+  };
+  if (seconds < rise_.seconds()) return along(rise_, from_, risen_, seconds);
+  const Real even = seconds - rise_.seconds();
+  const Real velocity = rise_.to_velocity();
+  if (even < even_s_) return {risen_ + velocity * even, velocity, 0};
+  return along(fall_, end_ - fall_.way(), end_, even - even_s_);
+}
+
+/// Rounding alone would pass a soft limit, by the last bits of a position; an axis that began outside is not
+/// put inside by this.
+template <Precise Real>
+Real FreeAxis<Real>::inside(Real position) const {
+  return std::clamp(position, std::min(limits_.min, from_), std::max(limits_.max, from_));
+}
+
+/// The stop is longest where the acceleration is at its greatest and the speed will be v once that is
+/// released: a / jerk seconds, and then from v to rest. Between -v and v the acceleration reaches
+/// sqrt(2 jerk v), if the limit allows it; on the way to rest sqrt(jerk v).
+template <Precise Real>
+Real FreeAxis<Real>::velocity_that_stops_within(Real seconds) const {
+  if (!(seconds > 0)) return 0;
+  const Real jerk = limits_.jerk;
+  const Real acceleration = limits_.acceleration;
+  const Real bend_s = acceleration / jerk;
+  const Real share = seconds / (2 + std::sqrt(Real{2}));
+  Real velocity = jerk * share * share;
+  if (velocity > acceleration * bend_s / 2) {
+    const Real half = (seconds - bend_s) / 2;
+    velocity = half <= bend_s ? jerk * half * half : acceleration * (seconds - 2 * bend_s);
+  }
+  return std::min(velocity, limits_.velocity);
+}
+
+template <Precise Real>
+void FreeMotion<Real>::tick(std::span<Setpoint<Real>> out) {
+  if (out.size() < axes_.size()) __builtin_trap();
+  for (std::size_t i = 0; i < axes_.size(); ++i) out[i] = axes_[i].tick();
+}
+
+template <Precise Real>
+void FreeMotion<Real>::stop() {
+  for (FreeAxis<Real>& axis : axes_) axis.stop();
+}
+
+template <Precise Real>
+void FreeMotion<Real>::halt() {
+  for (FreeAxis<Real>& axis : axes_) axis.halt();
+}
+
+template <Precise Real>
+bool FreeMotion<Real>::is_resting() const {
+  return std::ranges::all_of(axes_, &FreeAxis<Real>::is_resting);
+}
+
+template class FreeAxis<double>;
+template class FreeAxis<float>;
+template class FreeMotion<double>;
+template class FreeMotion<float>;
+
+}  // namespace inbetween

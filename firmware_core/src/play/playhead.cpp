@@ -1,0 +1,462 @@
+#include "inbetween/play/playhead.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace inbetween {
+namespace {
+
+/// By how much rounding may make a bend down steeper than it was begun.
+template <Precise Real>
+inline constexpr Real bend_rounding = std::numeric_limits<Real>::digits > 30 ? Real(1e-9) : Real(1e-4);
+/// The ends of a loop are in one place where they are within this share of the position.
+template <Precise Real>
+inline constexpr Real loop_rounding = std::numeric_limits<Real>::digits > 30 ? Real(1e-12) : Real(1e-6);
+/// The seconds of an exposure are a whole number of ticks within this share of a tick.
+template <Precise Real>
+inline constexpr Real tick_rounding = std::numeric_limits<Real>::digits > 30 ? Real(1e-9) : Real(1e-4);
+/// How often the bounds of an exposure may turn out lower because its run-up reaches further. Two or three
+/// are usual: each time it reaches further by less.
+inline constexpr int max_narrowings = 64;
+/// So near its target scrubbing comes to rest, and travels the rest of the way.
+inline constexpr double scrub_rest_frames = 0.05;
+
+constexpr Direction opposite(Direction direction) {
+  return direction == Direction::forward ? Direction::backward : Direction::forward;
+}
+template <Precise Real>
+constexpr Real sign_of(Direction direction) {
+  return static_cast<Real>(static_cast<int>(direction));
+}
+
+Error not_on_time_line() {
+  return {.code = ErrorCode::out_of_range,
+          .what = "there is no such frame on the time line",
+          .remedy = "name one from the first frame of the move to its last"};
+}
+
+}  // namespace
+
+template <Precise Real>
+Playhead<Real>::Playhead(const Move<Real>& move, const StopBounds<Real>& bounds, std::int32_t rate_hz)
+    : move_(&move),
+      bounds_(&bounds),
+      unit_(static_cast<std::int64_t>(rate_hz) * move.frame_rate().denominator),
+      tick_s_(Real{1} / static_cast<Real>(rate_hz)),
+      fps_(static_cast<Real>(move.frame_rate().numerator) / static_cast<Real>(move.frame_rate().denominator)),
+      time_{move.first_frame(), 0},
+      override_(std::min(Real{1}, bounds.rate())) {}
+
+// --- commands
+
+template <Precise Real>
+Status Playhead<Real>::play(Direction direction) {
+  if (is_resting() && time_ == end_towards(direction)) {
+    if (repeat_ == Repeat::none) {
+      return Error{.code = ErrorCode::out_of_range,
+                   .what = "the move is at that end already",
+                   .remedy = "play it the other way, or go to a frame first"};
+    }
+    if (repeat_ == Repeat::loop) time_ = end_towards(opposite(direction));
+    if (repeat_ == Repeat::ping_pong) direction = opposite(direction);
+  }
+  // At its own end nothing moves.
+  if (is_resting() && time_ == end_towards(opposite(direction))) {
+    rate_ = sign_of<Real>(direction) * override_;
+    anchor_here();
+  }
+  direction_ = direction;
+  state_ = PlayheadState::playing;
+  has_next_frame_ = false;
+  return Done{};
+}
+
+template <Precise Real>
+void Playhead<Real>::stop() {
+  has_next_frame_ = false;
+  if (!is_resting()) state_ = PlayheadState::slowing;
+}
+
+template <Precise Real>
+void Playhead<Real>::halt() {
+  has_next_frame_ = false;
+  rest();
+}
+
+template <Precise Real>
+Status Playhead<Real>::go_to(std::int32_t frame) {
+  if (!is_on_time_line({frame, 0})) return not_on_time_line();
+  if (is_resting()) {
+    begin_travel({frame, 0});
+  } else {
+    stop();
+    next_frame_ = frame;
+    has_next_frame_ = true;
+  }
+  return Done{};
+}
+
+template <Precise Real>
+Status Playhead<Real>::step(Direction direction) {
+  FrameTime<Real> from = time_;
+  if (has_next_frame_) {
+    from = {next_frame_, 0};
+  } else if (state_ == PlayheadState::travelling) {
+    from = travel_.to;
+  } else if (!is_resting()) {
+    return Error{.code = ErrorCode::out_of_range,
+                 .what = "a step needs a move that rests",
+                 .remedy = "stop it first, or go to a frame"};
+  }
+  const bool is_between = from.fraction > 0;
+  return go_to(direction == Direction::forward ? from.frame + 1 : from.frame - (is_between ? 0 : 1));
+}
+
+template <Precise Real>
+Status Playhead<Real>::scrub_to(const FrameTime<Real>& target) {
+  if (!is_on_time_line(target)) return not_on_time_line();
+  scrub_target_ = target;
+  has_next_frame_ = false;
+  state_ = PlayheadState::scrubbing;
+  return Done{};
+}
+
+template <Precise Real>
+Status Playhead<Real>::set_override(Real rate) {
+  if (!(rate > 0 && rate <= bounds_->rate())) {
+    return Error{.code = ErrorCode::out_of_range,
+                 .what = "the override is not above 0, or beyond the rate for which stops are proven",
+                 .remedy = "use a lower rate"};
+  }
+  override_ = rate;
+  return Done{};
+}
+
+template <Precise Real>
+Status Playhead<Real>::set_repeat(Repeat repeat) {
+  if (repeat == Repeat::loop) {
+    std::array<Real, max_bounded_axes> first;
+    std::array<Real, max_bounded_axes> last;
+    const std::size_t axes = move_->axis_count();
+    if (axes > max_bounded_axes) {
+      return Error{.code = ErrorCode::capacity,
+                   .what = "the move has more axes than a loop can compare",
+                   .remedy = "use 64 at most",
+                   .needed = static_cast<std::int64_t>(axes)};
+    }
+    move_->positions({move_->first_frame(), 0}, first);
+    move_->positions({move_->last_frame(), 0}, last);
+    for (std::size_t d = 0; d < axes; ++d) {
+      const Real size = std::max(std::fabs(first[d]), std::fabs(last[d]));
+      if (std::fabs(first[d] - last[d]) <= loop_rounding<Real> * size) continue;
+      return Error{.code = ErrorCode::no_solution,
+                   .what = "a loop would step: the axis rests elsewhere at the end than at the start",
+                   .remedy = "end the move where it starts, at rest, or play it to and fro",
+                   .axis = static_cast<std::int32_t>(d)};
+    }
+  }
+  repeat_ = repeat;
+  return Done{};
+}
+
+template <Precise Real>
+Status Playhead<Real>::place_on(std::int32_t frame) {
+  if (!is_on_time_line({frame, 0})) return not_on_time_line();
+  if (!is_resting()) {
+    return Error{.code = ErrorCode::out_of_range, .what = "the move is running", .remedy = "stop it first"};
+  }
+  time_ = {frame, 0};
+  return Done{};
+}
+
+// --- a tick
+
+template <Precise Real>
+PlayheadEvent Playhead<Real>::tick() {
+  switch (state_) {
+    case PlayheadState::resting:
+      return PlayheadEvent::none;
+    case PlayheadState::playing:
+      return tick_ramp(sign_of<Real>(direction_) * override_);
+    case PlayheadState::slowing:
+      return tick_ramp(0);
+    case PlayheadState::travelling:
+      return tick_travel();
+    case PlayheadState::scrubbing:
+      break;
+  }
+  if (rate_ == 0 && change_ == 0 && scrub_rate() == 0) {
+    begin_travel(scrub_target_);
+    return tick_travel();
+  }
+  return tick_ramp(scrub_rate());
+}
+
+template <Precise Real>
+PlayheadEvent Playhead<Real>::tick_ramp(Real target) {
+  if (rate_ * target < 0) target = 0;  // a turn is a stop and a start
+  if (rate_ == target && change_ == 0) {
+    cruise();
+  } else {
+    follow_to(target);
+    anchor_here();
+  }
+  for (const Direction direction : {Direction::forward, Direction::backward}) {
+    if (!(rate_ * sign_of<Real>(direction) > 0)) continue;
+    const FrameTime<Real> end = end_towards(direction);
+    const bool is_inside = direction == Direction::forward ? time_ < end : end < time_;
+    if (!is_inside) return pass_end(direction);
+  }
+  if (state_ == PlayheadState::slowing && rate_ == 0 && change_ == 0) return settle();
+  return PlayheadEvent::none;
+}
+
+/// At rest where it was told to slow down.
+template <Precise Real>
+PlayheadEvent Playhead<Real>::settle() {
+  rest();
+  if (!has_next_frame_) return PlayheadEvent::stopped;
+  has_next_frame_ = false;
+  begin_travel({next_frame_, 0});
+  return PlayheadEvent::none;
+}
+
+template <Precise Real>
+PlayheadEvent Playhead<Real>::pass_end(Direction direction) {
+  const FrameTime<Real> end = end_towards(direction);
+  if (state_ == PlayheadState::playing && repeat_ != Repeat::none) {
+    const Real beyond = static_cast<Real>(time_.frame - end.frame) + time_.fraction;
+    time_ = moved_by(repeat_ == Repeat::loop ? end_towards(opposite(direction)) : end,
+                     repeat_ == Repeat::loop ? beyond : -beyond);
+    if (repeat_ == Repeat::ping_pong) {
+      rate_ = -rate_;
+      change_ = -change_;
+      direction_ = opposite(direction);
+    }
+    anchor_here();
+    return PlayheadEvent::repeated;
+  }
+  time_ = end;
+  if (state_ == PlayheadState::scrubbing) {
+    rate_ = change_ = 0;
+    return PlayheadEvent::none;
+  }
+  if (state_ == PlayheadState::slowing) return settle();
+  rest();
+  return PlayheadEvent::finished;
+}
+
+template <Precise Real>
+void Playhead<Real>::rest() {
+  rate_ = change_ = 0;
+  state_ = PlayheadState::resting;
+}
+
+/// Time runs evenly. At the drawn speed whole ticks are counted, so that nothing is lost to rounding.
+template <Precise Real>
+void Playhead<Real>::cruise() {
+  if (std::fabs(rate_) != 1) return advance_by(rate_ * tick_s_);
+  cruise_phase_ += move_->frame_rate().numerator;
+  if (cruise_phase_ >= unit_) {
+    cruise_frames_ += static_cast<std::int32_t>(cruise_phase_ / unit_);
+    cruise_phase_ %= unit_;
+  }
+  const Real fraction = static_cast<Real>(cruise_phase_) / static_cast<Real>(unit_);
+  const std::int32_t frames = rate_ > 0 ? cruise_frames_ : -cruise_frames_;
+  time_ = moved_by({anchor_.frame + frames, anchor_.fraction}, rate_ > 0 ? fraction : -fraction);
+}
+
+template <Precise Real>
+void Playhead<Real>::anchor_here() {
+  anchor_ = time_;
+  cruise_frames_ = 0;
+  cruise_phase_ = 0;
+}
+
+/// The quickest way to a rate, for one tick: the rate change a1 at its end is the largest that the bounds
+/// allow and from which the bend down, with r'' = Q, still meets the rate:
+///     a1^2 <= 2 Q (gap - (a + a1) / 2 tick).
+template <Precise Real>
+void Playhead<Real>::follow_to(Real target) {
+  // As far as the tick may reach at most.
+  const Real bend_rate = bounds_->rate_jerk(time_) * tick_s_ * tick_s_ / 6;
+  const Real reach = std::fabs(rate_) + std::fabs(change_) * tick_s_ / 2 + bend_rate;
+  const Real gap = target - rate_;
+  const FrameTime<Real> ahead =
+      moved_by(time_, std::copysign(reach * tick_s_ * fps_, rate_ != 0 ? rate_ : gap));
+  const bool is_forward = time_ < ahead;
+  const StopBound<Real> bound = bounds_->least(is_forward ? time_ : ahead, is_forward ? ahead : time_);
+  // Either holds within a cell of its place, so on both sides of a border that this tick may cross.
+  const Real jerk = std::max(bounds_->rate_jerk(time_), bounds_->rate_jerk(ahead));
+  if (lands_within_tick(target, jerk)) return land(target);
+  const Real side = gap != 0 ? std::copysign(Real{1}, gap) : std::copysign(Real{1}, -change_);
+  const Real change = side * change_;
+  const Real bend = bound.release_jerk * tick_s_ / 2;
+  const Real under_root = bend * bend + 4 * bend / tick_s_ * (side * gap - change * tick_s_ / 2);
+  const Real step = jerk * tick_s_;
+  Real next = under_root > 0 ? std::sqrt(under_root) - bend : change - step;
+  next = std::min(next, bound.rate_change);
+  next = std::clamp(next, change - step, change + step);
+  move_on(side * (next - change) / tick_s_, tick_s_);
+}
+
+/// Whether rate and rate change can arrive together before the tick is over.
+template <Precise Real>
+bool Playhead<Real>::lands_within_tick(Real target, Real jerk) const {
+  const Real gap = target - rate_;
+  if (!(change_ * gap > 0) || 2 * gap / change_ > tick_s_) return false;
+  return change_ * change_ <= 2 * jerk * std::fabs(gap) * (1 + bend_rounding<Real>);
+}
+template <Precise Real>
+void Playhead<Real>::land(Real target) {
+  const Real gap = target - rate_;
+  const Real seconds = 2 * gap / change_;
+  move_on(-change_ / seconds, seconds);
+  rate_ = target;
+  change_ = 0;
+  advance_by(target * (tick_s_ - seconds));
+}
+
+/// So many seconds with one r''.
+template <Precise Real>
+void Playhead<Real>::move_on(Real jerk, Real seconds) {
+  advance_by(seconds * (rate_ + seconds * (change_ / 2 + seconds * jerk / 6)));
+  rate_ += seconds * (change_ + seconds * jerk / 2);
+  change_ += seconds * jerk;
+}
+
+template <Precise Real>
+void Playhead<Real>::advance_by(Real seconds_of_time_line) {
+  time_ = moved_by(time_, seconds_of_time_line * fps_);
+}
+
+// --- from rest to rest
+
+template <Precise Real>
+Real Playhead<Real>::seconds_between(const FrameTime<Real>& from, const FrameTime<Real>& to) const {
+  return frames_between(from, to) / fps_;
+}
+
+template <Precise Real>
+void Playhead<Real>::begin_travel(const FrameTime<Real>& to) {
+  const bool backward = to < time_;
+  const StopBound<Real> bounds = bounds_->least(backward ? to : time_, backward ? time_ : to);
+  const Real way_s = std::fabs(seconds_between(time_, to));
+  travel_ = {.from = time_,
+             .to = to,
+             .sign = backward ? Real{-1} : Real{1},
+             .course = Travel<Real>::shortest(way_s, override_, bounds)};
+  state_ = PlayheadState::travelling;
+}
+
+template <Precise Real>
+PlayheadEvent Playhead<Real>::tick_travel() {
+  const std::int64_t ticks = ++travel_.ticks;
+  const Real t = static_cast<Real>(ticks) * tick_s_;
+  if (!(t < travel_.course.seconds())) {
+    time_ = travel_.to;
+    rest();
+    return PlayheadEvent::arrived;
+  }
+  const TravelState<Real> now = travel_.course.at(t);
+  const Real frames = travel_.sign * now.way_s * fps_;
+  time_ = now.to_end ? moved_by(travel_.to, -frames) : moved_by(travel_.from, frames);
+  rate_ = travel_.sign * now.rate;
+  change_ = travel_.sign * now.rate_change;
+  anchor_here();  // somebody may play on at this rate
+  if (ticks == travel_.opening_tick) return PlayheadEvent::opened;
+  return ticks == travel_.closing_tick ? PlayheadEvent::closed : PlayheadEvent::none;
+}
+
+// --- exposures in motion
+
+/// The rise takes no whole number of ticks, but the even stretch begins early enough for a tick to open on,
+/// and lasts until a tick. The wider the course, the lower its bounds may be, and the wider it has to be.
+template <Precise Real>
+Result<typename Playhead<Real>::Journey> Playhead<Real>::journey_of(const Exposure<Real>& exposure) const {
+  const Real way_s = seconds_between(exposure.open, exposure.close);
+  if (!(way_s > 0 && exposure.seconds > 0)) {
+    return Error{.code = ErrorCode::out_of_range,
+                 .what = "an exposure in motion covers no time",
+                 .remedy = "let it close after it opens, and last longer than 0 s"};
+  }
+  const Real rate = way_s / exposure.seconds;
+  if (rate > bounds_->rate()) {
+    return Error{.code = ErrorCode::out_of_range,
+                 .what = "an exposure is so short that the rig would go faster than drawn",
+                 .remedy = "expose longer, or open the shutter for a smaller share of the frame"};
+  }
+  const Real open_ticks = std::ceil(exposure.seconds / tick_s_ - tick_rounding<Real>);
+  StopBound<Real> bounds = bounds_->least(exposure.open, exposure.close);
+  for (int narrower = 0; narrower < max_narrowings; ++narrower) {
+    const Real rise_s = Travel<Real>::rise_to(rate, bounds);
+    const Real rise_ticks = std::ceil(rise_s / tick_s_);
+    const Real run_up_s = rate * (rise_ticks * tick_s_ - rise_s / 2);
+    Journey journey{.from = moved_by(exposure.open, -run_up_s * fps_),
+                    .to = moved_by(exposure.open, rate * (open_ticks * tick_s_ + rise_s / 2) * fps_),
+                    .course = Travel<Real>::even(rate, (rise_ticks + open_ticks) * tick_s_ - rise_s, bounds),
+                    .opening_tick = static_cast<std::int64_t>(rise_ticks),
+                    .closing_tick = static_cast<std::int64_t>(rise_ticks + open_ticks)};
+    const StopBound<Real> least = bounds_->least(journey.from, journey.to);
+    if (least.rate_change >= bounds.rate_change && least.release_jerk >= bounds.release_jerk) return journey;
+    bounds = least;
+  }
+  return Error{.code = ErrorCode::not_converged,
+               .what = "no run-up to an exposure was found",
+               .remedy = "expose longer"};
+}
+
+template <Precise Real>
+Status Playhead<Real>::go_to_run_up(const Exposure<Real>& exposure) {
+  if (!is_resting()) {
+    return Error{.code = ErrorCode::out_of_range, .what = "the move is running", .remedy = "stop it first"};
+  }
+  const Result<Journey> journey = journey_of(exposure);
+  if (!journey) return journey.error();
+  begin_travel(journey->from);
+  return Done{};
+}
+
+template <Precise Real>
+Status Playhead<Real>::expose(const Exposure<Real>& exposure) {
+  const Result<Journey> journey = journey_of(exposure);
+  if (!journey) return journey.error();
+  if (!is_resting() || time_ != journey->from) {
+    return Error{.code = ErrorCode::out_of_range,
+                 .what = "the run-up to an exposure starts elsewhere",
+                 .remedy = "go to the start of its run-up first"};
+  }
+  travel_ = *journey;
+  state_ = PlayheadState::travelling;
+  return Done{};
+}
+
+// --- after a target
+
+/// Slower the nearer it is, so that it can be followed: from the override rate it takes as long as a stop.
+template <Precise Real>
+Real Playhead<Real>::scrub_rate() const {
+  const Real way = seconds_between(time_, scrub_target_);
+  if (std::fabs(way) * fps_ <= Real(scrub_rest_frames)) return 0;
+  const StopBound<Real> bounds = bounds_->at(time_);
+  const Real lag_s = 2 * (override_ / bounds.rate_change + bounds.rate_change / bounds.release_jerk);
+  return std::clamp(way / lag_s, -override_, override_);
+}
+
+template <Precise Real>
+bool Playhead<Real>::is_on_time_line(const FrameTime<Real>& time) const {
+  return time.fraction >= 0 && time.fraction < 1 && time.frame >= move_->first_frame() &&
+         time <= FrameTime<Real>{move_->last_frame(), 0};
+}
+
+template <Precise Real>
+FrameTime<Real> Playhead<Real>::end_towards(Direction direction) const {
+  return {direction == Direction::forward ? move_->last_frame() : move_->first_frame(), 0};
+}
+
+template class Playhead<double>;
+template class Playhead<float>;
+
+}  // namespace inbetween

@@ -1,0 +1,191 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+#include "inbetween/base/fixed_vector.hpp"
+#include "inbetween/base/precision.hpp"
+
+/// Where the motion of a tick crosses the half steps.
+
+namespace inbetween {
+
+/// A position in steps: nearest is floor(x + 1/2), rest is x - nearest, -1/2 <= rest < 1/2 before rounding.
+template <Precise Real>
+struct StepPosition {
+  std::int64_t nearest = 0;
+  Real rest = 0;
+};
+
+/// The nearest step of the exact product; |position * steps_per_unit| < 2^62.
+template <Precise Real>
+StepPosition<Real> step_position(Real position, Real steps_per_unit) {
+  const TwoSum<Real> steps = two_product(position, steps_per_unit);
+  Real nearest = std::floor(steps.high);
+  const Real above = steps.high - nearest;
+  const Real half = Real(0.5);
+  if (above > half || (above == half && steps.low >= 0)) nearest += 1;
+  return {static_cast<std::int64_t>(nearest), (steps.high - nearest) + steps.low};
+}
+
+/// A place, speed and acceleration in steps and ticks.
+template <Precise Real>
+struct StepMotion {
+  Real x = 0, v = 0, a = 0;
+};
+
+/// The quintic over one tick, u from 0 to 1, x in steps from the nearest step at its start.
+template <Precise Real>
+class StepCrossings {
+ public:
+  /// `end.x` is from the nearest step at the start, too.
+  StepCrossings(const StepMotion<Real>& start, const StepMotion<Real>& end, std::int32_t end_count);
+
+  /// How many, or -1 if more than fit in 2^24.
+  [[nodiscard]] std::int32_t count() const { return count_; }
+
+  /// Calls visit(u, up) for each, in the order of time. `tolerance` of u.
+  template <class Visitor>
+  void visit(Real tolerance, Visitor&& visitor) const {
+    Real u = 0;
+    std::int32_t count = 0;
+    for (const Piece& piece : pieces_) {
+      const bool up = piece.end_count > count;
+      while (count != piece.end_count) {
+        const Real level = static_cast<Real>(up ? count : count - 1) + Real(0.5);
+        u = crossing(level, up, {u, piece.end}, tolerance);
+        visitor(u, up);
+        count += up ? 1 : -1;
+      }
+      u = piece.end;
+    }
+  }
+
+ private:
+  static constexpr std::size_t degree = 5;
+  /// Coefficients of u^0, u^1, ...
+  using Polynomial = std::array<Real, degree + 1>;
+  struct Bracket {
+    Real low, high;
+  };
+  /// From the end of the last piece, or 0, the motion does not turn until `end`.
+  struct Piece {
+    Real end = 0;
+    std::int32_t end_count = 0;
+  };
+
+  static Real value(const Polynomial& p, Real u) {
+    return ((((p[5] * u + p[4]) * u + p[3]) * u + p[2]) * u + p[1]) * u + p[0];
+  }
+  static Real slope(const Polynomial& p, Real u) {
+    return (((5 * p[5] * u + 4 * p[4]) * u + 3 * p[3]) * u + 2 * p[2]) * u + p[1];
+  }
+  static Polynomial derivative(const Polynomial& p) {
+    return {p[1], 2 * p[2], 3 * p[3], 4 * p[4], 5 * p[5], 0};
+  }
+
+  /// Where p - level becomes positive, or negative if not `up`, by Newton's method inside a bracket in which
+  /// p is monotone. A step that leaves the bracket or does not halve the last but one is a bisection, so 2
+  /// log2(1 / tolerance) turns suffice. Rounding may have moved the zero out of the bracket: then it is its
+  /// nearer end.
+  static Real zero(const Polynomial& p, Real level, bool up, Bracket bracket, Real tolerance, Real first) {
+    Real u = first;
+    Real last_step = bracket.high - bracket.low;
+    Real step_before = last_step;
+    for (int turn = 0; turn < 2 * std::numeric_limits<Real>::digits; ++turn) {
+      const Real over = value(p, u) - level;
+      if (over == 0) return u;
+      ((over > 0) == up ? bracket.high : bracket.low) = u;
+      const Real tangent = slope(p, u);
+      Real next = tangent != 0 ? u - over / tangent : bracket.low;
+      const bool leaves = !(next > bracket.low && next < bracket.high);
+      if (leaves || 2 * std::fabs(next - u) > step_before)
+        next = bracket.low + (bracket.high - bracket.low) / 2;
+      step_before = last_step;
+      last_step = std::fabs(next - u);
+      u = next;
+      if (last_step <= tolerance || bracket.high - bracket.low <= tolerance) break;
+    }
+    return u;
+  }
+  [[nodiscard]] Real crossing(Real level, bool up, const Bracket& bracket, Real tolerance) const {
+    const auto is_past = [&](Real u) { return up ? value(x_, u) >= level : value(x_, u) <= level; };
+    if (!is_past(bracket.high)) return bracket.high;
+    if (is_past(bracket.low)) return bracket.low;
+    const Real tangent = slope(x_, bracket.low);
+    Real first = tangent != 0 ? bracket.low + (level - value(x_, bracket.low)) / tangent : bracket.low;
+    if (!(first > bracket.low && first < bracket.high))
+      first = bracket.low + (bracket.high - bracket.low) / 2;
+    return zero(x_, level, up, bracket, tolerance, first);
+  }
+
+  /// The zeros of p in (0, 1), from those of its derivative, between which it is monotone.
+  using Zeros = FixedVector<Real, degree>;
+  static Zeros zeros_between(const Polynomial& p, const Zeros& turns) {
+    Zeros zeros;
+    Bracket bracket{0, 0};
+    for (std::size_t i = 0; i <= turns.size(); ++i) {
+      bracket = {bracket.high, i < turns.size() ? turns[i] : Real(1)};
+      const bool from_below = value(p, bracket.low) < 0;
+      if (from_below == (value(p, bracket.high) < 0)) continue;
+      const Real middle = bracket.low + (bracket.high - bracket.low) / 2;
+      static_cast<void>(
+          zeros.push_back(zero(p, 0, from_below, bracket, 2 * std::numeric_limits<Real>::epsilon(), middle)));
+    }
+    return zeros;
+  }
+  /// Where the motion turns: the zeros of the derivatives, from the fourth down to the first.
+  [[nodiscard]] Zeros turns() const {
+    std::array<Polynomial, degree - 1> derivatives;
+    derivatives[0] = derivative(x_);
+    for (std::size_t i = 1; i < derivatives.size(); ++i) derivatives[i] = derivative(derivatives[i - 1]);
+    Zeros zeros;
+    for (std::size_t i = derivatives.size(); i-- > 0;) zeros = zeros_between(derivatives[i], zeros);
+    return zeros;
+  }
+
+  void add_piece(Real end, std::int32_t end_count) {
+    const std::int32_t last = pieces_.empty() ? 0 : pieces_[pieces_.size() - 1].end_count;
+    count_ += end_count > last ? end_count - last : last - end_count;
+    static_cast<void>(pieces_.push_back({end, end_count}));
+  }
+
+  Polynomial x_{};
+  FixedVector<Piece, degree> pieces_;
+  std::int32_t count_ = 0;
+};
+
+template <Precise Real>
+StepCrossings<Real>::StepCrossings(const StepMotion<Real>& start, const StepMotion<Real>& end,
+                                   std::int32_t end_count) {
+  const Real way = end.x - start.x;
+  // Bernstein's coefficients of the speed: it lies between the least and the greatest of them. Their mean is
+  // the way.
+  const std::array<Real, 4> outer{start.v, start.v + start.a / 4, end.v - end.a / 4, end.v};
+  const Real middle = 5 * way - ((outer[0] + outer[1]) + (outer[2] + outer[3]));
+  const auto [least, greatest] = std::minmax_element(outer.begin(), outer.end());
+  const Real low = std::min(*least, middle);
+  const Real high = std::max(*greatest, middle);
+  const Real most = Real(1 << 24);
+  if (!(low > -most && high < most)) {
+    count_ = -1;
+    return;
+  }
+  const Real d = way - start.v - start.a / 2;
+  const Real e = end.v - start.v - start.a;
+  const Real f = end.a - start.a;
+  x_ = {start.x, start.v, start.a / 2, 10 * d - 4 * e + f / 2, -15 * d + 7 * e - f, 6 * d - 3 * e + f / 2};
+  if (low < 0 && high > 0) {
+    for (const Real turn : turns()) {
+      const Real x = value(x_, turn);
+      const Real below = std::floor(x);
+      add_piece(turn, static_cast<std::int32_t>(below) + (x - below >= Real(0.5) ? 1 : 0));
+    }
+  }
+  add_piece(1, end_count);
+}
+
+}  // namespace inbetween

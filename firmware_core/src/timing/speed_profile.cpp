@@ -1,0 +1,71 @@
+#include "inbetween/timing/speed_profile.hpp"
+
+#include <cmath>
+
+namespace inbetween {
+
+template <Precise Real>
+Status check_control_value(Real value, std::int32_t index) {
+  if (!std::isfinite(value)) {
+    return Error{.code = ErrorCode::not_finite,
+                 .what = "a control value of the speed curve is not a finite number",
+                 .remedy = "use numbers from 0 to 100",
+                 .control_value = index};
+  }
+  if (value < 0 || value > largest_control_value) {
+    return Error{.code = ErrorCode::out_of_range,
+                 .what = value < 0 ? "a control value of the speed curve is negative"
+                                   : "a control value of the speed curve is above 100",
+                 .remedy = "use numbers from 0 to 100; the curve is drawn in proportion",
+                 .control_value = index};
+  }
+  return Done{};
+}
+
+template Status check_control_value(double, std::int32_t);
+template Status check_control_value(float, std::int32_t);
+
+template <Precise Real>
+Result<SpeedProfile<Real>> SpeedProfile<Real>::make(std::span<const Real> control_values,
+                                                    const SpeedProfileMemory<Real>& memory) {
+  if (control_values.empty()) {
+    return Error{.code = ErrorCode::wrong_count,
+                 .what = "the speed curve has no control values",
+                 .remedy = "give at least one, for example speed = [10]"};
+  }
+  for (std::size_t i = 0; i < control_values.size(); ++i) {
+    const Status valid = check_control_value(control_values[i], static_cast<std::int32_t>(i));
+    if (!valid) return valid.error();
+  }
+  const std::size_t f = control_values.size() > 1 ? control_values.size() - 1 : 1;
+  if (memory.spans.size() < f || memory.integrals.size() < f + 1) {
+    return Error{.code = ErrorCode::capacity,
+                 .what = "the speed curve has more control values than its memory",
+                 .remedy = "give it a larger capacity",
+                 .needed = static_cast<std::int64_t>(f) + 1};
+  }
+  const auto v = [&](std::size_t i) { return control_values[i < control_values.size() ? i : 0]; };
+  const auto knot = [&](std::size_t i) {  // phi at a = i; the natural ends give the value itself
+    return i == 0 || i == f ? v(i) : (v(i - 1) + 4 * v(i) + v(i + 1)) / 6;
+  };
+
+  TwoSum<Real> integral;
+  memory.integrals[0] = integral;
+  for (std::size_t i = 0; i < f; ++i) {
+    SpeedSpan<Real>& span = memory.spans[i];
+    span = {knot(i), (2 * v(i) + v(i + 1)) / 3, (v(i) + 2 * v(i + 1)) / 3, knot(i + 1)};
+    integral.add(span.integral());
+    integral.renormalize();
+    memory.integrals[i + 1] = integral;
+  }
+
+  SpeedProfile profile;
+  profile.spans_ = memory.spans.first(f);
+  profile.integrals_ = memory.integrals.first(f + 1);
+  return profile;
+}
+
+template class SpeedProfile<double>;
+template class SpeedProfile<float>;
+
+}  // namespace inbetween

@@ -1,0 +1,113 @@
+// Holds a plan against the limits of its rig: every moment of the motion, not samples of it.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host_tools/files/diagnostics.hpp"
+#include "host_tools/plan/plan.hpp"
+#include "inbetween/limits/motion_bounds.hpp"
+#include "inbetween/limits/stop_bounds.hpp"
+
+namespace inbetween {
+
+/// A move that would take an axis beyond a limit of the rig: nothing has moved. Exit status 3.
+class LimitError : public InputError {
+ public:
+  using InputError::InputError;
+};
+
+/// The largest magnitude of a velocity, acceleration or jerk, proven: not below the true one, at most 1 %
+/// above it (bound_motion). Infinity where there is no bound.
+struct CheckedPeak {
+  double value = 0;
+  double frame = 0;             ///< need not be a whole one
+  std::optional<double> limit;  ///< only a jerk may have none
+
+  [[nodiscard]] bool is_exceeded() const;
+  /// value / limit; 0 without a limit.
+  [[nodiscard]] double share() const { return limit ? value / *limit : 0; }
+};
+
+struct CheckedRange {
+  Peak<double> lowest, highest;
+};
+
+/// An axis of the rig, in its unit and seconds.
+struct CheckedAxis {
+  std::string name;
+  std::string unit;
+  std::optional<CheckedRange> range;  ///< nothing for an axis in no track: it stays, wherever it is
+  double limit_min = 0;               ///< both inclusive
+  double limit_max = 0;
+  CheckedPeak velocity, acceleration, jerk;
+};
+
+/// Where the velocity or the acceleration of an axis jumps. At frames 0 and N, against the rest outside; a
+/// move that is moving there meets its roll and does not step.
+struct CheckedStep {
+  std::optional<std::int32_t> key;  ///< nothing between keys, where the path turns on the spot
+  double frame = 0;
+  std::size_t axis = 0;     ///< in CheckReport::axes
+  double velocity = 0;      ///< 0 where it does not step
+  double acceleration = 0;  ///< 0 where it does not step
+};
+
+/// One reason why the move does not fit.
+struct CheckRefusal {
+  Place place;
+  std::string message;  ///< what, and what to do
+  bool slower_helps = false;
+};
+
+/// What controlled stops ask of an axis of the rig, whenever they begin: against its stop limits.
+struct CheckedStopAxis {
+  CheckedPeak velocity, acceleration, jerk;
+};
+
+/// Controlled stops at the drawn speed, forward and backward (StopBounds).
+struct CheckedStops {
+  LongestStop<double> longest;        ///< in seconds
+  std::vector<CheckedStopAxis> axes;  ///< every axis of the rig
+};
+
+struct CheckReport {
+  std::vector<CheckedAxis> axes;      ///< every axis of the rig, in its order
+  std::optional<CheckedStops> stops;  ///< nothing where there is a place from which no stop keeps the limits
+  /// How many times faster than drawn every limit of the motion still holds; below 1 where it does not fit, 0
+  /// where no rate does, infinity where nothing moves.
+  double highest_rate = 0;
+  std::vector<CheckedStep> steps;
+  std::vector<CheckRefusal> refusals;  ///< axis by axis, what slowing does not cure before what it does
+  double speed_error = 0;  ///< the loop follows this motion within this share of its speed; 0: exactly
+
+  [[nodiscard]] bool fits() const { return refusals.empty(); }
+};
+
+/// A step below this share of the peak, or of the limit, is rounding.
+inline constexpr double step_rounding = 1e-9;
+
+/// Whether a step of the acceleration does not fit: the axis has a max_jerk, and it is not within
+/// max_acceleration_step.
+bool breaks_jerk_limit(const CheckedStep& step, const RigAxis& limits);
+
+/// The plan has a rig. Peaks are those of the move with its rolls. Where a roll is needed and none keeps the
+/// limits, the move is refused. Bounds are looser than 1 % by at most 1e-6 of a limit. It speaks of the
+/// motion as asked; the loop's fitted inverse of arc length is within `speed_error` of it.
+///
+/// Controlled stops are proven along with it (PlannedStops): a move that could not be stopped everywhere
+/// inside the stop limits is refused.
+///
+/// A step of the velocity does not fit in any case. A step of the acceleration does not fit where the axis
+/// has a max_jerk, unless it is within max_acceleration_step.
+///
+/// Throws SolverError where a track has more axes than the core can bound.
+CheckReport check(const Plan& plan);
+
+/// Throws LimitError with the first refusal, if there is one.
+void refuse_beyond_limits(const CheckReport& report);
+
+}  // namespace inbetween

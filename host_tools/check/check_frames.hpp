@@ -1,0 +1,34 @@
+// How few frames a move could have on its rig.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "host_tools/check/check.hpp"
+
+namespace inbetween {
+
+/// The same move in so many frames: locked keys and holds are scaled by the same factor and rounded to whole
+/// frames, a hold to one at least. Frames 0 and N stay the first and the last.
+MoveFile with_frames(const MoveFile& move, std::int32_t frames);
+
+struct SmallestFrames {
+  std::optional<std::int32_t> frames;
+  std::string reason;  ///< why there is none
+};
+
+/// A number of frames, at most max_frames, at which the move as a whole is solved again and fits, while at
+/// one frame less it does not. Without locked keys and holds that is the smallest there is; with them the
+/// rounding of frames may let a much smaller one fit by chance. None where no slowing helps: positions, steps
+/// of the velocity, steps of the acceleration where none is allowed, peaks without bound.
+///
+/// Method: v ~ 1/T, a ~ 1/T^2, j ~ 1/T^3 give the first guess; from there in steps of 1, 2, 4 ... to a number
+/// on the other side, then bisection. Cost: about 20 solutions.
+///
+/// `report` is that of the plan. `progress` is told the share of the work, roughly, and each number tried.
+SmallestFrames smallest_frames(const Plan& plan, const CheckReport& report,
+                               const std::function<void(double share, std::int32_t frames)>& progress);
+
+}  // namespace inbetween

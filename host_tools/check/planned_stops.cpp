@@ -1,0 +1,43 @@
+#include "host_tools/check/planned_stops.hpp"
+
+#include <algorithm>
+
+namespace inbetween {
+namespace {
+
+constexpr std::int64_t max_cells = 4096;
+constexpr std::int64_t min_cells = 64;
+
+std::size_t cell_count(const Plan& plan, double rate) {
+  const std::int64_t frames = plan.played().last_frame() - plan.played().first_frame();
+  const std::int64_t ticks =
+      last_tick(static_cast<std::int32_t>(frames), plan.played().frame_rate(), plan.rig()->rate_hz);
+  const auto longest = static_cast<std::int64_t>(static_cast<double>(ticks) / (2 * std::max(rate, 1.0)));
+  const std::int64_t wanted = std::clamp(frames, min_cells, max_cells);
+  return static_cast<std::size_t>(std::max<std::int64_t>(std::min(wanted, longest), 1));
+}
+
+}  // namespace
+
+PlannedStops::PlannedStops(const Plan& plan, double rate)
+    : cells_(cell_count(plan, rate) + 1), peaks_(plan.played().axis_count()) {
+  std::vector<MotionTriple<double>> suprema((cells_.size() - 1) * peaks_.size());
+  std::vector<AxisTurn<double>> turns(peaks_.size());
+  std::vector<PeakSlack<double>> slack(peaks_.size());
+  const StopRequest<double> request{.move = plan.played(),
+                                    .limits = plan.limits(),
+                                    .rate = rate,
+                                    .tick_seconds = 1.0 / plan.rig()->rate_hz};
+  const StopBoundsMemory<double> memory{.cells = cells_, .suprema = suprema, .slack = slack, .turns = turns};
+  const auto bounds = StopBounds<double>::make(request, memory, peaks_);
+  if (bounds) {
+    bounds_ = *bounds;
+    return;
+  }
+  if (bounds.error().code != ErrorCode::no_solution) throw SolverError(bounds.error());
+  const auto obstacle = stop_obstacle(request, memory);
+  if (!obstacle) throw SolverError(obstacle.error());
+  obstacle_ = *obstacle;
+}
+
+}  // namespace inbetween

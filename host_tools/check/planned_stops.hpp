@@ -1,0 +1,36 @@
+// How a plan can be stopped on its rig: the core's stop bounds with memory from the heap.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "host_tools/plan/plan.hpp"
+#include "inbetween/limits/stop_bounds.hpp"
+
+namespace inbetween {
+
+/// Movable. The bounds refer to memory that a move does not displace.
+class PlannedStops {
+ public:
+  /// For rates up to `rate` times the drawn speed. The plan has a rig; a cell of the time line is about a
+  /// frame, never shorter than two ticks, and never less than a 4096th of the move. Throws SolverError where
+  /// a track has more axes than the core can bound.
+  explicit PlannedStops(const Plan& plan, double rate = 1);
+  PlannedStops(PlannedStops&&) noexcept = default;
+  PlannedStops& operator=(PlannedStops&&) noexcept = default;
+
+  /// Nothing where there is an obstacle.
+  [[nodiscard]] const std::optional<StopBounds<double>>& bounds() const { return bounds_; }
+  /// A place from which no stop keeps the limits.
+  [[nodiscard]] const std::optional<StopObstacle<double>>& obstacle() const { return obstacle_; }
+  /// The most that any playing and stopping asks of each axis of Plan::played().
+  [[nodiscard]] const std::vector<AxisPeaks<double>>& peaks() const { return peaks_; }
+
+ private:
+  std::vector<StopCell<double>> cells_;
+  std::vector<AxisPeaks<double>> peaks_;
+  std::optional<StopBounds<double>> bounds_;
+  std::optional<StopObstacle<double>> obstacle_;
+};
+
+}  // namespace inbetween

@@ -1,0 +1,232 @@
+#include "host_tools/cli/budget.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+
+#include "inbetween/limits/roll.hpp"
+#include "inbetween/limits/stop_bounds.hpp"
+#include "inbetween/play/playhead.hpp"
+#include "inbetween/timing/count_track.hpp"
+#include "inbetween/timing/key_timing.hpp"
+#include "inbetween/timing/ode_frame_table.hpp"
+#include "inbetween/timing/track.hpp"
+
+namespace inbetween {
+namespace {
+
+/// The elements of the memories, counted.
+struct ElementCounts {
+  std::int64_t cubics, axes, pieces, segments, spans, rows, locks, count_spans, count_pieces;
+};
+
+template <Precise Real>
+double delta_of(const BudgetCapacity& capacity) {
+  return capacity.delta.value_or(static_cast<double>(Precision<Real>::default_delta));
+}
+
+template <Precise Real>
+ElementCounts element_counts(const BudgetCapacity& capacity) {
+  ElementCounts n{};
+  // A closed path of as many keys has one segment more than an open one.
+  n.segments = capacity.keys;
+  n.axes = capacity.axes;
+  n.cubics = (n.segments + 1) * n.axes;
+  n.pieces = n.segments * usual_pieces_per_segment(delta_of<Real>(capacity));
+  n.spans = std::max(capacity.control_values - 1, 1);
+  n.rows = static_cast<std::int64_t>(capacity.frames) + 1;
+  n.locks = capacity.locks;
+  n.count_spans = count_span_count(static_cast<std::int32_t>(n.spans)) + n.locks;
+  n.count_pieces = n.segments * (usual_pieces_per_segment(delta_of<double>(capacity)) +
+                                 (min_pieces_per_segment<Real> - 1));
+  return n;
+}
+
+/// In the order of object_names.
+template <Precise Real>
+std::array<std::optional<std::int64_t>, budget_object_count> bytes(const BudgetCapacity& capacity) {
+  const ElementCounts n = element_counts<Real>(capacity);
+  constexpr auto size = [](std::size_t bytes) { return static_cast<std::int64_t>(bytes); };
+  const std::int64_t real = size(sizeof(Real));
+  const std::int64_t two_sum = size(sizeof(TwoSum<Real>));
+  const std::int64_t index = size(sizeof(std::int32_t));
+  const std::int64_t rows = n.locks + 1;  // of the equations of the locked keys
+  std::array<std::optional<std::int64_t>, budget_object_count> result{
+      n.cubics * size(sizeof(Cubic<Real>)) + n.axes * real,
+      n.pieces * (size(sizeof(ArcPiece<Real>)) + real + index) + (n.segments + 1) * (index + two_sum),
+      n.spans * size(sizeof(SpeedSpan<Real>)) + (n.spans + 1) * two_sum,
+      (n.spans + 1) * two_sum,
+      (n.locks + 1) * size(sizeof(Portion<Real>)),
+      4 * (n.spans + 1) * real + (n.locks + 2) * size(sizeof(KeyLock)) + rows * (5 + rows) * real,
+      n.segments * size(sizeof(KeyInterval<Real>)),
+      n.rows * size(sizeof(PathPoint<Real>)),
+      (n.locks + 2) * size(sizeof(CountPortion<Real>)) + n.count_spans * size(sizeof(CountSpan<Real>)) +
+          (n.count_pieces + 1) * (size(sizeof(CountPiece<Real>)) + n.axes * size(sizeof(CountCubic<Real>))),
+      2 * n.axes * size(sizeof(RollAxis<Real>)),
+      (budget_stop_cells + 1) * size(sizeof(StopCell<Real>)),
+      n.axes * (budget_stop_cells * size(sizeof(MotionTriple<Real>)) +
+                size(sizeof(PeakSlack<Real>) + sizeof(AxisTurn<Real>))),
+      size(sizeof(Playhead<Real>)),
+      (n.segments + 1) * size(sizeof(OdeSegment<Real>)),
+  };
+  if (delta_of<Real>(capacity) < static_cast<double>(Precision<Real>::smallest_delta)) result[1] = {};
+  if (n.locks == 0) result[4] = result[5] = {};
+  return result;
+}
+
+constexpr std::array<std::string_view, budget_object_count> object_names{
+    "path",
+    "arc length",
+    "speed profile",
+    "track",
+    "  with breaks at the locked keys, more",
+    "  adjusted to the locked keys, more",
+    "  timed by frames instead, more",
+    "frame table",
+    "count track",
+    "pre-roll and post-roll",
+    "stop bounds, 256 cells",
+    "  while they are made, more",
+    "playhead",
+    "Runge-Kutta solver, more"};
+
+constexpr std::array<FunctionBudget, 55> stack{{
+    {"Path::make", {608, 576}, {736, 576}},
+    {"Path::position", {32, 32}, {128, 32}},
+    {"Path::parametric_speed", {256, 256}, {256, 224}},
+    {"ArcLength::make", {3360, 2208}, {3680, 2208}},
+    {"ArcLength::locate", {96, 64}, {256, 96}},
+    {"ArcLength::distance", {288, 224}, {352, 224}},
+    {"SpeedProfile::make", {160, 128}, {320, 128}},
+    {"SpeedProfile::value", {32, 32}, {160, 32}},
+    {"SpeedProfile::integral", {32, 32}, {192, 32}},
+    {"adjust_to_locks", {1024, 800}, {1632, 800}},
+    {"Track::make", {608, 512}, {672, 512}},
+    {"Track::make_with_breaks", {992, 800}, {1088, 800}},
+    {"Track::make_with_key_frames", {576, 544}, {672, 544}},
+    {"Track::distance", {448, 320}, {736, 320}},
+    {"Track::along", {608, 384}, {864, 384}},
+    {"Track::locate", {480, 352}, {768, 352}},
+    {"Track::locate_frames", {1792, 1024}, {2080, 1024}},
+    {"Track::positions", {480, 352}, {800, 352}},
+    {"Track::motion", {896, 512}, {1280, 544}},
+    {"closed_form_table", {1856, 1088}, {2144, 1088}},
+    {"frame_row", {704, 448}, {992, 448}},
+    {"check_invariants", {576, 416}, {864, 416}},
+    {"runge_kutta_table", {1184, 800}, {1568, 800}},
+    {"measure_speed_deviation", {576, 384}, {832, 384}},
+    {"count_sizes", {224, 224}, {224, 224}},
+    {"CountTrack::make", {1312, 1120}, {1504, 1344}},
+    {"CountTrack::counts", {64, 32}, {224, 32}},
+    {"bound_motion", {7520, 4704}, {9216, 4672}},
+    {"steps_at_key", {1024, 704}, {1472, 704}},
+    {"standstills_within", {1088, 640}, {1248, 640}},
+    {"steps_at_standstill", {960, 672}, {1408, 640}},
+    {"AxisLimits::make", {512, 224}, {512, 224}},
+    {"RollAxis::make", {352, 288}, {352, 288}},
+    {"RollAxis::peaks", {64, 32}, {256, 32}},
+    {"roll_frames", {960, 736}, {992, 736}},
+    {"joints_of", {832, 576}, {1184, 544}},
+    {"Move::make", {160, 160}, {160, 160}},
+    {"Move::positions", {544, 384}, {864, 384}},
+    {"Move::motion", {864, 576}, {1216, 576}},
+    {"StopBounds::make", {9408, 5664}, {10080, 5632}},
+    {"StopBounds::at", {224, 192}, {256, 192}},
+    {"StopBounds::stop_from", {256, 192}, {384, 192}},
+    {"stop_obstacle", {9216, 5568}, {9824, 5568}},
+    {"highest_rate", {224, 192}, {224, 192}},
+    {"Playhead::play", {96, 96}, {192, 96}},
+    {"Playhead::go_to", {736, 576}, {768, 576}},
+    {"Playhead::set_repeat", {1760, 1024}, {2112, 1024}},
+    {"Playhead::tick", {768, 576}, {832, 576}},
+    {"supervise", {32, 32}, {32, 32}},
+    {"check_step_rate", {288, 288}, {288, 288}},
+    {"StepGenerator::make", {1024, 992}, {1024, 992}},
+    {"StepGenerator::place", {256, 256}, {288, 256}},
+    {"StepGenerator::advance", {1344, 960}, {1472, 960}},
+    {"StepMerge::make", {2848, 2848}, {2848, 2848}},
+    {"StepMerge::merge", {2240, 2240}, {2240, 2240}},
+}};
+
+// In the first line stands what is asked for: 140 in double on a Cortex-M7, 130 in single precision on a
+// Cortex-M4F.
+constexpr std::array<FunctionBudget, 11> instructions{{
+    {"CountTrack::counts", {140, 130}, {3600, 130}},
+    {"CountTrack::counts(longest)", {210, 210}, {4000, 210}},
+    {"Track::positions", {240, 260}, {5700, 270}},
+    {"Track::motion", {1200, 1200}, {37'000, 1200}},
+    {"frame_time_of_tick", {74, 74}, {820, 74}},
+    {"solve", {350'000, 280'000}, {12'000'000, 290'000}},
+    {"CountTrack::make", {270'000, 310'000}, {7'100'000, 7'300'000}},
+    {"Move::positions", {270, 290}, {5700, 300}},
+    {"Playhead::tick", {210, 180}, {1500, 210}},
+    {"Playhead::tick(ramps)", {1150, 1200}, {16'000, 1250}},
+    {"StopBounds::make", {6'100'000, 6'600'000}, {170'000'000, 6'800'000}},
+}};
+
+std::string number(std::int64_t value) {
+  return value > 0 ? std::to_string(value) : "-";
+}
+
+void print_limits(std::span<const FunctionBudget> limits, std::FILE* out) {
+  fmt::print(out, "  {:<28}{:>24}{:>24}\n", "", "Cortex-M7", "Cortex-M4F");
+  fmt::print(out, "  {:<28}{:>12}{:>12}{:>12}{:>12}\n", "", "double", "float", "double", "float");
+  for (const FunctionBudget& limit : limits) {
+    fmt::print(out, "  {:<28}{:>12}{:>12}{:>12}{:>12}\n", limit.name, number(limit.cortex_m7.in_double),
+               number(limit.cortex_m7.in_float), number(limit.cortex_m4f.in_double),
+               number(limit.cortex_m4f.in_float));
+  }
+}
+
+}  // namespace
+
+std::span<const FunctionBudget> stack_limits() {
+  return stack;
+}
+
+std::span<const FunctionBudget> instruction_limits() {
+  return instructions;
+}
+
+std::int32_t usual_pieces_per_segment(double delta) {
+  // Quintic interpolation: the error of the speed falls with the fifth power of the length of a piece. At a
+  // coarse delta it falls more slowly, because a piece is then as long as a bend.
+  const double exponent = delta < 1e-6 ? 0.2 : 0.15;
+  return static_cast<std::int32_t>(std::ceil(40 * std::pow(1e-6 / delta, exponent)));
+}
+
+std::array<BudgetObject, budget_object_count> budget_objects(const BudgetCapacity& capacity) {
+  const auto in_double = bytes<double>(capacity);
+  const auto in_float = bytes<float>(capacity);
+  std::array<BudgetObject, budget_object_count> objects;
+  for (std::size_t i = 0; i < objects.size(); ++i) objects[i] = {object_names[i], in_double[i], in_float[i]};
+  return objects;
+}
+
+void print_budget(const BudgetCapacity& capacity, std::FILE* out) {
+  const double wide = delta_of<double>(capacity);
+  const double single = delta_of<float>(capacity);
+  fmt::print(out, "Memory in bytes for {} keys, {} axes, {} control values, {} frames, {} locked keys:\n",
+             capacity.keys, capacity.axes, capacity.control_values, capacity.frames, capacity.locks);
+  fmt::print(out, "  {:<40}{:>12}{:>12}\n", "", "double", "float");
+  fmt::print(out, "  {:<40}{:>12g}{:>12g}\n", "with a speed error (delta) of", wide, single);
+  fmt::print(out, "  {:<40}{:>12}{:>12}\n", "and as many pieces a segment, as a rule",
+             usual_pieces_per_segment(wide), usual_pieces_per_segment(single));
+  for (const BudgetObject& object : budget_objects(capacity)) {
+    fmt::print(out, "  {:<40}{:>12}{:>12}\n", object.name, number(object.in_double.value_or(0)),
+               number(object.in_float.value_or(0)));
+  }
+  if (single < static_cast<double>(Precision<float>::smallest_delta)) {
+    fmt::print(out, "  - single precision reaches a speed error of {:g} at best\n",
+               Precision<float>::smallest_delta);
+  }
+  fmt::print(out, "\nStack of a function with all that it calls, at most, in bytes:\n");
+  print_limits(stack_limits(), out);
+  fmt::print(out, "\nInstructions for three axes, on average over a move, at most:\n");
+  print_limits(instruction_limits(), out);
+}
+
+}  // namespace inbetween

@@ -1,0 +1,73 @@
+#include "host_tools/cli/command.hpp"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <utility>
+
+#include "host_tools/plot/plot_canvas.hpp"
+
+namespace inbetween {
+namespace {
+
+bool is_same_file(const std::string& one, const std::string& other) {
+  std::error_code not_there;
+  if (std::filesystem::equivalent(one, other, not_there)) return std::filesystem::is_regular_file(one);
+  const auto place = [&](const std::string& name) {
+    return std::filesystem::weakly_canonical(name, not_there);
+  };
+  return !std::filesystem::exists(one, not_there) && place(one) == place(other);
+}
+
+}  // namespace
+
+// Not fmt::print, which throws where standard error cannot be written either: the status still tells.
+void complain(const std::string& line) {
+  std::fputs((line + '\n').c_str(), stderr);
+}
+
+void refuse_outputs_in_one_place(const std::vector<NamedFile>& inputs,
+                                 const std::vector<NamedFile>& outputs) {
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    const NamedFile& output = outputs[i];
+    if (!output.name) continue;
+    const auto refuse = [&](const NamedFile& other) {
+      throw UsageError(fmt::format("{} and {} would both be {}; give each its own file", other.argument,
+                                   output.argument,
+                                   *output.name == "-" ? "the standard output" : *output.name));
+    };
+    for (std::size_t k = 0; k < i; ++k) {
+      if (!outputs[k].name) continue;
+      const bool to_stdout = *output.name == "-" || *outputs[k].name == "-";
+      if (to_stdout ? *output.name == *outputs[k].name : is_same_file(*output.name, *outputs[k].name)) {
+        refuse(outputs[k]);
+      }
+    }
+    for (const NamedFile& input : inputs) {
+      if (input.name && *output.name != "-" && is_same_file(*output.name, *input.name)) refuse(input);
+    }
+  }
+}
+
+void refuse_unknown_picture(const std::optional<std::string>& plot) {
+  if (!plot) return;
+  try {
+    static_cast<void>(picture_format(*plot));
+  } catch (const std::runtime_error& error) {
+    throw UsageError(fmt::format("--plot {}", error.what()));
+  }
+}
+
+Plan make_plan(const std::string& move, const std::optional<std::string>& rig, Solver solver) {
+  std::optional<RigFile> rig_file;
+  if (rig) rig_file = read_rig_file(*rig);
+  Plan plan(read_move_file(move), std::move(rig_file), {.solver = solver});
+  for (const Warning& warning : plan.warnings()) fmt::print(stderr, "{}\n", to_string(warning));
+  return plan;
+}
+
+std::FILE* summary_stream(bool data_on_standard_output) {
+  return data_on_standard_output ? stderr : stdout;
+}
+
+}  // namespace inbetween

@@ -1,0 +1,61 @@
+// What the commands of `inbetween` share. Each has a file of its own, command_NAME.cpp.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <functional>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "host_tools/plan/plan.hpp"
+
+namespace inbetween {
+
+inline constexpr int exit_bad_input = 1;
+inline constexpr int exit_wrong_usage = 2;
+inline constexpr int exit_limit = 3;
+inline constexpr int exit_fault = 4;
+
+/// What can only be seen with all options together.
+class UsageError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// The command that was named, with its arguments. Returns the exit status.
+using Command = std::function<int()>;
+
+/// Add a command with its options and its help to the program. Parsing sets `chosen` if it is the one.
+void add_plan_command(CLI::App& program, Command& chosen);
+void add_check_command(CLI::App& program, Command& chosen);
+void add_run_command(CLI::App& program, Command& chosen);
+void add_goto_command(CLI::App& program, Command& chosen);
+void add_home_command(CLI::App& program, Command& chosen);
+void add_jog_command(CLI::App& program, Command& chosen);
+void add_sim_drives_command(CLI::App& program, Command& chosen);
+void add_budget_command(CLI::App& program, Command& chosen);
+
+/// One line to standard error.
+void complain(const std::string& line);
+
+/// A file that a command reads or writes, with the argument that names it.
+struct NamedFile {
+  const char* argument;
+  std::optional<std::string> name;
+};
+
+/// No output is written over an input or over another output. Throws UsageError.
+void refuse_outputs_in_one_place(const std::vector<NamedFile>& inputs, const std::vector<NamedFile>& outputs);
+
+/// Throws UsageError where the name of a picture has no known ending.
+void refuse_unknown_picture(const std::optional<std::string>& plot);
+
+/// Reads and solves; warnings go to standard error.
+Plan make_plan(const std::string& move, const std::optional<std::string>& rig, Solver solver);
+
+/// Where the summary goes: to standard error when standard output carries data.
+std::FILE* summary_stream(bool data_on_standard_output);
+
+}  // namespace inbetween

@@ -1,0 +1,68 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <string>
+
+#include "host_tools/cli/budget.hpp"
+#include "host_tools/cli/command.hpp"
+
+namespace inbetween {
+namespace {
+
+int budget_command(const BudgetCapacity& capacity) {
+  if (capacity.locks > capacity.keys) {
+    throw UsageError(
+        fmt::format("--locks {} is more than --keys {}; raise --keys", capacity.locks, capacity.keys));
+  }
+  print_budget(capacity, stdout);
+  return 0;
+}
+
+void describe(CLI::App& app, BudgetCapacity& capacity) {
+  const auto add_count = [&](const char* name, std::int32_t& count, std::int32_t least, std::int32_t largest,
+                             const char* what) {
+    app.add_option(name, count, what)->check(CLI::Range(least, largest))->capture_default_str();
+  };
+  add_count("--keys", capacity.keys, 1, largest_budget.keys, "keys of a track");
+  add_count("--axes", capacity.axes, 1, largest_budget.axes, "axes of a track");
+  add_count(
+      "--control-values", capacity.control_values, 1, largest_budget.control_values,
+      "control values of the speed curve; locked keys may refine a drawn one, to twice as many and more");
+  add_count("--frames", capacity.frames, 1, largest_budget.frames, "frames of the move");
+  add_count("--locks", capacity.locks, 0, largest_budget.locks,
+            "keys with a frame, a hold or a break of their own");
+  app.add_option("--delta", capacity.delta,
+                 "largest relative error of the speed; without it 1e-6 in double, 1e-5 in single precision")
+      ->check([](const std::string& text) {
+        constexpr double least = Precision<double>::smallest_delta;
+        double delta = 0;
+        const double above = *largest_budget.delta;
+        const bool known = CLI::detail::lexical_cast(text, delta) && delta >= least && delta < above;
+        return known ? "" : fmt::format("Value {} not in range: from {:g} to below {:g}", text, least, above);
+      });
+  app.footer(
+      "Three tables: the bytes that the caller of the core provides for every object of a move of that "
+      "capacity\n"
+      "(the same on every processor); the worst stack of every public function on two microcontrollers, "
+      "added up\n"
+      "from what the compiler says; the instructions that a tick of three axes takes there, counted in an "
+      "emulator.\n"
+      "The last two are limits, which the tests of the project hold.\n\n"
+      "Examples:\n"
+      "  inbetween budget                                           8 keys, 3 axes, 240 frames\n"
+      "  inbetween budget --keys 100 --axes 16 --control-values 40 --frames 5000\n"
+      "  inbetween budget --delta 1e-4                              coarser, in less memory");
+}
+
+}  // namespace
+
+void add_budget_command(CLI::App& program, Command& chosen) {
+  CLI::App* command =
+      program.add_subcommand("budget", "Say what a move takes of a machine: memory, stack, instructions");
+  const auto arguments = std::make_shared<BudgetCapacity>();
+  describe(*command, *arguments);
+  command->callback([arguments, &chosen] { chosen = [arguments] { return budget_command(*arguments); }; });
+}
+
+}  // namespace inbetween

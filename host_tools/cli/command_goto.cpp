@@ -1,0 +1,157 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "drivers/linux/interrupt_watch.hpp"
+#include "drivers/linux/key_terminal.hpp"
+#include "host_tools/cli/command.hpp"
+#include "host_tools/cli/position_arguments.hpp"
+#include "host_tools/cli/setup_arguments.hpp"
+#include "host_tools/loop/agreement.hpp"
+#include "host_tools/motions/go_to.hpp"
+#include "host_tools/reference/axis_positions.hpp"
+#include "host_tools/rig/rig_watch.hpp"
+
+namespace inbetween {
+namespace {
+
+/// Above this a loop without its rights could make an axis jump.
+constexpr double jitter_share = 0.1;
+
+struct GotoArguments {
+  SetupArguments setup;
+  std::vector<std::string> targets, set_zero, stands_at;
+  double share = 0.1;
+  bool yes = false;
+};
+
+/// What the operator says, to the position file; nothing moves.
+int say_where_axes_stand(const GotoArguments& arguments) {
+  std::vector<std::string> said = arguments.stands_at;
+  said.reserve(said.size() + arguments.set_zero.size());
+  for (const std::string& name : arguments.set_zero) said.push_back(name + "=0");
+  const RigFile rig = read_rig_file(arguments.setup.rig);
+  std::vector<GoTarget> stands;
+  for (const auto& [name, position] : positions_of(said, "--stands-at")) {
+    const std::size_t a = axis_named(rig, name);
+    if (rig.axes[a].reference == Reference::by_drive) {
+      throw InputError(rig.axes[a].place,
+                       fmt::format("axis {}: its drive says where it is; set its position in the drive, or "
+                                   "write reference = \"operator\" in the rig",
+                                   in_quotes(name)));
+    }
+    stands.push_back({.axis = a, .position = position});
+  }
+  RigReference reference = reference_of(rig, arguments.setup.positions, arguments.setup.simulated);
+  for (const GoTarget& axis : stands) {
+    reference.stands_at(axis.axis, axis.position);
+    fmt::print("{}: stands at {:g} {}\n", rig.axes[axis.axis].name, axis.position,
+               to_string(rig.axes[axis.axis].unit));
+  }
+  return 0;
+}
+
+int go(const GotoArguments& arguments) {
+  const RigWatch watch(arguments.setup.rig);
+  const RigFile rig = read_rig_file(arguments.setup.rig);
+  const std::vector<GoTarget> targets = go_targets(rig, positions_of(arguments.targets, "goto"));
+  RigReference reference = reference_of(rig, arguments.setup.positions, arguments.setup.simulated);
+  const InterruptWatch interrupts;
+  ProgressBar bar;
+  GoOptions options{.share = arguments.share, .confirm = {}, .session = session_options_of(arguments.setup)};
+  options.session.audience.interrupted = &InterruptWatch::asked;
+  options.session.audience.rig_has_changed = [&] { return watch.has_changed(); };
+  options.session.audience.progress = [&](std::int64_t tick, std::int64_t last) {
+    bar.show(static_cast<double>(tick) / static_cast<double>(last),
+             fmt::format("{:.1f} s", static_cast<double>(tick) / rig.rate_hz));
+  };
+  std::optional<KeyTerminal> terminal;
+  if (KeyTerminal::is_there() && !arguments.setup.fast) {
+    terminal.emplace();
+    options.session.audience.keys = [&] { return terminal->read(); };
+  }
+  options.confirm = [&](const std::string& question) {
+    if (!arguments.yes) return agrees(*terminal, question);
+    fmt::print(stderr, "{}\n", question);
+    return true;
+  };
+  const SetupEnd end = go_to(rig, targets, reference, options);
+  fmt::print("{}: {}\n", rig.name, end.reason);
+  std::vector<std::size_t> axes;
+  axes.reserve(targets.size());
+  for (const GoTarget& target : targets) axes.push_back(target.axis);
+  if (!end.positions.empty()) print_positions(rig, reference, axes, end.positions);
+  return end.is_done ? 0 : exit_fault;
+}
+
+int goto_command(const GotoArguments& arguments) {
+  check_setup_usage(arguments.setup);
+  const bool says = !arguments.set_zero.empty() || !arguments.stands_at.empty();
+  if (says) {
+    if (!arguments.targets.empty()) {
+      throw UsageError("first say where axes stand, then let them go; write two commands");
+    }
+    if (arguments.setup.simulated && !arguments.setup.positions) {
+      throw UsageError("a simulation keeps no positions; name a file with --positions");
+    }
+    return say_where_axes_stand(arguments);
+  }
+  if (arguments.targets.empty()) {
+    throw UsageError("AXIS=POSITION is required, or --set-zero, or --stands-at");
+  }
+  static_cast<void>(positions_of(arguments.targets, "goto"));
+  if (!arguments.yes && (arguments.setup.fast || !KeyTerminal::is_there())) {
+    throw UsageError("nobody is at a terminal who could agree; add --yes");
+  }
+  if (arguments.setup.allow_jitter && arguments.share > jitter_share) {
+    throw UsageError("with --allow-jitter --speed is 0.1 at most");
+  }
+  return go(arguments);
+}
+
+void describe(CLI::App& app, GotoArguments& arguments) {
+  app.add_option("AXIS=POSITION", arguments.targets, "axes, and where they go, in the unit of each");
+  add_setup_options(app, arguments.setup, true);
+  app.add_option("--speed", arguments.share,
+                 "the share of their velocity, acceleration and jerk that the axes may use (0.001 to 1)")
+      ->check(CLI::Range(0.001, 1.0))
+      ->capture_default_str();
+  app.add_flag("--yes", arguments.yes, "agree that the axes move");
+  app.add_option("--set-zero", arguments.set_zero, "axes that stand at 0 now; nothing moves");
+  app.add_option("--stands-at", arguments.stands_at, "AXIS=POSITION, where axes stand now; nothing moves");
+  app.footer(
+      "Says what moves from where to where and how long it takes, and goes there after somebody agreed: with "
+      "Enter on a\n"
+      "terminal, with --yes in a script. Each axis moves by itself, from rest to rest, inside its soft "
+      "limits. "
+      "Esc, q and\n"
+      "Ctrl-C stop all of them.\n\n"
+      "An axis that does not know where it is does not go anywhere: home it, or bring it to its mark with "
+      "jog "
+      "and say so\n"
+      "with --set-zero. What is said is kept until the axis moves, and from then on where it rests; an axis "
+      "that was moving\n"
+      "when the power was cut has to be told again. An axis that its drive knows (reference = \"drive\") is "
+      "refused.\n\n"
+      "Exit status: 0 there; 1 refused; 3 outside the limits; 4 stopped on the way.\n\n"
+      "Examples:\n"
+      "  inbetween goto --rig rig.toml pan=0 tilt=-15\n"
+      "  inbetween goto --rig rig.toml slide=250 --speed 0.5 --yes\n"
+      "  inbetween goto --rig rig.toml --set-zero focus\n"
+      "  inbetween goto --rig rig.toml --stands-at focus=120\n"
+      "  inbetween goto --rig rig.toml pan=20 --sim --fast --from pan=-10 --yes");
+}
+
+}  // namespace
+
+void add_goto_command(CLI::App& program, Command& chosen) {
+  CLI::App* command = program.add_subcommand("goto", "Bring axes to positions, or say where they stand");
+  const auto arguments = std::make_shared<GotoArguments>();
+  describe(*command, *arguments);
+  command->callback([arguments, &chosen] { chosen = [arguments] { return goto_command(*arguments); }; });
+}
+
+}  // namespace inbetween

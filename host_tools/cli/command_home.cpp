@@ -1,0 +1,90 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "drivers/linux/interrupt_watch.hpp"
+#include "drivers/linux/key_terminal.hpp"
+#include "host_tools/cli/command.hpp"
+#include "host_tools/cli/setup_arguments.hpp"
+#include "host_tools/motions/home.hpp"
+#include "host_tools/rig/rig_watch.hpp"
+
+namespace inbetween {
+namespace {
+
+struct HomeArguments {
+  SetupArguments setup;
+  std::vector<std::string> axes;
+};
+
+void print_outside(const RigFile& rig, const std::vector<std::size_t>& axes,
+                   const std::vector<double>& positions) {
+  for (const std::size_t a : axes) {
+    const RigAxis& axis = rig.axes[a];
+    if (positions[a] >= axis.min && positions[a] <= axis.max) continue;
+    fmt::print("  {} is outside its limits {:g}..{:g}; bring it in with inbetween goto --rig {} {}={:g}\n",
+               axis.name, axis.min, axis.max, rig.path, axis.name,
+               positions[a] < axis.min ? axis.min : axis.max);
+  }
+}
+
+int home_command(const HomeArguments& arguments) {
+  check_setup_usage(arguments.setup);
+  const RigWatch watch(arguments.setup.rig);
+  const RigFile rig = read_rig_file(arguments.setup.rig);
+  const std::vector<std::size_t> axes = home_axes(rig, arguments.axes);
+  RigReference reference = reference_of(rig, arguments.setup.positions, arguments.setup.simulated);
+  const InterruptWatch interrupts;
+  SessionOptions options = session_options_of(arguments.setup);
+  options.audience.interrupted = &InterruptWatch::asked;
+  options.audience.rig_has_changed = [&] { return watch.has_changed(); };
+  std::optional<KeyTerminal> terminal;
+  if (KeyTerminal::is_there() && !arguments.setup.fast) {
+    terminal.emplace();
+    options.audience.keys = [&] { return terminal->read(); };
+    std::vector<std::string> names;
+    names.reserve(axes.size());
+    for (const std::size_t a : axes) names.push_back(rig.axes[a].name);
+    fmt::print(stderr, "looking for the switches of {}; Esc stops\n", comma_separated(names));
+  }
+  const SetupEnd end = home(rig, axes, reference, options);
+  fmt::print("{}: {}\n", rig.name, end.reason);
+  if (!end.positions.empty()) print_positions(rig, reference, axes, end.positions);
+  if (end.is_done) print_outside(rig, axes, end.positions);
+  return end.is_done ? 0 : exit_fault;
+}
+
+void describe(CLI::App& app, HomeArguments& arguments) {
+  app.add_option("AXIS", arguments.axes, "the axes to home (all that have a home switch)");
+  add_setup_options(app, arguments.setup, true);
+  app.footer(
+      "The axes home together, as the `home` of each says: fast to the switch, back off it, and slowly onto "
+      "its edge, which\n"
+      "is at the position `at`. Nothing moves faster than `fast`. Where an axis rests afterwards is kept for "
+      "the next command.\n\n"
+      "If one fails (its switch is not reached, stuck, chattering; a limit switch, an emergency stop), all "
+      "axes stop, and\n"
+      "those that were not home by then do not know where they are. It says which failed, why, and what to "
+      "do. Esc, q and\n"
+      "Ctrl-C stop it too.\n\n"
+      "Exit status: 0 home; 1 refused; 4 stopped before its end.\n\n"
+      "Examples:\n"
+      "  inbetween home --rig rig.toml\n"
+      "  inbetween home --rig rig.toml slide pan\n"
+      "  inbetween home --rig rig.toml --sim --fast --from slide=300");
+}
+
+}  // namespace
+
+void add_home_command(CLI::App& program, Command& chosen) {
+  CLI::App* command = program.add_subcommand("home", "Let axes find their home switches");
+  const auto arguments = std::make_shared<HomeArguments>();
+  describe(*command, *arguments);
+  command->callback([arguments, &chosen] { chosen = [arguments] { return home_command(*arguments); }; });
+}
+
+}  // namespace inbetween

@@ -1,0 +1,133 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "host_tools/cli/command.hpp"
+#include "host_tools/files/output_file.hpp"
+#include "host_tools/plan/plan_output.hpp"
+#include "host_tools/plot/plot.hpp"
+
+namespace inbetween {
+namespace {
+
+struct PlanArguments {
+  std::string move, per = "frame", solver = "closed-form";
+  std::optional<std::string> rig, csv, json, plot;
+};
+
+/// What locked keys and holds did to the drawn curve.
+void print_key_timing(const SolvedTrack<double>& solved, std::FILE* out) {
+  if (!solved.key_timing()) return;
+  const KeyTiming<double>& timing = *solved.key_timing();
+  const auto f = static_cast<std::int32_t>(timing.control_values.size()) - 1;
+  for (const KeyLock& lock : timing.locks) {
+    const bool end_of_move =
+        lock.hold == 0 && (lock.key == 0 || lock.key == solved.track().path().segment_count());
+    if (end_of_move) continue;
+    fmt::print(out, "    key {} on frame {}", lock.key, lock.frame);
+    if (lock.hold > 0) fmt::print(out, ", at rest for {} frames", lock.hold);
+    fmt::print(out, "{}\n", lock.breaks ? ", with a break in the speed" : "");
+  }
+  for (const Portion<double>& portion : solved.track().portions()) {
+    fmt::print(out, "    from frame {} on K {:.6g}\n", portion.begin_frame, portion.constant);
+  }
+  fmt::print(out, "    speed curve: {} control values", f + 1);
+  if (timing.refinements > 0) fmt::print(out, " (the drawn {}, refined)", (f >> timing.refinements) + 1);
+  fmt::print(out, ", largest change {:.4g} at a = {} (frame {:.1f})\n", timing.largest_change,
+             timing.largest_change_at,
+             static_cast<double>(timing.largest_change_at) * solved.track().frames() / f);
+}
+
+void print_plan_summary(const Plan& plan, std::FILE* out) {
+  const MoveFile& move = plan.move();
+  fmt::print(out, "{}: {} frames at {} fps, {:.3f} s\n", move.name, move.frames, move.fps.as_written,
+             plan.duration_s());
+  for (std::size_t t = 0; t < plan.tracks().size(); ++t) {
+    const SolvedTrack<double>& solved = plan.tracks()[t];
+    const Provenance<double>& made = solved.table().provenance();
+    const std::string unit = plan.length_unit(t);
+    fmt::print(out, "  {}: {} keys, length {:.6g}{}{}; ", comma_separated(move.tracks[t].axes),
+               move.tracks[t].keys.size(), solved.track().arc_length().total(), unit.empty() ? "" : " ",
+               unit);
+    if (!solved.track().has_profile()) {
+      fmt::print(out, "timed by the frames of its keys\n");
+      continue;
+    }
+    if (solved.track().portions().empty()) fmt::print(out, "K {:.6g}; ", made.constant);
+    if (made.solver == Solver::closed_form) {
+      fmt::print(out, "closed form, speed within {:g}\n", made.speed_error);
+    } else {
+      fmt::print(out, "Runge-Kutta, {} integrations of {} steps a frame, speed within {:.2g} (frame {})\n",
+                 made.integrations, made.substeps, made.speed_error, made.speed_error_frame);
+    }
+    print_key_timing(solved, out);
+  }
+  print_rolls(plan, out);
+}
+
+void check_usage(const PlanArguments& arguments) {
+  if (arguments.per == "tick" && !arguments.rig) {
+    throw UsageError("--per tick needs --rig RIG, which says how many ticks a second has");
+  }
+  if (arguments.per == "tick" && arguments.solver == "runge-kutta") {
+    throw UsageError("--solver runge-kutta knows frames only; leave out --per tick or the solver");
+  }
+  refuse_unknown_picture(arguments.plot);
+  refuse_outputs_in_one_place(
+      {{"MOVE", arguments.move}, {"--rig", arguments.rig}},
+      {{"--csv", arguments.csv}, {"--json", arguments.json}, {"--plot", arguments.plot}});
+}
+
+int plan_command(const PlanArguments& arguments) {
+  check_usage(arguments);
+  const Solver solver = arguments.solver == "closed-form" ? Solver::closed_form : Solver::runge_kutta;
+  const Plan plan = make_plan(arguments.move, arguments.rig, solver);
+  const PlanRows rows = arguments.per == "tick" ? PlanRows::tick : PlanRows::frame;
+  if (arguments.csv) {
+    write_output(*arguments.csv, [&](std::FILE* file) { write_plan_csv(plan, rows, file); });
+  }
+  if (arguments.json) {
+    write_output(*arguments.json, [&](std::FILE* file) { write_plan_json(plan, rows, file); });
+  }
+  if (arguments.plot) draw_plot(plot_of(plan), *arguments.plot);
+  print_plan_summary(plan, summary_stream(arguments.csv == "-" || arguments.json == "-"));
+  return 0;
+}
+
+void describe(CLI::App& app, PlanArguments& arguments) {
+  app.add_option("MOVE", arguments.move, "the move: a TOML file with keys, a speed curve and a frame count")
+      ->required();
+  app.add_option("--rig", arguments.rig, "the rig: gives the axes their units, and ticks their rate");
+  app.add_option("--per", arguments.per, "rows of the CSV and of the JSON's axes")
+      ->check(CLI::IsMember({"frame", "tick"}))
+      ->capture_default_str();
+  app.add_option("--solver", arguments.solver,
+                 "closed-form inverts the arc length; runge-kutta is the paper's own, a second opinion")
+      ->check(CLI::IsMember({"closed-form", "runge-kutta"}))
+      ->capture_default_str();
+  app.add_option("--csv", arguments.csv,
+                 "write the positions of all axes, a row per frame or tick (- is standard output)");
+  app.add_option("--json", arguments.json, "write everything: path, table, axes (- is standard output)");
+  app.add_option("--plot", arguments.plot,
+                 "draw the path, the speed curve, the time bar and the axes (.svg, .png or .pdf)");
+  app.footer(
+      "Examples:\n"
+      "  inbetween plan move.toml                                   a summary\n"
+      "  inbetween plan move.toml --plot move.svg                   a picture\n"
+      "  inbetween plan move.toml --csv - | head                    positions per frame\n"
+      "  inbetween plan move.toml --rig rig.toml --per tick --csv ticks.csv");
+}
+
+}  // namespace
+
+void add_plan_command(CLI::App& program, Command& chosen) {
+  CLI::App* command = program.add_subcommand("plan", "Solve a move and show it: summary, CSV, JSON, picture");
+  const auto arguments = std::make_shared<PlanArguments>();
+  describe(*command, *arguments);
+  command->callback([arguments, &chosen] { chosen = [arguments] { return plan_command(*arguments); }; });
+}
+
+}  // namespace inbetween

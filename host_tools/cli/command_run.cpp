@@ -1,0 +1,324 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "drivers/linux/interrupt_watch.hpp"
+#include "drivers/linux/key_terminal.hpp"
+#include "host_tools/cli/command.hpp"
+#include "host_tools/cli/position_arguments.hpp"
+#include "host_tools/files/fault_script.hpp"
+#include "host_tools/files/output_file.hpp"
+#include "host_tools/files/progress_bar.hpp"
+#include "host_tools/loop/agreement.hpp"
+#include "host_tools/motions/run.hpp"
+#include "host_tools/rig/rig_watch.hpp"
+
+namespace inbetween {
+namespace {
+
+struct RunArguments {
+  std::string move, rig;
+  std::optional<std::string> json, record, positions, cue_log;
+  bool simulated = false;
+  bool fast = false;
+  bool loop = false;
+  bool ping_pong = false;
+  bool yes = false;
+  bool allow_jitter = false;
+  double top_rate = 1;
+  std::vector<std::string> from;
+  std::optional<std::string> faults;
+  bool step = false;
+  std::optional<double> settle;
+  std::optional<double> exposure;
+  std::optional<std::string> shutter;
+  std::vector<std::string> still;
+};
+
+/// "0..180", in degrees of a frame.
+Shutter<double> shutter_of(const std::string& text) {
+  const std::size_t dots = text.find("..");
+  const auto open = number_of(std::string_view(text).substr(0, dots));
+  const auto close =
+      dots == std::string::npos ? std::nullopt : number_of(std::string_view(text).substr(dots + 2));
+  if (!open || !close || !(*open >= -360 && *open < *close && *close <= 360 && *close - *open <= 360)) {
+    throw UsageError(
+        fmt::format("--shutter {}: not two angles; write OPEN..CLOSE in degrees of a frame, for "
+                    "example 0..180, within -360..360 and at most 360 apart",
+                    in_quotes(text)));
+  }
+  return {*open / 360, *close / 360};
+}
+
+std::optional<ShootOptions> shoot_options(const RunArguments& arguments) {
+  if (!arguments.step && !arguments.shutter) {
+    if (arguments.settle || arguments.exposure || !arguments.still.empty()) {
+      throw UsageError("--settle, --exposure and --still belong to --step or --shutter");
+    }
+    return std::nullopt;
+  }
+  ShootOptions options;
+  if (arguments.loop || arguments.ping_pong) {
+    throw UsageError("a move that is shot frame by frame is not repeated; leave out --loop and --ping-pong");
+  }
+  if (arguments.settle) options.settle_s = *arguments.settle;
+  if (arguments.exposure) options.exposure_s = *arguments.exposure;
+  if (!arguments.shutter) {
+    if (arguments.still.empty()) return options;
+    throw UsageError("without --shutter every axis stands still; leave out --still");
+  }
+  if (!arguments.exposure) throw UsageError("--shutter needs --exposure SECONDS: how long it is open");
+  options.shutter = shutter_of(*arguments.shutter);
+  options.still = arguments.still;
+  return options;
+}
+
+/// A line an octave, with a bar where there are any.
+void print_wake_latency(const RunReport& report, std::FILE* out) {
+  const WakeLatency& latency = report.wake_latency;
+  fmt::print(out,
+             "  late ticks {}; woken after {:.0f} us (median), {:.0f} us (99 %), {:.0f} us (worst, {:.1f} s "
+             "after the first)\n",
+             report.late_ticks, latency.p50_us, latency.p99_us, latency.max_us, latency.max_at_s);
+  std::int64_t most = 1;
+  for (const WakeLatency::Bucket& bucket : latency.histogram) most = std::max(most, bucket.ticks);
+  constexpr std::int64_t bar_width = 40;
+  for (const WakeLatency::Bucket& bucket : latency.histogram) {
+    const auto width = static_cast<std::size_t>((bucket.ticks * bar_width + most - 1) / most);
+    fmt::print(out, "  {:>12.0f} us{:>10} {}\n", bucket.below_us, bucket.ticks, std::string(width, '#'));
+  }
+}
+
+/// `records` is what a line of it is called.
+void print_log(const LoopLogEnd& log, const char* records, const std::string& file, std::FILE* out) {
+  if (log.lost == 0) {
+    fmt::print(out, "  {}: {} {}\n", file == "-" ? "standard output" : file, log.written, records);
+    return;
+  }
+  complain(fmt::format("{}: warning: {} of {} {} are not in it: {}; the rig was not held up", file, log.lost,
+                       log.written + log.lost, records, log.why));
+}
+
+void print_run_summary(const RunReport& report, const Plan& plan, const RunArguments& arguments,
+                       std::FILE* out) {
+  fmt::print(out, "{}: {}; {} ticks at {} Hz{}\n", plan.move().name, report.reason, report.ticks,
+             plan.rig()->rate_hz, arguments.fast ? " on a virtual clock" : "");
+  if (report.exposures) fmt::print(out, "  {} frames exposed\n", *report.exposures);
+  if (!arguments.fast) {
+    print_wake_latency(report, out);
+  }
+  fmt::print(out, "  {:<16}{:>14}{:>14}{:>24}\n", "axis", "commanded", "actual", "following error, peak");
+  for (const RunAxis& axis : report.axes) {
+    fmt::print(out, "  {:<16}{:>14.4f}{:>14.4f}{:>24.4f}  {}\n", axis.name, axis.last_commanded,
+               axis.last_actual, axis.following_error_peak, axis.unit);
+  }
+  const std::string trouble = trouble_of(report.counts);
+  if (!trouble.empty()) fmt::print(out, "  counted: {}\n", trouble);
+  if (report.record) print_log(*report.record, "ticks", *arguments.record, out);
+  if (report.cue_log) print_log(*report.cue_log, "pulses", *arguments.cue_log, out);
+}
+
+/// On a terminal with the keys of a tape recorder, elsewhere with nothing but a progress bar.
+RunReport run(const Plan& plan, const RunArguments& arguments, const RigWatch& watch) {
+  const auto play = arguments.simulated ? &run_simulated : &run_on_rig;
+  const InterruptWatch interrupts;
+  FaultScript faults;
+  if (arguments.faults) faults = read_fault_script(*arguments.faults, *plan.rig());
+  RunOptions options{.fast = arguments.fast,
+                     .allow_jitter = arguments.allow_jitter,
+                     .top_rate = arguments.top_rate,
+                     .shoot = shoot_options(arguments),
+                     .standing = positions_of(arguments.from),
+                     .faults = std::move(faults),
+                     .record = arguments.record,
+                     .positions = arguments.positions,
+                     .cue_log = arguments.cue_log,
+                     .audience = {.interrupted = &InterruptWatch::asked,
+                                  .rig_has_changed = [&] { return watch.has_changed(); }}};
+  if (arguments.loop) options.repeat = Repeat::loop;
+  if (arguments.ping_pong) options.repeat = Repeat::ping_pong;
+  if (arguments.yes) {
+    options.confirm = [](const std::string& question) {
+      fmt::print(stderr, "{}\n", question);
+      return true;
+    };
+  }
+  ProgressBar bar;
+  const std::int32_t rate_hz = plan.rig()->rate_hz;
+  options.audience.progress = [&](std::int64_t tick, std::int64_t last) {
+    const std::int32_t frame =
+        std::min(plan.played().time_of_tick(tick, rate_hz).frame, plan.played().last_frame());
+    bar.show(static_cast<double>(tick) / static_cast<double>(last),
+             fmt::format("frame {}/{}  {:.1f} s", frame, plan.played().last_frame(),
+                         static_cast<double>(tick) / rate_hz));
+  };
+  if (arguments.fast || !KeyTerminal::is_there()) return play(plan, options);
+  KeyTerminal terminal;
+  if (!options.confirm) {
+    options.confirm = [&](const std::string& question) { return agrees(terminal, question); };
+  }
+  options.audience.progress = {};
+  options.audience.keys = [&] { return terminal.read(); };
+  options.audience.status = [&](const RunSnapshot& now) { bar.show(now.share, status_line(now)); };
+  return play(plan, options);
+}
+
+void refuse_no_camera(const Plan& plan) {
+  if (plan.rig()->camera) return;
+  throw InputError({plan.rig()->path, 0, 0},
+                   fmt::format("the rig {} has no camera; add a [camera] with the line of its shutter, or "
+                               "simulate one with --sim",
+                               in_quotes(plan.rig()->name)));
+}
+
+int run_command(const RunArguments& arguments) {
+  shoot_options(arguments);  // what is wrong with them is said before any file is read
+  positions_of(arguments.from);
+  if (!arguments.simulated) {
+    if (arguments.fast) throw UsageError("--fast is for a simulated rig; add --sim");
+    if (!arguments.from.empty()) {
+      throw UsageError("--from is for a simulated rig: real drives tell where they stand; add --sim");
+    }
+    if (arguments.faults) {
+      throw UsageError("--faults is for simulated drives; add --sim, or give it to inbetween sim-drives");
+    }
+  } else if (arguments.allow_jitter) {
+    throw UsageError("--allow-jitter is for a real rig; leave out --sim");
+  }
+  if (arguments.fast && (arguments.loop || arguments.ping_pong)) {
+    throw UsageError("--loop and --ping-pong go on until somebody stops them; leave out --fast");
+  }
+  refuse_outputs_in_one_place(
+      {{"MOVE", arguments.move}, {"--rig", arguments.rig}, {"--faults", arguments.faults}},
+      {{"--json", arguments.json}, {"--record", arguments.record}, {"--cue-log", arguments.cue_log}});
+  if (arguments.json) check_output(*arguments.json);
+  const RigWatch watch(arguments.rig);
+  const Plan plan = make_plan(arguments.move, arguments.rig, Solver::closed_form);
+  if (!arguments.simulated && (arguments.step || arguments.shutter)) refuse_no_camera(plan);
+  const RunReport report = run(plan, arguments, watch);
+  if (arguments.json) {
+    write_output(*arguments.json, [&](std::FILE* file) { write_run_json(report, file); });
+  }
+  print_run_summary(
+      report, plan, arguments,
+      summary_stream(arguments.json == "-" || arguments.cue_log == "-" || arguments.record == "-"));
+  return report.ending == Ending::finished ? 0 : exit_fault;
+}
+
+void explain(CLI::App& app) {
+  app.footer(
+      "Before the first setpoint is sent, the move is held against the limits of the rig as inbetween check "
+      "does,\n"
+      "and every setpoint against its positions: a move that does not fit moves nothing (exit status 3). A "
+      "rig that\n"
+      "does not stand where the move starts goes there first, at a tenth of its limits and only after "
+      "somebody agreed:\n"
+      "with Enter on a terminal, with --yes in a script.\n\n"
+      "On a terminal it is a tape recorder: space pauses and plays, r turns, left and right go to the next "
+      "frame,\n"
+      "+ and - change the rate, Esc stops. After a stop, a acknowledges it and Enter starts again; q stops "
+      "and\n"
+      "leaves, as Ctrl-C and a lost terminal do. Whatever changes, the axes stay on the path and inside "
+      "their stop limits.\n\n"
+      "--loop is refused for a move that does not end where it starts.\n\n"
+      "--step rests on each of the frames 0 to N until space (or Enter, or without a terminal the camera) "
+      "asks "
+      "for the\n"
+      "next; left and right look at other frames. With --shutter the rig runs up to each exposure, passes "
+      "the "
+      "share of\n"
+      "the frame between the angles at a constant rate in --exposure seconds, and runs out, inside its "
+      "limits.\n"
+      "The line of the rig's [camera] is on while a frame is exposed. Where the camera has a "
+      "line that asks, on a\n"
+      "rig that asks for each next frame as well; with --sim no line is touched.\n\n"
+      "A move with start = \"trigger\" is made ready, with the drives on, and waits: on a rig "
+      "for its [start_trigger] to\n"
+      "become active (what came before it waited starts nothing), with --sim for a trigger "
+      "that comes by itself after\n"
+      "a second. Enter starts it too, and q leaves.\n\n"
+      "The cues of a move are pulses on the [output.NAME] and [camera] lines of the rig, each "
+      "when the axes are at its\n"
+      "place, forward only. --cue-log writes a line for each that begins: seconds, line, "
+      "frame, width_ms, merged, late_us; with\n"
+      "--sim too.\n\n"
+      "Exit status: 0 played to its end; 3 refused; 4 stopped before its end.\n\n"
+      "Axes that no drive knows (see reference in docs/formats.md) must have been homed, or placed by "
+      "somebody:\n"
+      "inbetween home, inbetween goto --set-zero. Where they rest is kept from one run to the next.\n\n"
+      "SIGUSR1 presses an emergency stop, SIGUSR2 releases it: setpoints cease, and whatever moved must be "
+      "acknowledged.\n"
+      "A real rig is refused without the rights of a real-time program (inbetween says which and how to get "
+      "them).\n\n"
+      "Examples:\n"
+      "  inbetween run move.toml --rig rig.toml                     on the drives of the rig\n"
+      "  inbetween run move.toml --rig rig.toml --sim               in real time\n"
+      "  inbetween run move.toml --rig rig.toml --sim --fast        for scripts and tests\n"
+      "  inbetween run move.toml --rig rig.toml --sim --from pan=10 from elsewhere, slowly to its start "
+      "first\n"
+      "  inbetween run move.toml --rig rig.toml --sim --step        stop motion\n"
+      "  inbetween run move.toml --rig rig.toml --sim --shutter 0..180 --exposure 0.5\n"
+      "  inbetween run move.toml --rig rig.toml --sim --fast --cue-log cues.csv");
+}
+
+void describe(CLI::App& app, RunArguments& arguments) {
+  app.add_option("MOVE", arguments.move, "the move: a TOML file with keys, a speed curve and a frame count")
+      ->required();
+  app.add_option("--rig", arguments.rig, "the rig: axes, limits, drives and the ticks per second")
+      ->required();
+  app.add_flag("--sim", arguments.simulated, "simulate every axis of the rig; no hardware is touched");
+  app.add_flag("--fast", arguments.fast, "on a virtual clock, as fast as it can be computed");
+  CLI::Option* loop = app.add_flag("--loop", arguments.loop, "begin again at the end, until stopped");
+  app.add_flag("--ping-pong", arguments.ping_pong, "play to and fro, until stopped")->excludes(loop);
+  app.add_option("--top-rate", arguments.top_rate, "let + go up to so many times the drawn speed (1 to 10)")
+      ->check(CLI::Range(1.0, 10.0))
+      ->capture_default_str();
+  app.add_flag("--yes", arguments.yes, "agree that the rig goes slowly to the start of the move");
+  app.add_flag("--allow-jitter", arguments.allow_jitter,
+               "move a real rig without real-time rights, at a tenth of the drawn speed at most");
+  app.add_option("--from", arguments.from,
+                 "AXIS=POSITION, where a simulated axis stands before (the start of the move)")
+      ->expected(1)
+      ->take_all();
+  app.add_option("--faults", arguments.faults,
+                 "a script of what goes wrong with simulated CiA 402 drives, and when");
+  app.add_flag("--step", arguments.step,
+               "stop motion: on every frame go there, settle, signal the camera and wait");
+  app.add_option("--shutter", arguments.shutter,
+                 "go-motion: OPEN..CLOSE in degrees of a frame; the rig moves while the shutter is open");
+  app.add_option("--exposure", arguments.exposure, "seconds of the camera's signal (0.1 with --step)")
+      ->check(CLI::Range(0.001, 3600.0));
+  app.add_option("--settle", arguments.settle, "seconds at rest before the camera's signal (0.5)")
+      ->check(CLI::Range(0.0, 600.0));
+  app.add_option("--still", arguments.still, "an axis that stands still while the shutter is open")
+      ->expected(1)
+      ->take_all();
+  app.add_option("--json", arguments.json, "write a report (- is standard output)");
+  app.add_option("--positions", arguments.positions,
+                 "where the positions of axes are kept that no drive knows (on a rig: a file of its own\n"
+                 "under $XDG_STATE_HOME; in a simulation: nowhere)");
+  app.add_option("--record", arguments.record,
+                 "write what every axis was told and where it was, a line a tick (CSV)");
+  app.add_option("--cue-log", arguments.cue_log,
+                 "write when which pulse began on the outputs of the rig, a line a pulse (CSV; - is standard "
+                 "output)");
+}
+
+}  // namespace
+
+void add_run_command(CLI::App& program, Command& chosen) {
+  CLI::App* command =
+      program.add_subcommand("run", "Play a move on a rig, a position of every axis per tick");
+  const auto arguments = std::make_shared<RunArguments>();
+  describe(*command, *arguments);
+  explain(*command);
+  command->callback([arguments, &chosen] { chosen = [arguments] { return run_command(*arguments); }; });
+}
+
+}  // namespace inbetween

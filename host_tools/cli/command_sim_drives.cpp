@@ -1,0 +1,75 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "drivers/linux/interrupt_watch.hpp"
+#include "host_tools/cli/command.hpp"
+#include "host_tools/cli/position_arguments.hpp"
+#include "host_tools/files/fault_script.hpp"
+#include "host_tools/files/output_file.hpp"
+#include "host_tools/motions/sim_drives.hpp"
+
+namespace inbetween {
+namespace {
+
+struct SimDrivesArguments {
+  std::string rig;
+  std::vector<std::string> from;
+  std::optional<std::string> faults;
+  std::optional<std::string> record;
+};
+
+int sim_drives_command(const SimDrivesArguments& arguments) {
+  refuse_outputs_in_one_place({{"--rig", arguments.rig}, {"--faults", arguments.faults}},
+                              {{"--record", arguments.record}});
+  const InterruptWatch interrupts;
+  SimDrivesOptions options{.standing = positions_of(arguments.from), .interrupted = &InterruptWatch::asked};
+  options.ready = [] { fmt::print(stderr, "the drives have power; Ctrl-C ends them\n"); };
+  const RigFile rig = read_rig_file(arguments.rig);
+  if (arguments.faults) options.faults = read_fault_script(*arguments.faults, rig);
+  if (!arguments.record) {
+    run_sim_drives(rig, options);
+    return 0;
+  }
+  check_output(*arguments.record);
+  write_output(*arguments.record, [&](std::FILE* file) {
+    options.record = file;
+    run_sim_drives(rig, options);
+  });
+  return 0;
+}
+
+}  // namespace
+
+void add_sim_drives_command(CLI::App& program, Command& chosen) {
+  CLI::App* command = program.add_subcommand(
+      "sim-drives", "Simulate the CiA 402 drives of a rig as a process that speaks on its buses");
+  const auto arguments = std::make_shared<SimDrivesArguments>();
+  command->add_option("--rig", arguments->rig, "the rig: its buses must be there and up, vcan for example")
+      ->required();
+  command
+      ->add_option("--from", arguments->from,
+                   "AXIS=POSITION, where an axis stands (0, or as near as its limits allow)")
+      ->expected(1)
+      ->take_all();
+  command->add_option("--faults", arguments->faults, "a script of what goes wrong with them, and when");
+  command->add_option("--record", arguments->record,
+                      "at the end write the targets that the drives applied: axis, nanoseconds, counts");
+  command->footer(
+      "Runs until Ctrl-C. Each drive boots, is set up, enabled and watched over as a real one is: it stops "
+      "by itself\n"
+      "when the program that moves it falls silent.\n\n"
+      "On a machine without CAN:\n"
+      "  ip link add can0 type vcan && ip link set can0 up\n"
+      "  inbetween sim-drives --rig rig.toml &\n"
+      "  inbetween run move.toml --rig rig.toml\n"
+      "Where the kernel has no vcan, sim/bench/run gives a kernel that has; docs/bench.md shows how.");
+  command->callback(
+      [arguments, &chosen] { chosen = [arguments] { return sim_drives_command(*arguments); }; });
+}
+
+}  // namespace inbetween

@@ -1,0 +1,37 @@
+// What the commands that set a rig up have in common: goto, home and jog.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host_tools/files/progress_bar.hpp"
+#include "host_tools/loop/rig_session.hpp"
+
+namespace inbetween {
+
+struct SetupArguments {
+  std::string rig;
+  bool simulated = false;
+  bool fast = false;
+  bool allow_jitter = false;
+  std::vector<std::string> from;
+  std::optional<std::string> positions;
+};
+
+/// --rig, --sim, --from, --positions, --allow-jitter and, where nobody has to sit at it, --fast.
+void add_setup_options(CLI::App& command, SetupArguments& arguments, bool can_be_fast);
+
+/// Throws UsageError for what does not go together.
+void check_setup_usage(const SetupArguments& arguments);
+
+/// Everything but the audience.
+SessionOptions session_options_of(const SetupArguments& arguments);
+
+/// Where the named axes rest, or all of them.
+void print_positions(const RigFile& rig, const RigReference& reference, const std::vector<std::size_t>& axes,
+                     const std::vector<double>& positions);
+
+}  // namespace inbetween

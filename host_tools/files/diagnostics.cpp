@@ -1,0 +1,52 @@
+#include "host_tools/files/diagnostics.hpp"
+
+#include <fmt/format.h>
+
+#include <cstddef>
+#include <utility>
+
+namespace inbetween {
+namespace {
+
+std::string one_line(std::string_view text) {
+  std::string line;
+  line.reserve(text.size());
+  for (const char byte : text) {
+    const auto code = static_cast<unsigned char>(byte);
+    if (code < 0x20 || code == 0x7f) {
+      line += fmt::format("\\x{:02x}", code);
+    } else {
+      line += byte;
+    }
+  }
+  return line;
+}
+
+}  // namespace
+
+std::string to_string(const Place& place) {
+  if (place.line == 0) return place.file;
+  return fmt::format("{}:{}:{}", place.file, place.line, place.column);
+}
+
+InputError::InputError(Place place, std::string message)
+    : std::runtime_error(one_line(fmt::format("{}: error: {}", to_string(place), message))),
+      place_(std::move(place)),
+      message_(std::move(message)) {}
+
+std::string to_string(const Warning& warning) {
+  return one_line(fmt::format("{}: warning: {}", to_string(warning.place), warning.message));
+}
+
+std::string in_quotes(std::string_view text) {
+  constexpr std::size_t shown = 60;
+  if (text.size() <= shown) return '"' + one_line(text) + '"';
+  std::size_t end = shown;
+  const auto continues_a_character = [](char byte) {
+    return (static_cast<unsigned char>(byte) & 0xc0U) == 0x80U;
+  };
+  while (end > 0 && continues_a_character(text[end])) --end;
+  return '"' + one_line(text.substr(0, end)) + "...\"";
+}
+
+}  // namespace inbetween

@@ -1,0 +1,191 @@
+#include "host_tools/files/fault_script.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <variant>
+
+#include "host_tools/files/toml_source.hpp"
+#include "host_tools/files/toml_value.hpp"
+
+namespace inbetween {
+namespace {
+
+using Kind = DriveTrouble::Kind;
+
+constexpr std::array<std::string_view, 1> script_fields = {"fault"};
+constexpr std::array<std::string_view, 11> fault_fields = {
+    "axis", "what", "at", "after_motion", "for", "count", "direction", "code", "to", "mode", "frames_per_s"};
+
+/// A fault by its word, and which fields it has besides axis and what.
+struct FaultKind {
+  std::string_view word;
+  Kind kind;
+  bool has_time = true;    ///< at or after_motion; without, the drive is like that
+  bool lasts = false;      ///< for
+  bool counts = false;     ///< count, instead of for
+  std::string_view own{};  ///< the field that it has alone
+};
+
+constexpr std::array kinds{
+    FaultKind{
+        .word = "lose-frames", .kind = Kind::lose_sent, .lasts = true, .counts = true, .own = "direction"},
+    FaultKind{.word = "short-frames", .kind = Kind::shorten, .lasts = true, .counts = true},
+    FaultKind{.word = "duplicate-frames", .kind = Kind::duplicate, .lasts = true, .counts = true},
+    FaultKind{.word = "lose-heartbeat", .kind = Kind::lose_heartbeat, .lasts = true},
+    FaultKind{.word = "emergency", .kind = Kind::emergency, .lasts = true, .own = "code"},
+    FaultKind{.word = "stick", .kind = Kind::stick, .lasts = true},
+    FaultKind{.word = "reboot", .kind = Kind::reboot},
+    FaultKind{.word = "move-by-hand", .kind = Kind::move_by_hand, .own = "to"},
+    FaultKind{.word = "ignore-target", .kind = Kind::ignore_target, .lasts = true},
+    FaultKind{.word = "wrong-mode", .kind = Kind::wrong_mode, .lasts = true, .own = "mode"},
+    FaultKind{.word = "foreign-sender", .kind = Kind::foreign_sender},
+    FaultKind{.word = "flood", .kind = Kind::flood, .lasts = true, .own = "frames_per_s"},
+    FaultKind{.word = "no-window", .kind = Kind::no_window, .has_time = false},
+    FaultKind{.word = "no-watchdog", .kind = Kind::no_watchdog, .has_time = false},
+};
+
+const FaultKind& read_kind(const TomlTable& table) {
+  std::array<std::string_view, kinds.size()> words;
+  std::ranges::transform(kinds, words.begin(), &FaultKind::word);
+  return kinds.at(table.required("what", R"(what = "lose-frames", say)").choice(words));
+}
+
+/// A field that means nothing to a fault would let its author believe in one that never comes.
+void refuse_foreign_fields(const TomlTable& table, const FaultKind& kind) {
+  const auto refuse = [&](std::string_view field, bool belongs) {
+    const auto value = table.optional(field);
+    if (belongs || !value) return;
+    value->refuse(fmt::format("does not belong to what = \"{}\"; leave it out", kind.word));
+  };
+  refuse("at", kind.has_time);
+  refuse("after_motion", kind.has_time);
+  refuse("for", kind.lasts);
+  refuse("count", kind.counts);
+  for (const std::string_view own : {"direction", "code", "to", "mode", "frames_per_s"}) {
+    refuse(own, kind.own == own);
+  }
+}
+
+std::size_t read_fault_axis(const TomlTable& table, const RigFile& rig) {
+  const TomlValue value = table.required("axis", "the name of an axis of the rig");
+  const std::string name = value.text();
+  const auto axis = std::ranges::find(rig.axes, name, &RigAxis::name);
+  if (axis == rig.axes.end()) {
+    std::vector<std::string> names;
+    for (const RigAxis& known : rig.axes) names.push_back(in_quotes(known.name));
+    value.refuse(fmt::format("is {}, which the rig does not have; its axes are {}", in_quotes(name),
+                             comma_separated(names)));
+  }
+  if (!std::holds_alternative<Cia402Drive>(axis->drive)) {
+    value.refuse(
+        fmt::format("is {}, which has no CiA 402 drive; write one that has, this version simulates no "
+                    "faults of others",
+                    in_quotes(name)));
+  }
+  return static_cast<std::size_t>(axis - rig.axes.begin());
+}
+
+std::int64_t ns_of(double seconds) {
+  return std::llround(seconds * 1e9);
+}
+
+void read_time(const TomlTable& table, ScriptedFault& fault) {
+  const auto at = table.optional("at");
+  const auto after_motion = table.optional("after_motion");
+  if (at && after_motion) after_motion->refuse("is there beside at; write one of the two");
+  if (after_motion) {
+    fault.is_after_motion = true;
+    fault.trouble.at_ns = ns_of(after_motion->number(0, max_fault_seconds));
+    return;
+  }
+  const TomlValue value = table.required("at", "after_motion = 2.0 (seconds), or at = 0 (from power-on)");
+  fault.trouble.at_ns = ns_of(value.number(0, max_fault_seconds));
+}
+
+void read_extent(const TomlTable& table, ScriptedFault& fault) {
+  const auto seconds = table.optional("for");
+  const auto count = table.optional("count");
+  if (seconds && count) count->refuse("is there beside for; write one of the two");
+  if (seconds) {
+    fault.trouble.for_ns = ns_of(seconds->number(0, max_fault_seconds));
+    if (fault.trouble.for_ns == 0) seconds->refuse("is 0; write how many seconds it lasts, or leave it out");
+  }
+  if (count) fault.trouble.frames = static_cast<std::int32_t>(count->integer(1, 1'000'000));
+}
+
+std::int32_t read_counts(const TomlValue& value, const RigAxis& axis) {
+  const double counts = std::round(value.number() * std::get<Cia402Drive>(axis.drive).counts_per_unit);
+  const double most = std::numeric_limits<std::int32_t>::max();
+  if (std::fabs(counts) > most) {
+    value.refuse(
+        fmt::format("is {:.15g} counts of the drive; write a position within {:.15g}", counts, most));
+  }
+  return static_cast<std::int32_t>(counts);
+}
+
+void read_own(const TomlTable& table, const FaultKind& kind, const RigFile& rig, ScriptedFault& fault) {
+  DriveTrouble& trouble = fault.trouble;
+  const auto whole = [&](const TomlValue& value, std::int64_t least, std::int64_t most) {
+    trouble.value = static_cast<std::int32_t>(value.integer(least, most));
+  };
+  switch (kind.kind) {
+    case Kind::lose_sent:
+      if (table.required("direction", R"(direction = "from-drive" or "to-drive")")
+              .choice({"from-drive", "to-drive"}) == 1) {
+        trouble.kind = Kind::lose_heard;
+      }
+      return;
+    case Kind::emergency:
+      return whole(table.required("code", "the code of the EMCY, code = 0x2310"), 1, 0xFFFF);
+    case Kind::move_by_hand:
+      trouble.kind = Kind::put_by_hand;
+      trouble.value = read_counts(table.required("to", "the position that it is moved to, to = 0.0"),
+                                  rig.axes[fault.axis]);
+      return;
+    case Kind::wrong_mode:
+      return whole(table.required("mode", "the mode that the drive shows, mode = 1"), -128, 127);
+    case Kind::flood:
+      return whole(table.required("frames_per_s", "frames_per_s = 5000, say"), 1, max_flood_per_s);
+    default:
+      return;
+  }
+}
+
+ScriptedFault read_fault(const TomlValue& value, const RigFile& rig) {
+  const TomlTable table(value.table(), "a fault", fault_fields);
+  const FaultKind& kind = read_kind(table);
+  refuse_foreign_fields(table, kind);
+  ScriptedFault fault;
+  fault.axis = read_fault_axis(table, rig);
+  fault.what = kind.word;
+  fault.trouble.kind = kind.kind;
+  if (kind.has_time) read_time(table, fault);
+  read_extent(table, fault);
+  read_own(table, kind, rig, fault);
+  return fault;
+}
+
+}  // namespace
+
+FaultScript parse_fault_script(std::string_view text, const std::string& file_name, const RigFile& rig) {
+  const toml::table root = parse_toml(text, file_name);
+  if (root.empty()) throw InputError(place_of(root), "the file is empty; a script of faults has a [[fault]]");
+  const TomlTable table(root, "a script of faults", script_fields);
+  FaultScript script;
+  script.path = file_name;
+  for (const TomlValue& fault :
+       table.required("fault", "a [[fault]] with its axis and what happens").tables(max_faults)) {
+    script.faults.push_back(read_fault(fault, rig));
+  }
+  return script;
+}
+
+FaultScript read_fault_script(const std::filesystem::path& path, const RigFile& rig) {
+  return parse_fault_script(read_text_file(path), path.string(), rig);
+}
+
+}  // namespace inbetween

@@ -1,0 +1,133 @@
+#include "host_tools/files/file_layer.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstdio>
+#include <filesystem>
+
+namespace inbetween {
+namespace {
+
+int outcome(int result) {
+  return result == 0 ? 0 : errno;
+}
+
+int open_again_if_interrupted(const char* path, int flags, mode_t mode, int& descriptor) {
+  do descriptor = ::open(path, flags, mode);
+  while (descriptor < 0 && errno == EINTR);
+  return descriptor < 0 ? errno : 0;
+}
+
+int read_open_file(int descriptor, std::size_t most, std::string& bytes) {
+  struct stat status = {};
+  if (::fstat(descriptor, &status) != 0) return errno;
+  if (!S_ISREG(status.st_mode)) return S_ISDIR(status.st_mode) ? EISDIR : EINVAL;
+  std::array<char, 4096> block = {};
+  while (true) {
+    const ssize_t count = ::read(descriptor, block.data(), block.size());
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) return errno;
+    if (count == 0) return 0;
+    bytes.append(block.data(), static_cast<std::size_t>(count));
+    if (bytes.size() > most) return EFBIG;
+  }
+}
+
+int read_file(const std::string& path, std::size_t most, std::string& bytes) {
+  bytes.clear();
+  int descriptor = -1;
+  // A pipe would otherwise wait for a writer.
+  if (const int error =
+          open_again_if_interrupted(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK, 0, descriptor)) {
+    return error;
+  }
+  const int error = read_open_file(descriptor, most, bytes);
+  ::close(descriptor);
+  return error;
+}
+
+int write_some(int descriptor, std::string_view bytes, std::size_t& written) {
+  ssize_t count = 0;
+  do count = ::write(descriptor, bytes.data(), bytes.size());
+  while (count < 0 && errno == EINTR);
+  if (count < 0) return errno;
+  written = static_cast<std::size_t>(count);
+  return count == 0 ? EIO : 0;
+}
+
+int sync_folder(const std::string& folder) {
+  int descriptor = -1;
+  if (const int error =
+          open_again_if_interrupted(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC, 0, descriptor)) {
+    return error;
+  }
+  const int error = outcome(::fsync(descriptor));
+  ::close(descriptor);
+  return error;
+}
+
+std::string folder_of(const std::string& path) {
+  const std::string folder = std::filesystem::path(path).parent_path().string();
+  return folder.empty() ? "." : folder;
+}
+
+int write_all(const FileLayer& files, int descriptor, std::string_view bytes) {
+  while (!bytes.empty()) {
+    std::size_t written = 0;
+    if (const int error = files.write(descriptor, bytes, written)) return error;
+    bytes.remove_prefix(written);
+  }
+  return files.sync(descriptor);
+}
+
+}  // namespace
+
+FileLayer system_files() {
+  return {.read = read_file,
+          .create =
+              [](const std::string& path, int& descriptor) {
+                return open_again_if_interrupted(
+                    path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0644, descriptor);
+              },
+          .write = write_some,
+          .sync = [](int descriptor) { return outcome(::fsync(descriptor)); },
+          .close = [](int descriptor) { return outcome(::close(descriptor)); },
+          .rename = [](const std::string& from,
+                       const std::string& to) { return outcome(std::rename(from.c_str(), to.c_str())); },
+          .sync_folder = sync_folder,
+          .make_folder = [](const std::string& folder) { return outcome(::mkdir(folder.c_str(), 0755)); }};
+}
+
+FileFailure replace_durably(const FileLayer& files, const std::string& path, std::string_view bytes) {
+  const std::string part = path + ".part";
+  int descriptor = -1;
+  if (const int error = files.create(part, descriptor)) return {"cannot be written", part, error};
+  const int not_written = write_all(files, descriptor, bytes);
+  const int not_closed = files.close(descriptor);
+  if (not_written != 0) return {"could not be written completely", part, not_written};
+  if (not_closed != 0) return {"could not be written completely", part, not_closed};
+  if (const int error = files.rename(part, path)) return {"cannot be replaced", path, error};
+  const std::string folder = folder_of(path);
+  if (const int error = files.sync_folder(folder)) return {"could not be made sure of", folder, error};
+  return {};
+}
+
+FileFailure make_folders(const FileLayer& files, const std::string& folder) {
+  std::filesystem::path made;
+  for (const std::filesystem::path& part : std::filesystem::path(folder)) {
+    made /= part;
+    const int error = files.make_folder(made.string());
+    if (error == EEXIST) continue;
+    if (error != 0) return {"cannot be made", made.string(), error};
+    const std::string above = folder_of(made.string());
+    if (const int not_synced = files.sync_folder(above))
+      return {"could not be made sure of", above, not_synced};
+  }
+  return {};
+}
+
+}  // namespace inbetween

@@ -1,0 +1,249 @@
+#include "host_tools/files/move_file.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "host_tools/files/move_cue_reader.hpp"
+#include "host_tools/files/toml_source.hpp"
+#include "host_tools/files/toml_value.hpp"
+
+namespace inbetween {
+namespace {
+
+constexpr std::array<std::string_view, 7> move_fields = {"name", "fps",     "frames", "track",
+                                                         "cue",  "clapper", "start"};
+constexpr std::array<std::string_view, 8> track_fields = {"axes",  "spline",  "closed", "keys",
+                                                          "speed", "weights", "timing", "kinetic"};
+constexpr std::array<std::string_view, 7> key_fields = {"at",    "tension", "continuity", "bias",
+                                                        "frame", "break",   "hold"};
+
+constexpr std::int64_t max_fps = 1'000;
+constexpr std::int64_t max_fps_part = 1'000'000;
+
+/// What to write for a rate that was given as a decimal number.
+std::string exact_rate(double fps) {
+  // 23.976, 29.97 and their like stand for these rates times 1000/1001 (SMPTE ST 12-1); half a hundredth also
+  // takes in 23.98 and 47.95.
+  for (const int nominal : {24, 30, 48, 60, 96, 120, 240}) {
+    if (std::abs(fps - nominal * 1000.0 / 1001.0) <= 0.005) return fmt::format("\"{}/1001\"", nominal * 1000);
+  }
+  for (int denominator = 1; denominator <= 1000; ++denominator) {
+    const double numerator = std::round(fps * denominator);
+    if (std::abs(fps * denominator - numerator) > 1e-9 * numerator) continue;
+    if (numerator < 1 || numerator > static_cast<double>(max_fps_part)) break;
+    return denominator == 1 ? fmt::format("{:.0f}", numerator)
+                            : fmt::format("\"{:.0f}/{}\"", numerator, denominator);
+  }
+  return R"(a fraction such as "24000/1001")";
+}
+
+std::optional<std::int32_t> positive_whole_number(std::string_view digits) {
+  std::int32_t number = 0;
+  const char* end = digits.data() + digits.size();
+  const auto [stopped, error] = std::from_chars(digits.data(), end, number);
+  if (error != std::errc() || stopped != end || number < 1 || number > max_fps_part) return std::nullopt;
+  return number;
+}
+
+WrittenFrameRate read_frame_rate(const TomlValue& value) {
+  if (const auto* decimal = value.node().as_floating_point()) {
+    const double fps = decimal->get();
+    if (std::isfinite(fps) && fps > 0 && fps <= static_cast<double>(max_fps)) {
+      value.refuse(fmt::format("is {}, a decimal number, which is not exact; use {}", fps, exact_rate(fps)));
+    }
+    value.number(1, static_cast<double>(max_fps));
+  }
+  if (!value.node().is_string()) {
+    const std::int64_t fps = value.integer(1, max_fps);
+    return {{static_cast<std::int32_t>(fps), 1}, fmt::format("{}", fps), true};
+  }
+  const std::string text = value.text();
+  const std::size_t slash = text.find('/');
+  const auto numerator = positive_whole_number(std::string_view(text).substr(0, slash));
+  if (slash == std::string::npos && numerator && *numerator <= max_fps) {
+    value.refuse(fmt::format("is the text {}; use {} without quotes", in_quotes(text), *numerator));
+  }
+  const auto denominator = slash == std::string::npos
+                               ? std::nullopt
+                               : positive_whole_number(std::string_view(text).substr(slash + 1));
+  if (!numerator || !denominator) {
+    value.refuse(fmt::format(
+        R"(is {}; write two whole numbers from 1 to {} with a slash, as in "24000/1001", or a whole number)",
+        in_quotes(text), max_fps_part));
+  }
+  if (*numerator / *denominator > max_fps ||
+      (*numerator / *denominator == max_fps && *numerator % *denominator > 0)) {
+    value.refuse(fmt::format("is {}; write a rate of at most {}", in_quotes(text), max_fps));
+  }
+  return {{*numerator, *denominator}, text, false};
+}
+
+/// What the keys of a track need to know about it.
+struct KeyContext {
+  const std::vector<std::string>& axes;
+  Spline spline;
+  std::int32_t frames;
+};
+
+void read_shape(const TomlTable& table, const KeyContext& track, MoveKey& key) {
+  const std::array<std::pair<std::string_view, double*>, 3> parameters = {
+      {{"tension", &key.tension}, {"continuity", &key.continuity}, {"bias", &key.bias}}};
+  for (const auto& [name, parameter] : parameters) {
+    const auto value = table.optional(name);
+    if (!value) continue;
+    if (track.spline != Spline::tcb) {
+      value->refuse(R"(has a meaning only with spline = "tcb"; remove it or change the spline)");
+    }
+    *parameter = value->number(-1, 1);
+  }
+}
+
+void read_lock(const TomlTable& table, const KeyContext& track, MoveKey& key) {
+  if (const auto frame = table.optional("frame")) {
+    key.frame = static_cast<std::int32_t>(frame->integer(0, track.frames));
+  }
+  if (const auto breaks = table.optional("break")) {
+    key.breaks = breaks->boolean();
+    if (!key.frame)
+      breaks->refuse("needs the frame at which the key is met; add frame = ..., or remove break");
+  }
+  if (const auto hold = table.optional("hold")) {
+    key.hold = static_cast<std::int32_t>(hold->integer(1, track.frames));
+  }
+}
+
+std::string numbers(std::size_t count) {
+  return fmt::format("{} number{}", count, count == 1 ? "" : "s");
+}
+
+MoveKey read_key(const TomlValue& value, std::size_t index, const KeyContext& track) {
+  const TomlTable table(value.table(), fmt::format("key {}", index), key_fields);
+  MoveKey key;
+  key.place = table.place();
+  const TomlValue at = table.required("at", "at = [...], a number for each axis");
+  const std::vector<TomlValue> coordinates = at.list(max_track_axes);
+  if (coordinates.size() != track.axes.size()) {
+    throw InputError(
+        at.place(), fmt::format("key {} has {}; write {}, one for each of its axes ({})", index,
+                                numbers(coordinates.size()), track.axes.size(), comma_separated(track.axes)));
+  }
+  for (const TomlValue& coordinate : coordinates) {
+    key.at.push_back(coordinate.number());
+    key.at_places.push_back(coordinate.place());
+  }
+  read_shape(table, track, key);
+  read_lock(table, track, key);
+  return key;
+}
+
+void read_axes(const TomlTable& table, MoveTrack& track, std::map<std::string, Place>& taken) {
+  for (const TomlValue& axis : table.required("axes", R"(axes = ["name of an axis"])").list(max_track_axes)) {
+    track.axes.push_back(axis.text());
+    track.axis_places.push_back(axis.place());
+    const auto [earlier, is_new] = taken.emplace(track.axes.back(), axis.place());
+    if (!is_new) {
+      axis.refuse(fmt::format("is {}, which line {} has already; name each axis once in one track",
+                              in_quotes(track.axes.back()), earlier->second.line));
+    }
+  }
+}
+
+void read_speed(const TomlTable& table, MoveTrack& track) {
+  track.speed_place = track.place;
+  if (track.timing == Timing::frames) {
+    if (const auto speed = table.optional("speed")) {
+      speed->refuse(
+          R"(has no meaning with timing = "frames", where the keys say when; remove one of the two)");
+    }
+    return;
+  }
+  const TomlValue speed = table.required("speed", "speed = [0, 0, 10, 0, 0], say");
+  track.speed_place = speed.place();
+  for (const TomlValue& value : speed.list(max_control_values)) {
+    track.speed.push_back(value.number(0, max_control_value));
+    track.speed_places.push_back(value.place());
+  }
+}
+
+void read_weights(const TomlTable& table, MoveTrack& track) {
+  const auto weights = table.optional("weights");
+  if (!weights) return;
+  for (const TomlValue& weight : weights->list(max_track_axes)) {
+    track.weights.push_back(weight.number(0, max_magnitude));
+    track.weight_places.push_back(weight.place());
+  }
+  if (track.weights.size() != track.axes.size()) {
+    weights->refuse(fmt::format("has {}; write {}, one for each of its axes ({})",
+                                numbers(track.weights.size()), track.axes.size(),
+                                comma_separated(track.axes)));
+  }
+  if (std::all_of(track.weights.begin(), track.weights.end(), [](double weight) { return weight == 0; })) {
+    weights->refuse("are all 0, so that nothing has a length; make at least one positive");
+  }
+}
+
+MoveTrack read_track(const TomlValue& value, std::int32_t frames, std::map<std::string, Place>& taken_axes) {
+  const TomlTable table(value.table(), "a track", track_fields);
+  MoveTrack track;
+  track.place = table.place();
+  read_axes(table, track, taken_axes);
+  if (const auto spline = table.optional("spline")) {
+    constexpr std::array kinds = {Spline::smooth, Spline::catmull_rom, Spline::tcb, Spline::linear};
+    track.spline = kinds.at(spline->choice({"smooth", "catmull-rom", "tcb", "linear"}));
+  }
+  if (const auto closed = table.optional("closed")) track.closed = closed->boolean();
+  if (const auto timing = table.optional("timing")) {
+    track.timing = timing->choice({"speed", "frames"}) == 0 ? Timing::speed : Timing::frames;
+  }
+  if (const auto kinetic = table.optional("kinetic")) {
+    track.kinetic = kinetic->choice({"linear", "smooth"}) == 0 ? Kinetic::linear : Kinetic::smooth;
+    if (track.timing != Timing::frames)
+      kinetic->refuse(R"(needs timing = "frames"; add that or remove kinetic)");
+  }
+  const TomlValue keys = table.required("keys", "keys = [ { at = [...] }, ... ]");
+  track.keys_place = keys.place();
+  for (const TomlValue& key : keys.tables(max_keys)) {
+    track.keys.push_back(read_key(key, track.keys.size(), {track.axes, track.spline, frames}));
+  }
+  read_speed(table, track);
+  read_weights(table, track);
+  return track;
+}
+
+}  // namespace
+
+MoveFile parse_move(std::string_view text, const std::string& file_name) {
+  const toml::table root = parse_toml(text, file_name);
+  if (root.empty()) {
+    throw InputError(place_of(root), "the file is empty; a move has name, fps, frames and a [[track]]");
+  }
+  const TomlTable table(root, "the move", move_fields);
+  MoveFile move;
+  move.path = file_name;
+  move.name = table.required("name", R"(name = "what the move is called")").text();
+  const TomlValue fps = table.required("fps", R"(fps = 24, or "24000/1001")");
+  move.fps_place = fps.place();
+  move.fps = read_frame_rate(fps);
+  const TomlValue frames = table.required("frames", "frames = 240, say");
+  move.frames_place = frames.place();
+  move.frames = static_cast<std::int32_t>(frames.integer(1, max_frames));
+  std::map<std::string, Place> taken_axes;
+  for (const TomlValue& track :
+       table.required("track", "a [[track]] with axes, keys and speed").tables(max_tracks)) {
+    move.tracks.push_back(read_track(track, move.frames, taken_axes));
+  }
+  read_cues(table, move);
+  return move;
+}
+
+MoveFile read_move_file(const std::filesystem::path& path) {
+  return parse_move(read_text_file(path), path.string());
+}
+
+}  // namespace inbetween

@@ -1,0 +1,88 @@
+// A move: the performance, as its author wrote it. docs/formats.md is the manual of the file.
+//
+// Reading checks everything that can be seen in the file alone: types, ranges, counts, fields that exclude
+// each other. It does not know the rig, and it does not solve: whether the order of locked keys or the area
+// under the speed curve makes sense is for the solver, which finds the places to complain about here.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "host_tools/files/diagnostics.hpp"
+#include "host_tools/files/move_cue.hpp"
+#include "inbetween/path/path.hpp"
+#include "inbetween/timing/frame_time.hpp"
+#include "inbetween/timing/track.hpp"
+
+namespace inbetween {
+
+inline constexpr std::size_t max_tracks = 64;
+inline constexpr std::size_t max_keys = 10'000;  // of a track
+inline constexpr std::size_t max_track_axes = 64;
+inline constexpr std::size_t max_control_values = 2'048;  // of a speed curve
+inline constexpr double max_control_value = 100;
+
+/// Frames per second; numerator and denominator 1..1 000 000, the quotient at most 1000.
+struct WrittenFrameRate {
+  FrameRate rate;
+  std::string as_written;           // "24", "24000/1001"
+  bool written_as_integer = false;  // in the file a number, otherwise text
+};
+
+enum class Timing { speed, frames };
+
+struct MoveKey {
+  std::vector<double> at;  // one coordinate per axis of the track, in the units of the axes
+  double tension = 0;      // these three -1..1, 0 unless the spline is tcb
+  double continuity = 0;
+  double bias = 0;
+  std::optional<std::int32_t> frame;  // 0..frames of the move
+  bool breaks = false;
+  std::optional<std::int32_t> hold;  // 1..frames of the move
+  Place place;
+  std::vector<Place> at_places;  // of each coordinate
+};
+
+struct MoveTrack {
+  std::vector<std::string> axes;
+  std::vector<Place> axis_places;
+  Spline spline = Spline::smooth;
+  bool closed = false;
+  std::vector<MoveKey> keys;
+  std::vector<double> speed;  // control values 0..100; empty with Timing::frames
+  std::vector<Place> speed_places;
+  Place speed_place;            // of the whole list; the track's own with Timing::frames
+  std::vector<double> weights;  // one per axis, >= 0, not all 0; empty: all 1
+  std::vector<Place> weight_places;
+  Timing timing = Timing::speed;
+  std::optional<Kinetic> kinetic;  // only with Timing::frames
+  Place place;
+  Place keys_place;
+};
+
+struct MoveFile {
+  std::string path;
+  std::string name;
+  WrittenFrameRate fps;
+  std::int32_t frames = 0;  // N: frames 0..N are N + 1 positions
+  std::vector<MoveTrack> tracks;
+  std::vector<MoveCue> cues = {};  // pulses of a line neither overlap nor touch
+  std::optional<Clapper> clapper = {};
+  Start start = Start::command;
+  Place frames_place;
+  Place fps_place;
+  Place start_place = {};  // of `start`, if the move has it
+};
+
+/// Reads and checks a move. Throws InputError at the first thing that is wrong.
+MoveFile read_move_file(const std::filesystem::path& path);
+
+/// The same from text; `file_name` stands in places and in MoveFile::path.
+MoveFile parse_move(std::string_view text, const std::string& file_name);
+
+}  // namespace inbetween

@@ -1,0 +1,171 @@
+#include "host_tools/files/rig_drive_reader.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <utility>
+
+namespace inbetween {
+namespace {
+
+constexpr std::array<std::string_view, 4> cia402_fields = {"type", "bus", "node", "counts_per_unit"};
+constexpr std::array<std::string_view, 4> turns_fields = {"type", "bus", "node", "turns_per_unit"};
+constexpr std::array<std::string_view, 13> step_dir_fields = {
+    "type",     "chip",     "step",         "dir",         "enable",        "steps_per_unit", "max_step_rate",
+    "pulse_us", "pause_us", "dir_setup_us", "dir_hold_us", "enable_active", "latest_us"};
+constexpr std::array<std::string_view, 3> pipe_fields = {"type", "path", "counts_per_unit"};
+
+struct CanAddress {
+  std::string bus;
+  int node;
+};
+
+struct NodeRange {
+  int least;
+  int most;
+};
+
+CanAddress read_can_address(const TomlTable& table, NodeRange range, const RigContext& rig) {
+  const TomlValue bus = table.required("bus", R"(the CAN bus, bus = "can0")");
+  CanAddress address{bus.text(), 0};
+  const auto is_the_bus = [&](const Bus& known) { return known.name == address.bus; };
+  if (std::none_of(rig.buses.begin(), rig.buses.end(), is_the_bus)) {
+    bus.refuse(fmt::format("is {}, which the rig does not have; add a [bus.NAME] for it with its bitrate",
+                           in_quotes(address.bus)));
+  }
+  const TomlValue node = table.required("node", "the node id of the drive, node = 1");
+  address.node = static_cast<int>(node.integer(range.least, range.most));
+  take(rig.taken, node, fmt::format("node {} of bus {}", address.node, address.bus),
+       "give each drive its own");
+  return address;
+}
+
+/// A scale in drive units per axis unit; both ends of the axis must stay within `most` drive units of 0.
+double read_scale(const TomlTable& table, std::string_view field, const RigAxis& axis, double most) {
+  const TomlValue value = table.required(field, fmt::format("{} = 1000.0, say", field));
+  const double scale = value.number();
+  if (scale == 0) value.refuse("is 0; write a positive number, or a negative one to reverse the motor");
+  const std::string_view counted = field.substr(0, field.find('_'));
+  for (const double end : {axis.min, axis.max}) {
+    const double position = end * scale;
+    if (std::abs(std::round(position)) > most) {
+      value.refuse(
+          fmt::format("is {}, so that {} {} is {:.15g} {}, beyond {:.15g}; lower the scale or the range",
+                      scale, end, to_string(axis.unit), position, counted, most));
+    }
+  }
+  return scale;
+}
+
+double read_count_scale(const TomlTable& table, std::string_view field, const RigAxis& axis) {
+  return read_scale(table, field, axis, std::numeric_limits<std::int32_t>::max());
+}
+
+/// `field` in microseconds, rounded up to nanoseconds; `time_ns` stays as it is without it.
+void read_time(const TomlTable& table, std::string_view field, double max_us, std::int64_t& time_ns) {
+  const auto value = table.optional(field);
+  if (!value) return;
+  const double time_us = value->number(0, max_us);
+  if (!(time_us > 0)) value->refuse(fmt::format("is {}; write a number above 0", time_us));
+  time_ns = static_cast<std::int64_t>(std::ceil(time_us * 1000));
+}
+
+void read_step_times(const TomlTable& table, StepDirDrive& drive) {
+  constexpr double max_time_us = 1'000;
+  read_time(table, "pulse_us", max_time_us, drive.pulse_ns);
+  read_time(table, "pause_us", max_time_us, drive.pause_ns);
+  read_time(table, "dir_setup_us", max_time_us, drive.dir_setup_ns);
+  read_time(table, "dir_hold_us", max_time_us, drive.dir_hold_ns);
+  read_time(table, "latest_us", 1'000'000, drive.latest_ns);
+}
+
+void read_step_rate(const TomlTable& table, const TomlValue& scale, const RigAxis& axis,
+                    StepDirDrive& drive) {
+  const auto rate = table.optional("max_step_rate");
+  if (rate) {
+    drive.max_step_rate = rate->number(0, max_step_rate);
+    if (!(drive.max_step_rate > 0)) rate->refuse("is 0; write a number above 0");
+  }
+  const double fastest = std::abs(drive.steps_per_unit) * axis.max_velocity;
+  if (!(fastest <= drive.max_step_rate)) {
+    scale.refuse(
+        fmt::format("is {}, so that max_velocity = {} {}/s is {:.15g} steps/s, more than "
+                    "max_step_rate = {}{}; lower max_velocity or the microstepping, or raise "
+                    "max_step_rate if the driver and this computer can do it",
+                    drive.steps_per_unit, axis.max_velocity, to_string(axis.unit), fastest,
+                    drive.max_step_rate, rate ? "" : " (the default)"));
+  }
+  const double period_ns = 1e9 / drive.max_step_rate;
+  const std::int64_t step_ns = drive.pulse_ns + drive.pause_ns;
+  if (static_cast<double>(step_ns) > period_ns) {
+    // The defaults go with each other, so that one of the three fields is there.
+    const auto pulse = table.optional("pulse_us");
+    const TomlValue field = rate ? *rate : pulse ? *pulse : *table.optional("pause_us");
+    field.refuse(
+        fmt::format("does not go with the others: pulse_us + pause_us is {:.15g} us, longer than a step at "
+                    "max_step_rate = {}, {:.15g} us; lower one of the three",
+                    static_cast<double>(step_ns) / 1000, drive.max_step_rate, period_ns / 1000));
+  }
+}
+
+StepDirDrive read_step_dir(const TomlTable& table, const RigAxis& axis, TakenLines& lines) {
+  StepDirDrive drive;
+  drive.chip = read_chip(table);
+  drive.step = read_line_of(drive.chip, table.required("step", "the step line, by offset or name"), lines);
+  drive.dir = read_line_of(drive.chip, table.required("dir", "the direction line, by offset or name"), lines);
+  if (const auto enable = table.optional("enable")) drive.enable = read_line_of(drive.chip, *enable, lines);
+  drive.steps_per_unit = read_count_scale(table, "steps_per_unit", axis);
+  read_step_times(table, drive);
+  read_step_rate(table, *table.optional("steps_per_unit"), axis, drive);
+  if (const auto active = table.optional("enable_active")) {
+    if (!drive.enable) active->refuse("needs an enable line; add enable = ..., or remove it");
+    drive.enable_active = read_level(*active);
+  }
+  return drive;
+}
+
+}  // namespace
+
+void take(Taken& taken, const TomlValue& value, const std::string& what, std::string_view remedy) {
+  const auto [earlier, is_new] = taken.emplace(what, value.place());
+  if (!is_new)
+    value.refuse(fmt::format("is {}, which line {} has already; {}", what, earlier->second.line, remedy));
+}
+
+Drive read_drive(const TomlValue& value, const RigAxis& axis, const RigContext& rig) {
+  const toml::table& fields = value.table();
+  const toml::node* type = fields.get("type");
+  if (type == nullptr) {
+    value.refuse(R"(has no type; add type = "cia402", "odrive", "moteus", "step-dir" or "pipe")");
+  }
+  switch (TomlValue(*type, "type").choice({"cia402", "odrive", "moteus", "step-dir", "pipe"})) {
+    case 0: {
+      const TomlTable table(fields, "a cia402 drive", cia402_fields);
+      const auto [bus, node] = read_can_address(table, {1, 127}, rig);
+      return Cia402Drive{bus, node, read_count_scale(table, "counts_per_unit", axis)};
+    }
+    case 1: {
+      const TomlTable table(fields, "an odrive drive", turns_fields);
+      const auto [bus, node] = read_can_address(table, {0, 63}, rig);
+      return OdriveDrive{bus, node, read_scale(table, "turns_per_unit", axis, max_turns)};
+    }
+    case 2: {
+      const TomlTable table(fields, "a moteus drive", turns_fields);
+      const auto [bus, node] = read_can_address(table, {1, 127}, rig);
+      return MoteusDrive{bus, node, read_scale(table, "turns_per_unit", axis, max_turns)};
+    }
+    case 3:
+      return read_step_dir(TomlTable(fields, "a step-dir drive", step_dir_fields), axis, rig.lines);
+    default:
+      break;
+  }
+  const TomlTable table(fields, "a pipe drive", pipe_fields);
+  const TomlValue path = table.required("path", "the FIFO or serial port, path = \"...\"");
+  return PipeDrive{path.text(), read_count_scale(table, "counts_per_unit", axis)};
+}
+
+}  // namespace inbetween

@@ -1,0 +1,31 @@
+// Reading the drives of a rig.
+#pragma once
+
+#include <map>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "host_tools/files/gpio_line_reader.hpp"
+#include "host_tools/files/rig_file.hpp"
+#include "host_tools/files/toml_value.hpp"
+
+namespace inbetween {
+
+/// Who has taken what: axis names, nodes of a bus. The text says which.
+using Taken = std::map<std::string, Place>;
+
+/// Throws InputError at `value` if `what` is taken already.
+void take(Taken& taken, const TomlValue& value, const std::string& what, std::string_view remedy);
+
+/// What reading an axis needs to know about the rig so far.
+struct RigContext {
+  std::span<const Bus> buses;
+  Taken& taken;
+  TakenLines& lines;
+};
+
+/// The table `drive` of an axis whose limits have been read.
+Drive read_drive(const TomlValue& value, const RigAxis& axis, const RigContext& rig);
+
+}  // namespace inbetween

@@ -1,0 +1,328 @@
+#include "host_tools/files/rig_file.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <utility>
+
+#include "host_tools/files/gpio_line_reader.hpp"
+#include "host_tools/files/rig_drive_reader.hpp"
+#include "host_tools/files/toml_source.hpp"
+#include "host_tools/files/toml_value.hpp"
+
+namespace inbetween {
+namespace {
+
+constexpr std::array<std::string_view, 8> rig_fields = {
+    "name", "rate_hz", "bus", "axis", "emergency_stop", "start_trigger", "camera", "output"};
+constexpr std::array<std::string_view, 1> bus_fields = {"bitrate"};
+constexpr std::array<std::string_view, 15> axis_fields = {"name",
+                                                          "unit",
+                                                          "min",
+                                                          "max",
+                                                          "max_velocity",
+                                                          "max_acceleration",
+                                                          "max_jerk",
+                                                          "max_acceleration_step",
+                                                          "stop_acceleration",
+                                                          "stop_jerk",
+                                                          "drive",
+                                                          "reference",
+                                                          "home",
+                                                          "limit_min",
+                                                          "limit_max"};
+constexpr std::array<std::string_view, 10> home_fields = {"chip", "line", "active",   "bias",   "direction",
+                                                          "fast", "slow", "back_off", "search", "at"};
+constexpr std::array<std::string_view, 4> input_fields = {"chip", "line", "active", "bias"};
+constexpr std::array<std::string_view, 4> emergency_stop_fields = {"chip", "line", "stops_at", "bias"};
+constexpr std::array<std::string_view, 4> camera_fields = {"chip", "line", "idle", "asks"};
+constexpr std::array<std::string_view, 3> output_fields = {"chip", "line", "idle"};
+
+constexpr std::array<std::string_view, 6> unit_names = {"mm", "m", "deg", "rad", "turn", "unit"};
+/// What cues call the shutter of the camera.
+constexpr std::string_view camera_name = "camera";
+
+std::vector<Bus> read_buses(const TomlTable& rig) {
+  std::vector<Bus> buses;
+  const auto section = rig.optional("bus");
+  if (!section) return buses;
+  for (const auto& [key, node] : section->table()) {
+    const TomlValue value(node, fmt::format("bus {}", in_quotes(key.str())));
+    const TomlTable table(value.table(), value.name(), bus_fields);
+    // What Linux allows as the name of a network interface (IFNAMSIZ, dev_valid_name).
+    const std::string_view name = key.str();
+    const bool is_interface_name = !name.empty() && name.size() <= 15 && name != "." && name != ".." &&
+                                   std::all_of(name.begin(), name.end(), [](char c) {
+                                     return c > ' ' && c < 0x7f && c != '/' && c != ':';
+                                   });
+    if (!is_interface_name) value.refuse("is not a network interface; write a name such as can0");
+    buses.push_back({std::string(name),
+                     table.required("bitrate", "bitrate = 1_000_000").integer(10'000, 1'000'000),
+                     table.place()});
+  }
+  return buses;
+}
+
+void read_limits(const TomlTable& table, RigAxis& axis) {
+  axis.min = table.required("min", "the lowest position, min = 0.0").number();
+  const TomlValue max = table.required("max", "the highest position, max = 1500.0");
+  axis.max = max.number();
+  if (axis.min >= axis.max) {
+    max.refuse(fmt::format("is {}, not above min = {}; write min < max", axis.max, axis.min));
+  }
+  axis.max_velocity = table.required("max_velocity", "max_velocity = 400.0 (unit/s), say").positive_number();
+  axis.max_acceleration =
+      table.required("max_acceleration", "max_acceleration = 800.0 (unit/s^2), say").positive_number();
+  const auto limit = [&](std::string_view field) -> std::optional<double> {
+    const auto value = table.optional(field);
+    return value ? std::optional(value->positive_number()) : std::nullopt;
+  };
+  axis.max_jerk = limit("max_jerk");
+  axis.max_acceleration_step = limit("max_acceleration_step");
+  // A stop begins in the midst of the motion: what the motion may do, the stop must be able to do.
+  const auto stop_limit = [&](std::string_view field, std::string_view motion_field,
+                              const std::optional<double>& motion) {
+    const auto value = limit(field);
+    if (value && motion && *value < *motion) {
+      table.optional(field)->refuse(fmt::format("is {}, below {} = {}; write {} or more, or leave it out",
+                                                *value, motion_field, *motion, *motion));
+    }
+    return value;
+  };
+  axis.stop_acceleration = stop_limit("stop_acceleration", "max_acceleration", axis.max_acceleration);
+  axis.stop_jerk = stop_limit("stop_jerk", "max_jerk", axis.max_jerk);
+}
+
+/// A position that the drive of an open-loop axis cannot count to.
+void refuse_uncountable(const TomlValue& value, double position, const RigAxis& axis) {
+  const auto* stepper = std::get_if<StepDirDrive>(&axis.drive);
+  const double scale =
+      stepper != nullptr ? stepper->steps_per_unit : std::get<PipeDrive>(axis.drive).counts_per_unit;
+  if (std::abs(std::round(position * scale)) <= std::numeric_limits<std::int32_t>::max()) return;
+  value.refuse(fmt::format("is {} {}, which the drive cannot count to in 32 bits; write where the switch is",
+                           position, to_string(axis.unit)));
+}
+
+Home read_home(const TomlValue& value, const RigAxis& axis, TakenLines& lines) {
+  const TomlTable table(value.table(), "a home", home_fields);
+  if (!is_open_loop(axis.drive)) {
+    value.refuse("has no meaning for a drive that knows where it is; remove it, the drive homes itself");
+  }
+  Home home;
+  home.place = value.place();
+  home.input = read_input(table, BrokenWire::preferably_active, lines);
+  home.direction = table.required("direction", R"(direction = "negative" or "positive", towards the switch)")
+                               .choice({"negative", "positive"}) == 0
+                       ? -1
+                       : 1;
+  const TomlValue fast = table.required("fast", "fast = 20.0 (unit/s), say, to find the switch");
+  home.fast = fast.positive_number();
+  if (home.fast > axis.max_velocity) {
+    fast.refuse(fmt::format("is {}, above max_velocity = {}; lower it", home.fast, axis.max_velocity));
+  }
+  const TomlValue slow = table.required("slow", "slow = 2.0 (unit/s), say, to meet its edge");
+  home.slow = slow.positive_number();
+  if (home.slow >= home.fast) {
+    slow.refuse(fmt::format("is {}, not below fast = {}; lower it", home.slow, home.fast));
+  }
+  home.back_off =
+      table.required("back_off", "back_off = 5.0 (unit), say, to leave the switch").positive_number();
+  if (const auto at = table.optional("at")) {
+    home.at = at->number();
+    refuse_uncountable(*at, home.at, axis);
+  }
+  const double far_end = home.direction < 0 ? axis.max : axis.min;
+  if ((home.at - far_end) * home.direction <= 0) {
+    table.optional("at").value_or(value).refuse(fmt::format(
+        "puts the switch at {} {}, where no way {} leads from {} = {}; write where it is, or the other "
+        "direction",
+        home.at, to_string(axis.unit), home.direction < 0 ? "down" : "up", home.direction < 0 ? "max" : "min",
+        far_end));
+  }
+  const auto search = table.optional("search");
+  home.search = search ? search->positive_number()
+                       : std::max(axis.max - axis.min, std::abs(far_end - home.at)) + home.back_off;
+  return home;
+}
+
+void read_reference(const TomlTable& table, RigAxis& axis) {
+  const bool open_loop = is_open_loop(axis.drive);
+  axis.reference = axis.home ? Reference::by_home : open_loop ? Reference::by_operator : Reference::by_drive;
+  const auto value = table.optional("reference");
+  if (!value) return;
+  constexpr std::array kinds = {Reference::by_drive, Reference::by_operator, Reference::by_home};
+  const Reference reference = kinds.at(value->choice({"drive", "operator", "home"}));
+  if (reference == Reference::by_drive && open_loop) {
+    value->refuse(R"(is "drive", but nothing reports where this axis is; write "operator", or add a home)");
+  }
+  if ((reference == Reference::by_home) != axis.home.has_value()) {
+    value->refuse(axis.home ? fmt::format(R"(is "{}", but the axis has a home; remove one of the two)",
+                                          to_string(reference))
+                            : R"(is "home", but the axis has none; add home = { ... } or write "operator")");
+  }
+  axis.reference = reference;
+}
+
+std::optional<InputLine> read_switch(const TomlTable& parent, std::string_view field, BrokenWire broken,
+                                     TakenLines& lines) {
+  const auto value = parent.optional(field);
+  if (!value) return std::nullopt;
+  return read_input(TomlTable(value->table(), std::string(field), input_fields), broken, lines);
+}
+
+RigAxis read_axis(const TomlValue& value, const RigContext& rig) {
+  const TomlTable table(value.table(), "an axis", axis_fields);
+  RigAxis axis;
+  axis.place = table.place();
+  const TomlValue name = table.required("name", R"(name = "track", say)");
+  axis.name = name.text();
+  take(rig.taken, name, fmt::format("axis {}", in_quotes(axis.name)), "give each axis its own name");
+  axis.unit =
+      static_cast<AxisUnit>(table.required("unit", R"(unit = "mm", "m", "deg", "rad", "turn" or "unit")")
+                                .choice({unit_names[0], unit_names[1], unit_names[2], unit_names[3],
+                                         unit_names[4], unit_names[5]}));
+  read_limits(table, axis);
+  axis.drive = read_drive(table.required("drive", R"(drive = { type = ... })"), axis, rig);
+  if (const auto home = table.optional("home")) axis.home = read_home(*home, axis, rig.lines);
+  read_reference(table, axis);
+  axis.limit_min = read_switch(table, "limit_min", BrokenWire::preferably_active, rig.lines);
+  axis.limit_max = read_switch(table, "limit_max", BrokenWire::preferably_active, rig.lines);
+  return axis;
+}
+
+std::optional<InputLine> read_emergency_stop(const TomlTable& rig, TakenLines& lines) {
+  const auto value = rig.optional("emergency_stop");
+  if (!value) return std::nullopt;
+  const TomlTable table(value->table(), "the emergency stop", emergency_stop_fields);
+  const Level stops_at =
+      read_level(table.required("stops_at", R"(stops_at = "high" or "low", the level that stops)"));
+  return read_input(table, stops_at, BrokenWire::reads_active, lines);
+}
+
+std::optional<Camera> read_camera(const TomlTable& rig, TakenLines& lines) {
+  const auto value = rig.optional(camera_name);
+  if (!value) return std::nullopt;
+  const TomlTable table(value->table(), "the camera", camera_fields);
+  Camera camera;
+  camera.place = value->place();
+  camera.shutter = read_output(table, lines);
+  camera.asks = read_switch(table, "asks", BrokenWire::reads_inactive, lines);
+  return camera;
+}
+
+std::vector<Output> read_outputs(const TomlTable& rig, TakenLines& lines) {
+  std::vector<Output> outputs;
+  const auto section = rig.optional("output");
+  if (!section) return outputs;
+  const toml::table& tables = section->table();
+  if (tables.size() > max_rig_outputs) {
+    section->refuse(fmt::format("has {} lines; write at most {}", tables.size(), max_rig_outputs));
+  }
+  for (const auto& [key, node] : tables) {
+    const std::string_view name = key.str();
+    const TomlValue value(node, fmt::format("output {}", in_quotes(name)));
+    const TomlTable table(value.table(), value.name(), output_fields);
+    const bool is_plain =
+        !name.empty() && name.size() <= max_text_bytes && std::all_of(name.begin(), name.end(), [](char c) {
+          return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ||
+                 c == '_';
+        });
+    if (!is_plain) value.refuse("is not a plain name; write letters, digits, - and _");
+    if (name == camera_name)
+      value.refuse("has the name of the shutter line; write [camera], or another name");
+    outputs.push_back({std::string(name), read_output(table, lines), value.place()});
+  }
+  return outputs;
+}
+
+/// STEP and DIR of a chip change in one call.
+void refuse_too_many_step_dir_drives(const RigFile& rig) {
+  std::map<std::string, std::size_t> drives;
+  for (const RigAxis& axis : rig.axes) {
+    const auto* drive = std::get_if<StepDirDrive>(&axis.drive);
+    if (drive == nullptr || ++drives[drive->chip] <= max_step_dir_drives_of_chip) continue;
+    throw InputError(axis.place,
+                     fmt::format("axis {} is one more step-dir drive than the {} that chip {} can "
+                                 "step at once; move it to another chip",
+                                 in_quotes(axis.name), max_step_dir_drives_of_chip, in_quotes(drive->chip)));
+  }
+}
+
+void refuse_inexact_cia402_rate(const RigFile& rig, const TomlValue& rate) {
+  const auto is_cia402 = [](const RigAxis& axis) { return std::holds_alternative<Cia402Drive>(axis.drive); };
+  if (is_cia402_rate(rig.rate_hz) || std::none_of(rig.axes.begin(), rig.axes.end(), is_cia402)) return;
+  // 1 Hz and max_rate_hz are exact, so both searches end.
+  std::int32_t below = rig.rate_hz;
+  std::int32_t above = rig.rate_hz;
+  while (!is_cia402_rate(below)) --below;
+  while (!is_cia402_rate(above)) ++above;
+  rate.refuse(fmt::format(
+      "is {}, whose period CiA 402 cannot state exactly (60C2, whole microseconds); write {} or {}",
+      rig.rate_hz, below, above));
+}
+
+}  // namespace
+
+std::string_view to_string(AxisUnit unit) {
+  return unit_names.at(static_cast<std::size_t>(unit));
+}
+
+bool is_open_loop(const Drive& drive) {
+  return std::holds_alternative<StepDirDrive>(drive) || std::holds_alternative<PipeDrive>(drive);
+}
+
+std::string_view to_string(Reference reference) {
+  switch (reference) {
+    case Reference::by_operator:
+      return "operator";
+    case Reference::by_home:
+      return "home";
+    case Reference::by_drive:
+      break;
+  }
+  return "drive";
+}
+
+bool is_cia402_rate(std::int32_t rate_hz) {
+  if (rate_hz < 1 || 1'000'000 % rate_hz != 0) return false;
+  std::int32_t period = 1'000'000 / rate_hz;  // microseconds
+  while (period % 10 == 0) period /= 10;
+  return period <= 255;
+}
+
+RigFile parse_rig(std::string_view text, const std::string& file_name) {
+  const toml::table root = parse_toml(text, file_name);
+  if (root.empty()) {
+    throw InputError(place_of(root), "the file is empty; a rig has name, rate_hz and an [[axis]]");
+  }
+  const TomlTable table(root, "the rig", rig_fields);
+  RigFile rig;
+  rig.path = file_name;
+  rig.name = table.required("name", R"(name = "what the rig is called")").text();
+  const TomlValue rate = table.required("rate_hz", "rate_hz = 250, say");
+  rig.rate_hz = static_cast<std::int32_t>(rate.integer(1, max_rate_hz));
+  rig.buses = read_buses(table);
+  Taken taken;
+  TakenLines lines;
+  for (const TomlValue& axis :
+       table.required("axis", "an [[axis]] with its limits and drive").tables(max_rig_axes)) {
+    rig.axes.push_back(read_axis(axis, {rig.buses, taken, lines}));
+  }
+  refuse_inexact_cia402_rate(rig, rate);
+  refuse_too_many_step_dir_drives(rig);
+  rig.emergency_stop = read_emergency_stop(table, lines);
+  rig.start_trigger = read_switch(table, "start_trigger", BrokenWire::reads_inactive, lines);
+  rig.camera = read_camera(table, lines);
+  rig.outputs = read_outputs(table, lines);
+  return rig;
+}
+
+RigFile read_rig_file(const std::filesystem::path& path) {
+  return parse_rig(read_text_file(path), path.string());
+}
+
+}  // namespace inbetween

@@ -1,0 +1,158 @@
+// A rig: the machine, its axes, limits and drives. docs/formats.md is the manual of the file.
+//
+// Reading checks everything that can be seen in the file alone: types, ranges, names and addresses taken
+// twice, positions that a drive cannot count to, steps faster than it may take them, a tick that CiA 402
+// cannot state, an emergency stop that a broken wire would silence. It opens no bus and no chip.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "host_tools/files/diagnostics.hpp"
+#include "host_tools/files/gpio_line.hpp"
+
+namespace inbetween {
+
+inline constexpr std::int32_t max_rate_hz = 20'000;
+inline constexpr std::size_t max_rig_axes = 64;
+inline constexpr std::size_t max_rig_outputs = 64;
+/// libgpiod takes 64 lines in a request, and a drive has a STEP and a DIR line in one.
+inline constexpr std::size_t max_step_dir_drives_of_chip = 32;
+inline constexpr std::int32_t max_step_rate = 1'000'000;  // steps/s
+/// ODrive and moteus take positions as float32 turns. Up to here they are at most 1/1024 turn apart.
+inline constexpr double max_turns = 16'384;
+
+enum class AxisUnit { mm, m, deg, rad, turn, unit };
+std::string_view to_string(AxisUnit unit);
+
+/// A CAN bus, by the name of its Linux network interface.
+struct Bus {
+  std::string name;
+  std::int64_t bitrate = 0;  // bit/s, of the arbitration phase on CAN FD
+  Place place;
+};
+
+// Scales are signed (the sign reverses the motor) and never 0; position 0 is count 0.
+struct Cia402Drive {
+  std::string bus;
+  int node = 0;  // 1..127
+  double counts_per_unit = 0;
+};
+struct OdriveDrive {
+  std::string bus;
+  int node = 0;  // 0..63
+  double turns_per_unit = 0;
+};
+struct MoteusDrive {
+  std::string bus;
+  int node = 0;  // 1..127
+  double turns_per_unit = 0;
+};
+
+/// A stepper driver that takes a step at each rising edge of STEP. Times are rounded up to nanoseconds;
+/// pulse and pause together permit max_step_rate, and the axis at max_velocity does not exceed it.
+struct StepDirDrive {
+  std::string chip;  // label, never "gpiochipN"
+  GpioLine step;
+  GpioLine dir;
+  std::optional<GpioLine> enable;
+  double steps_per_unit = 0;
+  double max_step_rate = 10'000;      // steps/s
+  std::int64_t pulse_ns = 5'000;      // STEP high
+  std::int64_t pause_ns = 5'000;      // STEP low
+  std::int64_t dir_setup_ns = 5'000;  // from a change of DIR to the next rise of STEP
+  std::int64_t dir_hold_ns = 5'000;   // from a rise of STEP to the next change of DIR
+  Level enable_active = Level::low;
+  std::int64_t latest_ns = 500'000;  // an edge later than this means a controlled stop
+};
+struct PipeDrive {
+  std::string path;
+  double counts_per_unit = 0;
+};
+using Drive = std::variant<Cia402Drive, OdriveDrive, MoteusDrive, StepDirDrive, PipeDrive>;
+
+/// Whether nothing reports where the axis really is: steps and servo pulses are only counted.
+bool is_open_loop(const Drive& drive);
+
+/// Who says where an axis is when a run begins.
+enum class Reference {
+  by_operator,  // who says so at a known place; the position file keeps it
+  by_home,      // its home switch; the position file keeps it
+  by_drive      // the drive knows
+};
+std::string_view to_string(Reference reference);
+
+/// The search for the switch: at `fast` towards it, `back_off` away from its edge, at `slow` onto it again.
+struct Home {
+  InputLine input;
+  int direction = -1;   // towards the switch, in axis units: -1 or 1
+  double fast = 0;      // unit/s, at most max_velocity
+  double slow = 0;      // unit/s, below fast
+  double back_off = 0;  // unit, above 0
+  double search = 0;    // unit, above 0: the longest way to the switch
+  double at = 0;        // position of the edge, unit
+  Place place;
+};
+
+/// Limits are magnitudes in unit, unit/s, unit/s^2, unit/s^3, all above 0.
+struct RigAxis {
+  std::string name;
+  AxisUnit unit = AxisUnit::unit;
+  double min = 0;
+  double max = 0;
+  double max_velocity = 0;
+  double max_acceleration = 0;
+  std::optional<double> max_jerk;
+  std::optional<double> max_acceleration_step;  // unit/s^2
+  std::optional<double> stop_acceleration;      // absent: 1.5 * max_acceleration
+  std::optional<double> stop_jerk;              // absent: 1.5 * max_jerk
+  Drive drive;
+  Reference reference = Reference::by_operator;  // by_home exactly if there is a `home`
+  std::optional<Home> home;                      // of open-loop axes only
+  std::optional<InputLine> limit_min;            // switches at the ends of travel; they stop the rig
+  std::optional<InputLine> limit_max;
+  Place place;
+};
+
+struct Camera {
+  OutputLine shutter;
+  std::optional<InputLine> asks;  // the camera, or whoever triggers it, asks for the next frame
+  Place place;
+};
+
+/// A line for the cues of moves.
+struct Output {
+  std::string name;  // letters, digits, - and _; never "camera"
+  OutputLine line;
+  Place place;
+};
+
+struct RigFile {
+  std::string path;
+  std::string name;
+  std::int32_t rate_hz = 0;
+  std::vector<Bus> buses;  // in alphabetical order
+  std::vector<RigAxis> axes;
+  std::optional<InputLine> emergency_stop = {};  // active: the level that stops
+  std::optional<InputLine> start_trigger = {};
+  std::optional<Camera> camera = {};
+  std::vector<Output> outputs = {};  // in alphabetical order
+};
+
+/// Whether CiA 402 can state the tick exactly: the period is a whole number of microseconds (SYNC, object
+/// 1006h) and value * 10^index seconds with value 1..255 (interpolation time period, object 60C2h).
+bool is_cia402_rate(std::int32_t rate_hz);
+
+/// Reads and checks a rig. Throws InputError at the first thing that is wrong.
+RigFile read_rig_file(const std::filesystem::path& path);
+
+/// The same from text; `file_name` stands in places and in RigFile::path.
+RigFile parse_rig(std::string_view text, const std::string& file_name);
+
+}  // namespace inbetween

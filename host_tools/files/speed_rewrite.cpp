@@ -1,0 +1,172 @@
+#include "host_tools/files/speed_rewrite.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <iterator>
+#include <stdexcept>
+#include <vector>
+
+#include "host_tools/files/diagnostics.hpp"
+#include "host_tools/files/move_file.hpp"
+#include "host_tools/files/toml_source.hpp"
+
+namespace inbetween {
+namespace {
+
+/// Bytes [begin, end) of a text.
+struct Extent {
+  std::size_t begin = 0;
+  std::size_t end = 0;
+};
+
+/// A list of numbers as it is written: commas[i] is the one behind numbers[i].
+struct WrittenList {
+  std::vector<Extent> numbers;
+  std::vector<std::size_t> commas;
+};
+
+/// The byte at a place that the reader gave. Columns are code points, and lines end with '\n' only, as
+/// toml++ counts; the byte order mark is before the first column.
+std::size_t offset_of(std::string_view text, const Place& place) {
+  constexpr std::string_view byte_order_mark = "\xef\xbb\xbf";
+  std::size_t at = text.starts_with(byte_order_mark) ? byte_order_mark.size() : 0;
+  for (std::uint32_t line = 1; line < place.line; ++line) at = text.find('\n', at) + 1;
+  const auto continues_a_character = [&](std::size_t i) {
+    return i < text.size() && (static_cast<unsigned char>(text[i]) & 0xc0U) == 0x80U;
+  };
+  for (std::uint32_t column = 1; column < place.column; ++column) {
+    do ++at;
+    while (continues_a_character(at));
+  }
+  return at;
+}
+
+/// The list whose '[' is at `begin`. The reader has found numbers in it and nothing else, so that every byte
+/// is of a number, a comment, a comma or blank.
+WrittenList written_list(std::string_view text, std::size_t begin) {
+  if (begin >= text.size() || text[begin] != '[')
+    throw std::logic_error("the speed of a track does not begin where the reader says");
+  WrittenList list;
+  for (std::size_t at = begin + 1; at < text.size() && text[at] != ']';) {
+    if (text[at] == '#') {
+      at = std::min(text.find('\n', at), text.size());
+    } else if (text[at] == ',') {
+      list.commas.push_back(at++);
+    } else if (std::string_view(" \t\r\n").find(text[at]) != std::string_view::npos) {
+      ++at;
+    } else {
+      const std::size_t end = std::min(text.find_first_of(" \t\r\n,#]", at), text.size());
+      list.numbers.push_back({at, end});
+      at = end;
+    }
+  }
+  return list;
+}
+
+/// What stands between the last two numbers, comma and all.
+std::string_view separator(std::string_view text, const WrittenList& list) {
+  constexpr std::string_view plain = ", ";
+  if (list.numbers.size() < 2) return plain;
+  const std::size_t begin = list.numbers[list.numbers.size() - 2].end;
+  const std::string_view between = text.substr(begin, list.numbers.back().begin - begin);
+  return between.find('#') == std::string_view::npos ? between : plain;
+}
+
+/// Zero is written without a sign, which a whole number could not keep.
+void append_number(std::string& text, double number) {
+  fmt::format_to(std::back_inserter(text), "{}", number == 0 ? 0.0 : number);
+}
+
+std::string rewritten(std::string_view text, const WrittenList& list, std::span<const double> speed) {
+  std::string result;
+  std::size_t copied = 0;
+  const auto copy_until = [&](std::size_t offset) {
+    result += text.substr(copied, offset - copied);
+    copied = offset;
+  };
+  for (std::size_t i = 0; i < list.numbers.size(); ++i) {
+    if (i >= speed.size()) {
+      copy_until(list.commas[i - 1]);
+      ++copied;
+    }
+    copy_until(list.numbers[i].begin);
+    copied = list.numbers[i].end;
+    if (i < speed.size()) append_number(result, speed[i]);
+  }
+  // Not copied yet: what follows the last number.
+  for (std::size_t i = list.numbers.size(); i < speed.size(); ++i) {
+    result += separator(text, list);
+    append_number(result, speed[i]);
+  }
+  copy_until(text.size());
+  return result;
+}
+
+bool same_key(const MoveKey& a, const MoveKey& b) {
+  return a.at == b.at && a.tension == b.tension && a.continuity == b.continuity && a.bias == b.bias &&
+         a.frame == b.frame && a.breaks == b.breaks && a.hold == b.hold;
+}
+
+bool same_but_speed(const MoveTrack& a, const MoveTrack& b) {
+  return a.axes == b.axes && a.spline == b.spline && a.closed == b.closed && a.weights == b.weights &&
+         a.timing == b.timing && a.kinetic == b.kinetic &&
+         std::equal(a.keys.begin(), a.keys.end(), b.keys.begin(), b.keys.end(), same_key);
+}
+
+/// Whether `after` is the move `before` with `speed` in one track.
+bool only_speed_changed(const MoveFile& before, const MoveFile& after, std::size_t track,
+                        std::span<const double> speed) {
+  bool same = before.name == after.name && before.fps.as_written == after.fps.as_written &&
+              before.fps.written_as_integer == after.fps.written_as_integer &&
+              before.frames == after.frames && before.tracks.size() == after.tracks.size();
+  for (std::size_t i = 0; same && i < before.tracks.size(); ++i) {
+    const std::span<const double> wanted = i == track ? speed : std::span(before.tracks[i].speed);
+    const std::vector<double>& found = after.tracks[i].speed;
+    same = same_but_speed(before.tracks[i], after.tracks[i]) &&
+           std::equal(wanted.begin(), wanted.end(), found.begin(), found.end());
+  }
+  return same;
+}
+
+void refuse_unusable(std::span<const double> speed) {
+  if (speed.empty()) throw std::invalid_argument("a speed curve needs a control value");
+  for (const double value : speed) {
+    if (!(value >= 0 && value <= max_control_value))
+      throw std::invalid_argument(fmt::format("{} is no control value of a speed curve", value));
+  }
+}
+
+}  // namespace
+
+std::string with_speed(std::string_view text, const std::string& file_name, std::size_t track,
+                       std::span<const double> speed) {
+  refuse_unusable(speed);
+  const MoveFile before = parse_move(text, file_name);
+  const MoveTrack& changed = before.tracks.at(track);
+  if (changed.timing == Timing::frames) {
+    throw InputError(changed.place,
+                     fmt::format("track {} has timing = \"frames\" and therefore no speed curve to change; "
+                                 "give its keys other frames, or time it by speed",
+                                 track));
+  }
+  if (speed.size() > max_control_values) {
+    throw InputError(changed.speed_place,
+                     fmt::format("the new speed curve of track {} has {} control values, and a file holds at "
+                                 "most {}; draw it with fewer",
+                                 track, speed.size(), max_control_values));
+  }
+  std::string result = rewritten(text, written_list(text, offset_of(text, changed.speed_place)), speed);
+  if (result.size() > max_file_bytes) {
+    throw InputError(changed.speed_place,
+                     fmt::format("with the new speed curve the file would have {} bytes, more than the {} "
+                                 "allowed; shorten its comments",
+                                 result.size(), max_file_bytes));
+  }
+  if (!only_speed_changed(before, parse_move(result, file_name), track, speed))
+    throw std::logic_error("the rewritten move is not the move with the new speed curve");
+  return result;
+}
+
+}  // namespace inbetween

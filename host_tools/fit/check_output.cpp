@@ -1,0 +1,414 @@
+#include "host_tools/fit/check_output.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "host_tools/files/json_writer.hpp"
+#include "host_tools/plan/plan_output.hpp"
+
+namespace inbetween {
+namespace {
+
+/// Of a table for people; the JSON has all of them.
+constexpr std::size_t max_steps_shown = 20;
+
+struct NamedPeak {
+  const char* name;
+  const char* per;
+  const CheckedPeak& peak;
+};
+
+std::array<NamedPeak, 3> peaks_of(const CheckedAxis& axis) {
+  return {{{"velocity", "/s", axis.velocity},
+           {"acceleration", "/s^2", axis.acceleration},
+           {"jerk", "/s^3", axis.jerk}}};
+}
+
+// --- table
+
+/// The table and how wide its first column is.
+struct Table {
+  std::FILE* out;
+  std::size_t names = 0;
+};
+
+Table table_of(const CheckReport& report, std::FILE* out) {
+  Table table{out, 14};
+  for (const CheckedAxis& axis : report.axes) table.names = std::max(table.names, axis.name.size());
+  return table;
+}
+
+void print_row(const Table& table, std::string_view axis, std::string_view quantity, const std::string& peak,
+               const std::string& frame, const std::string& limit, const std::string& share) {
+  std::string line = fmt::format("  {:<{}}  {:<14}{:>24}{:>12}{:>14}{:>10}", axis, table.names, quantity,
+                                 peak, frame, limit, share);
+  line.erase(line.find_last_not_of(' ') + 1);
+  fmt::print(table.out, "{}\n", line);
+}
+
+void print_range(const CheckedAxis& axis, const Table& table) {
+  if (!axis.range) {
+    print_row(table, axis.name, "in no track: it stays where it is", "", "", "", "");
+    return;
+  }
+  const auto print_end = [&](std::string_view name, std::string_view quantity, const Peak<double>& end,
+                             double limit) {
+    const bool outside = end.value < axis.limit_min || end.value > axis.limit_max;
+    print_row(table, name, quantity, fmt::format("{:.6g} {}", end.value, axis.unit),
+              fmt::format("{:.2f}", end.frame), fmt::format("{:g}", limit), outside ? "outside" : "");
+  };
+  print_end(axis.name, "lowest", axis.range->lowest, axis.limit_min);
+  print_end("", "highest", axis.range->highest, axis.limit_max);
+}
+
+std::string share_of(const CheckedPeak& peak) {
+  if (!peak.limit) return "";
+  if (!std::isfinite(peak.value)) return "exceeded";
+  // Rounded up: what exceeds its limit by little does not read as 100 %.
+  const double percent = 100 * peak.share();
+  return fmt::format("{:.0f} %", peak.is_exceeded() ? std::max(101.0, std::ceil(percent)) : percent);
+}
+
+void print_axis(const CheckedAxis& axis, const Table& table) {
+  print_range(axis, table);
+  if (!axis.range) return;
+  for (const auto& [name, per, peak] : peaks_of(axis)) {
+    const std::string value = std::isfinite(peak.value)
+                                  ? fmt::format("{:.6g} {}{}", peak.value, axis.unit, per)
+                                  : std::string("no bound");
+    print_row(table, "", name, value, fmt::format("{:.2f}", peak.frame),
+              peak.limit ? fmt::format("{:g}", *peak.limit) : "none", share_of(peak));
+  }
+}
+
+void print_steps(const CheckReport& report, const Table& table) {
+  std::FILE* out = table.out;
+  if (report.steps.empty()) {
+    fmt::print(out, "  no step of velocity or acceleration, neither at a key nor at an end\n");
+    return;
+  }
+  fmt::print(out, "  steps:\n");
+  fmt::print(out, "  {:<{}}  {:>6}{:>12}{:>24}{:>24}\n", "axis", table.names, "key", "frame", "velocity",
+             "acceleration");
+  for (std::size_t i = 0; i < std::min(report.steps.size(), max_steps_shown); ++i) {
+    const CheckedStep& step = report.steps[i];
+    const CheckedAxis& axis = report.axes[step.axis];
+    const auto amount = [&](double size, const char* per) {
+      return size > 0 ? fmt::format("{:.6g} {}{}", size, axis.unit, per) : std::string("-");
+    };
+    const std::string key = step.key ? fmt::format("{}", *step.key) : "-";
+    fmt::print(out, "  {:<{}}  {:>6}{:>12.2f}{:>24}{:>24}\n", axis.name, table.names, key, step.frame,
+               amount(step.velocity, "/s"), amount(step.acceleration, "/s^2"));
+  }
+  if (report.steps.size() > max_steps_shown) {
+    fmt::print(out, "  and {} more, which --json lists\n", report.steps.size() - max_steps_shown);
+  }
+}
+
+void print_stops(const CheckReport& report, std::FILE* out) {
+  if (!report.stops) return;
+  const LongestStop<double>& longest = report.stops->longest;
+  if (!std::isfinite(report.highest_rate)) return;  // nothing moves
+  double share = 0;
+  for (const CheckedStopAxis& axis : report.stops->axes) {
+    share = std::max({share, axis.acceleration.share(), axis.jerk.share()});
+  }
+  fmt::print(
+      out,
+      "  a controlled stop takes {:.2f} s and {:.1f} frames at most (from frame {:.2f}, {}), and at most "
+      "{:.0f} % of a stop limit\n",
+      longest.length.seconds, longest.length.frames, longest.from_frame,
+      longest.forward ? "forward" : "backward", std::ceil(100 * share));
+  if (report.highest_rate > 0) {
+    fmt::print(out, "  every limit holds up to {:.3g} times the drawn speed\n",
+               std::floor(1000 * report.highest_rate) / 1000);
+  }
+}
+
+void print_verdict(const Plan& plan, const CheckReport& report, const SmallestFrames& smallest,
+                   std::FILE* out) {
+  const std::int32_t frames = plan.move().frames;
+  if (report.fits()) {
+    fmt::print(out, "fits in {} frames", frames);
+    if (smallest.frames && *smallest.frames < frames)
+      fmt::print(out, "; {} frames would do", *smallest.frames);
+    fmt::print(out, "\n");
+    return;
+  }
+  fmt::print(out, "does not fit in {} frames; ", frames);
+  if (smallest.frames) {
+    fmt::print(out, "{} frames would do\n", *smallest.frames);
+  } else {
+    fmt::print(out, "no number of frames would do: {}\n", smallest.reason);
+  }
+}
+
+// --- JSON
+
+void write_optional(JsonWriter& json, std::string_view name, const std::optional<double>& number) {
+  json.member(name, number.value_or(std::numeric_limits<double>::infinity()));
+}
+
+void write_peak(JsonWriter& json, const char* name, const CheckedPeak& peak) {
+  json.line();
+  json.key(name);
+  json.begin_object();
+  json.member("peak", peak.value);
+  json.member("frame", peak.frame);
+  write_optional(json, "limit", peak.limit);
+  json.end_object();
+}
+
+void write_axis(JsonWriter& json, const CheckedAxis& axis) {
+  json.line();
+  json.begin_object();
+  json.member("name", axis.name);
+  json.key("position");
+  json.begin_object();
+  write_optional(json, "min", axis.range ? std::optional(axis.range->lowest.value) : std::nullopt);
+  write_optional(json, "max", axis.range ? std::optional(axis.range->highest.value) : std::nullopt);
+  json.member("limit_min", axis.limit_min);
+  json.member("limit_max", axis.limit_max);
+  json.end_object();
+  for (const auto& [name, per, peak] : peaks_of(axis)) write_peak(json, name, peak);
+  json.end_object();
+}
+
+/// Stops stay on the path, so that their positions are those of the motion.
+void write_stops(JsonWriter& json, const CheckReport& report) {
+  json.line();
+  json.key("stop");
+  if (!report.stops) return json.null();
+  const LongestStop<double>& longest = report.stops->longest;
+  json.begin_object();
+  json.member("longest_s", longest.length.seconds);
+  json.member("longest_frames", longest.length.frames);
+  json.member("from_frame", longest.from_frame);
+  json.member("forward", longest.forward);
+  json.key("axes");
+  json.begin_array();
+  for (std::size_t a = 0; a < report.axes.size(); ++a) {
+    CheckedAxis axis = report.axes[a];
+    axis.velocity = report.stops->axes[a].velocity;
+    axis.acceleration = report.stops->axes[a].acceleration;
+    axis.jerk = report.stops->axes[a].jerk;
+    write_axis(json, axis);
+  }
+  json.end_array();
+  json.end_object();
+}
+
+void write_fit(JsonWriter& json, const SpeedFit& fit) {
+  json.line();
+  json.key("fit");
+  json.begin_object();
+  json.member("found", fit.found);
+  json.key("reason");
+  if (fit.found) {
+    json.null();
+  } else {
+    json.value(fit.reason);
+  }
+  json.member("least_frames", fit.least.frames);
+  json.key("tracks");
+  json.begin_array();
+  for (const TrackFit& track : fit.tracks) {
+    json.line();
+    json.begin_object();
+    json.member("track", static_cast<std::int64_t>(track.track));
+    json.numbers("speed", track.speed);
+    json.member("change", track.change);
+    json.member("change_share", track.change_share);
+    json.member("largest_change", track.largest_change);
+    json.member("alpha", track.largest_change_at);
+    json.member("frame", track.largest_change_frame);
+    json.end_object();
+  }
+  json.end_array();
+  json.end_object();
+}
+
+void write_smallest(JsonWriter& json, const SmallestFrames& smallest) {
+  json.key("smallest_frames");
+  if (smallest.frames) {
+    json.value(*smallest.frames);
+  } else {
+    json.null();
+  }
+  json.key("reason");
+  if (smallest.frames) {
+    json.null();
+  } else {
+    json.value(smallest.reason);
+  }
+}
+
+// --- picture
+
+constexpr std::int32_t even_samples = 6000;
+constexpr std::int32_t samples_near_peak = 64;
+
+/// Evenly over the move with its rolls, and again within a few of those steps of each peak.
+std::vector<double> sample_frames(const LimitsPlot& plot, const CheckedAxis& axis) {
+  std::vector<double> at;
+  const double first = plot.first_frame;
+  const double last = plot.last_frame;
+  const double even = (last - first) / even_samples;
+  for (std::int32_t i = 0; i <= even_samples; ++i) at.push_back(first + i * even);
+  for (const auto& [name, per, peak] : peaks_of(axis)) {
+    for (std::int32_t i = -samples_near_peak; i <= samples_near_peak; ++i) {
+      at.push_back(peak.frame + 2 * even * i / samples_near_peak);
+    }
+  }
+  std::erase_if(at, [&](double frame) { return !(frame >= first && frame <= last); });
+  std::ranges::sort(at);
+  return at;
+}
+
+void add_rows(const Plan& plan, const CheckReport& report, std::size_t index, LimitsPlot& plot) {
+  const CheckedAxis& axis = report.axes[index];
+  const PlanAxis& planned = plan.axes()[index];
+  std::vector<AxisMotion<double>> motion(plan.played().axis_count());
+  const auto motion_at = [&](double frame) {
+    const auto whole = static_cast<std::int32_t>(std::floor(frame));
+    plan.played().motion({whole, frame - whole}, motion);
+    const AxisMotion<double>& now = motion[planned.move_axis];
+    return std::array<double, 3>{now.velocity, now.acceleration, now.jerk};
+  };
+  // Where the jerk jumps, as at the joint with a roll, the peak is on one side only.
+  const auto is_below = [&](double frame, std::size_t quantity) {
+    double largest = 0;
+    for (const double side : {frame - 1e-6, frame, frame + 1e-6}) {
+      const double value = motion_at(side)[quantity];
+      if (std::fabs(value) > std::fabs(largest)) largest = value;
+    }
+    return largest < 0;
+  };
+  std::array<std::vector<Point>, 3> samples;
+  for (const double frame : sample_frames(plot, axis)) {
+    const std::array<double, 3> values = motion_at(frame);
+    for (std::size_t i = 0; i < values.size(); ++i) samples[i].push_back({frame, values[i]});
+  }
+  const std::array<NamedPeak, 3> peaks = peaks_of(axis);
+  for (std::size_t i = 0; i < peaks.size(); ++i) {
+    const CheckedPeak& peak = peaks[i].peak;
+    if (!peak.limit) continue;
+    std::vector<double> steps;
+    for (const CheckedStep& step : report.steps) {
+      const bool is_refused =
+          i == 0 ? step.velocity > 0 : i == 1 && breaks_jerk_limit(step, plan.rig()->axes[index]);
+      if (step.axis == index && is_refused) steps.push_back(step.frame);
+    }
+    plot.rows.push_back({.axis = axis.name,
+                         .quantity = peaks[i].name,
+                         .unit = axis.unit + peaks[i].per,
+                         .samples = std::move(samples[i]),
+                         .peak = peak.value,
+                         .peak_frame = peak.frame,
+                         .peak_is_below = is_below(peak.frame, i),
+                         .limit = peak.limit,
+                         .steps = std::move(steps),
+                         .exceeded = peak.is_exceeded()});
+  }
+}
+
+}  // namespace
+
+void print_check(const Plan& plan, const CheckReport& report, const SmallestFrames& smallest,
+                 std::FILE* out) {
+  const MoveFile& move = plan.move();
+  fmt::print(out, "{} on {}: {} frames at {} fps, {:.3f} s\n", move.name, plan.rig()->name, move.frames,
+             move.fps.as_written, plan.duration_s());
+  print_rolls(plan, out);
+  const Table table = table_of(report, out);
+  print_row(table, "axis", "quantity", "peak", "frame", "limit", "share");
+  for (const CheckedAxis& axis : report.axes) print_axis(axis, table);
+  print_steps(report, table);
+  if (report.speed_error > 0) {
+    fmt::print(out, "  the drives follow this motion within {:g} of its speed\n", report.speed_error);
+  }
+  print_stops(report, out);
+  print_verdict(plan, report, smallest, out);
+}
+
+void write_check_json(const CheckReport& report, const SmallestFrames& smallest,
+                      const std::optional<SpeedFit>& fit, std::FILE* file) {
+  JsonWriter json(file);
+  json.begin_object();
+  json.member("format", 1);
+  json.member("fits", report.fits());
+  write_smallest(json, smallest);
+  json.line();
+  json.key("axes");
+  json.begin_array();
+  for (const CheckedAxis& axis : report.axes) write_axis(json, axis);
+  json.end_array();
+  json.line();
+  json.key("steps");
+  json.begin_array();
+  for (const CheckedStep& step : report.steps) {
+    json.line();
+    json.begin_object();
+    json.key("key");
+    if (step.key) {
+      json.value(*step.key);
+    } else {
+      json.null();
+    }
+    json.member("frame", step.frame);
+    json.member("axis", report.axes[step.axis].name);
+    json.member("velocity_step", step.velocity);
+    json.member("acceleration_step", step.acceleration);
+    json.end_object();
+  }
+  json.end_array();
+  write_stops(json, report);
+  json.line();
+  json.member("highest_rate", report.highest_rate);
+  if (fit) write_fit(json, *fit);
+  json.end_object();
+  json.finish();
+}
+
+void print_fit(const Plan& plan, const SpeedFit& fit, const std::string& file, std::FILE* out) {
+  if (!fit.found) return;
+  const std::string name = file == "-" ? "the file on standard output" : file;
+  if (fit.tracks.empty()) {
+    fmt::print(out, "nothing to change; {} is the move as it is\n", name);
+    return;
+  }
+  for (const TrackFit& track : fit.tracks) {
+    const std::size_t before = plan.tracks()[track.track].control_values().size();
+    fmt::print(out, "new speed curve of {}: {} control values",
+               comma_separated(plan.move().tracks[track.track].axes), track.speed.size());
+    if (track.refinements > 0) fmt::print(out, " (the {} of before, refined)", before);
+    fmt::print(
+        out,
+        "; changed by {:.3g} on the whole ({:.1f} % of its mean), most by {:+.3g} at a = {:.2f}, frame "
+        "{:.1f}\n",
+        track.change, 100 * track.change_share, track.largest_change, track.largest_change_at,
+        track.largest_change_frame);
+  }
+  fmt::print(out, "with it the move fits in its {} frames: {}\n", plan.move().frames, name);
+}
+
+LimitsPlot limits_plot_of(const Plan& plan, const CheckReport& report) {
+  LimitsPlot plot{.name = plan.move().name,
+                  .frame_rate = plan.move().fps.as_written,
+                  .frames_per_second = plan.move().fps.rate.frames_per_second(),
+                  .frames = plan.move().frames,
+                  .first_frame = plan.played().first_frame(),
+                  .last_frame = plan.played().last_frame(),
+                  .rows = {}};
+  for (std::size_t a = 0; a < report.axes.size(); ++a) {
+    if (report.axes[a].range) add_rows(plan, report, a, plot);
+  }
+  return plot;
+}
+
+}  // namespace inbetween

@@ -1,0 +1,68 @@
+// The speed curve as a linear function of its control values: what the fit of a speed curve is made from.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "inbetween/timing/speed_profile.hpp"
+#include "inbetween/timing/track.hpp"
+
+namespace inbetween {
+
+/// The curve at one place: Phi from 0 to there, phi, and its derivatives by a.
+struct CurveValues {
+  double area = 0, value = 0, slope = 0, bend = 0, twist = 0;
+};
+
+/// A linear function of the curve at one place: the sum of each number times its own of CurveValues.
+struct CurveWeights {
+  double area = 0, value = 0, slope = 0, bend = 0;
+};
+
+/// The uniform cubic B-spline with natural ends of SpeedProfile, for numbers of any sign and size: a change
+/// of a speed curve is one too. At least two control values.
+class ControlCurve {
+ public:
+  explicit ControlCurve(std::span<const double> values);
+
+  /// f
+  [[nodiscard]] std::size_t span_count() const { return spans_.size(); }
+  [[nodiscard]] CurveValues at(const CurvePlace<double>& place) const;
+  [[nodiscard]] double total() const { return areas_.back(); }
+  /// Where Phi first reaches `area`, for a curve that is nowhere negative; the nearer end beyond its ends.
+  /// O(log f).
+  [[nodiscard]] CurvePlace<double> place_of_area(double area) const;
+  /// The largest |phi|, and its a. Exact: at the ends of spans and where phi' = 0.
+  struct Largest {
+    double value = 0, a = 0;
+  };
+  [[nodiscard]] Largest largest() const;
+
+ private:
+  std::vector<SpeedSpan<double>> spans_;
+  std::vector<double> areas_;  ///< f + 1: Phi where each span begins
+};
+
+/// a = span + t, the end of the last span for a = f.
+CurvePlace<double> place_at(double a, std::size_t span_count);
+
+/// Adds to `row`, one number per control value, how the linear function depends on each of them. O(f).
+void add_row(const CurvePlace<double>& place, const CurveWeights& weights, std::span<double> row);
+
+/// The matrix G, row after row, with x^T G x = integral of phi^2 over a, for f + 1 = `count` control values.
+/// Entries further than 3 from the diagonal are 0; it is positive definite.
+std::vector<double> gram_matrix(std::size_t count);
+
+/// The mean of phi^2 over a.
+double mean_square(std::span<const double> values);
+
+/// The same curve on twice as many spans, exactly, natural ends kept (Lane and Riesenfeld 1980): phi(a) of
+/// the one is phi(2 a) of the other.
+std::vector<double> refined(std::span<const double> values);
+
+/// For every control value whether the curve rests there, as the core sees it: two zeros at an end, three in
+/// a row inside.
+std::vector<bool> rests_of(std::span<const double> values);
+
+}  // namespace inbetween

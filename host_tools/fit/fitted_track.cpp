@@ -1,0 +1,105 @@
+#include "host_tools/fit/fitted_track.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace inbetween {
+namespace {
+
+/// Of the largest control value: what reading the new curve may change, by rounding.
+constexpr double reading_rounding = 1e-7;
+/// Of Phi(f): between two locks with less nothing moves.
+constexpr double still_share = 1e-12;
+/// A control value counts this far on either side; reading a curve brings to rest what is nearer to a hold
+/// than the second.
+constexpr double reach = 2;
+constexpr double hold_reach = 3;
+
+Plan plan_of(const Plan& plan, std::size_t index) {
+  MoveFile move = plan.move();
+  move.tracks = {plan.move().tracks[index]};
+  return {std::move(move), plan.rig(), {}};
+}
+
+void rest_between(double begin, double end, std::vector<bool>& rests) {
+  for (std::size_t i = 0; i < rests.size(); ++i) {
+    const auto here = static_cast<double>(i);
+    if (here > begin && here < end) rests[i] = true;
+  }
+}
+
+}  // namespace
+
+FittedTrack::FittedTrack(const Plan& plan, std::size_t index)
+    : played_(plan_of(plan, index)), report_(check(played_)) {
+  axes_.resize(file().axes.size());
+  rig_axes_.resize(axes_.size());
+  for (std::size_t a = 0; a < played_.axes().size(); ++a) {
+    const PlanAxis& axis = played_.axes()[a];
+    if (!axis.track) continue;
+    axes_[axis.track_axis] = played_.rig()->axes[a];
+    rig_axes_[axis.track_axis] = a;
+  }
+}
+
+EndSteps FittedTrack::end_steps() const {
+  EndSteps steps;
+  for (const CheckedStep& step : report_.steps) {
+    if (step.frame <= 0) steps.begin = true;
+    if (step.frame >= frames()) steps.end = true;
+  }
+  return steps;
+}
+
+CurveFrame FittedTrack::frame_of(std::span<const double> baseline) const {
+  CurveFrame frame{
+      .wanted = {baseline.begin(), baseline.end()}, .rests = rests_of(baseline), .fixed_areas = {}};
+  const ControlCurve curve(baseline);
+  const auto f = static_cast<double>(curve.span_count());
+  const auto area_at = [&](double a) { return curve.at(place_at(a, curve.span_count())).area; };
+  double before = 0;
+  const auto fix = [&](double a) {
+    if (a <= before) return;
+    if (area_at(a) - area_at(before) > still_share * curve.total()) {
+      frame.fixed_areas.push_back(a);
+    } else {
+      rest_between(before - reach, a + reach, frame.rests);
+    }
+    before = a;
+  };
+  if (const std::optional<KeyTiming<double>>& timing = solved().key_timing()) {
+    for (const KeyLock& lock : timing->locks) {
+      const double begin = lock.frame * f / frames();
+      const double end = (lock.frame + lock.hold) * f / frames();
+      fix(begin);
+      if (lock.hold == 0) continue;
+      rest_between(begin - hold_reach, end + hold_reach, frame.rests);
+      before = end;
+    }
+  }
+  fix(f);
+  return frame;
+}
+
+std::optional<CheckReport> FittedTrack::judge(std::span<const double> values, std::string& trouble) const {
+  MoveFile move = played_.move();
+  move.tracks.front().speed.assign(values.begin(), values.end());
+  try {
+    const Plan plan(std::move(move), played_.rig(), {});
+    const std::vector<double>& again = plan.tracks().front().control_values();
+    double largest = 0;
+    double difference = again.size() == values.size() ? 0 : largest_control_value;
+    for (std::size_t i = 0; i < std::min(again.size(), values.size()); ++i) {
+      largest = std::max(largest, values[i]);
+      difference = std::max(difference, std::fabs(again[i] - values[i]));
+    }
+    if (difference <= reading_rounding * largest) return check(plan);
+    trouble = "a curve that keeps the limits is changed again by the locked keys; give the holds more frames";
+  } catch (const InputError& error) {
+    trouble = error.message();
+  }
+  return std::nullopt;
+}
+
+}  // namespace inbetween

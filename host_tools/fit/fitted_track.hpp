@@ -1,0 +1,52 @@
+// One track of a move on its rig, alone, and what another speed curve would make of it.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "host_tools/check/check.hpp"
+#include "host_tools/fit/speed_constraints.hpp"
+#include "host_tools/fit/speed_descent.hpp"
+#include "host_tools/plan/plan.hpp"
+
+namespace inbetween {
+
+class FittedTrack {
+ public:
+  /// The plan has a rig.
+  FittedTrack(const Plan& plan, std::size_t index);
+
+  /// The track as it is.
+  [[nodiscard]] const Plan& played() const { return played_; }
+  [[nodiscard]] const CheckReport& report() const { return report_; }
+  [[nodiscard]] const MoveTrack& file() const { return played_.move().tracks.front(); }
+  [[nodiscard]] const SolvedTrack<double>& solved() const { return played_.tracks().front(); }
+  [[nodiscard]] const Track<double>& track() const { return solved().track(); }
+  [[nodiscard]] std::int32_t frames() const { return played_.move().frames; }
+  /// Of the track.
+  [[nodiscard]] std::span<const RigAxis> axes() const { return axes_; }
+  /// Where an axis of the track stands among those of the rig.
+  [[nodiscard]] std::size_t rig_axis(std::size_t axis) const { return rig_axes_[axis]; }
+
+  /// Whether the acceleration steps at frames 0 and N.
+  [[nodiscard]] EndSteps end_steps() const;
+
+  /// What has to stay while the curve changes: rests, Phi at locked keys, breaks and the end. `baseline` is
+  /// the played curve, refined or not.
+  [[nodiscard]] CurveFrame frame_of(std::span<const double> baseline) const;
+
+  /// What check() says of another curve; nothing, and `trouble`, where the move would not play it as it is.
+  [[nodiscard]] std::optional<CheckReport> judge(std::span<const double> values, std::string& trouble) const;
+
+ private:
+  Plan played_;
+  CheckReport report_;
+  std::vector<RigAxis> axes_;
+  std::vector<std::size_t> rig_axes_;
+};
+
+}  // namespace inbetween

@@ -1,0 +1,303 @@
+#include "host_tools/fit/speed_constraints.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace inbetween {
+namespace {
+
+constexpr std::array<LimitedQuantity, 3> rates = {LimitedQuantity::velocity, LimitedQuantity::acceleration,
+                                                  LimitedQuantity::jerk};
+/// Moments in a span of the curve: this many, but not more than the second number in all unless a span would
+/// have fewer than the third.
+constexpr double moments_per_span = 24;
+constexpr double max_curve_moments = 1600;
+constexpr double min_moments_per_span = 8;
+/// Moments in a segment of the path, and more where the direction turns by this much (rad) between two.
+constexpr int moments_per_segment = 10;
+constexpr double turn_between_moments = 0.05;
+constexpr int max_turn_halvings = 12;
+/// Of the mean of the curve: below it the rig is taken to stand, and a moment that stays on the path has no
+/// derivative.
+constexpr double standing_share = 1e-4;
+
+std::size_t index_of(LimitedQuantity quantity) {
+  return static_cast<std::size_t>(quantity);
+}
+
+/// 0 where there is none.
+double limit_of(const RigAxis& axis, LimitedQuantity quantity) {
+  switch (quantity) {
+    case LimitedQuantity::velocity:
+      return axis.max_velocity;
+    case LimitedQuantity::acceleration:
+      return axis.max_acceleration;
+    case LimitedQuantity::jerk:
+      return axis.max_jerk.value_or(0);
+    case LimitedQuantity::acceleration_step:
+      return axis.max_jerk ? axis.max_acceleration_step.value_or(0) : 0;
+  }
+  return 0;
+}
+
+/// A rate of an axis and its derivatives by L at a fixed speed, and by the speed and its derivatives.
+struct Rate {
+  double value = 0, by_distance = 0, by_speed = 0, by_speed_1 = 0, by_speed_2 = 0;
+};
+
+Rate rate_of(LimitedQuantity quantity, const std::array<double, 4>& turn, const std::array<double, 3>& w) {
+  const auto& [t0, t1, t2, t3] = turn;
+  const auto& [w0, w1, w2] = w;
+  switch (quantity) {
+    case LimitedQuantity::velocity:
+      return {t0 * w0, t1 * w0, t0, 0, 0};
+    case LimitedQuantity::acceleration:
+      return {t1 * w0 * w0 + t0 * w1, t2 * w0 * w0 + t1 * w1, 2 * t1 * w0, t0, 0};
+    default:
+      return {w0 * (t2 * w0 * w0 + 3 * t1 * w1) + t0 * w2, w0 * (t3 * w0 * w0 + 3 * t2 * w1) + t1 * w2,
+              3 * (t2 * w0 * w0 + t1 * w1), 3 * t1 * w0, t0};
+  }
+}
+
+}  // namespace
+
+/// How fast the curve goes on at one place.
+struct MotionSamples::Pace {
+  CurvePlace<double> place;
+  CurveValues curve;
+  double constant = 0;         ///< K
+  std::array<double, 3> w{};   ///< along the path and its derivatives in time
+  std::array<double, 3> by{};  ///< of them by phi and its derivatives
+};
+
+MotionSamples::MotionSamples(const Track<double>& track, std::span<const RigAxis> axes, int refinements,
+                             EndSteps steps)
+    : track_(track),
+      axes_(axes),
+      steps_(steps),
+      factor_(std::ldexp(1, refinements)),
+      per_span_(track.curve_rate() * factor_),
+      spans_(track.profile().span_count() * factor_),
+      standing_(standing_share * track.profile().total_integral() / track.profile().span_count()) {
+  find_stretches();
+  const double in_span =
+      std::round(std::clamp(max_curve_moments / spans_, min_moments_per_span, moments_per_span));
+  const auto count = static_cast<int>(in_span * spans_);
+  for (int i = 0; i <= count; ++i) curve_moments_.push_back(i / in_span);
+  const std::int32_t segments = track.path().segment_count();
+  for (std::int32_t i = 0; i < segments; ++i) sample_segment(i);
+  for (std::int32_t i = 1; i < segments; ++i) add_key_steps(i);
+}
+
+void MotionSamples::add_moment(double frame, const ControlCurve& curve) {
+  const double a = std::clamp(frame / track_.frames(), 0.0, 1.0) * spans_;
+  curve_moments_.push_back(a);
+  const Stretch& stretch = stretch_at(a);
+  const double distance = stretch.offset + stretch.constant * curve.at(place_at(a, curve.span_count())).area;
+  const PathPoint<double> point = track_.arc_length().locate({distance, 0});
+  if (point.segment < track_.path().segment_count()) add_path_moment(point.segment, point.t);
+}
+
+/// That of Phi at a, which is the later one at its beginning.
+const MotionSamples::Stretch& MotionSamples::stretch_at(double a) const {
+  const auto next = std::ranges::upper_bound(stretches_, a, {}, &Stretch::begin);
+  return next == stretches_.begin() ? *next : *(next - 1);
+}
+
+void MotionSamples::sample_segment(std::int32_t segment) {
+  const ArcLength<double>& lengths = track_.arc_length();
+  if (!(lengths.segment_begin(segment + 1).minus(lengths.segment_begin(segment)) > 0)) return;
+  add_path_moment(segment, 0);
+  for (int i = 0; i < moments_per_segment; ++i) {
+    const double begin = static_cast<double>(i) / moments_per_segment;
+    const double end = static_cast<double>(i + 1) / moments_per_segment;
+    add_turning(segment, begin, end, 0);
+    add_path_moment(segment, end);
+  }
+}
+
+void MotionSamples::add_turning(std::int32_t segment, double begin, double end, int depth) {
+  PathTurns before;
+  PathTurns after;
+  if (!before.find(track_.path(), {segment, begin}) || !after.find(track_.path(), {segment, end})) return;
+  double angle = 0;
+  for (std::size_t d = 0; d < before.axes.size(); ++d) {
+    angle = std::hypot(angle, track_.path().weights()[d] * (after.axes[d][0] - before.axes[d][0]));
+  }
+  if (angle <= turn_between_moments || depth >= max_turn_halvings) return;
+  const double middle = begin + (end - begin) / 2;
+  add_turning(segment, begin, middle, depth + 1);
+  add_path_moment(segment, middle);
+  add_turning(segment, middle, end, depth + 1);
+}
+
+void MotionSamples::add_path_moment(std::int32_t segment, double t) {
+  PathMoment moment;
+  if (!moment.turns.find(track_.path(), {segment, t})) return;
+  const ArcLength<double>& lengths = track_.arc_length();
+  moment.is_key = t == 0 || t == 1;
+  const TwoSum<double> distance = moment.is_key ? lengths.segment_begin(t == 0 ? segment : segment + 1)
+                                                : lengths.distance(track_.path(), {segment, t});
+  moment.distance = distance.high + distance.low;
+  path_moments_.push_back(moment);
+}
+
+/// Of a key between two segments that have a length.
+void MotionSamples::add_key_steps(std::int32_t key) {
+  PathTurns before;
+  PathTurns after;
+  if (!before.find(track_.path(), {key - 1, 1}) || !after.find(track_.path(), {key, 0})) return;
+  const TwoSum<double>& distance = track_.arc_length().segment_begin(key);
+  PathMoment moment;
+  moment.distance = distance.high + distance.low;
+  moment.is_key = true;
+  for (std::size_t d = 0; d < axes_.size(); ++d) {
+    moment.turn_steps.push_back(after.axes[d][1] - before.axes[d][1]);
+  }
+  path_moments_.push_back(moment);
+}
+
+void MotionSamples::find_stretches() {
+  if (track_.portions().empty()) {
+    stretches_.push_back({.constant = track_.constant() / factor_});
+    return;
+  }
+  for (const Portion<double>& portion : track_.portions()) {
+    const double drawn =
+        static_cast<double>(portion.begin_frame) * track_.profile().span_count() / track_.frames();
+    const double offset = portion.offset.high + portion.offset.low;
+    stretches_.push_back({.begin = drawn * factor_,
+                          .begin_distance = offset + portion.constant * track_.profile().integral(drawn),
+                          .constant = portion.constant / factor_,
+                          .offset = offset});
+  }
+}
+
+MotionSamples::Pace MotionSamples::pace(const ControlCurve& curve, const CurvePlace<double>& place,
+                                        const Stretch& stretch) const {
+  Pace pace{.place = place, .curve = curve.at(place), .constant = stretch.constant};
+  double by = pace.constant;
+  const std::array<double, 3> values = {pace.curve.value, pace.curve.slope, pace.curve.bend};
+  for (std::size_t i = 0; i < 3; ++i) {
+    by *= per_span_;
+    pace.by[i] = by;
+    pace.w[i] = by * values[i];
+  }
+  return pace;
+}
+
+void MotionSamples::add_values(const Pace& pace, const PathMoment& moment, bool stays_on_path) {
+  for (std::size_t d = 0; d < axes_.size(); ++d) {
+    for (const LimitedQuantity quantity : rates) {
+      const double limit = limit_of(axes_[d], quantity);
+      if (limit == 0) continue;
+      const Rate rate = rate_of(quantity, moment.turns.axes[d], pace.w);
+      CurveWeights by{.area = rate.by_distance * pace.constant,
+                      .value = rate.by_speed * pace.by[0],
+                      .slope = rate.by_speed_1 * pace.by[1],
+                      .bend = rate.by_speed_2 * pace.by[2]};
+      if (stays_on_path) {
+        const CurveValues& curve = pace.curve;
+        by.area = -(by.value * curve.slope + by.slope * curve.bend + by.bend * curve.twist) / curve.value;
+      }
+      values_.push_back({.axis = static_cast<std::uint32_t>(d),
+                         .quantity = quantity,
+                         .share = rate.value / limit,
+                         .weights = {by.area / limit, by.value / limit, by.slope / limit, by.bend / limit}});
+    }
+  }
+}
+
+/// Of the acceleration at a key.
+void MotionSamples::add_step(const Pace& pace, const PathMoment& moment) {
+  for (std::size_t d = 0; d < axes_.size(); ++d) {
+    const double limit = limit_of(axes_[d], LimitedQuantity::acceleration_step);
+    if (limit == 0) continue;
+    const double step = moment.turn_steps[d] * pace.w[0] / limit;
+    const double by = 2 * step * pace.by[0];
+    values_.push_back({.axis = static_cast<std::uint32_t>(d),
+                       .quantity = LimitedQuantity::acceleration_step,
+                       .share = step * pace.w[0],
+                       .weights = {.area = -by * pace.curve.slope / pace.curve.value, .value = by}});
+  }
+}
+
+/// Where the acceleration of the rates from `first` on steps against the rest outside the move.
+void MotionSamples::add_end_step(std::size_t first) {
+  for (std::size_t i = first, end = values_.size(); i < end; ++i) {
+    LimitedValue step = values_[i];
+    const RigAxis& axis = axes_[step.axis];
+    const double limit = limit_of(axis, LimitedQuantity::acceleration_step);
+    if (step.quantity != LimitedQuantity::acceleration || limit == 0) continue;
+    const double ratio = axis.max_acceleration / limit;
+    step.quantity = LimitedQuantity::acceleration_step;
+    step.share *= ratio;
+    step.weights = {step.weights.area * ratio, step.weights.value * ratio, step.weights.slope * ratio, 0};
+    values_.push_back(step);
+  }
+}
+
+void MotionSamples::evaluate_curve_moment(const ControlCurve& curve, double a) {
+  const Stretch& stretch = stretch_at(a);
+  const Pace at = pace(curve, place_at(a, curve.span_count()), stretch);
+  PathMoment moment;
+  const double distance = stretch.offset + at.constant * at.curve.area;
+  if (!moment.turns.find(track_.path(), track_.arc_length().locate({distance, 0}))) return;
+  const std::size_t first = values_.size();
+  add_values(at, moment, false);
+  if ((steps_.begin && a <= 0) || (steps_.end && a >= spans_)) add_end_step(first);
+  moments_.push_back({.place = at.place,
+                      .first = first,
+                      .end = values_.size(),
+                      .is_linearized_here = moment.turns.scale > at.constant * at.curve.value / 4});
+}
+
+void MotionSamples::evaluate_path_moment(const ControlCurve& curve, const PathMoment& moment) {
+  const auto next = std::ranges::upper_bound(stretches_, moment.distance, {}, &Stretch::begin_distance);
+  const Stretch& stretch = next == stretches_.begin() ? *next : *(next - 1);
+  const double area = (moment.distance - stretch.offset) / stretch.constant;
+  const Pace at = pace(curve, curve.place_of_area(area), stretch);
+  if (!(at.curve.value > standing_)) return;
+  const std::size_t first = values_.size();
+  if (moment.turn_steps.empty()) {
+    add_values(at, moment, true);
+  } else {
+    add_step(at, moment);
+  }
+  moments_.push_back(
+      {.place = at.place,
+       .first = first,
+       .end = values_.size(),
+       .is_linearized_here = moment.is_key || moment.turns.scale < 2 * at.constant * at.curve.value});
+}
+
+void MotionSamples::evaluate(const ControlCurve& curve) {
+  moments_.clear();
+  values_.clear();
+  for (const double a : curve_moments_) evaluate_curve_moment(curve, a);
+  for (const PathMoment& moment : path_moments_) evaluate_path_moment(curve, moment);
+}
+
+Excess MotionSamples::worst(std::span<const Allowance> allowances) const {
+  Excess worst;
+  for (const Moment& moment : moments_) {
+    if (!moment.is_linearized_here) continue;
+    for (std::size_t i = moment.first; i < moment.end; ++i) {
+      const LimitedValue& value = values_[i];
+      const double excess = std::fabs(value.share) / allowances[value.axis][index_of(value.quantity)] - 1;
+      if (!(excess <= worst.share)) worst = {excess, value.axis, value.quantity};
+    }
+  }
+  return worst;
+}
+
+std::vector<Allowance> MotionSamples::peaks() const {
+  std::vector<Allowance> peaks(axes_.size(), Allowance{});
+  for (const LimitedValue& value : values_) {
+    double& peak = peaks[value.axis][index_of(value.quantity)];
+    peak = std::max(peak, std::fabs(value.share));
+  }
+  return peaks;
+}
+
+}  // namespace inbetween

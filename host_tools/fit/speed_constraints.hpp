@@ -1,0 +1,122 @@
+// The limits of the axes of one track as conditions on its speed curve, at moments so dense that little can
+// hide between them. What is between them is for check() to judge.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "host_tools/files/rig_file.hpp"
+#include "host_tools/fit/control_curve.hpp"
+#include "host_tools/fit/path_turns.hpp"
+#include "inbetween/timing/track.hpp"
+
+namespace inbetween {
+
+enum class LimitedQuantity : std::uint8_t { velocity, acceleration, jerk, acceleration_step };
+inline constexpr std::size_t limited_quantities = 4;
+
+/// What share of each limit of one axis may be used, indexed by LimitedQuantity.
+using Allowance = std::array<double, limited_quantities>;
+
+/// A quantity of one axis as a share of its limit, with sign, at one moment.
+struct LimitedValue {
+  std::uint32_t axis = 0;
+  LimitedQuantity quantity = LimitedQuantity::velocity;
+  double share = 0;
+  CurveWeights weights;  ///< how the share follows the curve at the moment's place
+};
+
+/// Values [first, end) of MotionSamples::values() belong to one moment.
+struct Moment {
+  CurvePlace<double> place;
+  std::size_t first = 0, end = 0;
+  bool is_linearized_here = true;  ///< false: a neighbour of the other kind says it better
+};
+
+/// Where a limit is used most, beyond what is allowed or, below 0, short of it.
+struct Excess {
+  double share = -1;  ///< |share| / allowance - 1
+  std::uint32_t axis = 0;
+  LimitedQuantity quantity = LimitedQuantity::velocity;
+};
+
+/// Which frames have steps of the acceleration besides the keys.
+struct EndSteps {
+  bool begin = false, end = false;
+};
+
+/// The motion of one track under a speed curve that may change, while Phi at its breaks and at the end, and
+/// so every K, stays.
+///
+/// With w = K phi da/dt the speed along the path and T = dP/dL, an axis has velocity T w, acceleration
+/// T' w^2 + T w' and jerk T'' w^3 + 3 T' w w' + T w''. There are moments that stay on the curve while the
+/// path passes under them, evenly spaced in a, and moments that stay on the path, at its keys on both sides
+/// and denser where it turns. Each is linearized in its own way; where the path turns within the distance
+/// that is travelled in one span, the second kind is nearer to the truth, elsewhere the first.
+class MotionSamples {
+ public:
+  /// `refinements`: how often the played curve has been refined. `axes` are those of the track, which has a
+  /// speed curve; both must outlive this.
+  MotionSamples(const Track<double>& track, std::span<const RigAxis> axes, int refinements, EndSteps steps);
+
+  /// The moment of one more frame, which need not be a whole one: of both kinds, with the path where `curve`
+  /// has it.
+  void add_moment(double frame, const ControlCurve& curve);
+  /// Evaluates all.
+  void evaluate(const ControlCurve& curve);
+
+  [[nodiscard]] std::span<const Moment> moments() const { return moments_; }
+  [[nodiscard]] std::span<const LimitedValue> values() const { return values_; }
+  /// Over all moments that are linearized, `allowances` axis by axis.
+  [[nodiscard]] Excess worst(std::span<const Allowance> allowances) const;
+  /// The largest |share| of every axis and quantity.
+  [[nodiscard]] std::vector<Allowance> peaks() const;
+
+ private:
+  struct PathMoment {
+    double distance = 0;
+    bool is_key = false;
+    PathTurns turns;
+    std::vector<double> turn_steps;  ///< of T' at a key, one per axis; otherwise empty
+  };
+  /// Of the move between two breaks, in which distance = offset + constant * Phi.
+  struct Stretch {
+    double begin = 0;  ///< a
+    double begin_distance = 0;
+    double constant = 0;
+    double offset = 0;
+  };
+  struct Pace;
+
+  void find_stretches();
+  [[nodiscard]] const Stretch& stretch_at(double a) const;
+  void sample_segment(std::int32_t segment);
+  void add_turning(std::int32_t segment, double begin, double end, int depth);
+  void add_path_moment(std::int32_t segment, double t);
+  void add_key_steps(std::int32_t key);
+  [[nodiscard]] Pace pace(const ControlCurve& curve, const CurvePlace<double>& place,
+                          const Stretch& stretch) const;
+  void add_end_step(std::size_t first);
+  void evaluate_curve_moment(const ControlCurve& curve, double a);
+  void evaluate_path_moment(const ControlCurve& curve, const PathMoment& moment);
+  void add_values(const Pace& pace, const PathMoment& moment, bool stays_on_path);
+  void add_step(const Pace& pace, const PathMoment& moment);
+
+  const Track<double>& track_;
+  std::span<const RigAxis> axes_;
+  EndSteps steps_;
+  double factor_;    ///< 2^refinements
+  double per_span_;  ///< da/dt
+  double spans_;     ///< f
+  double standing_;  ///< phi below this is none
+  std::vector<Stretch> stretches_;
+  std::vector<double> curve_moments_;
+  std::vector<PathMoment> path_moments_;
+  std::vector<Moment> moments_;
+  std::vector<LimitedValue> values_;
+};
+
+}  // namespace inbetween

@@ -1,0 +1,57 @@
+// The speed curve that is nearest to a wanted one and keeps the limits: one number of control values, one
+// start.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "host_tools/fit/quadratic_program.hpp"
+#include "host_tools/fit/speed_constraints.hpp"
+
+namespace inbetween {
+
+/// What must stay as it is while a curve changes.
+struct CurveFrame {
+  std::vector<double> wanted;       ///< f + 1 control values
+  std::vector<bool> rests;          ///< of them those that are 0 and stay so
+  std::vector<double> fixed_areas;  ///< a, in rising order, the last is f: Phi there stays that of `wanted`
+};
+
+/// A curve, and what is left to wish for.
+struct Descent {
+  std::vector<double> values;
+  Excess excess;  ///< over all moments; kept where its share is at most descent_tolerance
+  double change =
+      0;  ///< root mean square of phi - wanted phi over a, as a share of the mean of the wanted phi
+};
+
+/// By this share a limit may be exceeded: far less than check() rounds up.
+inline constexpr double descent_tolerance = 1e-6;
+
+/// Minimizes the integral of (phi - wanted phi)^2 with the limits at all moments of a MotionSamples kept,
+/// 0 <= values <= 100. Sequential quadratic programming with an exact penalty on the largest excess, in a
+/// trust region (Fletcher, Practical Methods of Optimization, ch. 14). What it finds is a local minimum.
+class SpeedDescent {
+ public:
+  /// Throws std::invalid_argument where the fixed areas contradict the rests.
+  explicit SpeedDescent(const CurveFrame& frame);
+
+  /// The curve nearest to any given one that has the rests and the fixed areas.
+  [[nodiscard]] std::vector<double> nearest(std::span<const double> values) const;
+  /// From `start`, which has the rests and the fixed areas. The samples are left evaluated at the result.
+  [[nodiscard]] Descent run(std::span<const double> start, MotionSamples& samples,
+                            std::span<const Allowance> allowances) const;
+
+ private:
+  [[nodiscard]] Descent at(std::vector<double> values, MotionSamples& samples,
+                           std::span<const Allowance> allowances) const;
+  [[nodiscard]] QuadraticProgram programme(std::span<const double> target, double price) const;
+  [[nodiscard]] double change_squared(std::span<const double> values) const;
+  [[nodiscard]] std::vector<double> valid(std::span<const double> x) const;
+
+  CurveFrame frame_;
+  double unit_;  ///< mean of the wanted curve: control values are counted in it
+};
+
+}  // namespace inbetween

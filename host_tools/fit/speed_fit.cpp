@@ -1,0 +1,326 @@
+#include "host_tools/fit/speed_fit.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <stdexcept>
+#include <utility>
+
+#include "host_tools/fit/fitted_track.hpp"
+#include "host_tools/fit/speed_descent.hpp"
+#include "host_tools/fit/speed_start.hpp"
+
+namespace inbetween {
+namespace {
+
+constexpr int max_refinements = 4;
+/// Of a limit, at first: what check() may say above the truth, and what samples may miss.
+constexpr double first_margin = 0.006;
+/// On top of what check() was seen to be above the samples.
+constexpr double spare_margin = 2e-5;
+/// How often margins are measured and tried again.
+constexpr int max_trials = 8;
+/// Refinement ends with so many control values: the work grows with the third power of their number.
+constexpr std::size_t max_refined_values = 600;
+/// Of one gain to the one before when the control values are doubled, unless the levels show more.
+constexpr double usual_gain_ratio = 0.5;
+constexpr double hopeless_share = 0.2;
+/// Curves of no more values are cheap enough to try all margins.
+constexpr std::size_t max_values_tried_again = 64;
+/// A limit used to this share of what is allowed is one that the curve leans on.
+constexpr double leaning_share = 0.97;
+
+/// In the order of LimitedQuantity.
+constexpr std::array<CheckedPeak CheckedAxis::*, 3> peaks_of_axis = {
+    &CheckedAxis::velocity, &CheckedAxis::acceleration, &CheckedAxis::jerk};
+
+/// The search for one track.
+class TrackSearch {
+ public:
+  using Found = std::optional<std::vector<double>>;
+
+  TrackSearch(const FittedTrack& fitted, FitStart start, std::function<void(double)> progress)
+      : fitted_(fitted), start_(start), progress_(std::move(progress)) {}
+
+  /// The new values, or none and why.
+  Found run() {
+    std::vector<double> baseline = fitted_.solved().control_values();
+    std::vector<Level> levels;
+    for (int refinements = 0; refinements <= max_refinements; ++refinements) {
+      if (refinements > 0) baseline = refined(baseline);
+      if (refinements > 0 && baseline.size() > max_refined_values) break;
+      progress_(0.1 + 0.15 * refinements);
+      Level level{.baseline = baseline, .refinements = refinements};
+      try {
+        if (Found found = from_drawn(level, levels)) return found;
+      } catch (const std::invalid_argument& error) {  // more values may give the room that is missing
+        reason_ = error.what();
+        continue;
+      }
+      levels.push_back(level);
+      if (is_hopeless(levels)) break;
+    }
+    return from_elsewhere(levels);
+  }
+  [[nodiscard]] int refinements() const { return refinements_; }
+  [[nodiscard]] const std::string& reason() const { return reason_; }
+
+ private:
+  /// The nearest curve that was found and passes.
+  struct Best {
+    std::vector<double> values;
+    double change = 0;
+  };
+  /// One number of control values.
+  struct Level {
+    std::vector<double> baseline;
+    int refinements = 0;
+    std::vector<double> nearest = {};  ///< of what was reached there, what exceeds a limit least
+    double excess = std::numeric_limits<double>::infinity();
+  };
+  /// What a search at one level works with.
+  struct Tools {
+    CurveFrame frame;
+    SpeedDescent descent;
+    MotionSamples samples;
+  };
+
+  /// What exceeds a limit falls, when the values are doubled again and again, about as a geometric series
+  /// does: whether its end is above 0.
+  [[nodiscard]] static bool is_hopeless(const std::vector<Level>& levels) {
+    if (levels.size() < 2) return false;
+    const double last = levels.back().excess;
+    const double gain = levels[levels.size() - 2].excess - last;
+    const double gain_before = levels.size() > 2
+                                   ? levels[levels.size() - 3].excess - levels[levels.size() - 2].excess
+                                   : std::numeric_limits<double>::infinity();
+    const double ratio = std::clamp(gain / gain_before, usual_gain_ratio, 0.95);
+    return last - gain * ratio / (1 - ratio) > hopeless_share * last;
+  }
+
+  [[nodiscard]] std::vector<double> curved(const Level& level, const CurveFrame& frame) const {
+    return curvature_start(fitted_.track(), fitted_.axes(), wishes(level, frame));
+  }
+  [[nodiscard]] static StartWishes wishes(const Level& level, const CurveFrame& frame) {
+    return {.values = level.baseline, .rests = frame.rests, .refinements = level.refinements};
+  }
+  [[nodiscard]] Tools tools(const Level& level) const {
+    CurveFrame frame = fitted_.frame_of(level.baseline);
+    if (start_ == FitStart::curvature) frame.wanted = SpeedDescent(frame).nearest(curved(level, frame));
+    return {frame, SpeedDescent(frame),
+            MotionSamples(fitted_.track(), fitted_.axes(), level.refinements, fitted_.end_steps())};
+  }
+
+  Found from_drawn(Level& level, const std::vector<Level>& before) {
+    Tools with = tools(level);
+    refinements_ = level.refinements;
+    if (Found found = from(with.descent.nearest(with.frame.wanted), with, level)) return found;
+    const bool follows = !before.empty() && before.back().refinements + 1 == level.refinements;
+    if (!follows || before.back().nearest.empty()) return std::nullopt;
+    return from(with.descent.nearest(refined(before.back().nearest)), with, level);
+  }
+
+  Found from_elsewhere(std::vector<Level>& levels) {
+    for (Level& level : levels) {
+      if (level.refinements == 0 && levels.size() > 1) continue;
+      Tools with = tools(level);
+      refinements_ = level.refinements;
+      progress_(0.9);
+      if (Found found = from(with.descent.nearest(curved(level, with.frame)), with, level)) return found;
+      if (Found found = from(with.descent.nearest(flat_start(wishes(level, with.frame))), with, level))
+        return found;
+      break;
+    }
+    return std::nullopt;
+  }
+
+  Found from(const std::vector<double>& start, Tools& with, Level& level) {
+    std::vector<Allowance> allowances(fitted_.axes().size());
+    for (Allowance& allowance : allowances) allowance.fill(1 / (1 + first_margin));
+    Descent reached = with.descent.run(start, with.samples, allowances);
+    Best best;
+    double spare = spare_margin;
+    for (int trial = 0; trial < max_trials; ++trial) {
+      if (reached.excess.share > first_margin) break;
+      const std::optional<CheckReport> report = fitted_.judge(reached.values, reason_);
+      if (!report) return std::nullopt;
+      if (report->fits()) {
+        const bool is_first = best.values.empty();
+        const bool gains = is_first || reached.change < 0.998 * best.change;
+        if (is_first || reached.change < best.change) best = {reached.values, reached.change};
+        if (!gains) break;
+      } else if (best.values.empty()) {
+        reason_ = report->refusals.front().message;
+      }
+      if (!report->fits()) spare *= 3;
+      std::vector<Allowance> measured = allowances;
+      measure_margins(*report, spare, with.samples, measured);
+      if (!report->fits()) add_peaks(*report, ControlCurve(reached.values), with.samples);
+      for (std::size_t d = 0; d < allowances.size(); ++d) {
+        for (std::size_t q = 0; q < limited_quantities; ++q) {
+          // Before a curve has passed, nothing is allowed again that has failed.
+          const bool lowers = measured[d][q] < allowances[d][q] || !best.values.empty();
+          if (lowers) allowances[d][q] = measured[d][q];
+        }
+      }
+      reached = with.descent.run(reached.values, with.samples, allowances);
+    }
+    if (!best.values.empty()) return nearest_within(best, with);
+    if (reached.excess.share < level.excess) {
+      level.excess = reached.excess.share;
+      level.nearest = reached.values;
+      if (const std::optional<CheckReport> report = fitted_.judge(level.nearest, reason_)) {
+        if (!report->fits()) reason_ = report->refusals.front().message;
+      }
+    }
+    return std::nullopt;
+  }
+
+  /// The nearest of `best` and of what some fixed margins give: what check() is above the truth is different
+  /// from curve to curve, and may be nothing.
+  [[nodiscard]] std::vector<double> nearest_within(Best best, Tools& with) {
+    if (best.values.size() > max_values_tried_again) return best.values;
+    for (const double margin : {0.005, 0.004, 0.003, 0.002, 0.001, 5e-4, 2e-5}) {
+      std::vector<Allowance> allowances(fitted_.axes().size());
+      for (Allowance& allowance : allowances) allowance.fill(1 / (1 + margin));
+      const Descent reached = with.descent.run(best.values, with.samples, allowances);
+      if (!(reached.change < 0.998 * best.change)) continue;
+      std::string trouble;
+      const std::optional<CheckReport> report = fitted_.judge(reached.values, trouble);
+      if (report && report->fits()) best = {reached.values, reached.change};
+    }
+    return best.values;
+  }
+
+  /// Allows of every limit what keeps check() below it, as far as `report` and the samples tell, which are of
+  /// one curve.
+  void measure_margins(const CheckReport& report, double spare, const MotionSamples& samples,
+                       std::vector<Allowance>& allowances) const {
+    const std::vector<Allowance> sampled = samples.peaks();
+    for (std::size_t d = 0; d < allowances.size(); ++d) {
+      const CheckedAxis& axis = report.axes[fitted_.rig_axis(d)];
+      for (std::size_t q = 0; q < peaks_of_axis.size(); ++q) {
+        const CheckedPeak& peak = axis.*peaks_of_axis[q];
+        if (!peak.limit || !(sampled[d][q] > leaning_share * allowances[d][q])) continue;
+        // On a roll a peak says nothing of the samples.
+        const bool is_inside = peak.frame >= 0 && peak.frame <= fitted_.frames();
+        const double ratio = is_inside ? peak.share() / sampled[d][q] : 1 + first_margin;
+        allowances[d][q] = 1 / (std::max(ratio, 1.0) + spare);
+      }
+      allowances[d][static_cast<std::size_t>(LimitedQuantity::acceleration_step)] = 1 / (1 + spare);
+    }
+  }
+
+  /// Looks from now on where check() saw a limit exceeded.
+  void add_peaks(const CheckReport& report, const ControlCurve& curve, MotionSamples& samples) const {
+    for (std::size_t d = 0; d < fitted_.axes().size(); ++d) {
+      for (const auto quantity : peaks_of_axis) {
+        const CheckedPeak& peak = report.axes[fitted_.rig_axis(d)].*quantity;
+        const bool is_inside = peak.frame >= 0 && peak.frame <= fitted_.frames();
+        if (peak.is_exceeded() && is_inside) samples.add_moment(peak.frame, curve);
+      }
+    }
+  }
+
+  const FittedTrack& fitted_;
+  FitStart start_;
+  std::function<void(double)> progress_;
+  int refinements_ = 0;
+  std::string reason_;
+};
+
+/// Why it is of no use to look for a curve; empty where it may be.
+std::string hopeless(const FittedTrack& fitted) {
+  const MoveTrack& file = fitted.file();
+  if (file.timing == Timing::frames) {
+    return "the track has timing = \"frames\" and no speed curve to change; give its keys other frames, or "
+           "time it by speed";
+  }
+  for (const CheckRefusal& refusal : fitted.report().refusals) {
+    if (!refusal.slower_helps) return refusal.message;
+  }
+  for (const KeyLock& lock :
+       fitted.solved().key_timing() ? fitted.solved().key_timing()->locks : std::span<const KeyLock>()) {
+    if (lock.key == 0 || lock.hold == 0 || file.keys[static_cast<std::size_t>(lock.key)].frame) continue;
+    return fmt::format(
+        "the hold of key {} has no frame, and where it begins would follow from the new curve; give the key "
+        "frame = {}, where it is now",
+        lock.key, lock.frame);
+  }
+  return "";
+}
+
+TrackFit described(const FittedTrack& fitted, std::size_t index, std::vector<double> values,
+                   int refinements) {
+  std::vector<double> played = fitted.solved().control_values();
+  for (int i = 0; i < refinements; ++i) played = refined(played);
+  std::vector<double> difference;
+  for (std::size_t i = 0; i < values.size(); ++i) difference.push_back(values[i] - played[i]);
+  const ControlCurve change(difference);
+  const ControlCurve::Largest largest = change.largest();
+  const auto f = static_cast<double>(values.size() - 1);
+  TrackFit fit{.track = index, .speed = std::move(values), .refinements = refinements};
+  fit.change = std::sqrt(mean_square(difference));
+  fit.change_share = fit.change / (ControlCurve(played).total() / f);
+  fit.largest_change = change.at(place_at(largest.a, change.span_count())).value;
+  fit.largest_change_at = largest.a;
+  fit.largest_change_frame = largest.a * fitted.frames() / f;
+  return fit;
+}
+
+/// The whole move with the new curves.
+std::optional<std::string> refusal_of(const Plan& plan, const std::vector<TrackFit>& tracks) {
+  MoveFile move = plan.move();
+  for (const TrackFit& fit : tracks) move.tracks[fit.track].speed = fit.speed;
+  const CheckReport report = check(Plan(std::move(move), plan.rig(), {}));
+  if (report.fits()) return std::nullopt;
+  return report.refusals.front().message;
+}
+
+}  // namespace
+
+SpeedFit fit_speed(const Plan& plan, const CheckReport& report, FitStart start,
+                   const std::function<void(double share)>& progress) {
+  SpeedFit fit;
+  fit.least = fewest_frames(plan);
+  if (report.fits()) {
+    fit.found = true;
+    return fit;
+  }
+  const auto give_up = [&](std::string reason) {
+    fit.tracks.clear();
+    fit.reason = std::move(reason);
+    return fit;
+  };
+  const auto count = static_cast<double>(plan.tracks().size());
+  for (std::size_t t = 0; t < plan.tracks().size(); ++t) {
+    const FittedTrack fitted(plan, t);
+    if (fitted.report().fits()) continue;
+    if (std::string reason = hopeless(fitted); !reason.empty()) return give_up(std::move(reason));
+    if (const FewestFrames least = fewest_frames(fitted.played()); least.frames > fitted.frames()) {
+      return give_up(fmt::format(
+          "the way takes at least {} frames, whatever the speed curve, because of {} of axis {}; "
+          "give the move more frames",
+          least.frames, least.by_acceleration ? "max_velocity and max_acceleration" : "max_velocity",
+          in_quotes(plan.rig()->axes[least.axis].name)));
+    }
+    TrackSearch search(fitted, start, [&](double share) {
+      if (progress) progress((static_cast<double>(t) + share) / count);
+    });
+    std::optional<std::vector<double>> values = search.run();
+    if (!values) {
+      return give_up("no speed curve was found that keeps every limit; with the nearest one " +
+                     search.reason());
+    }
+    fit.tracks.push_back(described(fitted, t, std::move(*values), search.refinements()));
+  }
+  if (std::optional<std::string> reason = refusal_of(plan, fit.tracks)) return give_up(std::move(*reason));
+  fit.found = true;
+  return fit;
+}
+
+}  // namespace inbetween

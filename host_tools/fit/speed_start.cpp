@@ -1,0 +1,128 @@
+#include "host_tools/fit/speed_start.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "host_tools/fit/control_curve.hpp"
+#include "host_tools/fit/path_turns.hpp"
+
+namespace inbetween {
+namespace {
+
+constexpr double ramp_spans = 2;
+constexpr int points_per_segment = 64;
+constexpr int bisections = 100;
+
+/// 0 at the rests, 1 far from them, for every control value.
+std::vector<double> ramp_of(const StartWishes& wishes) {
+  const std::size_t count = wishes.values.size();
+  const double step = std::ldexp(1 / ramp_spans, -wishes.refinements);
+  std::vector<double> ramp(count, 1);
+  double away = 1;
+  for (std::size_t i = 0; i < count; ++i) {
+    away = wishes.rests[i] ? 0 : std::min(away + step, 1.0);
+    ramp[i] = away;
+  }
+  away = 1;
+  for (std::size_t i = count; i-- > 0;) {
+    away = wishes.rests[i] ? 0 : std::min(away + step, 1.0);
+    const double u = std::min(ramp[i], away);
+    ramp[i] = u * u * (3 - 2 * u);
+  }
+  return ramp;
+}
+
+/// With the Phi(f) of the wishes, and no value above 100 but for what that takes.
+std::vector<double> scaled(std::vector<double> values, const StartWishes& wishes) {
+  const double factor = ControlCurve(wishes.values).total() / ControlCurve(values).total();
+  for (double& value : values) value *= factor;
+  return values;
+}
+
+/// A short stretch of the path.
+struct Reach {
+  double begin = 0, end = 0;  ///< distance
+  double curvature = 0;
+  double fastest = 0;  ///< unit/s
+};
+
+std::vector<Reach> reaches_of(const Track<double>& track, std::span<const RigAxis> axes) {
+  std::vector<Reach> reaches;
+  PathTurns turns;
+  const Path<double>& path = track.path();
+  double begin = 0;
+  for (std::int32_t i = 0; i < path.segment_count(); ++i) {
+    for (int k = 0; k < points_per_segment; ++k) {
+      const double t = (k + 1.0) / points_per_segment;
+      const double end = track.arc_length().distance(path, {i, t}).high;
+      if (!(end > begin) || !turns.find(path, {i, (k + 0.5) / points_per_segment})) continue;
+      double fastest = std::numeric_limits<double>::infinity();
+      for (std::size_t d = 0; d < axes.size(); ++d) {
+        fastest = std::min(fastest, axes[d].max_velocity / std::fabs(turns.axes[d][0]));
+      }
+      reaches.push_back({begin, end, turns.curvature, fastest});
+      begin = end;
+    }
+  }
+  return reaches;
+}
+
+double speed_of(const Reach& reach, double pace) {
+  return reach.curvature > 0 ? std::min(reach.fastest, pace / std::sqrt(reach.curvature)) : reach.fastest;
+}
+
+double seconds_of(std::span<const Reach> reaches, double pace) {
+  double seconds = 0;
+  for (const Reach& reach : reaches) seconds += (reach.end - reach.begin) / speed_of(reach, pace);
+  return seconds;
+}
+
+/// The pace at which the reaches take that long; where that is too short even for the fastest, the fastest.
+double pace_for(std::span<const Reach> reaches, double seconds) {
+  double high = 1;
+  double low = 1;
+  for (int i = 0; i < bisections && seconds_of(reaches, high) > seconds; ++i) high *= 4;
+  for (int i = 0; i < bisections && seconds_of(reaches, low) < seconds; ++i) low /= 4;
+  for (int i = 0; i < bisections; ++i) {
+    const double middle = low + (high - low) / 2;
+    (seconds_of(reaches, middle) > seconds ? low : high) = middle;
+  }
+  return high;
+}
+
+}  // namespace
+
+std::vector<double> flat_start(const StartWishes& wishes) {
+  return scaled(ramp_of(wishes), wishes);
+}
+
+std::vector<double> curvature_start(const Track<double>& track, std::span<const RigAxis> axes,
+                                    const StartWishes& wishes) {
+  const std::vector<double> ramp = ramp_of(wishes);
+  const std::vector<Reach> reaches = reaches_of(track, axes);
+  const double per_span = std::ldexp(track.curve_rate(), wishes.refinements);
+  // dL/dt = ramp(a) speed(L) is separable: the seconds at full speed are the integral of the ramp.
+  const ControlCurve ramp_curve(ramp);
+  const double seconds = ramp_curve.total() / per_span;
+  const double pace = pace_for(reaches, seconds);
+  const double all = seconds_of(reaches, pace);
+  std::vector<double> values;
+  std::size_t next = 0;
+  double elapsed = 0;
+  for (std::size_t i = 0; i < ramp.size(); ++i) {
+    const CurveValues at = ramp_curve.at(place_at(static_cast<double>(i), ramp_curve.span_count()));
+    const double wanted = all * at.area / ramp_curve.total();
+    while (next + 1 < reaches.size()) {
+      const Reach& reach = reaches[next];
+      const double takes = (reach.end - reach.begin) / speed_of(reach, pace);
+      if (elapsed + takes >= wanted) break;
+      elapsed += takes;
+      ++next;
+    }
+    values.push_back(ramp[i] * speed_of(reaches[next], pace));
+  }
+  return scaled(values, wishes);
+}
+
+}  // namespace inbetween

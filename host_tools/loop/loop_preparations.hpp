@@ -1,0 +1,63 @@
+// What comes before a move and after it: the drives are switched on, arrive, and are switched off.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "host_tools/loop/run_loop.hpp"
+#include "host_tools/loop/run_snapshot.hpp"
+#include "host_tools/loop/transport_keys.hpp"
+
+namespace inbetween {
+
+/// Switches the drives on. Over when they are, or cannot be, or somebody has left.
+class Arming {
+ public:
+  explicit Arming(RunLoop& loop);
+  Status begin();
+  void press(TransportKey key);
+  void tick(std::int32_t ticks, std::int64_t now_ns);
+  [[nodiscard]] bool is_over() const { return loop_.state() != SupervisorState::enabling; }
+  [[nodiscard]] RunSnapshot snapshot() const { return {.state = loop_.state()}; }
+  /// Where the axes stand, as their drives tell. Once it is over.
+  [[nodiscard]] const std::vector<double>& positions() const { return positions_; }
+
+ private:
+  RunLoop& loop_;
+  std::vector<double> positions_;
+};
+
+/// Waits until the axes stand still, a second at most: drives follow their last setpoint with a lag.
+class Arriving {
+ public:
+  Arriving(RunLoop& loop, std::int32_t rate_hz);
+  Status begin() { return Done{}; }
+  void press(TransportKey) {}
+  void tick(std::int32_t ticks, std::int64_t now_ns);
+  [[nodiscard]] bool is_over() const { return still_ticks_ >= 8 || ticks_left_ <= 0; }
+  [[nodiscard]] RunSnapshot snapshot() const { return {.state = loop_.state()}; }
+
+ private:
+  RunLoop& loop_;
+  std::int64_t ticks_left_;
+  std::int32_t still_ticks_ = 0;
+  std::vector<double> positions_;
+};
+
+/// Switches the drives off; a second at most.
+class Disarming {
+ public:
+  Disarming(RunLoop& loop, std::int32_t rate_hz) : loop_(loop), ticks_left_(rate_hz) {}
+  Status begin();
+  void press(TransportKey) {}
+  void tick(std::int32_t ticks, std::int64_t now_ns);
+  [[nodiscard]] bool is_over() const { return is_off_ || ticks_left_ <= 0; }
+  [[nodiscard]] RunSnapshot snapshot() const { return {.state = loop_.state()}; }
+
+ private:
+  RunLoop& loop_;
+  std::int64_t ticks_left_;
+  bool is_off_ = false;
+};
+
+}  // namespace inbetween

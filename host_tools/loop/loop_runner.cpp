@@ -1,0 +1,175 @@
+#include "host_tools/loop/loop_runner.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "host_tools/files/diagnostics.hpp"
+#include "inbetween/loop/tick_time.hpp"
+
+namespace inbetween {
+namespace {
+
+/// People see ten lines a second; the loop offers twice as many.
+constexpr std::int64_t ns_between_lines = ns_per_s / 10;
+constexpr std::int64_t snapshots_per_s = 20;
+constexpr std::int64_t ns_between_looks = 5'000'000;
+
+/// Nothing is begun with a rig file that has changed.
+TransportKey allowed(TransportKey key, const LoopAudience& audience) {
+  const bool begins = key == TransportKey::acknowledge || key == TransportKey::start;
+  return begins && audience.rig_has_changed && audience.rig_has_changed() ? TransportKey::refused : key;
+}
+
+}  // namespace
+
+void LoopTrace::take(const RunLoop& loop) {
+  const bool commands = loop.sends_setpoints();
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    AxisTrace& axis = axes_[i];
+    axis.actual = loop.drive_states()[i].actual;
+    // What a drive tells at the beginning of a tick is its answer to the setpoint before.
+    if (commands && commanded_) {
+      axis.following_error_peak =
+          std::max(axis.following_error_peak, std::fabs(axis.commanded - axis.actual));
+    }
+    if (commands) axis.commanded = loop.setpoints()[i].position;
+  }
+  commanded_ = commands;
+  if (record_ != nullptr) record_->take(loop);
+}
+
+// --- as fast as it can be computed
+
+ActEnd FastRunner::run(const LoopTask& act, std::optional<std::int64_t> last) {
+  ActEnd end;
+  if (audience_.progress && last) audience_.progress(0, *last);
+  end.begun = act.begin(act.of);
+  if (!end.begun) return end;
+  while (!act.is_over(act.of)) {
+    if (audience_.keys && !act.is_preparation) keys_.feed(audience_.keys());
+    while (const std::optional<TransportKey> key = keys_.next()) act.press(act.of, allowed(*key, audience_));
+    if (audience_.interrupted && audience_.interrupted()) act.press(act.of, TransportKey::quit);
+    act.tick(act.of, 1, time_of_tick(++tick_, rate_hz_));
+    trace_.take(loop_);
+    ++end.ticks;
+    if (end.ticks % 64 != 0 || wall_.now_ns() < next_show_ns_) continue;
+    if (audience_.progress && last) audience_.progress(std::min(end.ticks, *last), *last);
+    if (audience_.status) audience_.status(act.snapshot(act.of));
+    next_show_ns_ = wall_.now_ns() + ns_between_lines;
+  }
+  return end;
+}
+
+// --- in real time
+
+TimedRunner::TimedRunner(RunLoop& loop, std::int32_t rate_hz, const LoopAudience& audience, LoopTrace& trace,
+                         Lateness lateness, const std::optional<RealTimeWishes>& wishes)
+    : loop_(loop), rate_hz_(rate_hz), audience_(audience), trace_(trace), lateness_(lateness) {
+  thread_ = std::thread([this, wishes] { live(wishes); });
+  has_rights_.wait(false);
+}
+
+TimedRunner::~TimedRunner() {
+  leaves_.store(true);
+  thread_.join();
+}
+
+void TimedRunner::live(const std::optional<RealTimeWishes>& wishes) {
+  std::optional<RealTimeThread> rights;
+  if (wishes) {
+    rights.emplace(*wishes);
+    rights_ = rights->rights();
+  }
+  has_rights_.store(true);
+  has_rights_.notify_one();
+  loop();
+}
+
+void TimedRunner::loop() {
+  const MonotonicClock clock;
+  const std::int64_t period_ns = ns_per_s / rate_hz_;
+  std::int64_t start_ns = clock.now_ns();
+  for (std::int64_t number = 1; !leaves_.load(std::memory_order_relaxed); ++number) {
+    clock.sleep_until_ns(start_ns + time_of_tick(number, rate_hz_));
+    const std::int64_t now_ns = clock.now_ns();
+    const std::int64_t latency_ns = now_ns - (start_ns + time_of_tick(number, rate_hz_));
+    std::int32_t ticks = 1;
+    if (latency_ns >= period_ns) {
+      if (act_ != nullptr) ++late_ticks_;
+      if (lateness_ != Lateness::catches_up) {
+        start_ns += latency_ns;
+      } else {
+        ticks += static_cast<std::int32_t>(std::min<std::int64_t>(latency_ns / period_ns, rate_hz_));
+        number += latency_ns / period_ns;
+      }
+    }
+    if (act_ != nullptr) latencies_.add(latency_ns, now_ns);
+    // Where time stands still it does so for the simulated drives as well.
+    tick(ticks, lateness_ == Lateness::time_stands_still ? time_of_tick(number, rate_hz_) : now_ns);
+  }
+}
+
+void TimedRunner::tick(std::int32_t ticks, std::int64_t now_ns) {
+  if (act_ == nullptr) {
+    act_ = next_.exchange(nullptr, std::memory_order_acquire);
+    if (act_ != nullptr) {
+      end_ = {};
+      end_.begun = act_->begin(act_->of);
+      if (!end_.begun) act_ = nullptr;
+      if (act_ == nullptr) is_over_.store(true, std::memory_order_release);
+    }
+  }
+  if (act_ == nullptr) {
+    loop_.tick(ticks, now_ns);
+    trace_.take(loop_);
+    return;
+  }
+  while (const std::optional<TransportKey> key = typed_.pop()) act_->press(act_->of, *key);
+  act_->tick(act_->of, ticks, now_ns);
+  trace_.take(loop_);
+  ++end_.ticks;
+  if (--until_shown_ <= 0) {
+    shown_.push(act_->snapshot(act_->of));
+    until_shown_ = rate_hz_ / snapshots_per_s;
+  }
+  if (!act_->is_over(act_->of)) return;
+  act_ = nullptr;
+  is_over_.store(true, std::memory_order_release);
+}
+
+ActEnd TimedRunner::run(const LoopTask& act, std::optional<std::int64_t> last) {
+  const MonotonicClock clock;
+  is_over_.store(false, std::memory_order_relaxed);
+  next_.store(&act, std::memory_order_release);
+  std::int64_t next_line_ns = 0;
+  if (audience_.progress && last) audience_.progress(0, *last);
+  while (!is_over_.load(std::memory_order_acquire)) {
+    if (audience_.keys) keys_.feed(audience_.keys());
+    while (const std::optional<TransportKey> key = keys_.next()) typed_.push(allowed(*key, audience_));
+    if (audience_.interrupted && audience_.interrupted()) typed_.push(TransportKey::quit);
+    std::optional<RunSnapshot> newest;
+    while (const std::optional<RunSnapshot> one = shown_.pop()) newest = one;
+    if (newest && clock.now_ns() >= next_line_ns) {
+      if (audience_.status) audience_.status(*newest);
+      if (audience_.progress && last) {
+        audience_.progress(static_cast<std::int64_t>(newest->share * static_cast<double>(*last)), *last);
+      }
+      next_line_ns = clock.now_ns() + ns_between_lines;
+    }
+    clock.sleep_until_ns(clock.now_ns() + ns_between_looks);
+  }
+  return end_;
+}
+
+void refuse_unfit_machine(const std::string& rig_path, const std::vector<RealTimeRight>& rights,
+                          const char* otherwise) {
+  for (const RealTimeRight& right : rights) {
+    if (!right.refusal || !right.is_needed) continue;
+    throw InputError({rig_path, 0, 0}, fmt::format("{}; {}, or {} with --allow-jitter", right.refusal->what,
+                                                   right.refusal->remedy, otherwise));
+  }
+}
+
+}  // namespace inbetween

@@ -1,0 +1,147 @@
+// Runs a motion loop, act after act: on a virtual clock, or on the machine's in a thread of its own.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "drivers/linux/monotonic_clock.hpp"
+#include "drivers/linux/real_time.hpp"
+#include "drivers/linux/telemetry_ring.hpp"
+#include "host_tools/loop/loop_task.hpp"
+#include "host_tools/loop/run_loop.hpp"
+#include "host_tools/loop/run_record.hpp"
+#include "host_tools/loop/wake_latency.hpp"
+
+namespace inbetween {
+
+/// Whoever sits before the run: what is typed, what is shown. Each may be left out.
+struct LoopAudience {
+  /// What has been typed since the last call (TransportKeys); without it nothing can be typed.
+  std::function<std::string()> keys = {};
+  /// Whether somebody wants the run to end: it is stopped on the path.
+  std::function<bool()> interrupted = {};
+  /// Called about ten times a second of real time.
+  std::function<void(const RunSnapshot&)> status = {};
+  /// Called before the first tick and then about ten times a second of real time, and at the end.
+  std::function<void(std::int64_t tick, std::int64_t last)> progress = {};
+  /// Whether nothing may be begun any more, because the rig is not what was read (RigWatch).
+  std::function<bool()> rig_has_changed = {};
+};
+
+/// How an act ended.
+struct ActEnd {
+  Status begun = Done{};   ///< why it did not begin
+  std::int64_t ticks = 0;  ///< that it had
+};
+
+/// How far an axis was from its setpoint, and where it was last.
+struct AxisTrace {
+  double commanded = 0;
+  double actual = 0;
+  double following_error_peak = 0;
+};
+
+/// The axes of a loop, tick by tick. Allocates only when it is made.
+class LoopTrace {
+ public:
+  /// Every tick goes to `record` as well, if there is one.
+  explicit LoopTrace(std::size_t axes, RunRecord* record = nullptr) : axes_(axes), record_(record) {}
+  /// After a tick. While setpoints are sent, an axis is as far behind as its actual position is from them.
+  void take(const RunLoop& loop);
+  [[nodiscard]] const std::vector<AxisTrace>& axes() const { return axes_; }
+
+ private:
+  std::vector<AxisTrace> axes_;
+  RunRecord* record_;
+  bool commanded_ = false;  ///< in the tick before
+};
+
+/// On a clock that has the time that is waited for: as fast as it can be computed.
+class FastRunner {
+ public:
+  FastRunner(RunLoop& loop, std::int32_t rate_hz, const LoopAudience& audience, LoopTrace& trace)
+      : loop_(loop), rate_hz_(rate_hz), audience_(audience), trace_(trace) {}
+
+  /// Until it is over. Progress is told where the last tick is known.
+  ActEnd run(const LoopTask& act, std::optional<std::int64_t> last);
+  [[nodiscard]] WakeLatency latency() const { return {}; }
+  [[nodiscard]] std::int64_t late_ticks() const { return 0; }
+
+ private:
+  RunLoop& loop_;
+  std::int32_t rate_hz_;
+  const LoopAudience& audience_;
+  LoopTrace& trace_;
+  MonotonicClock wall_;
+  TransportKeys keys_;
+  std::int64_t tick_ = 0;
+  std::int64_t next_show_ns_ = 0;
+};
+
+/// What a late tick means for the rig.
+enum class Lateness {
+  time_stands_still,  ///< those after it are as much later, also for the drives, which are simulated
+  falls_behind,       ///< those after it are as much later: steps that were not made cannot be made up for
+  catches_up,         ///< the loop is told how many ticks have passed (MotionLoop, faults.md 36)
+};
+
+/// On the machine's clock, in a thread of its own, which ticks from construction on, between acts as well,
+/// until it is destroyed. In that thread nothing is allocated, locked, logged or written; keys come in and
+/// snapshots go out through rings, what does not fit is counted.
+class TimedRunner {
+ public:
+  /// With `wishes` the thread asks for real-time rights first.
+  TimedRunner(RunLoop& loop, std::int32_t rate_hz, const LoopAudience& audience, LoopTrace& trace,
+              Lateness lateness, const std::optional<RealTimeWishes>& wishes);
+  ~TimedRunner();
+  TimedRunner(const TimedRunner&) = delete;
+  TimedRunner& operator=(const TimedRunner&) = delete;
+
+  /// What the thread was refused of its rights; empty without wishes.
+  [[nodiscard]] const std::vector<RealTimeRight>& rights() const { return rights_; }
+  ActEnd run(const LoopTask& act, std::optional<std::int64_t> last);
+
+  // Once no act runs.
+  [[nodiscard]] WakeLatency latency() const { return latencies_.summary(); }
+  [[nodiscard]] std::int64_t late_ticks() const { return late_ticks_; }
+  /// Snapshots that nobody took in time, and keys that found no room.
+  [[nodiscard]] std::uint64_t dropped() const { return shown_.dropped() + typed_.dropped(); }
+
+ private:
+  void live(const std::optional<RealTimeWishes>& wishes);
+  void loop();
+  void tick(std::int32_t ticks, std::int64_t now_ns);
+
+  RunLoop& loop_;
+  std::int32_t rate_hz_;
+  const LoopAudience& audience_;
+  LoopTrace& trace_;
+  Lateness lateness_;
+  TransportKeys keys_;
+  TelemetryRing<TransportKey, 64> typed_;
+  TelemetryRing<RunSnapshot, 64> shown_;
+  std::atomic<const LoopTask*> next_{nullptr};
+  std::atomic<bool> is_over_{false};
+  std::atomic<bool> leaves_{false};
+  std::atomic<bool> has_rights_{false};
+  std::vector<RealTimeRight> rights_;
+  // of the loop's thread while an act runs
+  const LoopTask* act_ = nullptr;
+  ActEnd end_;
+  WakeLatencyCounter latencies_;
+  std::int64_t late_ticks_ = 0;
+  std::int64_t until_shown_ = 0;
+  std::thread thread_;
+};
+
+/// Throws InputError at the rig file of a rig that is to be moved without a right that it needs, with how to
+/// get it; --allow-jitter is what one may do `otherwise`.
+void refuse_unfit_machine(const std::string& rig_path, const std::vector<RealTimeRight>& rights,
+                          const char* otherwise);
+
+}  // namespace inbetween

@@ -1,0 +1,34 @@
+// The memory of a motion loop, on the heap.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "inbetween/loop/motion_loop.hpp"
+
+namespace inbetween {
+
+/// For a rig of so many drives, and moves of up to so many axes.
+class LoopStorage {
+ public:
+  LoopStorage(std::size_t drives, std::size_t axes)
+      : states_(drives), setpoints_(drives), next_(axes), positions_(axes), motions_(axes) {}
+  LoopStorage(const LoopStorage&) = delete;
+  LoopStorage& operator=(const LoopStorage&) = delete;
+
+  [[nodiscard]] LoopMemory<double> memory() { return {states_, setpoints_, next_, positions_, motions_}; }
+  /// Where the drives are to be, as they were told last.
+  [[nodiscard]] std::vector<double> targets() const {
+    std::vector<double> targets;
+    for (const Setpoint<double>& setpoint : setpoints_) targets.push_back(setpoint.position);
+    return targets;
+  }
+
+ private:
+  std::vector<DriveState<double>> states_;
+  std::vector<Setpoint<double>> setpoints_, next_;
+  std::vector<double> positions_;
+  std::vector<AxisMotion<double>> motions_;
+};
+
+}  // namespace inbetween

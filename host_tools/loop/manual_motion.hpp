@@ -1,0 +1,42 @@
+// Plays axes that move without a drawn move, until they rest.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "host_tools/loop/operator_keys.hpp"
+#include "host_tools/loop/run_loop.hpp"
+#include "host_tools/loop/run_snapshot.hpp"
+#include "inbetween/loop/motion_loop.hpp"
+
+namespace inbetween {
+
+/// An act of a motion loop (LoopTask). Refers to the loop and to what the spec refers to. A stop by whatever
+/// is the end of it. Allocates nothing.
+class ManualMotion {
+ public:
+  /// How many ticks it takes if that is known.
+  ManualMotion(RunLoop& loop, const FreeSpec<double>& spec, std::optional<std::int64_t> last = std::nullopt)
+      : loop_(loop), spec_(spec), keys_(loop, false), last_(last) {}
+
+  /// Errors: those of MotionLoop::load and begin.
+  Status begin();
+  void press(TransportKey key) { keys_.press(key); }
+  void tick(std::int32_t ticks, std::int64_t now_ns);
+  [[nodiscard]] bool is_over() const { return is_done() || keys_.has_left(); }
+  /// It rests, and nobody and nothing has stopped it.
+  [[nodiscard]] bool is_done() const {
+    return loop_.state() == SupervisorState::ready && !keys_.was_stopped();
+  }
+  [[nodiscard]] const OperatorKeys& keys() const { return keys_; }
+  [[nodiscard]] RunSnapshot snapshot() const;
+
+ private:
+  RunLoop& loop_;
+  FreeSpec<double> spec_;
+  OperatorKeys keys_;
+  std::optional<std::int64_t> last_;
+  std::int64_t ticks_ = 0;
+};
+
+}  // namespace inbetween

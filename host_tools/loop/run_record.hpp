@@ -1,0 +1,47 @@
+// What every axis was told and where it was, tick by tick, in a file.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+
+#include "host_tools/files/loop_log.hpp"
+#include "host_tools/files/rig_file.hpp"
+#include "host_tools/loop/run_loop.hpp"
+
+namespace inbetween {
+
+/// Comma-separated values, a line a tick: its number, seconds, the state of the supervisor, and per axis the
+/// setpoint and the position that its drive told; empty while no setpoint is sent.
+///
+/// A disk that is full, slow or gone never holds the loop up (LoopLog): what finds no room is counted, and
+/// the file has a gap there, which its numbers show.
+class RunRecord {
+ public:
+  /// Throws std::runtime_error, one line that starts with the name, where the file cannot be opened. `waits`:
+  /// the loop has time, and waits for room instead.
+  RunRecord(const std::string& file, const RigFile& rig, bool waits);
+
+  /// Of the loop's thread, after a tick. No allocation, no system call unless it waits.
+  void take(const RunLoop& loop);
+  /// Writes what is left; a reader that takes nothing for a second is given up. Records are ticks.
+  LoopLogEnd finish() { return log_.finish("it was written more slowly than the rig moved"); }
+
+ private:
+  struct Tick {
+    std::int64_t number = 0;
+    SupervisorState state = SupervisorState::disarmed;
+    bool is_told = false;
+    std::array<double, max_rig_axes> told;
+    std::array<double, max_rig_axes> actual;
+  };
+  static std::string head_of(const RigFile& rig);
+  void put(const Tick& tick, std::string& text) const;
+
+  std::size_t axes_;
+  double period_s_;
+  std::int64_t number_ = 0;  // of the loop's thread
+  LoopLog<Tick, 2048> log_;
+};
+
+}  // namespace inbetween

@@ -1,0 +1,63 @@
+#include "host_tools/loop/run_snapshot.hpp"
+
+#include <fmt/format.h>
+
+namespace inbetween {
+namespace {
+
+/// What can be pressed while nothing runs.
+const char* hint_at_rest(SupervisorState state) {
+  switch (state) {
+    case SupervisorState::stopping:
+      return "slowing down on the path";
+    case SupervisorState::latched:
+    case SupervisorState::cut_off:
+      return "stopped; a acknowledges, q leaves";
+    case SupervisorState::faulted:
+      return "setpoints have ceased; remove the cause, or q leaves";
+    case SupervisorState::ready:
+      return "Enter starts from here, q leaves";
+    default:
+      return "";
+  }
+}
+
+std::string line_of_shoot(const RunSnapshot& snapshot, const ShootSnapshot& shoot) {
+  const bool runs = snapshot.state == SupervisorState::running;
+  const char* hint = "Esc stops";
+  if (shoot.phase == ShootPhase::waiting) {
+    hint = "shot; space goes on, left and right look at others, Esc stops";
+  } else if (shoot.phase == ShootPhase::standing) {
+    hint = "space shoots it, left and right look at others, Esc stops";
+  }
+  if (!runs) hint = hint_at_rest(snapshot.state);
+  return fmt::format("{}  frame {} of {}  {} shot{} | {}",
+                     runs ? name_of(shoot.phase) : name_of(snapshot.state), shoot.frame, shoot.frames,
+                     shoot.exposures, shoot.camera ? "  CAMERA" : "",
+                     *snapshot.words != 0 ? snapshot.words : hint);
+}
+
+std::string line_of_jog(const RunSnapshot& snapshot, const JogSnapshot& jog) {
+  const char* hint = "hold left or right, up and down choose the axis, q leaves";
+  if (snapshot.state != SupervisorState::running) hint = hint_at_rest(snapshot.state);
+  return fmt::format("{}  {:.3f} {}  {:+.2f}/s{} | {}", jog.axis, jog.position, jog.unit, jog.velocity,
+                     jog.is_referenced ? "" : "  UNREFERENCED", *snapshot.words != 0 ? snapshot.words : hint);
+}
+
+}  // namespace
+
+std::string status_line(const RunSnapshot& snapshot) {
+  if (snapshot.jog) return line_of_jog(snapshot, *snapshot.jog);
+  if (snapshot.shoot) return line_of_shoot(snapshot, *snapshot.shoot);
+  const bool runs = snapshot.state == SupervisorState::running;
+  const bool is_paused = runs && snapshot.is_resting;
+  const char* hint = "space pauses, r turns, + - rate, Esc stops";
+  if (is_paused) hint = "space plays, arrows step, r turns, q leaves";
+  if (!runs) hint = hint_at_rest(snapshot.state);
+  return fmt::format("{}  frame {:.1f}  rate {:+.2f} of {:.1f}{} | {}",
+                     is_paused ? "paused" : name_of(snapshot.state), snapshot.frame, snapshot.rate,
+                     snapshot.override_rate, snapshot.backward ? ", backward" : "",
+                     *snapshot.words != 0 ? snapshot.words : hint);
+}
+
+}  // namespace inbetween

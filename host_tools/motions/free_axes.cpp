@@ -1,0 +1,26 @@
+#include "host_tools/motions/free_axes.hpp"
+
+#include <fmt/format.h>
+
+#include "host_tools/files/diagnostics.hpp"
+
+namespace inbetween {
+
+FreeAxisLimits<double> free_limits_of(const RigAxis& axis, double share) {
+  const double acceleration = share * axis.max_acceleration;
+  return {.velocity = share * axis.max_velocity,
+          .acceleration = acceleration,
+          .jerk = axis.max_jerk ? share * *axis.max_jerk : acceleration / seconds_to_acceleration,
+          .min = axis.min,
+          .max = axis.max};
+}
+
+FreeAxis<double> free_axis_of(const RigAxis& axis, const FreeAxisLimits<double>& limits, double position,
+                              double tick_seconds) {
+  const auto free = FreeAxis<double>::make(limits, position, tick_seconds);
+  if (free) return *free;
+  throw InputError(axis.place, fmt::format("axis {} cannot be moved: {}; {}", in_quotes(axis.name),
+                                           free.error().what, free.error().remedy));
+}
+
+}  // namespace inbetween

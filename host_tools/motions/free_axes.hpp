@@ -1,0 +1,45 @@
+// Axes of a rig that move without a drawn move: what they may do, and together what a motion loop plays.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "host_tools/files/rig_file.hpp"
+#include "inbetween/play/free_axis.hpp"
+#include "inbetween/play/free_source.hpp"
+
+namespace inbetween {
+
+/// Where a rig limits no jerk, a free axis takes so long to its acceleration: without any limit a stop would
+/// be a step of the force.
+inline constexpr double seconds_to_acceleration = 0.05;
+
+/// `share` of an axis' velocity, acceleration and jerk, between its soft limits.
+FreeAxisLimits<double> free_limits_of(const RigAxis& axis, double share);
+
+/// An axis of a rig at rest at `position`. Throws InputError at the axis where it cannot be moved so.
+FreeAxis<double> free_axis_of(const RigAxis& axis, const FreeAxisLimits<double>& limits, double position,
+                              double tick_seconds);
+
+/// A FreeSource, each axis by itself. Allocates only when it is made.
+class FreeAxes {
+ public:
+  explicit FreeAxes(std::vector<FreeAxis<double>> axes) : axes_(std::move(axes)), motion_(axes_) {}
+  FreeAxes(const FreeAxes&) = delete;
+  FreeAxes& operator=(const FreeAxes&) = delete;
+
+  void tick(std::int64_t /*now_ns*/, std::span<Setpoint<double>> out) { motion_.tick(out); }
+  void stop() { motion_.stop(); }
+  void halt() { motion_.halt(); }
+  [[nodiscard]] bool is_resting() const { return motion_.is_resting(); }
+  [[nodiscard]] std::span<FreeAxis<double>> axes() { return axes_; }
+  [[nodiscard]] std::span<const FreeAxis<double>> axes() const { return axes_; }
+
+ private:
+  std::vector<FreeAxis<double>> axes_;
+  FreeMotion<double> motion_;
+};
+
+}  // namespace inbetween

@@ -1,0 +1,40 @@
+// Axes of a rig go to positions, each by itself and slowly.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "host_tools/loop/rig_session.hpp"
+
+namespace inbetween {
+
+/// Where an axis of the rig is to go.
+struct GoTarget {
+  std::size_t axis = 0;
+  double position = 0;
+};
+
+/// The targets that `positions`, by the names of the axes, ask for. Throws InputError for an axis that the
+/// rig does not have, LimitError for a position outside its limits.
+std::vector<GoTarget> go_targets(const RigFile& rig, const std::map<std::string, double>& positions);
+
+struct GoOptions {
+  /// Of the limits of velocity, acceleration and jerk, what the axes may use: above 0, up to 1.
+  double share = 0.1;
+  /// Asked before anything moves, with what moves from where to where and for how long.
+  std::function<bool(const std::string& question)> confirm;
+  SessionOptions session = {};
+};
+
+/// Switches the rig on, asks, goes there from wherever the axes stand, and switches it off. Axes that are
+/// there already do not move. An axis outside its soft limits comes in by the shortest way.
+///
+/// Throws InputError where a target is unreferenced (nothing has been opened then) or the rig file has
+/// changed since it was read, and what RigSession and RigReference throw.
+SetupEnd go_to(const RigFile& rig, const std::vector<GoTarget>& targets, RigReference& reference,
+               const GoOptions& options);
+
+}  // namespace inbetween

@@ -1,0 +1,101 @@
+#include "host_tools/motions/home.hpp"
+
+#include <fmt/format.h>
+
+#include "host_tools/files/diagnostics.hpp"
+#include "host_tools/loop/manual_motion.hpp"
+#include "host_tools/motions/rig_homing.hpp"
+#include "host_tools/plan/move_rolls.hpp"
+#include "host_tools/reference/axis_positions.hpp"
+#include "host_tools/rig/rig_watch.hpp"
+
+namespace inbetween {
+namespace {
+
+/// Of max_velocity, without real-time rights.
+constexpr double jitter_share = 0.1;
+
+void refuse_fast_homing(const RigFile& rig, const std::vector<std::size_t>& axes) {
+  for (const std::size_t a : axes) {
+    const RigAxis& axis = rig.axes[a];
+    const double most = jitter_share * axis.max_velocity;
+    if (axis.home->fast <= most) continue;
+    throw InputError(axis.home->place,
+                     fmt::format("axis {} homes at {:g} {}/s, and with --allow-jitter at {:g} at most; lower "
+                                 "`fast`, or give the program its real-time rights",
+                                 in_quotes(axis.name), axis.home->fast, to_string(axis.unit), most));
+  }
+}
+
+SetupEnd home_armed(RigSession& session, const std::vector<std::size_t>& axes, RigReference& reference) {
+  const RigFile& rig = session.rig();
+  std::vector<AxisLimits<double>> limits;
+  limits.reserve(axes.size());
+  for (const std::size_t a : axes) {
+    limits.push_back(limits_of(rig.axes[a]));
+    reference.is_lost(a, "its homing was not done");
+  }
+  RigHoming<RigInputs> homing(rig, axes, session.lines(),
+                              {.positions = session.positions(),
+                               .drives = session.loop().drive_states(),
+                               .tick_seconds = session.tick_seconds(),
+                               .delay_ns = session.delay_ns()});
+  ManualMotion play(session.loop(), {.source = source_of<double>(homing),
+                                     .drive_of = axes,
+                                     .limits = limits,
+                                     .tick_seconds = session.tick_seconds()});
+  const DisarmAtEnd disarm(session);
+  reference.about_to_move(axes);
+  const ActEnd played = session.perform(act_of(play));
+  SetupEnd end{.is_done = played.begun && play.is_done() && homing.is_done(), .reason = "the axes are home"};
+  if (!played.begun) {
+    end.reason = played.begun.error().what;
+  } else if (!end.is_done) {
+    end.reason = homing.reason();
+    if (end.reason.empty()) end.reason = reason_of(session, "stopped before its end");
+  }
+  session.rest();
+  end.positions = session.positions();
+  for (std::size_t i = 0; end.is_done && i < axes.size(); ++i) {
+    end.positions[axes[i]] += homing.shift(i);
+    reference.stands_at(axes[i], end.positions[axes[i]]);
+  }
+  return end;
+}
+
+}  // namespace
+
+std::vector<std::size_t> home_axes(const RigFile& rig, const std::vector<std::string>& names) {
+  std::vector<bool> wanted(rig.axes.size(), names.empty());
+  for (const std::string& name : names) {
+    const std::size_t a = axis_named(rig, name);
+    if (!rig.axes[a].home) {
+      throw InputError(rig.axes[a].place,
+                       fmt::format("axis {} has no home switch; leave it out, and say where it stands with "
+                                   "inbetween goto --set-zero",
+                                   in_quotes(name)));
+    }
+    wanted[a] = true;
+  }
+  std::vector<std::size_t> axes;
+  for (std::size_t a = 0; a < rig.axes.size(); ++a) {
+    if (wanted[a] && rig.axes[a].home) axes.push_back(a);
+  }
+  if (axes.empty()) {
+    throw InputError({rig.path, 0, 0},
+                     "no axis of the rig has a home switch; write a `home` for one, or say where axes stand "
+                     "with inbetween goto --set-zero");
+  }
+  return axes;
+}
+
+SetupEnd home(const RigFile& rig, const std::vector<std::size_t>& axes, RigReference& reference,
+              const SessionOptions& options) {
+  if (options.allow_jitter) refuse_fast_homing(rig, axes);
+  RigSession session(rig, reference, options);
+  if (!session.arm()) return {.reason = reason_of(session, "the drives were not switched on")};
+  refuse_changed_rig(rig.path, options.audience.rig_has_changed);
+  return home_armed(session, axes, reference);
+}
+
+}  // namespace inbetween

@@ -1,0 +1,25 @@
+// Axes of a rig find out where they are, by their switches.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "host_tools/loop/rig_session.hpp"
+
+namespace inbetween {
+
+/// The named axes, or without names all that have a `home`, in the order of the rig. Throws InputError for an
+/// axis that the rig has not, or that has no `home`, and for a rig in which none has.
+std::vector<std::size_t> home_axes(const RigFile& rig, const std::vector<std::string>& names);
+
+/// Switches the rig on, homes the axes together, and switches it off. What an axis knew of its position is
+/// forgotten when it begins; if one fails all stop, and what has not been referenced by then is unreferenced.
+/// SetupEnd::positions are those of the new reference.
+///
+/// Throws InputError where the rig file has changed since it was read, or, without real-time rights, an axis
+/// is to home faster than at a tenth of its velocity; and what RigSession and RigReference throw.
+SetupEnd home(const RigFile& rig, const std::vector<std::size_t>& axes, RigReference& reference,
+              const SessionOptions& options);
+
+}  // namespace inbetween

@@ -1,0 +1,33 @@
+#include "host_tools/motions/rig_homing.hpp"
+
+#include <fmt/format.h>
+
+namespace inbetween {
+namespace {
+
+constexpr double backs_to_leave = 4;
+
+}  // namespace
+
+HomingSpec<double> homing_spec_of(const RigAxis& axis, const SwitchSettings& home) {
+  const Home& of = *axis.home;
+  const FreeAxisLimits<double> limits = free_limits_of(axis, 1);
+  const double overrun = of.fast * (of.fast / limits.acceleration + limits.acceleration / limits.jerk);
+  return {.towards_max = of.direction > 0,
+          .at = of.at,
+          .fast = of.fast,
+          .slow = of.slow,
+          .search = of.search,
+          .leave = overrun + backs_to_leave * of.back_off,
+          .back_off = of.back_off,
+          .home = home};
+}
+
+AxisHoming<double> axis_homing_of(const RigAxis& axis, const SwitchSettings& home, FreeAxis<double>& free) {
+  const auto homing = AxisHoming<double>::make(homing_spec_of(axis, home), free);
+  if (homing) return *homing;
+  throw InputError(axis.home->place, fmt::format("axis {} cannot home: {}; {}", in_quotes(axis.name),
+                                                 homing.error().what, homing.error().remedy));
+}
+
+}  // namespace inbetween

@@ -1,0 +1,79 @@
+#include "host_tools/motions/run_checks.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "host_tools/check/check.hpp"
+#include "host_tools/files/diagnostics.hpp"
+#include "host_tools/motions/approach.hpp"
+#include "host_tools/reference/axis_positions.hpp"
+
+namespace inbetween {
+namespace {
+
+void refuse_beyond_highest_rate(const Plan& plan, const CheckReport& report, double top_rate) {
+  if (top_rate <= std::max(report.highest_rate, 1.0)) return;
+  throw LimitError(
+      plan.move().frames_place,
+      fmt::format("at {:g} times the drawn speed the move leaves the limits of the rig; up to {:.3f} "
+                  "times it does not",
+                  top_rate, std::floor(report.highest_rate * 1000) / 1000));
+}
+
+void refuse_positions_beyond_limits(const Plan& plan) {
+  const Move<double>& move = plan.played();
+  const std::int64_t last = move.last_tick_at(plan.rig()->rate_hz);
+  std::vector<double> positions(move.axis_count());
+  for (std::int64_t tick = 0; tick <= last; ++tick) {
+    const FrameTime<double> when = move.time_of_tick(tick, plan.rig()->rate_hz);
+    move.positions(when, positions);
+    for (std::size_t d = 0; d < positions.size(); ++d) {
+      if (positions[d] >= plan.limits()[d].min() && positions[d] <= plan.limits()[d].max()) continue;
+      const std::size_t a = plan.axis_of(d);
+      const RigAxis& axis = plan.rig()->axes[a];
+      throw LimitError(
+          plan.place_of(a),
+          fmt::format("axis {} would go to {} {} at frame {:.2f}, outside {}..{} of the rig {}; "
+                      "move its keys inward",
+                      in_quotes(axis.name), positions[d], to_string(axis.unit), when.frame + when.fraction,
+                      axis.min, axis.max, in_quotes(plan.rig()->name)));
+    }
+  }
+}
+
+}  // namespace
+
+std::unique_ptr<StagedMove> checked_move(const Plan& plan, double top_rate, Repeat repeat,
+                                         const std::optional<ShootOptions>& shoot) {
+  const CheckReport checked = check(plan);
+  refuse_beyond_limits(checked);
+  refuse_positions_beyond_limits(plan);
+  refuse_beyond_highest_rate(plan, checked, top_rate);
+  std::vector<std::string> still;
+  if (shoot) still = shoot->still;
+  for (const std::string& axis : still) static_cast<void>(axis_named(*plan.rig(), axis));
+  auto staged = std::make_unique<StagedMove>(plan, top_rate, still);
+  staged->set_repeat(repeat);
+  if (shoot) refuse_exposures(*staged, shoot_spec(*shoot, plan.rig()->rate_hz));
+  return staged;
+}
+
+std::optional<Plan> allowed_approach(const Plan& plan, std::span<const double> actual, bool can_be_agreed) {
+  std::optional<Plan> approach = plan_approach(plan, actual);
+  if (!approach) return approach;
+  refuse_positions_beyond_limits(*approach);
+  if (can_be_agreed) return approach;
+  throw InputError(
+      {plan.move().path, 0, 0},
+      fmt::format("axis {} of the rig is not where the move starts; bring it there, or agree to let "
+                  "it go there slowly (--yes)",
+                  in_quotes(approach->move().tracks.front().axes.front())));
+}
+
+}  // namespace inbetween

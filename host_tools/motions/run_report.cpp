@@ -1,0 +1,106 @@
+#include "host_tools/motions/run_report.hpp"
+
+#include "host_tools/files/json_writer.hpp"
+
+namespace inbetween {
+namespace {
+
+const char* name_of(Ending ending) {
+  switch (ending) {
+    case Ending::finished:
+      return "finished";
+    case Ending::stopped:
+      return "stopped";
+    case Ending::fault:
+      return "fault";
+  }
+  return "fault";
+}
+
+void write_log(const char* name, const char* records, const LoopLogEnd& log, JsonWriter& json) {
+  json.key(name);
+  json.begin_object();
+  json.member(records, log.written);
+  json.member("lost", log.lost);
+  json.member("why", log.why);
+  json.end_object();
+}
+
+void write_counts(const std::vector<Count>& counts, JsonWriter& json) {
+  for (const Count& count : counts) json.member(count.name, count.count);
+}
+
+/// An object each, with what it is of as `named`.
+void write_counted(const char* name, const char* named, const std::vector<Counted>& all, JsonWriter& json) {
+  json.line();
+  json.key(name);
+  json.begin_array();
+  for (const Counted& each : all) {
+    json.line();
+    json.begin_object();
+    json.member(named, each.of);
+    write_counts(each.counts, json);
+    json.end_object();
+  }
+  json.end_array();
+}
+
+}  // namespace
+
+void write_run_json(const RunReport& report, std::FILE* file) {
+  JsonWriter json(file);
+  json.begin_object();
+  json.member("format", 1);
+  json.member("ended", name_of(report.ending));
+  json.member("reason", report.reason);
+  json.member("ticks", report.ticks);
+  json.member("late_ticks", report.late_ticks);
+  if (report.exposures) json.member("exposures", *report.exposures);
+  if (report.record) write_log("record", "ticks", *report.record, json);
+  if (report.cue_log) write_log("cue_log", "pulses", *report.cue_log, json);
+  json.line();
+  json.key("axes");
+  json.begin_array();
+  for (const RunAxis& axis : report.axes) {
+    json.line();
+    json.begin_object();
+    json.member("name", axis.name);
+    json.member("last_commanded", axis.last_commanded);
+    json.member("last_actual", axis.last_actual);
+    json.member("following_error_peak", axis.following_error_peak);
+    json.end_object();
+  }
+  json.end_array();
+  json.line();
+  json.key("wake_latency_us");
+  json.begin_object();
+  json.member("p50", report.wake_latency.p50_us);
+  json.member("p99", report.wake_latency.p99_us);
+  json.member("p99_9", report.wake_latency.p99_9_us);
+  json.member("max", report.wake_latency.max_us);
+  json.member("max_at_s", report.wake_latency.max_at_s);
+  json.key("histogram");
+  json.begin_array();
+  for (const WakeLatency::Bucket& bucket : report.wake_latency.histogram) {
+    json.begin_object();
+    json.member("below_us", bucket.below_us);
+    json.member("ticks", bucket.ticks);
+    json.end_object();
+  }
+  json.end_array();
+  json.end_object();
+  write_counted("buses", "name", report.counts.buses, json);
+  write_counted("drives", "axis", report.counts.drives, json);
+  write_counted("chips", "label", report.counts.chips, json);
+  if (!report.counts.pulses.empty()) {
+    json.line();
+    json.key("pulses");
+    json.begin_object();
+    write_counts(report.counts.pulses, json);
+    json.end_object();
+  }
+  json.end_object();
+  json.finish();
+}
+
+}  // namespace inbetween

@@ -1,0 +1,42 @@
+// How a run went.
+#pragma once
+
+#include <cstdint>
+#include <cstdio>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host_tools/files/loop_log.hpp"
+#include "host_tools/loop/wake_latency.hpp"
+#include "host_tools/rig/counters.hpp"
+
+namespace inbetween {
+
+struct RunAxis {
+  std::string name;
+  std::string unit;
+  double last_commanded = 0;
+  double last_actual = 0;
+  double following_error_peak = 0;
+};
+
+enum class Ending { finished, stopped, fault };
+
+struct RunReport {
+  Ending ending = Ending::finished;
+  std::string reason;
+  std::int64_t ticks = 0;
+  std::int64_t late_ticks = 0;                 ///< woken a whole period or more after their deadline
+  std::optional<std::int64_t> exposures = {};  ///< of a move that is shot frame by frame
+  std::vector<RunAxis> axes;                   ///< every axis of the rig
+  WakeLatency wake_latency;                    ///< all 0 on a virtual clock
+  std::optional<LoopLogEnd> record = {};
+  std::optional<LoopLogEnd> cue_log = {};
+  Counters counts = {};
+};
+
+/// Version 1 of the format that docs/formats.md describes.
+void write_run_json(const RunReport& report, std::FILE* file);
+
+}  // namespace inbetween

@@ -1,0 +1,91 @@
+#include "host_tools/motions/shooting.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "host_tools/check/check.hpp"
+
+namespace inbetween {
+
+ShootSpec<double> shoot_spec(const ShootOptions& options, std::int32_t rate_hz) {
+  const auto ticks = [&](double seconds) { return static_cast<std::int64_t>(std::ceil(seconds * rate_hz)); };
+  return {.settle_ticks = ticks(options.settle_s),
+          .exposure_ticks = std::max<std::int64_t>(ticks(options.exposure_s), 1),
+          .shutter = options.shutter,
+          .exposure_s = options.exposure_s};
+}
+
+void refuse_exposures(StagedMove& staged, const ShootSpec<double>& spec) {
+  const MoveFile& move = staged.plan().move();
+  const Status possible = FrameShoot<double>(spec, move.frames, staged.playhead(), nullptr).check();
+  if (possible) return;
+  throw LimitError(move.frames_place,
+                   fmt::format("frame {} cannot be exposed in motion: {}; {}", possible.error().frame,
+                               possible.error().what, possible.error().remedy));
+}
+
+Status Shooting::begin() {
+  if (const Status loaded = loop_.load(spec_); !loaded) return loaded;
+  if (const Status begun = loop_.begin(); !begun) return begun;
+  return shoot_.shoot(shoot_.frame());
+}
+
+void Shooting::press(TransportKey key) {
+  if (keys_.press(key)) return;
+  switch (key) {
+    case TransportKey::pause:
+      keys_.say(shoot_.trigger());
+      return;
+    case TransportKey::start:
+      if (keys_.is_running()) {
+        keys_.say(shoot_.trigger());
+        return;
+      }
+      keys_.say(begin());
+      if (keys_.is_running()) keys_.begun();
+      return;
+    case TransportKey::step_forward:
+      return look(1);
+    case TransportKey::step_backward:
+      return look(-1);
+    default:
+      keys_.say("not while a move is shot frame by frame");
+      return;
+  }
+}
+
+void Shooting::look(int by) {
+  if (!keys_.is_running()) {
+    keys_.say("nothing runs");
+    return;
+  }
+  keys_.say(shoot_.look_at(shoot_.frame() + by));
+}
+
+void Shooting::tick(std::int32_t ticks, std::int64_t now_ns) {
+  const LoopTick result = loop_.tick(ticks, now_ns);
+  keys_.note(result);
+  if (result.state != SupervisorState::running) shoot_.interrupt();
+  shoot_.tick(result.event);
+  camera_.signal(shoot_.camera());
+  if (lines_.cues != nullptr) lines_.cues->signal(shoot_.camera(), now_ns);
+  // One that nobody waits for is dropped, as a key would be: the rig does not start later for it.
+  const bool asks = lines_.asks.has_come != nullptr && lines_.asks.has_come(lines_.asks.of, now_ns);
+  if (camera_.has_triggered() || asks) keys_.say(shoot_.trigger());
+  if (is_done() && loop_.state() == SupervisorState::running) keys_.say(loop_.finish());
+}
+
+RunSnapshot Shooting::snapshot() const {
+  return {.state = loop_.state(),
+          .share = static_cast<double>(shoot_.frame()) / frames_,
+          .words = keys_.words(),
+          .shoot = ShootSnapshot{.phase = shoot_.phase(),
+                                 .frame = shoot_.frame(),
+                                 .frames = frames_,
+                                 .exposures = shoot_.exposures(),
+                                 .camera = shoot_.camera()}};
+}
+
+}  // namespace inbetween

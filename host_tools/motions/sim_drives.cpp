@@ -1,0 +1,144 @@
+#include "host_tools/motions/sim_drives.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "drivers/can/socket_can.hpp"
+#include "drivers/linux/monotonic_clock.hpp"
+#include "host_tools/files/diagnostics.hpp"
+#include "host_tools/rig/fault_schedule.hpp"
+#include "host_tools/rig/rig_drives.hpp"
+#include "inbetween/can/canopen_id.hpp"
+#include "sim/cia402_drive.hpp"
+
+namespace inbetween {
+namespace {
+
+constexpr std::int64_t ns_between_looks = 1'000'000;
+
+struct DriveOnBus {
+  std::string axis;
+  SimulatedCia402Drive drive;
+};
+
+struct BusOfDrives {
+  std::string name;
+  can::SocketCan socket;
+  std::deque<DriveOnBus> drives;
+};
+
+std::vector<can::CanFilter> what_drives_hear(const std::deque<DriveOnBus>& drives, can::NodeId host) {
+  std::vector<can::CanFilter> filters{
+      {can::nmt_id, false}, {can::sync_id, false}, {can::heartbeat_id(host), false}};
+  for (const DriveOnBus& one : drives) {
+    filters.push_back({can::rpdo1_id(one.drive.node()), false});
+    filters.push_back({can::sdo_request_id(one.drive.node()), false});
+  }
+  return filters;
+}
+
+void open(BusOfDrives& bus, const RigFile& rig, can::NodeId host) {
+  const std::optional<Refusal> refusal = bus.socket.open(bus.name, what_drives_hear(bus.drives, host));
+  if (!refusal) return;
+  const auto place = std::ranges::find(rig.buses, bus.name, &Bus::name);
+  throw InputError(place != rig.buses.end() ? place->place : Place{rig.path, 0, 0},
+                   refusal->what + "; " + refusal->remedy);
+}
+
+/// The drives hear what has come and answer.
+void serve(BusOfDrives& bus, std::int64_t now_ns) {
+  std::array<can::Frame, can::SocketCan::max_frames> frames;
+  const std::size_t count = bus.socket.receive(frames);
+  std::vector<can::Frame> answers;
+  for (DriveOnBus& one : bus.drives) {
+    one.drive.advance(now_ns);
+    for (std::size_t i = 0; i < count; ++i) one.drive.receive(frames[i]);
+    for (const can::Frame& frame : one.drive.take_frames()) answers.push_back(frame);
+  }
+  std::span<const can::Frame> left = answers;
+  while (!left.empty()) {
+    const auto part = left.first(std::min(left.size(), can::SocketCan::max_frames));
+    bus.socket.send(part);
+    left = left.subspan(part.size());
+  }
+}
+
+void write_record(const std::deque<BusOfDrives>& buses, const FaultSchedule& faults, const RigFile& rig,
+                  std::FILE* file) {
+  for (const BusOfDrives& bus : buses) {
+    for (const DriveOnBus& one : bus.drives) {
+      for (const SimulatedCia402Drive::Applied& applied : one.drive.applied()) {
+        fmt::print(file, "{},{},{}\n", one.axis, applied.at_ns, applied.target);
+      }
+    }
+  }
+  for (const FaultSchedule::Begun& fault : faults.begun()) {
+    fmt::print(file, "{},fault,{},{}\n", rig.axes[fault.axis].name, fault.at_ns, fault.what);
+  }
+  for (const BusOfDrives& bus : buses) {
+    for (const DriveOnBus& one : bus.drives) {
+      fmt::print(file, "{},end,{},{:.3f},{:.3f}\n", one.axis, can::name_of(one.drive.state()),
+                 one.drive.position(), one.drive.velocity());
+    }
+  }
+}
+
+}  // namespace
+
+void run_sim_drives(const RigFile& rig, const SimDrivesOptions& options) {
+  const MonotonicClock clock;
+  std::map<std::string, double> standing = options.standing;
+  std::deque<BusOfDrives> buses;
+  FaultSchedule faults(options.faults, clock.now_ns());
+  std::optional<can::NodeId> host;
+  for (std::size_t a = 0; a < rig.axes.size(); ++a) {
+    const RigAxis& axis = rig.axes[a];
+    const Cia402Drive* const drive = std::get_if<Cia402Drive>(&axis.drive);
+    if (std::holds_alternative<StepDirDrive>(axis.drive)) continue;
+    if (drive == nullptr) {
+      throw InputError(axis.place,
+                       fmt::format("axis {} is no CiA 402 drive; this version simulates those only "
+                                   "on a bus",
+                                   in_quotes(axis.name)));
+    }
+    auto bus = std::ranges::find(buses, drive->bus, &BusOfDrives::name);
+    if (bus == buses.end()) {
+      buses.emplace_back().name = drive->bus;
+      bus = buses.end() - 1;
+    }
+    double position = std::clamp(0.0, axis.min, axis.max);
+    if (const auto said = standing.extract(axis.name)) position = said.mapped();
+    host = settings_of(axis, rig.rate_hz).setup.host;
+    bus->drives.push_back(
+        {axis.name, SimulatedCia402Drive(simulated_settings_of(axis, position), clock.now_ns())});
+    faults.attach(a, bus->drives.back().drive);
+  }
+  if (buses.empty()) {
+    throw InputError({rig.path, 0, 0},
+                     fmt::format("the rig {} has no drive on a bus; simulate it with inbetween run --sim",
+                                 in_quotes(rig.name)));
+  }
+  if (!standing.empty()) {
+    throw InputError({rig.path, 0, 0},
+                     fmt::format("the rig {} has no axis {} on a bus; name one of its axes there",
+                                 in_quotes(rig.name), in_quotes(standing.begin()->first)));
+  }
+  for (BusOfDrives& bus : buses) open(bus, rig, *host);
+  if (options.ready) options.ready();
+  while (!options.interrupted()) {
+    clock.sleep_until_ns(clock.now_ns() + ns_between_looks);
+    faults.advance(clock.now_ns());
+    for (BusOfDrives& bus : buses) serve(bus, clock.now_ns());
+  }
+  if (options.record != nullptr) write_record(buses, faults, rig, options.record);
+}
+
+}  // namespace inbetween

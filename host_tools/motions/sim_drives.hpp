@@ -1,0 +1,33 @@
+// The drives of a rig as a process of their own: they speak their frames on the rig's buses.
+#pragma once
+
+#include <cstdio>
+#include <functional>
+#include <map>
+#include <string>
+
+#include "host_tools/files/fault_script.hpp"
+#include "host_tools/files/rig_file.hpp"
+
+namespace inbetween {
+
+struct SimDrivesOptions {
+  /// Where axes stand, by name; the others at 0, or as near to it as their limits allow.
+  std::map<std::string, double> standing = {};
+  /// Whether somebody wants it to end.
+  std::function<bool()> interrupted = {};
+  /// Called once the buses are open and the drives have power.
+  std::function<void()> ready = {};
+  /// What goes wrong with them; of the same rig.
+  FaultScript faults = {};
+  /// Receives a line per target that a drive applied: axis, nanoseconds of the monotonic clock, counts; one
+  /// per fault that has begun; and one per axis with what it does at the end. May be null.
+  std::FILE* record = nullptr;
+};
+
+/// Until it is interrupted. Axes on STEP and DIR lines are left out: nothing at those answers. Throws
+/// InputError at the place of a bus that is not there, or of an axis with another drive than CiA 402 or
+/// unknown; and where no axis is left. Looks at its buses a thousand times a second.
+void run_sim_drives(const RigFile& rig, const SimDrivesOptions& options);
+
+}  // namespace inbetween

@@ -1,0 +1,53 @@
+#include "host_tools/plan/move_rolls.hpp"
+
+#include <array>
+#include <utility>
+
+#include "host_tools/plan/solved_track.hpp"
+
+namespace inbetween {
+namespace {
+
+template <class T>
+const T& value_or_throw(const Result<T>& result) {
+  if (!result) throw SolverError(result.error());
+  return *result;
+}
+
+}  // namespace
+
+AxisLimits<double> limits_of(const RigAxis& axis) {
+  return value_or_throw(AxisLimits<double>::make({.min = axis.min,
+                                                  .max = axis.max,
+                                                  .max_velocity = axis.max_velocity,
+                                                  .max_acceleration = axis.max_acceleration,
+                                                  .max_jerk = axis.max_jerk,
+                                                  .max_acceleration_step = axis.max_acceleration_step,
+                                                  .stop_acceleration = axis.stop_acceleration,
+                                                  .stop_jerk = axis.stop_jerk}));
+}
+
+PlannedRolls plan_rolls(std::span<const Track<double>> tracks, std::span<const AxisLimits<double>> limits) {
+  PlannedRolls rolls;
+  std::vector<AxisMotion<double>> joints(limits.size());
+  for (const auto& [end, axes] :
+       {std::pair(RollEnd::before, &rolls.before), std::pair(RollEnd::after, &rolls.after)}) {
+    if (!joints_of(tracks, end, std::span(joints))) continue;
+    const RollRequest<double> request{.end = end,
+                                      .joint_frame = end == RollEnd::before ? 0 : tracks.front().frames(),
+                                      .fps = tracks.front().frame_rate(),
+                                      .joints = joints,
+                                      .limits = limits};
+    if (const auto obstacle = value_or_throw(roll_obstacle(request))) {
+      rolls.obstacles.push_back({end, *obstacle});
+      continue;
+    }
+    const RollSpan span{end, request.joint_frame, value_or_throw(roll_frames(request)), request.fps};
+    for (const AxisMotion<double>& joint : joints) {
+      axes->push_back(value_or_throw(RollAxis<double>::make(span, joint)));
+    }
+  }
+  return rolls;
+}
+
+}  // namespace inbetween

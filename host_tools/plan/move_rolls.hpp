@@ -1,0 +1,33 @@
+// The pre-roll and post-roll that a move needs on its rig.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "host_tools/files/rig_file.hpp"
+#include "inbetween/limits/limits.hpp"
+#include "inbetween/limits/move.hpp"
+
+namespace inbetween {
+
+/// What a rig file says of an axis, as the core takes it.
+AxisLimits<double> limits_of(const RigAxis& axis);
+
+/// A move that is moving at one end and has no roll there, and the limit in the way.
+struct RollObstacle {
+  RollEnd end = RollEnd::before;
+  RollBreach<double> breach;  ///< its axis counts through the tracks
+};
+
+/// Of every axis of all tracks, track after track; empty where the move is at rest, and where there is an
+/// obstacle.
+struct PlannedRolls {
+  std::vector<RollAxis<double>> before, after;
+  std::vector<RollObstacle> obstacles;
+};
+
+/// The shortest rolls that keep the limits, `limits` track after track. Each end has its own number of
+/// frames.
+PlannedRolls plan_rolls(std::span<const Track<double>> tracks, std::span<const AxisLimits<double>> limits);
+
+}  // namespace inbetween

@@ -1,0 +1,234 @@
+#include "host_tools/plan/plan.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+#include <stdexcept>
+#include <utility>
+
+namespace inbetween {
+namespace {
+
+/// The numbers of a track as the core takes them. Lives until the track is solved.
+struct TrackNumbers {
+  std::vector<double> keys;
+  std::vector<KeyShape<double>> shapes;
+  std::vector<KeyLock> locks;
+  std::vector<std::int32_t> key_frames;
+  TrackSpec<double> spec;
+
+  TrackNumbers(const MoveTrack& track, const MoveFile& move) {
+    for (const MoveKey& key : track.keys) {
+      keys.insert(keys.end(), key.at.begin(), key.at.end());
+      shapes.push_back({key.tension, key.continuity, key.bias});
+    }
+    spec.path = {.spline = track.spline,
+                 .closed = track.closed,
+                 .axis_count = static_cast<std::int32_t>(track.axes.size()),
+                 .keys = keys,
+                 .weights = track.weights,
+                 .shapes = shapes};
+    spec.control_values = track.speed;
+    if (track.timing == Timing::frames) {
+      take_key_frames(track, move.frames);
+    } else {
+      take_locks(track);
+    }
+    spec.frames = move.frames;
+    spec.fps = move.fps.rate;
+  }
+
+ private:
+  void take_locks(const MoveTrack& track) {
+    for (std::size_t k = 0; k < track.keys.size(); ++k) {
+      const MoveKey& key = track.keys[k];
+      if (!key.frame && !key.hold) continue;
+      locks.push_back({.key = static_cast<std::int32_t>(k),
+                       .frame = key.frame.value_or(-1),
+                       .hold = key.hold.value_or(0),
+                       .breaks = key.breaks});
+    }
+    spec.locks = locks;
+  }
+
+  void take_key_frames(const MoveTrack& track, std::int32_t frames) {
+    for (const MoveKey& key : track.keys) {
+      if (key.hold || key.breaks) {
+        throw InputError(
+            key.place,
+            R"(hold and break belong to a speed curve; with timing = "frames" write the key twice, on )"
+            "the first and the last frame of the hold");
+      }
+      if (!key.frame)
+        throw InputError(key.place, R"(the key has no frame; timing = "frames" needs one on every key)");
+      key_frames.push_back(*key.frame);
+    }
+    if (track.closed && track.keys.size() > 1) key_frames.push_back(frames);
+    spec.key_frames = key_frames;
+    const Kinetic usual = track.spline == Spline::linear ? Kinetic::linear : Kinetic::smooth;
+    spec.kinetic = track.kinetic.value_or(usual);
+  }
+};
+
+/// The place in the file that an error of the core speaks of.
+const Place& place_of(const Error& error, const MoveTrack& track) {
+  const auto within = [](std::int32_t index, std::size_t size) {
+    return index >= 0 && static_cast<std::size_t>(index) < size;
+  };
+  if (within(error.key, track.keys.size())) {
+    const MoveKey& key = track.keys[static_cast<std::size_t>(error.key)];
+    if (within(error.axis, key.at_places.size())) return key.at_places[static_cast<std::size_t>(error.axis)];
+    return key.place;
+  }
+  if (within(error.control_value, track.speed_places.size())) {
+    return track.speed_places[static_cast<std::size_t>(error.control_value)];
+  }
+  if (error.code == ErrorCode::no_distance) return track.speed_place;
+  if (within(error.axis, track.weight_places.size())) {
+    return track.weight_places[static_cast<std::size_t>(error.axis)];
+  }
+  return track.place;
+}
+
+std::string message_of(const Error& error, const MoveTrack& track) {
+  std::string where;
+  if (error.axis >= 0 && static_cast<std::size_t>(error.axis) < track.axes.size()) {
+    where += fmt::format("axis {}: ", in_quotes(track.axes[static_cast<std::size_t>(error.axis)]));
+  }
+  if (error.key >= 0) where += fmt::format("key {}: ", error.key);
+  if (error.frame >= 0) where += fmt::format("frame {}: ", error.frame);
+  return fmt::format("{}{}; {}", where, error.what, error.remedy);
+}
+
+SolvedTrack<double> solve_track(const MoveTrack& track, const MoveFile& move, const PlanOptions& options) {
+  const TrackNumbers numbers(track, move);
+  try {
+    SolvedTrack<double> solved(numbers.spec, options.solver);
+    const Status valid = check_invariants(solved.track(), solved.table());
+    if (!valid) throw SolverError(valid.error());
+    return solved;
+  } catch (const SolverError& refused) {
+    throw InputError(place_of(refused.error(), track), message_of(refused.error(), track));
+  }
+}
+
+}  // namespace
+
+Plan::Plan(MoveFile move, std::optional<RigFile> rig, const PlanOptions& options)
+    : move_(std::move(move)), rig_(std::move(rig)) {
+  list_axes();
+  warn_of_mixed_units();
+  if (rig_) check_cues(move_, *rig_);
+  solve(options);
+  put_together();
+  refuse_too_many_ticks();
+}
+
+double Plan::duration_s() const {
+  const FrameRate& fps = move_.fps.rate;
+  return static_cast<double>(move_.frames) * fps.denominator / fps.numerator;
+}
+
+void Plan::refuse_too_many_ticks() const {
+  if (!rig_) return;
+  const std::int32_t frames = played_->last_frame() - played_->first_frame();
+  const std::int64_t ticks = last_tick(frames, move_.fps.rate, rig_->rate_hz);
+  if (ticks <= max_ticks) return;
+  throw InputError(move_.frames_place,
+                   fmt::format("the move lasts {:.6g} s, {} ticks at the {} Hz of the rig {}, and {} are "
+                               "allowed; lower frames or rate_hz",
+                               frames / move_.fps.rate.frames_per_second(), ticks, rig_->rate_hz,
+                               in_quotes(rig_->name), max_ticks));
+}
+
+void Plan::list_axes() {
+  if (rig_) {
+    for (const RigAxis& axis : rig_->axes) axes_.push_back({axis.name, axis.unit, std::nullopt, 0, 0});
+  }
+  std::size_t next = 0;
+  for (std::size_t t = 0; t < move_.tracks.size(); ++t) {
+    const MoveTrack& track = move_.tracks[t];
+    for (std::size_t d = 0; d < track.axes.size(); ++d) {
+      const std::string& name = track.axes[d];
+      const std::size_t move_axis = next++;
+      if (!rig_) {
+        axes_.push_back({name, std::nullopt, t, d, move_axis});
+        continue;
+      }
+      const auto found = std::ranges::find(axes_, name, &PlanAxis::name);
+      if (found == axes_.end()) {
+        std::vector<std::string> known;
+        for (const RigAxis& axis : rig_->axes) known.push_back(axis.name);
+        throw InputError(track.axis_places[d],
+                         fmt::format("the rig {} has no axis {}; it has {}", in_quotes(rig_->name),
+                                     in_quotes(name), fmt::join(known, ", ")));
+      }
+      found->track = t;
+      found->track_axis = d;
+      found->move_axis = move_axis;
+    }
+  }
+}
+
+void Plan::warn_of_mixed_units() {
+  if (!rig_) return;
+  for (std::size_t t = 0; t < move_.tracks.size(); ++t) {
+    const MoveTrack& track = move_.tracks[t];
+    if (!track.weights.empty() || !length_unit(t).empty()) continue;
+    std::set<std::string_view> units;
+    for (const PlanAxis& axis : axes_) {
+      if (axis.track == t) units.insert(to_string(*axis.unit));
+    }
+    const std::string first(*units.begin());
+    units.erase(units.begin());
+    warnings_.push_back(
+        {track.place,
+         fmt::format("1 {} count{} as 1 {} of distance along this track; give weights, one per axis, to say "
+                     "otherwise",
+                     fmt::join(units, " and 1 "), units.size() == 1 ? "s" : "", first)});
+  }
+}
+
+std::string Plan::length_unit(std::size_t track) const {
+  const std::vector<double>& weights = move_.tracks[track].weights;
+  std::optional<AxisUnit> unit;
+  for (const PlanAxis& axis : axes_) {
+    if (axis.track != track || (!weights.empty() && weights[axis.track_axis] == 0)) continue;
+    if (!axis.unit || (unit && *unit != *axis.unit)) return "";
+    unit = axis.unit;
+  }
+  return unit ? std::string(to_string(*unit)) : "";
+}
+
+void Plan::solve(const PlanOptions& options) {
+  for (const MoveTrack& track : move_.tracks) tracks_.push_back(solve_track(track, move_, options));
+}
+
+void Plan::put_together() {
+  for (const SolvedTrack<double>& solved : tracks_) track_views_.push_back(solved.track());
+  if (rig_) {
+    std::size_t moving = 0;
+    for (const MoveTrack& track : move_.tracks) moving += track.axes.size();
+    for (std::size_t d = 0; d < moving; ++d) limits_.push_back(limits_of(rig_->axes[axis_of(d)]));
+    rolls_ = plan_rolls(track_views_, limits_);
+  }
+  const Result<Move<double>> played =
+      Move<double>::make(track_views_, {.before = rolls_.before, .after = rolls_.after});
+  if (!played) throw SolverError(played.error());
+  played_ = *played;
+}
+
+const Place& Plan::place_of(std::size_t axis) const {
+  const PlanAxis& planned = axes_[axis];
+  return move_.tracks[planned.track.value()].axis_places[planned.track_axis];
+}
+
+std::size_t Plan::axis_of(std::size_t move_axis) const {
+  for (std::size_t a = 0; a < axes_.size(); ++a) {
+    if (axes_[a].track && axes_[a].move_axis == move_axis) return a;
+  }
+  throw std::out_of_range("there is no such axis in the move");
+}
+
+}  // namespace inbetween

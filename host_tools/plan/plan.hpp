@@ -1,0 +1,81 @@
+// A move, solved: every track's path, speed and frame table, and the positions of every axis on time.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host_tools/files/diagnostics.hpp"
+#include "host_tools/files/move_file.hpp"
+#include "host_tools/files/rig_file.hpp"
+#include "host_tools/plan/move_rolls.hpp"
+#include "host_tools/plan/solved_track.hpp"
+
+namespace inbetween {
+
+/// Of a move on a rig: 46 days at 250 Hz, 14 hours at 20 kHz.
+inline constexpr std::int64_t max_ticks = 1'000'000'000;
+
+struct PlanOptions {
+  Solver solver = Solver::closed_form;
+};
+
+/// Where an axis of the plan comes from.
+struct PlanAxis {
+  std::string name;
+  std::optional<AxisUnit> unit;      // known with a rig
+  std::optional<std::size_t> track;  // index of its track; absent: in no track, the rig holds it where it is
+  std::size_t track_axis = 0;        // its index within the track
+  std::size_t move_axis = 0;         // its index in Plan::played(): through all tracks
+};
+
+/// Movable. With a rig its axes come in the rig's order, otherwise in that of the tracks.
+class Plan {
+ public:
+  /// Solves every track and checks every frame table (check_invariants). Throws InputError at the place
+  /// in the move's file where a track cannot be solved, where an axis or the line of a cue is not one of the
+  /// rig's, or where the move, rolls included, has more than max_ticks ticks of the rig.
+  Plan(MoveFile move, std::optional<RigFile> rig, const PlanOptions& options);
+
+  [[nodiscard]] const MoveFile& move() const { return move_; }
+  [[nodiscard]] const std::optional<RigFile>& rig() const { return rig_; }
+  [[nodiscard]] const std::vector<SolvedTrack<double>>& tracks() const { return tracks_; }
+  [[nodiscard]] const std::vector<PlanAxis>& axes() const { return axes_; }
+  [[nodiscard]] const std::vector<Warning>& warnings() const { return warnings_; }
+  /// The move on its time line, the axes track after track. On a rig it has a pre-roll where it starts moving
+  /// and a post-roll where it ends moving, unless there is an obstacle.
+  [[nodiscard]] const Move<double>& played() const { return *played_; }
+  /// The limits of the axes of played(); empty without a rig.
+  [[nodiscard]] const std::vector<AxisLimits<double>>& limits() const { return limits_; }
+  [[nodiscard]] const std::vector<RollObstacle>& roll_obstacles() const { return rolls_.obstacles; }
+  /// The axis of axes() that is axis `move_axis` of played().
+  [[nodiscard]] std::size_t axis_of(std::size_t move_axis) const;
+  /// Where the move names axis `axis` of axes(), which is in a track.
+  [[nodiscard]] const Place& place_of(std::size_t axis) const;
+
+  /// Without the rolls.
+  [[nodiscard]] double duration_s() const;
+  /// "mm" where all axes of a track with a weight above 0 share it; "" where they do not or have none.
+  [[nodiscard]] std::string length_unit(std::size_t track) const;
+
+ private:
+  void solve(const PlanOptions& options);
+  void put_together();
+  void refuse_too_many_ticks() const;
+  void list_axes();
+  void warn_of_mixed_units();
+
+  MoveFile move_;
+  std::optional<RigFile> rig_;
+  std::vector<SolvedTrack<double>> tracks_;
+  std::vector<PlanAxis> axes_;
+  std::vector<Warning> warnings_;
+  std::vector<Track<double>> track_views_;  // of tracks_, one after another
+  std::vector<AxisLimits<double>> limits_;
+  PlannedRolls rolls_;
+  std::optional<Move<double>> played_;
+};
+
+}  // namespace inbetween

@@ -1,0 +1,482 @@
+#include "host_tools/plan/plan_output.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "host_tools/files/csv_field.hpp"
+#include "host_tools/files/json_writer.hpp"
+#include "inbetween/base/hash.hpp"
+#include "inbetween/timing/frame_time.hpp"
+
+namespace inbetween {
+namespace {
+
+/// The rows of a plan in time, rolls included: frames first_frame()..last_frame(), or ticks from 0.
+class TimeLine {
+ public:
+  TimeLine(const Plan& plan, PlanRows rows)
+      : move_(plan.played()), rows_(rows), rate_hz_(rows == PlanRows::tick ? plan.rig()->rate_hz : 0) {}
+
+  [[nodiscard]] std::int64_t first() const { return rows_ == PlanRows::tick ? 0 : move_.first_frame(); }
+  [[nodiscard]] std::int64_t last() const {
+    return rows_ == PlanRows::tick ? move_.last_tick_at(rate_hz_) : move_.last_frame();
+  }
+  [[nodiscard]] FrameTime<double> at(std::int64_t row) const {
+    if (rows_ == PlanRows::frame) return {static_cast<std::int32_t>(row), 0};
+    return move_.time_of_tick(row, rate_hz_);
+  }
+  /// From the beginning of the move, or of its pre-roll if the rows are ticks.
+  [[nodiscard]] double seconds(std::int64_t row) const {
+    if (rows_ == PlanRows::tick) return static_cast<double>(row) / rate_hz_;
+    return static_cast<double>(row) * move_.frame_rate().denominator / move_.frame_rate().numerator;
+  }
+
+ private:
+  const Move<double>& move_;
+  PlanRows rows_;
+  std::int32_t rate_hz_;
+};
+
+/// One axis of a track on the rows of a plan. On a frame it is where the frame table has it, whichever solver
+/// made that; between frames it is where the loop would evaluate it.
+class AxisColumn {
+ public:
+  AxisColumn(const Plan& plan, const PlanAxis& axis, PlanRows rows)
+      : line_(plan, rows),
+        rows_(rows),
+        solved_(plan.tracks()[*axis.track]),
+        axis_(axis.track_axis),
+        motion_(plan.move().tracks[*axis.track].axes.size()) {
+    const MoveRolls<double>& rolls = plan.played().rolls();
+    if (!rolls.before.empty()) before_ = &rolls.before[axis.move_axis];
+    if (!rolls.after.empty()) after_ = &rolls.after[axis.move_axis];
+  }
+
+  [[nodiscard]] const TimeLine& line() const { return line_; }
+  [[nodiscard]] double position(std::int64_t row) const {
+    const FrameTime<double> when = line_.at(row);
+    if (const RollAxis<double>* roll = roll_at(when)) return roll->motion(when).position;
+    const PathPoint<double> point =
+        rows_ == PlanRows::frame ? solved_.table().point(when.frame) : solved_.track().locate(when);
+    return solved_.track().path().position(point, static_cast<std::int32_t>(axis_));
+  }
+  /// Velocity and acceleration are those of the drawn speed, analytically.
+  AxisMotion<double> motion(std::int64_t row) {
+    const FrameTime<double> when = line_.at(row);
+    if (const RollAxis<double>* roll = roll_at(when)) return roll->motion(when);
+    solved_.track().motion(when, motion_);
+    return motion_[axis_];
+  }
+
+ private:
+  [[nodiscard]] const RollAxis<double>* roll_at(const FrameTime<double>& when) const {
+    if (when.frame < 0) return before_;
+    const std::int32_t frames = solved_.track().frames();
+    return when.frame > frames || (when.frame == frames && when.fraction > 0) ? after_ : nullptr;
+  }
+
+  TimeLine line_;
+  PlanRows rows_;
+  const SolvedTrack<double>& solved_;
+  std::size_t axis_;
+  std::vector<AxisMotion<double>> motion_;
+  const RollAxis<double>* before_ = nullptr;
+  const RollAxis<double>* after_ = nullptr;
+};
+
+/// Of everything that decides the motion: the same for two files that differ in comments or names only.
+std::uint64_t hash_of(const MoveFile& move) {
+  Fnv1a hash;
+  for (const std::int32_t number : {move.fps.rate.numerator, move.fps.rate.denominator, move.frames}) {
+    hash.add(number);
+  }
+  for (const MoveTrack& track : move.tracks) {
+    const Kinetic kinetic = track.kinetic.value_or(Kinetic::linear);
+    hash.add(static_cast<std::int32_t>(track.axes.size()));
+    hash.add(static_cast<std::int32_t>(track.spline));
+    hash.add(static_cast<std::int32_t>(track.timing));
+    hash.add(static_cast<std::int32_t>(kinetic) + (track.kinetic ? 1 : 0));
+    hash.add(static_cast<std::int32_t>(track.closed));
+    for (const MoveKey& key : track.keys) {
+      for (const double value : key.at) hash.add(value);
+      for (const double value : {key.tension, key.continuity, key.bias}) hash.add(value);
+      hash.add(key.frame.value_or(-1));
+      hash.add(key.hold.value_or(0));
+      hash.add(static_cast<std::int32_t>(key.breaks));
+    }
+    for (const std::vector<double>* list : {&track.speed, &track.weights}) {
+      hash.add(static_cast<std::int32_t>(list->size()));
+      for (const double value : *list) hash.add(value);
+    }
+  }
+  return hash.value();
+}
+
+const char* name_of(Solver solver) {
+  return solver == Solver::closed_form ? "closed-form" : "runge-kutta";
+}
+
+/// s as one number, for people; the table itself keeps segment and t apart.
+double one_number(const PathPoint<double>& point) {
+  return point.segment + point.t;
+}
+
+void write_segments(const Path<double>& path, JsonWriter& json) {
+  json.key("segments");
+  json.begin_array();
+  for (std::int32_t i = 0; i < path.segment_count(); ++i) {
+    json.line();
+    json.begin_object();
+    json.key("coefficients");
+    json.begin_array();
+    for (const Cubic<double>& cubic : path.segment(i)) {
+      json.begin_array();
+      for (const double c : {cubic.c0, cubic.c1, cubic.c2, cubic.c3}) json.value(c);
+      json.end_array();
+    }
+    json.end_array();
+    json.end_object();
+  }
+  json.end_array();
+}
+
+void write_table(const SolvedTrack<double>& solved, JsonWriter& json) {
+  json.key("table");
+  json.begin_array();
+  for (std::int32_t frame = 0; frame <= solved.table().frames(); ++frame) {
+    const FrameRow<double> row = frame_row(solved.track(), solved.table(), frame);
+    json.line();
+    json.begin_object();
+    json.member("frame", frame);
+    json.member("alpha", row.alpha);
+    json.member("s", one_number(row.point));
+    json.member("distance", row.distance);
+    json.member("speed", row.speed);
+    json.member("acceleration", row.acceleration);
+    json.end_object();
+  }
+  json.end_array();
+}
+
+/// K is null where no single one holds for the whole move.
+void write_speed(const MoveTrack& track, const SolvedTrack<double>& solved, JsonWriter& json) {
+  const bool one_constant = solved.track().has_profile() && solved.track().portions().empty();
+  json.key("K");
+  if (one_constant) {
+    json.value(solved.table().provenance().constant);
+  } else {
+    json.null();
+  }
+  json.member("f", solved.track().profile().span_count());
+  json.line();
+  json.numbers("speed", solved.control_values());
+  json.numbers("speed_drawn", track.speed);
+  if (solved.track().portions().empty()) return;
+  json.line();
+  json.key("portions");
+  json.begin_array();
+  for (const Portion<double>& portion : solved.track().portions()) {
+    json.begin_object();
+    json.member("frame", portion.begin_frame);
+    json.member("K", portion.constant);
+    json.end_object();
+  }
+  json.end_array();
+}
+
+void write_track(const MoveTrack& track, const SolvedTrack<double>& solved, JsonWriter& json) {
+  const Provenance<double>& provenance = solved.table().provenance();
+  json.begin_object();
+  json.numbers("axes", track.axes);
+  json.member("solver", name_of(provenance.solver));
+  json.member("speed_error", provenance.speed_error);
+  json.member("hash", fmt::format("{:016x}", hash_of(solved.table().points())));
+  json.member("length", solved.track().arc_length().total());
+  write_speed(track, solved, json);
+  json.line();
+  write_segments(solved.track().path(), json);
+  json.line();
+  write_table(solved, json);
+  json.end_object();
+}
+
+/// Rows of a column, both included.
+struct Rows {
+  std::int64_t first = 0;
+  std::int64_t last = 0;
+};
+
+/// Position, velocity and acceleration, number by number: a plan per tick may have more rows than memory.
+void write_motion(AxisColumn& column, const Rows& rows, JsonWriter& json) {
+  const auto write_column = [&](const char* name, auto number) {
+    json.key(name);
+    json.begin_array();
+    for (std::int64_t row = rows.first; row <= rows.last; ++row) json.value(number(row));
+    json.end_array();
+  };
+  write_column("position", [&](std::int64_t row) { return column.position(row); });
+  write_column("velocity", [&](std::int64_t row) { return column.motion(row).velocity; });
+  write_column("acceleration", [&](std::int64_t row) { return column.motion(row).acceleration; });
+}
+
+void write_axis(const Plan& plan, const PlanAxis& axis, PlanRows rows, JsonWriter& json) {
+  AxisColumn column(plan, axis, rows);
+  json.line();
+  json.begin_object();
+  json.member("name", axis.name);
+  json.key("unit");
+  if (axis.unit) {
+    json.value(to_string(*axis.unit));
+  } else {
+    json.null();
+  }
+  const bool by_tick = rows == PlanRows::tick;
+  write_motion(column, {0, by_tick ? column.line().last() : plan.move().frames}, json);
+  json.end_object();
+}
+
+/// The frames of a roll, without the one on which it joins the move; null where there is none.
+void write_roll(const Plan& plan, const char* name, const Rows& frames, JsonWriter& json) {
+  json.line();
+  json.key(name);
+  if (frames.first > frames.last) return json.null();
+  json.begin_object();
+  json.member("frames", frames.last - frames.first + 1);
+  json.key("axes");
+  json.begin_array();
+  for (const PlanAxis& axis : plan.axes()) {
+    if (!axis.track) continue;
+    AxisColumn column(plan, axis, PlanRows::frame);
+    json.line();
+    json.begin_object();
+    json.member("name", axis.name);
+    write_motion(column, frames, json);
+    json.end_object();
+  }
+  json.end_array();
+  json.end_object();
+}
+
+std::string unit_of(const PlanAxis& axis) {
+  return axis.unit ? std::string(to_string(*axis.unit)) : "";
+}
+
+}  // namespace
+
+void write_plan_json(const Plan& plan, PlanRows rows, std::FILE* file) {
+  const MoveFile& move = plan.move();
+  JsonWriter json(file);
+  json.begin_object();
+  json.member("format", 1);
+  json.member("name", move.name);
+  json.key("fps");
+  if (move.fps.written_as_integer) {
+    json.value(move.fps.rate.numerator);
+  } else {
+    json.value(move.fps.as_written);
+  }
+  json.member("frames", move.frames);
+  json.member("duration_s", plan.duration_s());
+  json.member("hash", fmt::format("{:016x}", hash_of(move)));
+  json.line();
+  json.key("tracks");
+  json.begin_array();
+  for (std::size_t t = 0; t < move.tracks.size(); ++t) {
+    json.line();
+    write_track(move.tracks[t], plan.tracks()[t], json);
+  }
+  json.end_array();
+  json.line();
+  json.key("axes");
+  json.begin_array();
+  for (const PlanAxis& axis : plan.axes()) {
+    if (axis.track) write_axis(plan, axis, rows, json);
+  }
+  json.end_array();
+  write_roll(plan, "pre_roll", {plan.played().first_frame(), -1}, json);
+  write_roll(plan, "post_roll", {move.frames + 1, plan.played().last_frame()}, json);
+  json.end_object();
+  json.finish();
+}
+
+void write_plan_csv(const Plan& plan, PlanRows rows, std::FILE* file) {
+  const TimeLine line(plan, rows);
+  std::string text = rows == PlanRows::frame ? "frame,time_s" : "tick,time_s";
+  std::vector<AxisColumn> columns;
+  for (const PlanAxis& axis : plan.axes()) {
+    if (!axis.track) continue;
+    columns.emplace_back(plan, axis, rows);
+    const std::string unit = unit_of(axis);
+    text += "," + csv_field(unit.empty() ? axis.name : fmt::format("{} ({})", axis.name, unit));
+  }
+  text += "\n";
+  for (std::int64_t row = line.first(); row <= line.last(); ++row) {
+    fmt::format_to(std::back_inserter(text), "{},{}", row, line.seconds(row));
+    for (const AxisColumn& column : columns) {
+      fmt::format_to(std::back_inserter(text), ",{}", column.position(row));
+    }
+    text += '\n';
+    if (text.size() > 60'000) {
+      std::fwrite(text.data(), 1, text.size(), file);
+      text.clear();
+    }
+  }
+  std::fwrite(text.data(), 1, text.size(), file);
+}
+
+namespace {
+
+std::string resting_places(const Plan& plan, std::span<const RollAxis<double>> roll) {
+  std::string words;
+  for (const PlanAxis& axis : plan.axes()) {
+    if (!axis.track) continue;
+    const double rest = roll[axis.move_axis].rest_position();
+    words += fmt::format("{}{} {:.6g} {}", words.empty() ? "" : ", ", axis.name, rest, unit_of(axis));
+  }
+  return words;
+}
+
+void print_roll(const Plan& plan, RollEnd end, std::FILE* out) {
+  const bool before = end == RollEnd::before;
+  const std::span<const RollAxis<double>> roll =
+      before ? plan.played().rolls().before : plan.played().rolls().after;
+  if (!roll.empty()) {
+    const std::int32_t frames = roll.front().span().frames;
+    fmt::print(out, "  {}: {} frame{}, {} rest at {}\n", before ? "pre-roll" : "post-roll", frames,
+               frames == 1 ? "" : "s", before ? "from" : "to", resting_places(plan, roll));
+    return;
+  }
+  const bool is_needed = std::ranges::any_of(
+      plan.tracks(), [&](const SolvedTrack<double>& solved) { return is_moving(solved.track(), end); });
+  if (!is_needed) return;
+  fmt::print(out, "  {} moving: {}\n", before ? "starts" : "ends",
+             plan.rig()
+                 ? fmt::format("no {} keeps the limits of the rig; inbetween check tells why",
+                               before ? "pre-roll" : "post-roll")
+                 : fmt::format("on a rig, --rig RIG, it gets a {}", before ? "pre-roll" : "post-roll"));
+}
+
+}  // namespace
+
+void print_rolls(const Plan& plan, std::FILE* out) {
+  print_roll(plan, RollEnd::before, out);
+  print_roll(plan, RollEnd::after, out);
+}
+
+namespace {
+
+constexpr std::size_t samples_per_segment = 64;
+constexpr std::size_t samples_per_span = 32;
+
+/// The frame at which a distance is reached, between the rows of the table: by bisection on the drawn curve.
+double frame_of_distance(const Track<double>& track, const TwoSum<double>& distance) {
+  double low = 0;
+  double high = track.frames();
+  for (int i = 0; i < 60; ++i) {
+    const double middle = (low + high) / 2;
+    const auto frame = static_cast<std::int32_t>(middle);
+    const bool before = track.distance({frame, middle - frame}).minus(distance) < 0;
+    (before ? low : high) = middle;
+  }
+  return high;
+}
+
+double frame_of_key(const Track<double>& track, std::int32_t key) {
+  const auto intervals = track.key_intervals();
+  if (intervals.empty()) return frame_of_distance(track, track.arc_length().segment_begin(key));
+  const auto index = static_cast<std::size_t>(key);
+  return index < intervals.size() ? intervals[index].begin_frame : track.frames();
+}
+
+void sample_path(const Track<double>& track, PlotTrack& plot) {
+  const Path<double>& path = track.path();
+  const auto axes = static_cast<std::size_t>(path.axis_count());
+  plot.path.resize(axes);
+  for (std::int32_t i = 0; i < path.segment_count(); ++i) {
+    for (std::size_t sample = 0; sample < samples_per_segment; ++sample) {
+      const double t = static_cast<double>(sample) / samples_per_segment;
+      for (std::size_t d = 0; d < axes; ++d) plot.path[d].push_back(path.segment(i)[d].value(t));
+    }
+  }
+  for (std::size_t d = 0; d < axes; ++d) plot.path[d].push_back(path.segment(path.segment_count())[d].c0);
+}
+
+void sample_curve(const SpeedProfile<double>& profile, PlotTrack& plot) {
+  const std::size_t count = samples_per_span * static_cast<std::size_t>(profile.span_count());
+  for (std::size_t i = 0; i <= count; ++i) {
+    plot.curve.push_back(profile.value(static_cast<double>(i) / samples_per_span));
+  }
+}
+
+/// Everything of a track but where its axes stand in the plot.
+PlotTrack plot_of_track(const Plan& plan, std::size_t index) {
+  const MoveTrack& written = plan.move().tracks[index];
+  const SolvedTrack<double>& solved = plan.tracks()[index];
+  const Track<double>& track = solved.track();
+  const auto axes = static_cast<std::size_t>(track.path().axis_count());
+  PlotTrack plot;
+  sample_path(track, plot);
+  if (track.has_profile()) {
+    sample_curve(track.profile(), plot);
+    plot.control_values = solved.control_values();
+  }
+  plot.tangents.resize(axes);
+  for (std::int32_t frame = 0; frame <= track.frames(); ++frame) {
+    const PathPoint<double>& point = solved.table().point(frame);
+    const auto cubics = track.path().segment(point.segment);
+    for (std::size_t d = 0; d < axes; ++d) plot.tangents[d].push_back(cubics[d].derivative(point.t));
+    plot.speed.push_back(frame_row(track, solved.table(), frame).speed);
+  }
+  plot.keys.resize(axes);
+  for (const MoveKey& key : written.keys) {
+    for (std::size_t d = 0; d < axes; ++d) plot.keys[d].push_back(key.at[d]);
+  }
+  for (std::int32_t i = 0; i <= track.path().segment_count(); ++i) {
+    plot.key_frames.push_back(frame_of_key(track, i));
+  }
+  plot.key_frames.back() = track.frames();
+  const std::string unit = plan.length_unit(index);
+  plot.speed_unit = unit.empty() ? "" : unit + "/s";
+  return plot;
+}
+
+}  // namespace
+
+PlotMove plot_of(const Plan& plan) {
+  PlotMove plot;
+  plot.name = plan.move().name;
+  plot.frame_rate = plan.move().fps.as_written;
+  plot.frames_per_second = plan.move().fps.rate.frames_per_second();
+  plot.frames = plan.move().frames;
+  plot.first_frame = plan.played().first_frame();
+  plot.last_frame = plan.played().last_frame();
+  std::vector<std::vector<std::size_t>> axes_of_tracks;
+  for (const MoveTrack& track : plan.move().tracks) axes_of_tracks.emplace_back(track.axes.size());
+  for (std::size_t a = 0; a < plan.axes().size(); ++a) {
+    const PlanAxis& axis = plan.axes()[a];
+    if (!axis.track) continue;
+    axes_of_tracks[*axis.track][axis.track_axis] = plot.axes.size();
+    PlotAxis drawn{.name = axis.name, .unit = unit_of(axis), .positions = {}, .minimum = {}, .maximum = {}};
+    const AxisColumn column(plan, axis, PlanRows::frame);
+    for (std::int64_t frame = column.line().first(); frame <= column.line().last(); ++frame) {
+      drawn.positions.push_back(column.position(frame));
+    }
+    if (plan.rig()) {
+      drawn.minimum = plan.rig()->axes[a].min;
+      drawn.maximum = plan.rig()->axes[a].max;
+    }
+    plot.axes.push_back(std::move(drawn));
+  }
+  for (std::size_t t = 0; t < plan.tracks().size(); ++t) {
+    plot.tracks.push_back(plot_of_track(plan, t));
+    plot.tracks.back().axes = std::move(axes_of_tracks[t]);
+  }
+  return plot;
+}
+
+}  // namespace inbetween

@@ -1,0 +1,95 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <vector>
+
+#include "inbetween/path/arc_length.hpp"
+#include "inbetween/path/path.hpp"
+#include "inbetween/timing/frame_table.hpp"
+#include "inbetween/timing/key_timing.hpp"
+#include "inbetween/timing/ode_frame_table.hpp"
+#include "inbetween/timing/speed_profile.hpp"
+#include "inbetween/timing/track.hpp"
+
+/// The core's track with memory from the heap, as large as it needs to be.
+
+namespace inbetween {
+
+/// An error of the core on its way through code that uses exceptions.
+class SolverError : public std::runtime_error {
+ public:
+  explicit SolverError(const Error& error);
+  [[nodiscard]] const Error& error() const { return error_; }
+
+ private:
+  Error error_;
+};
+
+template <Precise Real>
+struct TrackSpec {
+  PathSpec<Real> path;
+  std::span<const Real> control_values;
+  std::int32_t frames = 0;
+  FrameRate fps;
+  ArcLengthOptions<Real> arc_length;
+  /// Keys with a frame, a hold or a break, in the order of the keys.
+  std::span<const KeyLock> locks = {};
+  /// Instead of control values: a frame for every key (of a closed path one more).
+  std::span<const std::int32_t> key_frames = {};
+  Kinetic kinetic = Kinetic::linear;
+};
+
+/// Path, arc length, speed profile, track and frame table of one spec. Movable, not copyable: its
+/// parts refer to its memory, which a move does not displace.
+template <Precise Real>
+class SolvedTrack {
+ public:
+  /// Throws SolverError.
+  SolvedTrack(const TrackSpec<Real>& spec, Solver solver, const OdeOptions<Real>& ode = {});
+  SolvedTrack(SolvedTrack&&) noexcept = default;
+  SolvedTrack& operator=(SolvedTrack&&) noexcept = default;
+
+  [[nodiscard]] const Track<Real>& track() const { return *track_; }
+  [[nodiscard]] const FrameTable<Real>& table() const { return *table_; }
+  /// The f + 1 control values that are played: the drawn ones, or what the locks made of them.
+  [[nodiscard]] const std::vector<Real>& control_values() const { return control_values_; }
+  /// What the locks did to the drawn curve; nothing without locks other than breaks.
+  [[nodiscard]] const std::optional<KeyTiming<Real>>& key_timing() const { return key_timing_; }
+
+ private:
+  [[nodiscard]] Track<Real> make_track(const TrackSpec<Real>& spec, const Path<Real>& path,
+                                       const ArcLength<Real>& arc_length);
+  /// Fills control_values_, and breaks_ with the locks that are breaks.
+  void apply_locks(const TrackSpec<Real>& spec, const ArcLength<Real>& arc_length);
+  [[nodiscard]] Path<Real> make_path(const PathSpec<Real>& spec);
+  [[nodiscard]] ArcLength<Real> make_arc_length(const Path<Real>& path,
+                                                const ArcLengthOptions<Real>& options);
+  [[nodiscard]] SpeedProfile<Real> make_profile(std::span<const Real> control_values);
+
+  std::vector<Cubic<Real>> cubics_;
+  std::vector<Real> weights_;
+  std::vector<ArcPiece<Real>> pieces_;
+  std::vector<Real> begins_;
+  std::vector<std::int32_t> buckets_;
+  std::vector<std::int32_t> first_pieces_;
+  std::vector<TwoSum<Real>> segment_begins_;
+  std::vector<SpeedSpan<Real>> spans_;
+  std::vector<TwoSum<Real>> integrals_;
+  std::vector<TwoSum<Real>> span_distances_;
+  std::vector<Portion<Real>> portions_;
+  std::vector<KeyInterval<Real>> key_intervals_;
+  std::vector<Real> control_values_;
+  std::vector<BreakKey> breaks_;
+  std::vector<KeyLock> completed_locks_;
+  std::optional<KeyTiming<Real>> key_timing_;
+  std::vector<PathPoint<Real>> points_;
+  std::optional<Track<Real>> track_;
+  std::optional<FrameTable<Real>> table_;
+};
+
+extern template class SolvedTrack<double>;
+extern template class SolvedTrack<float>;
+
+}  // namespace inbetween

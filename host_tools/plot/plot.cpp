@@ -1,0 +1,188 @@
+#include "host_tools/plot/plot.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <stdexcept>
+#include <string_view>
+
+#include "host_tools/plot/plot_canvas.hpp"
+#include "host_tools/plot/plot_panel.hpp"
+#include "host_tools/plot/plot_path.hpp"
+#include "host_tools/plot/plot_time.hpp"
+
+namespace inbetween {
+namespace {
+
+constexpr double page_width = 1400;
+constexpr double margin = 44;
+constexpr double content_width = page_width - 2 * margin;
+constexpr double gutter = 36;
+constexpr double left_width = 640;
+constexpr double title_height = 66;
+constexpr double track_title_height = 40;
+constexpr double section_gap = 26;
+// Beyond this, the width of a range overflows.
+constexpr double greatest_value = 1e300;
+
+// Where everything stands, from the top of the page down.
+struct TrackLayout {
+  double title = 0;  // base line
+  Box path;
+  std::optional<Box> third;  // the plane of the first and the third axis
+  Box speed;
+  Box bar;
+};
+
+struct Layout {
+  std::vector<TrackLayout> tracks;
+  Box positions;
+  double height = 0;
+};
+
+// The path stands on the left, the speed curve on the right, the time bar below both.
+TrackLayout track_layout(const PlotMove& move, const PlotTrack& track, double y) {
+  constexpr double third_height = 270;
+  constexpr double speed_beside_third = 230;
+  const bool third = track.axes.size() > 2;
+  const double right = margin + left_width + gutter;
+  const double right_width = content_width - left_width - gutter;
+  const double height = third                    ? speed_beside_third + section_gap + third_height
+                        : track.axes.size() == 1 ? ruler_height
+                                                 : path_panel_height(move, track, {0, 1}, left_width);
+  TrackLayout out;
+  out.path = {margin, y, left_width, height};
+  out.speed = {right, y, right_width, third ? speed_beside_third : height};
+  if (third) out.third = Box{right, out.speed.bottom() + section_gap, right_width, third_height};
+  out.bar = {margin, y + height + section_gap, content_width, time_bar_height};
+  return out;
+}
+
+Layout layout_of(const PlotMove& move) {
+  Layout out;
+  double y = margin + title_height;
+  for (const PlotTrack& track : move.tracks) {
+    TrackLayout next = track_layout(move, track, y + track_title_height);
+    next.title = y + 18;
+    y = next.bar.bottom() + section_gap;
+    out.tracks.push_back(next);
+  }
+  out.positions = {margin, y, content_width, positions_height(move)};
+  out.height = std::ceil(out.positions.bottom() + margin / 2);
+  return out;
+}
+
+std::string summary(const PlotMove& move) {
+  const auto counted = [](std::size_t n, std::string_view what) {
+    return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s");
+  };
+  const double milliseconds = std::round(1000 * (move.frames / move.frames_per_second));
+  return fmt::format("{}  ·  {} fps  ·  {} s  ·  {}", counted(static_cast<std::size_t>(move.frames), "frame"),
+                     move.frame_rate, milliseconds / 1000, counted(move.tracks.size(), "track"));
+}
+
+std::string names_of(const PlotMove& move, std::span<const std::size_t> axes) {
+  std::vector<std::string_view> names;
+  for (const std::size_t axis : axes) names.push_back(move.axes[axis].name);
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+void draw_page_title(Canvas& canvas, const PlotMove& move) {
+  const TextStyle name{.size = 26, .color = plot_color::ink, .bold = true};
+  canvas.text({margin, margin + 16}, elided(canvas, move.name, name, content_width), name);
+  canvas.text({margin, margin + 40}, summary(move), {.size = 14, .color = plot_color::quiet});
+}
+
+void draw_track(Canvas& canvas, const TrackLayout& layout, const PlotMove& move, std::size_t index) {
+  const PlotTrack& track = move.tracks[index];
+  const Color color = track_color(index);
+  const TextStyle style{.size = 17, .color = plot_color::ink, .bold = true};
+  canvas.rectangle({margin, layout.title - 14, 5, 18}, color);
+  const std::string title = fmt::format("Track {}: {}", index + 1, names_of(move, track.axes));
+  canvas.text({margin + 14, layout.title}, elided(canvas, title, style, content_width - 14), style);
+  if (track.axes.size() == 1) {
+    draw_ruler(canvas, layout.path, move, track, color);
+  } else {
+    draw_path_panel(canvas, layout.path, move, track, {0, 1}, color);
+  }
+  if (layout.third) draw_path_panel(canvas, *layout.third, move, track, {0, 2}, color);
+  draw_speed_panel(canvas, layout.speed, move, track, color);
+  draw_time_bar(canvas, layout.bar, move, track, color);
+}
+
+void require(bool holds, std::string_view what) {
+  if (!holds) throw std::invalid_argument(fmt::format("draw_plot: {}", what));
+}
+
+void require_finite(std::span<const double> values, std::string_view what) {
+  require(std::all_of(values.begin(), values.end(), [](double v) { return std::abs(v) <= greatest_value; }),
+          fmt::format("{} must be finite and at most {:g}", what, greatest_value));
+}
+
+// One row per axis of the track, all of the same length.
+void require_rows(const std::vector<std::vector<double>>& rows, std::size_t axes, std::size_t columns,
+                  std::string_view what) {
+  require(rows.size() == axes, fmt::format("{} needs a row for each axis of its track", what));
+  for (const auto& row : rows) {
+    require(row.size() == columns,
+            fmt::format("a row of {} has {} numbers, not {}", what, row.size(), columns));
+    require_finite(row, what);
+  }
+}
+
+void require_consistent(const PlotTrack& track, const PlotMove& move) {
+  const std::size_t positions = static_cast<std::size_t>(move.frames) + 1;
+  require(!track.axes.empty(), "a track needs an axis");
+  for (const std::size_t axis : track.axes)
+    require(axis < move.axes.size(), "a track names an axis that is not there");
+  require(!track.path.empty() && !track.path.front().empty(), "path needs a sample");
+  require(!track.keys.empty() && !track.keys.front().empty(), "keys needs a key");
+  require_rows(track.path, track.axes.size(), track.path.front().size(), "path");
+  require_rows(track.tangents, track.axes.size(), positions, "tangents");
+  require_rows(track.keys, track.axes.size(), track.keys.front().size(), "keys");
+  const std::size_t keys = track.keys.front().size();
+  require(track.key_frames.size() == keys || track.key_frames.size() == keys + 1,
+          "key_frames needs a frame for each key, and one more on a closed path");
+  require(track.speed.size() == positions, "speed needs a value for each of the frames 0..N");
+  require(track.control_values.empty() == track.curve.empty(), "control_values and curve come together");
+  require(track.curve.size() != 1, "curve needs two samples");
+  for (const auto* values : {&track.key_frames, &track.control_values, &track.curve, &track.speed}) {
+    require_finite(*values, "key_frames, control_values, curve and speed");
+  }
+}
+
+void require_consistent(const PlotMove& move) {
+  require(move.frames >= 1, "frames must be at least 1");
+  require(move.first_frame <= 0 && move.last_frame >= move.frames,
+          "first_frame and last_frame must enclose the frames 0..N");
+  require(std::isfinite(move.frames_per_second) && move.frames_per_second > 0,
+          "frames_per_second must be positive");
+  require(!move.axes.empty(), "a move needs an axis");
+  for (const PlotAxis& axis : move.axes) {
+    require(axis.positions.size() == static_cast<std::size_t>(move.last_frame - move.first_frame) + 1,
+            "positions needs a value for each of the frames first_frame..last_frame");
+    require_finite(axis.positions, "positions");
+    for (const auto& limit : {axis.minimum, axis.maximum}) {
+      if (limit) require_finite(std::span(&*limit, 1), "a limit");
+    }
+  }
+  for (const PlotTrack& track : move.tracks) require_consistent(track, move);
+}
+
+}  // namespace
+
+void draw_plot(const PlotMove& move, const std::filesystem::path& file) {
+  require_consistent(move);
+  const Layout layout = layout_of(move);
+  Canvas canvas(file, page_width, layout.height);
+  draw_page_title(canvas, move);
+  for (std::size_t i = 0; i < move.tracks.size(); ++i) draw_track(canvas, layout.tracks[i], move, i);
+  draw_positions(canvas, layout.positions, move);
+  std::vector<std::string_view> names;
+  for (const PlotAxis& axis : move.axes) names.push_back(axis.name);
+  canvas.write(move.name, fmt::format("{}; axes: {}", summary(move), fmt::join(names, ", ")));
+}
+
+}  // namespace inbetween

@@ -1,0 +1,305 @@
+#include "host_tools/plot/plot_canvas.hpp"
+
+#include <cairo-pdf.h>
+#include <cairo-svg.h>
+#include <cairo.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+#include <stdexcept>
+#include <vector>
+
+#include "host_tools/files/output_file.hpp"
+
+namespace inbetween {
+namespace {
+
+constexpr double png_longest_side = 32767;
+constexpr double pdf_longest_side = 14400;
+constexpr double points_per_pixel = 0.75;
+constexpr const char* font = "DejaVu Sans";
+
+template <auto destroy>
+struct Destroy {
+  template <class T>
+  void operator()(T* object) const {
+    destroy(object);
+  }
+};
+using Surface = std::unique_ptr<cairo_surface_t, Destroy<cairo_surface_destroy>>;
+using Context = std::unique_ptr<cairo_t, Destroy<cairo_destroy>>;
+using FontOptions = std::unique_ptr<cairo_font_options_t, Destroy<cairo_font_options_destroy>>;
+
+void require(cairo_status_t status, const std::filesystem::path& file) {
+  if (status != CAIRO_STATUS_SUCCESS) {
+    throw std::runtime_error(
+        fmt::format("{}: error: cannot draw the picture: {}", file.string(), cairo_status_to_string(status)));
+  }
+}
+
+// cairo calls this from C code, through which no exception may pass.
+cairo_status_t append(void* bytes, const unsigned char* data, unsigned length) noexcept {
+  try {
+    static_cast<std::string*>(bytes)->append(data, data + length);
+    return CAIRO_STATUS_SUCCESS;
+  } catch (...) {
+    return CAIRO_STATUS_NO_MEMORY;
+  }
+}
+
+double pdf_scale(double width, double height) {
+  return std::min(points_per_pixel, pdf_longest_side / std::max(width, height));
+}
+
+Surface make_surface(const std::filesystem::path& file, double width, double height, std::string& bytes) {
+  switch (picture_format(file)) {
+    case PictureFormat::svg: {
+      Surface surface{cairo_svg_surface_create_for_stream(append, &bytes, width, height)};
+      cairo_svg_surface_set_document_unit(surface.get(), CAIRO_SVG_UNIT_PX);
+      return surface;
+    }
+    case PictureFormat::pdf: {
+      const double scale = pdf_scale(width, height);
+      return Surface{cairo_pdf_surface_create_for_stream(append, &bytes, scale * width, scale * height)};
+    }
+    case PictureFormat::png:
+      break;
+  }
+  if (std::max(width, height) > png_longest_side) {
+    throw std::runtime_error(fmt::format(
+        "{}: error: the page is {:.0f} x {:.0f} pixels and PNG ends at {:.0f}; write .svg or .pdf instead",
+        file.string(), width, height, png_longest_side));
+  }
+  return Surface{
+      cairo_image_surface_create(CAIRO_FORMAT_RGB24, static_cast<int>(width), static_cast<int>(height))};
+}
+
+double crisp(double at, const Stroke& stroke) {
+  return stroke.width <= 1.2 ? std::floor(at) + 0.5 : at;
+}
+
+std::string escaped_for_xml(std::string_view text) {
+  std::string out;
+  for (const char c : text) {
+    switch (c) {
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '&':
+        out += "&amp;";
+        break;
+      default:
+        // XML has no way to write the other control characters, so the character that stands for one is
+        // shown.
+        out += static_cast<unsigned char>(c) < 0x20 && c != '\n' && c != '\t' ? "\xEF\xBF\xBD"
+                                                                              : std::string(1, c);
+    }
+  }
+  return out;
+}
+
+// cairo numbers its surfaces through the life of the process and prints that number, which would make the
+// second picture of a process differ from the first. Nothing refers to it.
+void remove_surface_number(std::string& svg) {
+  constexpr std::string_view beginning = "<g id=\"surface";
+  const auto at = svg.find(beginning);
+  if (at == std::string::npos) return;
+  const auto end = svg.find('>', at);
+  svg.erase(at + 2, end - at - 2);
+}
+
+void add_description(std::string& svg, std::string_view title, std::string_view description) {
+  const auto end = svg.find('>', svg.find("<svg"));
+  svg.insert(end + 1, fmt::format("\n<title>{}</title>\n<desc>{}</desc>", escaped_for_xml(title),
+                                  escaped_for_xml(description)));
+}
+
+}  // namespace
+
+PictureFormat picture_format(const std::filesystem::path& file) {
+  std::string ending = file.extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (ending == ".svg") return PictureFormat::svg;
+  if (ending == ".png") return PictureFormat::png;
+  if (ending == ".pdf") return PictureFormat::pdf;
+  throw std::runtime_error(
+      fmt::format("{}: the name of a picture ends in .svg, .png or .pdf; {}", file.string(),
+                  ending.empty() ? "this one has no ending" : fmt::format("{} is none of them", ending)));
+}
+
+struct Canvas::Page {
+  std::filesystem::path file;
+  PictureFormat format;
+  std::string bytes;  // stays where it is: cairo holds its address
+  Surface surface;
+  Context context;
+
+  void color(Color c) { cairo_set_source_rgba(context.get(), c.red, c.green, c.blue, c.opacity); }
+
+  void stroke(const Stroke& stroke) {
+    constexpr std::array<double, 2> dashes{4, 3};
+    color(stroke.color);
+    cairo_set_line_width(context.get(), stroke.width);
+    cairo_set_dash(context.get(), dashes.data(), stroke.dashed ? 2 : 0, 0);
+    cairo_stroke(context.get());
+  }
+
+  void fill(Color fill) {
+    color(fill);
+    cairo_fill(context.get());
+  }
+
+  void font_of(const TextStyle& style) {
+    cairo_select_font_face(context.get(), font, CAIRO_FONT_SLANT_NORMAL,
+                           style.bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
+    cairo_set_font_size(context.get(), style.size);
+  }
+
+  void trace(std::span<const Point> points) {
+    cairo_new_path(context.get());
+    for (const Point p : points) cairo_line_to(context.get(), p.x, p.y);
+  }
+};
+
+Canvas::Canvas(const std::filesystem::path& file, double width, double height)
+    : page_(std::make_unique<Page>(Page{file, picture_format(file), {}, nullptr, nullptr})) {
+  page_->surface = make_surface(file, width, height, page_->bytes);
+  require(cairo_surface_status(page_->surface.get()), file);
+  page_->context.reset(cairo_create(page_->surface.get()));
+  cairo_t* context = page_->context.get();
+  if (page_->format == PictureFormat::pdf) {
+    cairo_scale(context, pdf_scale(width, height), pdf_scale(width, height));
+  }
+  // Without hinting, text has the same width in every format and the layout is the same.
+  const FontOptions options{cairo_font_options_create()};
+  cairo_font_options_set_hint_style(options.get(), CAIRO_HINT_STYLE_NONE);
+  cairo_font_options_set_hint_metrics(options.get(), CAIRO_HINT_METRICS_OFF);
+  cairo_font_options_set_antialias(options.get(), CAIRO_ANTIALIAS_GRAY);
+  cairo_set_font_options(context, options.get());
+  cairo_set_line_join(context, CAIRO_LINE_JOIN_ROUND);
+  rectangle({0, 0, width, height}, {1, 1, 1, 1});
+  require(cairo_status(context), file);
+}
+
+Canvas::Canvas(Canvas&&) noexcept = default;
+Canvas& Canvas::operator=(Canvas&&) noexcept = default;
+Canvas::~Canvas() = default;
+
+void Canvas::line(Point from, Point to, const Stroke& stroke) {
+  if (from.y == to.y) from.y = to.y = crisp(from.y, stroke);
+  if (from.x == to.x) from.x = to.x = crisp(from.x, stroke);
+  const std::array<Point, 2> ends{from, to};
+  polyline(ends, stroke);
+}
+
+void Canvas::lines(std::span<const std::pair<Point, Point>> ends, const Stroke& stroke) {
+  cairo_new_path(page_->context.get());
+  for (const auto& [from, to] : ends) {
+    cairo_move_to(page_->context.get(), from.x, from.y);
+    cairo_line_to(page_->context.get(), to.x, to.y);
+  }
+  page_->stroke(stroke);
+}
+
+void Canvas::polyline(std::span<const Point> points, const Stroke& stroke) {
+  page_->trace(points);
+  page_->stroke(stroke);
+}
+
+void Canvas::disc(Point center, double radius, Color fill) {
+  cairo_new_path(page_->context.get());
+  cairo_arc(page_->context.get(), center.x, center.y, radius, 0, 2 * std::numbers::pi);
+  page_->fill(fill);
+}
+
+void Canvas::ring(Point center, double radius, const Stroke& stroke) {
+  cairo_new_path(page_->context.get());
+  cairo_arc(page_->context.get(), center.x, center.y, radius, 0, 2 * std::numbers::pi);
+  cairo_close_path(page_->context.get());
+  page_->stroke(stroke);
+}
+
+void Canvas::outline(const Box& box, const Stroke& stroke) {
+  cairo_new_path(page_->context.get());
+  const Point from{crisp(box.x, stroke), crisp(box.y, stroke)};
+  const Point to{crisp(box.right(), stroke), crisp(box.bottom(), stroke)};
+  cairo_rectangle(page_->context.get(), from.x, from.y, to.x - from.x, to.y - from.y);
+  page_->stroke(stroke);
+}
+
+void Canvas::rectangle(const Box& box, Color fill) {
+  rectangles(std::span(&box, 1), fill);
+}
+
+void Canvas::rectangles(std::span<const Box> boxes, Color fill) {
+  cairo_new_path(page_->context.get());
+  for (const Box& box : boxes) cairo_rectangle(page_->context.get(), box.x, box.y, box.width, box.height);
+  page_->fill(fill);
+}
+
+void Canvas::polygon(std::span<const Point> corners, Color fill) {
+  page_->trace(corners);
+  page_->fill(fill);
+}
+
+void Canvas::text(Point at, std::string_view words, const TextStyle& style) {
+  if (words.empty()) return;
+  const double share = style.align == Align::left ? 0 : style.align == Align::center ? 0.5 : 1;
+  const double width = share > 0 ? text_width(words, style) : 0;
+  page_->font_of(style);
+  page_->color(style.color);
+  cairo_move_to(page_->context.get(), at.x - share * width, at.y);
+  cairo_show_text(page_->context.get(), std::string(words).c_str());
+}
+
+double Canvas::text_width(std::string_view words, const TextStyle& style) {
+  cairo_text_extents_t extents{};
+  page_->font_of(style);
+  cairo_text_extents(page_->context.get(), std::string(words).c_str(), &extents);
+  return extents.x_advance;
+}
+
+void Canvas::write(std::string_view title, std::string_view description) {
+  Page& page = *page_;
+  cairo_surface_t* surface = page.surface.get();
+  require(cairo_status(page.context.get()), page.file);
+  if (page.format == PictureFormat::png) {
+    require(cairo_surface_write_to_png_stream(surface, append, &page.bytes), page.file);
+  }
+  if (page.format == PictureFormat::pdf) {
+    cairo_pdf_surface_set_metadata(surface, CAIRO_PDF_METADATA_TITLE, std::string(title).c_str());
+    cairo_pdf_surface_set_metadata(surface, CAIRO_PDF_METADATA_SUBJECT, std::string(description).c_str());
+  }
+  cairo_surface_finish(surface);
+  require(cairo_surface_status(surface), page.file);
+  if (page.format == PictureFormat::svg) {
+    remove_surface_number(page.bytes);
+    add_description(page.bytes, title, description);
+  }
+  write_output(page.file.string(),
+               [&](std::FILE* out) { std::fwrite(page.bytes.data(), 1, page.bytes.size(), out); });
+}
+
+std::string elided(Canvas& canvas, std::string_view words, const TextStyle& style, double width) {
+  if (canvas.text_width(words, style) <= width) return std::string(words);
+  std::vector<std::size_t> ends{0};  // where a UTF-8 character ends
+  for (std::size_t i = 1; i < words.size(); ++i) {
+    if ((static_cast<unsigned char>(words[i]) & 0xC0U) != 0x80U) ends.push_back(i);
+  }
+  const auto with_ellipsis = [&](std::size_t end) { return std::string(words.substr(0, end)) + "…"; };
+  const auto too_long = std::partition_point(ends.begin() + 1, ends.end(), [&](std::size_t end) {
+    return canvas.text_width(with_ellipsis(end), style) <= width;
+  });
+  return with_ellipsis(*(too_long - 1));
+}
+
+}  // namespace inbetween

@@ -1,0 +1,28 @@
+// What a plot shows over time: the speed curve, the time bar and the axes' positions.
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+#include "host_tools/plot/plot.hpp"
+#include "host_tools/plot/plot_canvas.hpp"
+
+namespace inbetween {
+
+/// phi over a with its control values (the left numbers) and, where it moves, the speed along the path (the
+/// right numbers). Without a speed curve: the speed along the path alone, over frames.
+void draw_speed_panel(Canvas& canvas, const Box& panel, const PlotMove& move, const PlotTrack& track,
+                      Color color);
+
+constexpr double time_bar_height = 122;
+
+/// A stripe per frame, as wide as the distance travelled in it, with the keys above and frame numbers below.
+/// Distance is the trapezoid sum of PlotTrack::speed; where that is zero the stripes are equally wide.
+void draw_time_bar(Canvas& canvas, const Box& panel, const PlotMove& move, const PlotTrack& track,
+                   Color color);
+
+/// Every axis over time, one row each; seconds above, frames below.
+[[nodiscard]] double positions_height(const PlotMove& move);
+void draw_positions(Canvas& canvas, const Box& panel, const PlotMove& move);
+
+}  // namespace inbetween

@@ -1,0 +1,84 @@
+// Which axes of a rig know where they are, and what is kept of that from one run to the next.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "host_tools/files/file_layer.hpp"
+#include "host_tools/files/rig_file.hpp"
+#include "host_tools/reference/position_file.hpp"
+#include "host_tools/rig/rig_drives.hpp"
+#include "inbetween/loop/ports.hpp"
+
+namespace inbetween {
+
+/// The axes whose reference is not their drive, from what the position file says at the beginning to what is
+/// written into it at the end. Axes that their drives know are none of its business and always referenced.
+///
+/// Without a file, which is for simulated rigs, every axis is referenced where it stands and nothing is kept.
+/// Refers to the rig. What writes throws std::runtime_error, one line: see PositionFile. Not for the loop's
+/// thread, because a disk takes its time.
+class RigReference {
+ public:
+  explicit RigReference(const RigFile& rig) : rig_(rig), axes_(rig.axes.size()) {}
+  RigReference(const RigFile& rig, std::string file, FileLayer files = system_files());
+
+  /// Where an axis rests, if this knows it.
+  [[nodiscard]] std::optional<double> position(std::size_t axis) const { return axes_[axis].position; }
+  /// Tells the drives where their axes rest. Before they are switched on.
+  void place(RigDrives& drives) const;
+
+  [[nodiscard]] bool is_referenced(std::size_t axis) const { return axes_[axis].why.empty(); }
+  struct Unreferenced {
+    std::size_t axis = 0;
+    std::string why;
+  };
+  /// In the order of the rig.
+  [[nodiscard]] std::vector<Unreferenced> unreferenced() const;
+  /// Throws InputError at the place of the first of `axes` that is unreferenced, with why and what to do.
+  void refuse_unreferenced(std::span<const std::size_t> axes) const;
+
+  /// Before any of `axes` moves; those that are under way already are passed over. If it throws, nothing may
+  /// move.
+  void about_to_move(std::span<const std::size_t> axes);
+  /// What was to move rests, where the drives of the rig tell. An axis that was referenced stays so, unless
+  /// it has lost its steps, its drive is out of reach, or its motor was without power (`power_was_cut`) and
+  /// nothing reports where it went. What has not moved stays as it is.
+  void at_rest(const RigDrives& drives, std::span<const DriveState<double>> states, bool power_was_cut);
+
+  /// What was to move was never switched on: it rests where it did.
+  void has_not_moved();
+
+  /// Somebody says where an axis rests, or its switch has told. Throws std::logic_error for an axis that
+  /// its drive knows.
+  void stands_at(std::size_t axis, double position);
+  /// Nobody knows where an axis rests. The same.
+  void is_lost(std::size_t axis, const std::string& why);
+
+ private:
+  friend RigReference reference_of(const RigFile& rig, const std::optional<std::string>& file,
+                                   bool is_simulated);
+  struct Axis {
+    std::optional<double> position = {};
+    std::string why = {};  ///< it is unreferenced
+    bool moves = false;
+  };
+  [[nodiscard]] bool is_kept(std::size_t axis) const;
+  void keep(std::span<const PositionFile::Rest> rests);
+
+  const RigFile& rig_;
+  std::unique_ptr<InstanceLock> lock_;
+  std::optional<PositionFile> file_;
+  std::vector<Axis> axes_;
+};
+
+/// The reference of a rig that is used as a command says: in the file that is named, else in its usual one,
+/// and in a simulation nowhere. A rig whose drives all know where they are needs no file. The file is locked
+/// for as long as the reference is there; throws InputError where another program has it.
+RigReference reference_of(const RigFile& rig, const std::optional<std::string>& file, bool is_simulated);
+
+}  // namespace inbetween

@@ -1,0 +1,228 @@
+#include "host_tools/rig/cue_outputs.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "drivers/linux/monotonic_clock.hpp"
+#include "host_tools/rig/rig_chips.hpp"
+
+namespace inbetween {
+namespace {
+
+constexpr std::int64_t ns_between_looks = 5'000'000;
+/// More than begin in a tick of any move that a machine can play; beyond it they are counted.
+constexpr std::size_t begun_in_a_tick = 256;
+
+[[noreturn]] void refuse(std::string_view line, const Place& place, const std::string& what,
+                         const std::string& remedy) {
+  throw InputError(place, fmt::format("output {}: {}; {}", in_quotes(std::string(line)), what, remedy));
+}
+
+}  // namespace
+
+CueOutputs::CueOutputs(const MoveFile& move, const RigFile& rig, std::int32_t first, std::int32_t last,
+                       bool on_chips)
+    : pulses_(cue_pulses(move)),
+      begun_(begun_in_a_tick),
+      instants_(instants_for(begun_in_a_tick)),
+      chain_(rig.rate_hz, played_lead_ns(rig.rate_hz)) {
+  for (const Output& output : rig.outputs) add_line(output.name, output.line, output.place, on_chips);
+  if (rig.camera) add_line("camera", rig.camera->shutter, rig.camera->place, on_chips);
+  std::ranges::stable_sort(lines_, {}, &Line::chip);
+  if (lines_.size() > CueTimer<double>::max_lines) {
+    refuse(lines_.back().name, *lines_.back().place, "the rig has more than 64 outputs, the camera included",
+           "remove some");
+  }
+  camera_ = number_of("camera");
+  for (const CuePulse& pulse : pulses_) {
+    const std::optional<std::size_t> line = number_of(pulse.line);
+    if (!line) refuse(pulse.line, *pulse.place, "the rig does not have it", "add it to the rig");
+    timed_.push_back({{pulse.frame, pulse.phase}, pulse.width_ns, static_cast<std::int32_t>(*line)});
+  }
+  const Result<CueTimer<double>> timer = CueTimer<double>::make(timed_, first, last, move.fps.rate);
+  if (!timer) {
+    throw InputError(pulses_.empty() ? move.frames_place : *pulses_.front().place,
+                     fmt::format("{}; {}", timer.error().what, timer.error().remedy));
+  }
+  timer_.emplace(*timer);
+}
+
+void CueOutputs::add_line(std::string_view name, const OutputLine& wire, const Place& place, bool on_chips) {
+  Line& line = lines_.emplace_back(Line{name, &wire, &place, wire.address.chip});
+  if (!on_chips) return;
+  gpio::GpioChip chip;
+  open_chip_of(wire.address, chip);
+  line.chip = chip.label();
+}
+
+std::unique_ptr<CueOutputs> CueOutputs::simulated(const MoveFile& move, const RigFile& rig,
+                                                  std::int32_t first, std::int32_t last) {
+  if (rig.outputs.empty() && !rig.camera) return nullptr;
+  return std::unique_ptr<CueOutputs>(new CueOutputs(move, rig, first, last, false));
+}
+
+std::unique_ptr<CueOutputs> CueOutputs::on_chips(const MoveFile& move, const RigFile& rig, std::int32_t first,
+                                                 std::int32_t last, bool in_real_time) {
+  if (rig.outputs.empty() && !rig.camera) return nullptr;
+  std::unique_ptr<CueOutputs> cues(new CueOutputs(move, rig, first, last, true));
+  for (std::size_t i = 0; i < cues->lines_.size(); ++i) {
+    const std::string& label = cues->lines_[i].chip;
+    if (cues->chips_.empty() || cues->chips_.back().label != label) {
+      Chip& chip = cues->chips_.emplace_back();
+      chip.label = label;
+      chip.first = i;
+    }
+    ++cues->chips_.back().lines;
+  }
+  for (Chip& chip : cues->chips_) cues->open(chip, in_real_time);
+  return cues;
+}
+
+/// Active is 1 in the request, whatever the wire has then.
+void CueOutputs::open(Chip& chip, bool in_real_time) {
+  const Line& first = lines_[chip.first];
+  std::vector<gpio::OutputLine> lines;
+  for (std::size_t i = 0; i < chip.lines; ++i) {
+    const OutputLine& wire = *lines_[chip.first + i].wire;
+    lines.push_back({.line = choice_of(wire.address.line), .is_inverted = wire.idle == Level::high});
+  }
+  if (const auto refusal =
+          chip.played.open(chip.label, lines, gpio::StepPlayerSettings{}, in_real_time, &chip.told)) {
+    refuse(first.name, *first.place, refusal->what, refusal->remedy);
+  }
+}
+
+std::optional<std::size_t> CueOutputs::number_of(std::string_view line) const {
+  const auto found = std::ranges::find(lines_, line, &Line::name);
+  if (found == lines_.end()) return std::nullopt;
+  return static_cast<std::size_t>(found - lines_.begin());
+}
+
+void CueOutputs::tick(const CuePassage& passage, std::int32_t ticks, std::int64_t now_ns) {
+  if (steps_ != nullptr && steps_->chain().is_running()) {
+    chain_ = steps_->chain();
+  } else {
+    chain_.next(now_ns, ticks);
+  }
+  const CueTick<double> tick{.from = passage.from,
+                             .to = passage.to,
+                             .repeated = passage.repeated,
+                             .start_ns = chain_.start_ns(),
+                             .end_ns = chain_.end_ns()};
+  const Result<CueCount> count = timer_->advance(tick, {begun_, instants_});
+  if (!count) {
+    has_refused_ = true;
+    return;
+  }
+  put_out(*count);
+}
+
+void CueOutputs::signal(bool is_exposing, std::int64_t now_ns) {
+  if (!camera_) return;
+  const std::uint64_t line = std::uint64_t{1} << *camera_;
+  if (((levels_ & line) != 0) == is_exposing) return;
+  put_out({.at_ns = now_ns + chain_.lead_ns(), .levels = is_exposing ? line : 0, .mask = line});
+}
+
+void CueOutputs::put_out(const CueCount& count) {
+  for (std::size_t i = 0; i < count.instants; ++i) put_out(instants_[i]);
+  for (std::size_t i = 0; log_ && i < count.begun; ++i) log_pulse(begun_[i]);
+  log_played();
+}
+
+void CueOutputs::log_to(const std::string& file, bool waits) {
+  log_.emplace(file, pulses_, waits);
+  if (!chips_.empty()) awaited_.emplace(gpio::StepPlayer::capacity);
+}
+
+void CueOutputs::log_pulse(const BegunPulse& begun) {
+  if (!awaited_) {
+    // What is simulated is in time.
+    log_->take({.begun = begun, .is_played = !begun.is_merged});
+    return;
+  }
+  const auto line = static_cast<std::size_t>(timed_[begun.pulse].line);
+  for (std::size_t c = 0; c < chips_.size(); ++c) {
+    const Chip& chip = chips_[c];
+    if (line < chip.first || line >= chip.first + chip.lines) continue;
+    if (!awaited_->add(begun, c, std::uint64_t{1} << (line - chip.first))) ++not_logged_;
+  }
+}
+
+void CueOutputs::log_played() {
+  if (!awaited_) return;
+  for (std::size_t c = 0; c < chips_.size(); ++c) {
+    while (const auto played = chips_[c].told.pop()) {
+      awaited_->note_played(c, played->instant.at_ns, played->instant.levels & played->instant.mask,
+                            played->late_ns);
+    }
+  }
+  while (const std::optional<PlayedPulse> pulse = awaited_->next()) log_->take(*pulse);
+}
+
+void CueOutputs::put_out(const EdgeInstant& instant) {
+  levels_ = (levels_ & ~instant.mask) | instant.levels;
+  for (Chip& chip : chips_) {
+    const std::uint64_t all = chip.lines == 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << chip.lines) - 1;
+    const std::uint64_t mask = instant.mask >> chip.first & all;
+    if (mask == 0) continue;
+    const std::uint64_t levels = instant.levels >> chip.first & all;
+    if (!chip.played.player()->push({.at_ns = instant.at_ns, .levels = levels, .mask = mask}))
+      has_refused_ = true;
+  }
+}
+
+void CueOutputs::finish(const std::function<bool()>& interrupted) {
+  const Result<CueCount> count = timer_->end_all({begun_, instants_});
+  if (count) put_out(*count);
+  const MonotonicClock clock;
+  const auto is_busy = [](const Chip& chip) {
+    return chip.played.player() != nullptr && chip.played.player()->waiting() > 0 && !chip.played.has_gone();
+  };
+  while (std::ranges::any_of(chips_, is_busy) && !(interrupted && interrupted())) {
+    clock.sleep_until_ns(clock.now_ns() + ns_between_looks);
+  }
+}
+
+std::optional<LoopLogEnd> CueOutputs::end_log() {
+  if (!log_) return std::nullopt;
+  log_played();
+  while (awaited_) {
+    const std::optional<PlayedPulse> pulse = awaited_->rest();
+    if (!pulse) break;
+    log_->take(*pulse);
+  }
+  LoopLogEnd end = log_->finish();
+  end.lost += static_cast<std::int64_t>(not_logged_);
+  return end;
+}
+
+std::vector<Counted> CueOutputs::chip_counts() const {
+  std::vector<Counted> counts;
+  counts.reserve(chips_.size());
+  for (const Chip& chip : chips_) counts.push_back({chip.label, counts_of(chip.played.player()->counters())});
+  return counts;
+}
+
+std::string CueOutputs::trouble() const {
+  for (const Chip& chip : chips_) {
+    if (chip.played.has_gone()) {
+      return fmt::format("chip {} of the outputs has gone; plug it in again", in_quotes(chip.label));
+    }
+    if (const auto late_us = chip.played.too_late_us()) {
+      return fmt::format("pulses on chip {} came {:.0f} us late; free the machine of other work",
+                         in_quotes(chip.label), *late_us);
+    }
+  }
+  if (counters().lost > 0) return fmt::format("{} pulses found no room in their tick", counters().lost);
+  return has_refused_ ? "an output did not take a pulse" : "";
+}
+
+bool CueOutputs::is_on(std::string_view line) const {
+  const std::optional<std::size_t> number = number_of(line);
+  return number && (levels_ >> *number & 1) != 0;
+}
+
+}  // namespace inbetween

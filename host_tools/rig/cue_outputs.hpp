@@ -1,0 +1,116 @@
+// The pulses of a move on the outputs of a rig, on its GPIO chips or simulated.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "drivers/gpio/step_player.hpp"
+#include "host_tools/files/move_cue.hpp"
+#include "host_tools/files/move_file.hpp"
+#include "host_tools/files/rig_file.hpp"
+#include "host_tools/rig/awaited_pulses.hpp"
+#include "host_tools/rig/counters.hpp"
+#include "host_tools/rig/cue_log.hpp"
+#include "host_tools/rig/played_chip.hpp"
+#include "host_tools/rig/step_drives.hpp"
+#include "inbetween/loop/tick_chain.hpp"
+#include "inbetween/steps/cue_timer.hpp"
+
+namespace inbetween {
+
+/// What a playhead did in a tick of the loop.
+struct CuePassage {
+  PlayheadPlace<double> from, to;
+  Repeat repeated = Repeat::none;
+};
+
+/// The lines are idle outside pulses and whenever this object does not exist. A pulse comes when the axes are
+/// at its place: a tick after the loop has said so, as the steps of StepPort.
+class CueOutputs {
+ public:
+  /// Null where the rig has no output and no camera. `first` and `last` frame are those of the time line,
+  /// with its rolls. `move` and `rig` last longer.
+  static std::unique_ptr<CueOutputs> simulated(const MoveFile& move, const RigFile& rig, std::int32_t first,
+                                               std::int32_t last);
+  /// Takes all outputs of the rig, a request a chip, and starts the threads that play the pulses. Throws
+  /// InputError at the place of what is not there; then nothing has changed.
+  static std::unique_ptr<CueOutputs> on_chips(const MoveFile& move, const RigFile& rig, std::int32_t first,
+                                              std::int32_t last, bool in_real_time);
+  CueOutputs(const CueOutputs&) = delete;
+  CueOutputs& operator=(const CueOutputs&) = delete;
+
+  /// Before the first tick: pulses are timed by the same clock as the steps of the rig, which last longer, to
+  /// the nanosecond.
+  void go_with(const StepDrives& steps) { steps_ = &steps; }
+  /// Before the first tick: every pulse goes there. CueLog says what it throws.
+  void log_to(const std::string& file, bool waits);
+
+  // Of the loop's thread. Nothing waits but the log, if it was told to; nothing is allocated.
+
+  /// `ticks` have passed since the last call, usually 1. Begins and ends pulses.
+  void tick(const CuePassage& passage, std::int32_t ticks, std::int64_t now_ns);
+  /// The signal of the camera, at once, for a move that is shot frame by frame; not together with `tick`.
+  void signal(bool is_exposing, std::int64_t now_ns);
+
+  // Once no tick follows.
+
+  /// Pulses that have begun are ended at their times: waits for that, or until `interrupted`.
+  void finish(const std::function<bool()>& interrupted);
+  [[nodiscard]] std::optional<LoopLogEnd> end_log();
+  [[nodiscard]] const CueCounters& counters() const { return timer_->counters(); }
+  /// Of the chips; none in simulation.
+  [[nodiscard]] std::vector<Counted> chip_counts() const;
+  /// What is wrong and what to do, the first found; "" for nothing.
+  [[nodiscard]] std::string trouble() const;
+  /// Of simulated lines: what was put out, by name. The line's level against its idle one.
+  [[nodiscard]] bool is_on(std::string_view line) const;
+
+ private:
+  struct Line {
+    std::string_view name;
+    const OutputLine* wire;
+    const Place* place;
+    std::string chip;  ///< its label; in simulation as the rig says it
+  };
+  /// Lines first..first+lines-1 of lines_.
+  struct Chip {
+    std::string label;
+    std::size_t first = 0, lines = 0;
+    gpio::StepPlayer::PlayedRing told;  ///< by its thread
+    PlayedChip played;
+  };
+
+  CueOutputs(const MoveFile& move, const RigFile& rig, std::int32_t first, std::int32_t last, bool on_chips);
+  void add_line(std::string_view name, const OutputLine& wire, const Place& place, bool on_chips);
+  void open(Chip& chip, bool in_real_time);
+  void put_out(const CueCount& count);
+  void log_pulse(const BegunPulse& begun);
+  void log_played();
+  void put_out(const EdgeInstant& instant);
+  [[nodiscard]] std::optional<std::size_t> number_of(std::string_view line) const;
+
+  std::vector<CuePulse> pulses_;
+  std::vector<Line> lines_;
+  std::vector<TimedPulse<double>> timed_;
+  std::optional<CueTimer<double>> timer_;
+  std::vector<BegunPulse> begun_;
+  std::vector<EdgeInstant> instants_;
+  TickChain chain_;
+  const StepDrives* steps_ = nullptr;
+  std::uint64_t levels_ = 0;
+  bool has_refused_ = false;
+  std::optional<std::size_t> camera_;
+  std::optional<CueLog> log_;
+  std::optional<AwaitedPulses> awaited_;  ///< of chips, while they are logged
+  std::uint64_t not_logged_ = 0;
+  std::deque<Chip> chips_;  ///< none in simulation
+};
+
+}  // namespace inbetween

@@ -1,0 +1,166 @@
+// The input lines of a rig file under the motion loop: on its GPIO chips, or simulated.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "drivers/gpio/gpio_chip.hpp"
+#include "drivers/gpio/gpio_inputs.hpp"
+#include "drivers/linux/emergency_signal.hpp"
+#include "host_tools/files/rig_file.hpp"
+#include "inbetween/base/setpoint.hpp"
+#include "inbetween/homing/homing.hpp"
+#include "inbetween/homing/line_event.hpp"
+#include "inbetween/homing/switch_input.hpp"
+#include "sim/simulated_switch.hpp"
+
+namespace inbetween {
+
+class RigDrives;
+
+/// Lines of a rig that no axis has, as a simulation sets them.
+enum class RigInput : std::uint8_t { emergency_stop, start_trigger, camera_asks };
+
+/// A LinePort for the emergency stop, the limit and home switches, the start trigger and the line of the
+/// camera. SIGUSR1 is an emergency stop beside the wired one, SIGUSR2 releases it: one RigInputs at a time.
+///
+/// What is wired is asked for by its level on every tick and by its edges, which have the times at which they
+/// came. `read` makes two system calls for each chip, and on chips takes no memory.
+class RigInputs {
+ public:
+  /// Takes the input lines of all chips. Throws InputError at the place of a line that is not there or that
+  /// somebody else uses, whom it names; then nothing has changed.
+  static std::unique_ptr<RigInputs> on_chips(const RigFile& rig);
+  /// Switches at their places, the home switches at `home.at` and the limit switches beyond what a homing
+  /// needs; with the axes at rest at `positions`, in the order of the rig's axes. The rest is released.
+  static std::unique_ptr<RigInputs> simulated(const RigFile& rig, const std::vector<double>& positions);
+  RigInputs(const RigInputs&) = delete;
+  RigInputs& operator=(const RigInputs&) = delete;
+
+  /// In simulation: from now on `read` asks these drives where their axes really are. Of the same rig, which
+  /// they outlive this with.
+  void follow(const RigDrives& drives) { followed_ = &drives; }
+  /// In simulation: axis `axis` is at `position` at `now_ns`, and went there steadily.
+  void follow(std::size_t axis, double position, std::int64_t now_ns);
+  /// In simulation: a line that the rig has becomes active, or inactive, at `now_ns`.
+  void set(RigInput input, bool is_active, std::int64_t now_ns);
+  /// In simulation: what goes wrong with the home switch of an axis that has one.
+  void set_home_fault(std::size_t axis, SimulatedSwitch::Fault fault);
+
+  void read(std::int64_t now_ns);
+
+  /// The level asks to stop, or did for a moment since the tick before the last; edges of its chip were lost,
+  /// any of which may have been one of its; or a chip has gone.
+  [[nodiscard]] bool emergency_stop() const { return asks_to_stop_ || EmergencySignal::is_pressed(); }
+  /// In the last tick a limit switch has become active, or was found never to be quiet. An axis that stands
+  /// on its switch may leave it.
+  [[nodiscard]] bool limit_hit() const { return limit_hit_; }
+  void begin() {
+    stop_ = Stop::none;
+    last_limit_.reset();
+  }
+  [[nodiscard]] bool is_gone() const;
+
+  /// Of all lines in the last tick, in the order of their times. Lines are numbered through the rig.
+  [[nodiscard]] std::span<const LineEvent> events() const { return events_; }
+  [[nodiscard]] bool has_home(std::size_t axis) const { return axes_[axis].home.has_value(); }
+  /// For HomingSpec. Of an axis with a home switch.
+  [[nodiscard]] SwitchSettings home_switch(std::size_t axis) const;
+  /// Of the last tick; limit_hit while a limit switch of the axis is active. What the drive tells is not in
+  /// it.
+  [[nodiscard]] HomingInput homing_input(std::size_t axis) const;
+
+  /// The start trigger has become active, and stayed so, since the last call.
+  bool start_triggered();
+  /// The camera has asked since the last call: by a pulse however short, but not by the bounces after it.
+  bool camera_asks();
+
+  /// What has stopped the rig and what to do, in order of weight: a chip, the emergency stop, a limit switch,
+  /// the last of them; "" for nothing. Not for the loop's thread.
+  [[nodiscard]] std::string trouble() const;
+
+ private:
+  enum class Stop : std::uint8_t { none, pressed, events_lost };
+
+  struct Line {
+    const InputLine* input = nullptr;
+    std::size_t chip = 0;   ///< of chips_
+    std::size_t place = 0;  ///< in the request of its chip
+    bool level = false;
+  };
+  struct Chip {
+    std::string label;
+    std::vector<std::size_t> lines;  ///< of lines_, in the order of the request
+    gpio::GpioInputs inputs;
+    std::array<LineEvent, gpio::GpioInputs::max_events> events{};
+    std::size_t count = 0;
+  };
+  struct Limit {
+    std::size_t axis = 0;
+    std::size_t line = 0;
+    SwitchInput input;
+    bool was_chattering = false;
+  };
+  struct AxisLines {
+    std::optional<std::size_t> home;  ///< of lines_
+    std::vector<std::size_t> limits;  ///< of limits_
+  };
+  /// A simulated switch on the way of an axis.
+  struct OnWay {
+    std::size_t axis = 0;
+    std::size_t line = 0;
+    SimulatedSwitch of;
+  };
+  struct Stand {
+    double position = 0;
+    std::optional<std::int64_t> at_ns;
+  };
+
+  explicit RigInputs(const RigFile& rig);
+  std::size_t add(const InputLine& input);
+  void add_limit(std::size_t axis, const InputLine& input);
+  [[nodiscard]] SwitchSettings settings_of(std::size_t line) const;
+  void find_chips();
+  void open(Chip& chip);
+  void add_switch(std::size_t axis, std::size_t line, bool is_above, double closes, double hysteresis);
+
+  void read_chip(std::size_t number);
+  void take_simulated(std::int64_t now_ns);
+  void put_in_order();
+  void look_at_emergency_stop();
+  void look_at_limits(std::int64_t now_ns);
+  void look_at_buttons(std::int64_t now_ns);
+  [[nodiscard]] std::size_t line_of(RigInput input) const;
+
+  const RigFile& rig_;
+  EmergencySignal signal_;
+  std::vector<Line> lines_;
+  std::deque<Chip> chips_;
+  std::vector<LineEvent> events_;
+  std::optional<std::size_t> emergency_, trigger_, asks_;  ///< of lines_
+  std::vector<Limit> limits_;
+  std::vector<AxisLines> axes_;
+  std::optional<SwitchInput> trigger_input_, asks_input_;
+  bool has_started_ = false;
+  bool asks_to_stop_ = false;
+  bool limit_hit_ = false;
+  bool start_triggered_ = false;
+  bool camera_asks_ = false;
+  Stop stop_ = Stop::none;                 ///< the last that was
+  std::optional<std::size_t> last_limit_;  ///< of limits_
+
+  // in simulation
+  const RigDrives* followed_ = nullptr;
+  std::vector<OnWay> switches_;
+  std::vector<Stand> stands_;
+  std::vector<LineEvent> coming_;
+};
+
+}  // namespace inbetween

@@ -1,0 +1,204 @@
+// Pulses of moves on the outputs of rigs: in a run from end to end, and the object by itself.
+#include "host_tools/rig/cue_outputs.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <fstream>
+#include <iterator>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "host_tools/files/move_file.hpp"
+#include "host_tools/files/rig_file.hpp"
+#include "host_tools/motions/run.hpp"
+#include "host_tools/motions/start_signal.hpp"
+#include "host_tools/plan/plan.hpp"
+#include "tests/support/run_program.hpp"
+#include "tests/support/temporary_file.hpp"
+
+namespace inbetween {
+namespace cue_outputs_test {
+
+const std::string slide_and_pan = INBETWEEN_SOURCE_DIR "/examples/slide_and_pan.toml";
+const std::string slider_rig = INBETWEEN_SOURCE_DIR "/examples/slider_rig.toml";
+
+Plan plan_of(const std::string& move, const std::string& rig) {
+  return {read_move_file(move), read_rig_file(rig), {.solver = Solver::closed_form}};
+}
+
+struct Row {
+  double seconds = 0;
+  std::string line;
+  double frame = 0;
+  double width_ms = 0;
+  bool is_merged = false;
+  std::string late_us;
+};
+
+/// Without the header.
+std::vector<Row> rows_of(const std::string& path) {
+  std::vector<Row> rows;
+  std::ifstream file(path);
+  std::string text;
+  std::getline(file, text);
+  EXPECT_EQ(text, "seconds,line,frame,width_ms,merged,late_us");
+  while (std::getline(file, text)) {
+    std::istringstream fields(text);
+    std::vector<std::string> field(6);
+    for (std::string& one : field) std::getline(fields, one, ',');
+    rows.push_back(
+        {std::stod(field[0]), field[1], std::stod(field[2]), std::stod(field[3]), field[4] == "1", field[5]});
+  }
+  return rows;
+}
+
+RunOptions logged(const std::string& file) {
+  RunOptions options{.fast = true};
+  options.confirm = [](const std::string&) { return true; };
+  options.cue_log = file;
+  return options;
+}
+
+TEST(CueOutputs, EveryFrameOfARunHasItsPulseAtItsTimeAndTheClapperFramesIt) {
+  const TemporaryFolder folder;
+  const std::string file = folder.path() / "cues.csv";
+  const Plan plan = plan_of(slide_and_pan, slider_rig);
+  const RunReport report = run_simulated(plan, logged(file));
+  EXPECT_EQ(report.ending, Ending::finished) << report.reason;
+  const std::vector<Row> rows = rows_of(file);
+  ASSERT_EQ(rows.size(), 2U + 288U);
+  EXPECT_EQ(rows.front().line, "clapper");
+  EXPECT_EQ(rows.front().frame, 0);
+  EXPECT_EQ(rows.back().line, "clapper");
+  EXPECT_EQ(rows.back().frame, 288);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    EXPECT_NEAR(rows[i].seconds - rows.front().seconds, rows[i].frame / 24, 1e-6) << "pulse " << i;
+    EXPECT_FALSE(rows[i].is_merged);
+    EXPECT_EQ(rows[i].late_us, "0");
+    if (rows[i].line != "camera") continue;
+    EXPECT_EQ(rows[i].frame, static_cast<double>(i - 1) + 0.25);
+    EXPECT_EQ(rows[i].width_ms, 15);
+  }
+}
+
+TEST(CueOutputs, TheReportTellsHowManyPulsesAreInTheLogAndWhatWentWrongWithThem) {
+  const TemporaryFolder folder;
+  const ProgramRun run = run_program({"run", slide_and_pan, "--rig", slider_rig, "--sim", "--fast", "--yes",
+                                      "--cue-log", (folder.path() / "cues.csv").string(), "--json", "-"});
+  EXPECT_EQ(run.status, 0) << run.err;
+  const auto json = nlohmann::ordered_json::parse(run.out);
+  EXPECT_EQ(json["cue_log"].dump(), R"({"pulses":290,"lost":0,"why":""})");
+  EXPECT_EQ(json["pulses"].dump(), R"({"merged":0,"lost":0,"late_ends":0})");
+}
+
+TEST(CueOutputs, AfterAStopInTheMiddleNoPulseBegins) {
+  const TemporaryFolder folder;
+  const std::string file = folder.path() / "cues.csv";
+  const Plan plan = plan_of(slide_and_pan, slider_rig);
+  RunOptions options = logged(file);
+  int asked = 0;
+  options.audience.interrupted = [&] { return ++asked == 2000; };
+  const RunReport report = run_simulated(plan, options);
+  EXPECT_EQ(report.ending, Ending::stopped);
+  const std::vector<Row> rows = rows_of(file);
+  ASSERT_GT(rows.size(), 10U);
+  ASSERT_LT(rows.size(), 280U);
+  EXPECT_EQ(rows.back().line, "camera");
+  for (std::size_t i = 1; i < rows.size(); ++i) EXPECT_EQ(rows[i].frame, static_cast<double>(i - 1) + 0.25);
+}
+
+TEST(CueOutputs, ARigWithoutOutputsHasNoneToLog) {
+  const TemporaryFolder folder;
+  const Plan plan =
+      plan_of(INBETWEEN_SOURCE_DIR "/examples/reveal.toml", INBETWEEN_SOURCE_DIR "/examples/camera_rig.toml");
+  EXPECT_THROW(run_simulated(plan, logged(folder.path() / "cues.csv")), InputError);
+}
+
+/// The pulses of the example, the loop's ticks being the test's.
+class Ticked : public testing::Test {
+ protected:
+  Ticked() : plan_(plan_of(slide_and_pan, slider_rig)) {
+    cues_ = CueOutputs::simulated(plan_.move(), *plan_.rig(), 0, 288);
+  }
+  static PlayheadPlace<double> at(double frame, double rate) {
+    return {.time = moved_by({0, 0.0}, frame), .rate = rate, .rate_change = 0};
+  }
+  /// At the drawn speed a tick of the rig, 4 ms, is 0.096 frames.
+  void go(double from, double to) {
+    now_ns_ += 4'000'000;
+    const double rate = (to - from) / 0.096;
+    cues_->tick({.from = at(from, rate), .to = at(to, rate)}, 1, now_ns_);
+  }
+
+  Plan plan_;
+  std::unique_ptr<CueOutputs> cues_;
+  std::int64_t now_ns_ = 0;
+};
+
+TEST_F(Ticked, BackwardNoLineGoesOn) {
+  for (int i = 100; i > 0; --i) {
+    go(i * 0.096, (i - 1) * 0.096);
+    ASSERT_FALSE(cues_->is_on("camera"));
+    ASSERT_FALSE(cues_->is_on("clapper"));
+  }
+  go(0, 0.096);
+  EXPECT_TRUE(cues_->is_on("clapper"));
+}
+
+TEST_F(Ticked, TheSignalOfTheCameraIsItsLine) {
+  EXPECT_FALSE(cues_->is_on("camera"));
+  cues_->signal(true, 1);
+  EXPECT_TRUE(cues_->is_on("camera"));
+  EXPECT_FALSE(cues_->is_on("clapper"));
+  cues_->signal(false, 2);
+  EXPECT_FALSE(cues_->is_on("camera"));
+}
+
+TEST_F(Ticked, WhatHasBegunEndsThoughNoTickFollows) {
+  go(0, 0.096);
+  ASSERT_TRUE(cues_->is_on("clapper"));
+  cues_->finish({});
+  EXPECT_FALSE(cues_->is_on("clapper"));
+  EXPECT_EQ(cues_->trouble(), "");
+}
+
+TEST(SimulatedTrigger, ComesASecondAfterItIsAskedFirst) {
+  SimulatedTrigger trigger;
+  const StartSignal signal = start_signal_of(trigger);
+  EXPECT_FALSE(signal.has_come(signal.of, 5'000'000'000));
+  EXPECT_FALSE(signal.has_come(signal.of, 5'999'999'999));
+  EXPECT_TRUE(signal.has_come(signal.of, 6'000'000'000));
+}
+
+TEST(CueOutputs, AMoveThatStartsByATriggerWaitsASecondInSimulation) {
+  const TemporaryFolder folder;
+  const auto text_of = [](const std::string& path) {
+    std::ifstream file(path);
+    return std::string(std::istreambuf_iterator<char>(file), {});
+  };
+  const std::string move = folder.path() / "move.toml";
+  const std::string rig = folder.path() / "rig.toml";
+  std::ofstream(move) << "start = \"trigger\"\n" << text_of(slide_and_pan);
+  std::ofstream(rig) << text_of(slider_rig)
+                     << "\n[start_trigger]\nchip = \"pinctrl-bcm2711\"\nline = 4\nactive = \"low\"\nbias = "
+                        "\"pull-up\"\n";
+  std::vector<double> begins;
+  for (const auto& [m, r] : {std::pair{slide_and_pan, slider_rig}, std::pair{move, rig}}) {
+    const std::string file = folder.path() / "cues.csv";
+    const Plan plan = plan_of(m, r);
+    const RunReport report = run_simulated(plan, logged(file));
+    EXPECT_EQ(report.ending, Ending::finished) << report.reason;
+    const std::vector<Row> rows = rows_of(file);
+    ASSERT_EQ(rows.size(), 290U);
+    begins.push_back(rows.front().seconds);
+  }
+  EXPECT_NEAR(begins[1] - begins[0], 1, 0.005);
+}
+
+}  // namespace cue_outputs_test
+}  // namespace inbetween

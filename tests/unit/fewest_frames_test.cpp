@@ -1,0 +1,73 @@
+#include "host_tools/fit/fewest_frames.hpp"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "host_tools/check/check.hpp"
+
+namespace inbetween {
+namespace fewest_frames_test {
+
+Plan plan_of(const std::string& track, double velocity, double acceleration, int frames = 100) {
+  const std::string move =
+      fmt::format("name = \"m\"\nfps = 10\nframes = {}\n[[track]]\naxes = [\"x\", \"y\"]\n{}", frames, track);
+  std::string rig = "name = \"table\"\nrate_hz = 100\n";
+  for (const char* name : {"x", "y"}) {
+    rig += fmt::format(
+        "[[axis]]\nname = \"{}\"\nunit = \"mm\"\nmin = -1e4\nmax = 1e4\nmax_velocity = {}\nmax_acceleration "
+        "= {}\n"
+        "drive = {{ type = \"pipe\", path = \"/dev/null\", counts_per_unit = 1 }}\n",
+        name, velocity, acceleration);
+  }
+  return {parse_move(move, "move.toml"), parse_rig(rig, "rig.toml"), {}};
+}
+
+const std::string rests = "speed = [0, 0, 1, 0, 0]\n";
+const std::string moves = "speed = [1, 1]\n";
+const std::string line = "keys = [ { at = [0, 5] }, { at = [100, 5] } ]\n";
+
+TEST(FewestFrames, AWayAtFullVelocity) {
+  const FewestFrames least = fewest_frames(plan_of(line + moves, 20, 1e6));
+  EXPECT_EQ(least.frames, 50) << "100 mm at 20 mm/s are 5 s";
+  EXPECT_EQ(least.axis, 0U);
+  EXPECT_FALSE(least.by_acceleration);
+}
+
+TEST(FewestFrames, FromRestToRestItTakesTheRampsToo) {
+  EXPECT_EQ(fewest_frames(plan_of(line + rests, 20, 10)).frames, 70) << "5 s and a ramp of 2 s";
+  const std::string shorter = "keys = [ { at = [0, 5] }, { at = [60, 5] } ]\n";
+  EXPECT_EQ(fewest_frames(plan_of(shorter + rests, 20, 10)).frames, 50) << "3 s and the ramp";
+  EXPECT_EQ(fewest_frames(plan_of(line + rests, 1e6, 16)).frames, 50)
+      << "no full velocity: 2 sqrt(100 / 16) s";
+  EXPECT_TRUE(fewest_frames(plan_of(line + rests, 1e6, 16)).by_acceleration);
+  EXPECT_EQ(fewest_frames(plan_of(line + "speed = [0, 0, 1, 1]\n", 20, 10)).frames, 60) << "one ramp";
+}
+
+TEST(FewestFrames, WhereAnAxisTurnsItStandsStill) {
+  const std::string there_and_back =
+      "spline = \"linear\"\nkeys = [ { at = [0, 0] }, { at = [100, 0] }, { at = [0, 0] } ]\n";
+  const FewestFrames least = fewest_frames(plan_of(there_and_back + moves, 20, 10));
+  EXPECT_EQ(least.frames, 120) << "twice 5 s and a ramp on either side of the turn";
+}
+
+TEST(FewestFrames, AnotherAxisMayBeInTheWayOnAnotherStretch) {
+  const std::string corner =
+      "spline = \"linear\"\nkeys = [ { at = [0, 0] }, { at = [100, 0] }, { at = [100, 60] } ]\n";
+  const FewestFrames least = fewest_frames(plan_of(corner + moves, 20, 1e6));
+  EXPECT_EQ(least.frames, 80);
+  EXPECT_EQ(least.axis, 0U) << "for most of the time";
+}
+
+TEST(FewestFrames, AKeyWithinRoundingOfALineIsNoTurn) {
+  const std::string still = "keys = [ { at = [0, 5] }, { at = [50, 5.0000000000001] }, { at = [100, 5] } ]\n";
+  EXPECT_EQ(fewest_frames(plan_of(still + moves, 20, 1e-3)).axis, 0U);
+}
+
+TEST(FewestFrames, APathWithoutLengthTakesOneFrame) {
+  EXPECT_EQ(fewest_frames(plan_of("keys = [ { at = [1, 2] } ]\n" + moves, 20, 10)).frames, 1);
+}
+
+}  // namespace fewest_frames_test
+}  // namespace inbetween
