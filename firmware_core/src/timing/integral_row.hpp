@@ -1,0 +1,59 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "inbetween/base/precision.hpp"
+
+/// The integral of a speed curve as a sum over its control values.
+
+namespace inbetween {
+
+/// Integral of the cardinal cubic B-spline with support (-2, 2) from -2 to x.
+template <Precise Real>
+Real bspline_integral(Real x) {
+  if (x <= -2) return 0;
+  if (x >= 2) return 1;
+  const Real y = x > 0 ? -x : x;  // the spline is even
+  const Real u = y + 2;
+  const Real below =
+      y <= -1 ? u * u * u * u / 24 : Real(0.5) + y * (Real(2) / 3 - y * y * (Real(1) / 3 + y / 8));
+  return x > 0 ? 1 - below : below;
+}
+
+/// How the integral of phi over [begin, end] depends on each control value, natural ends included.
+template <Precise Real>
+class IntegralRow {
+ public:
+  IntegralRow(Real begin, Real end, std::int32_t f) : begin_(begin), end_(end), f_(f) {}
+
+  [[nodiscard]] std::int32_t first() const {
+    return std::max<std::int32_t>(0, static_cast<std::int32_t>(begin_) - 2);
+  }
+  [[nodiscard]] std::int32_t last() const { return std::min(f_, static_cast<std::int32_t>(end_) + 3); }
+  [[nodiscard]] Real weight(std::int32_t i) const {
+    Real sum = spline(i);
+    if (i == 0) sum += 2 * spline(-1);  // the phantom value is 2 v_0 - v_1
+    if (i == 1) sum -= spline(-1);
+    if (i == f_) sum += 2 * spline(f_ + 1);
+    if (i == f_ - 1) sum -= spline(f_ + 1);
+    return sum;
+  }
+  [[nodiscard]] Real integral(std::span<const Real> values) const {
+    Real sum = 0;
+    for (std::int32_t i = first(); i <= last(); ++i) sum += weight(i) * values[static_cast<std::size_t>(i)];
+    return sum;
+  }
+
+ private:
+  [[nodiscard]] Real spline(std::int32_t i) const {
+    const auto centre = static_cast<Real>(i);
+    return bspline_integral(end_ - centre) - bspline_integral(begin_ - centre);
+  }
+  Real begin_, end_;
+  std::int32_t f_;
+};
+
+}  // namespace inbetween

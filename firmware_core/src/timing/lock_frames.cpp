@@ -1,0 +1,130 @@
+#include "timing/lock_frames.hpp"
+
+#include <limits>
+
+#include "timing/integral_row.hpp"
+
+namespace inbetween {
+namespace {
+
+Error wish_error(const char* what, const char* remedy, const KeyLock& lock) {
+  return {
+      .code = ErrorCode::out_of_range, .what = what, .remedy = remedy, .key = lock.key, .frame = lock.frame};
+}
+
+/// When the drawn curve arrives at a key, as a share of the time that it moves.
+template <Precise Real>
+Real arrival(const KeyTimingSpec<Real>& spec, std::int32_t key) {
+  const auto f = static_cast<std::int32_t>(spec.control_values.size()) - 1;
+  const auto spans = static_cast<Real>(f);
+  const Real length = spec.key_distances.back();
+  const Real share = length > 0 ? spec.key_distances[static_cast<std::size_t>(key)] / length
+                                : static_cast<Real>(key) / static_cast<Real>(spec.key_distances.size());
+  if (share <= 0) return 0;
+  const Real target = share * IntegralRow<Real>(0, spans, f).integral(spec.control_values);
+  Real low = 0;
+  Real high = 1;
+  for (int i = 0; i < std::numeric_limits<Real>::digits; ++i) {
+    const Real middle = (low + high) / 2;
+    (IntegralRow<Real>(0, middle * spans, f).integral(spec.control_values) < target ? low : high) = middle;
+  }
+  return high;
+}
+
+/// The frame of the hold at `index`, which has none: where the drawn curve arrives, played between the locks
+/// with frames on either side in the frames that are no holds.
+template <Precise Real>
+std::int32_t arrival_frame(const KeyTimingSpec<Real>& spec, std::size_t index) {
+  const std::span<const KeyLock> locks = spec.locks;
+  std::int32_t begin_frame = 0;
+  Real begin_share = 0;
+  std::int32_t held_before = 0;
+  for (std::size_t i = 0; i < index; ++i) {
+    held_before += locks[i].hold;
+    if (locks[i].frame < 0) continue;
+    begin_frame = locks[i].frame + locks[i].hold;
+    begin_share = arrival(spec, locks[i].key);
+    held_before = 0;
+  }
+  std::int32_t moving = spec.frames - begin_frame - held_before;
+  Real end_share = 1;
+  for (std::size_t i = index; i < locks.size(); ++i) {
+    if (locks[i].frame >= 0) {
+      moving -= spec.frames - locks[i].frame;
+      end_share = arrival(spec, locks[i].key);
+      break;
+    }
+    moving -= locks[i].hold;
+  }
+  const Real share = arrival(spec, locks[index].key) - begin_share;
+  const Real frames = share > 0 && end_share > begin_share
+                          ? share / (end_share - begin_share) * static_cast<Real>(moving)
+                          : Real(0);
+  // The first frame at or behind it; a frame met but for rounding is that frame.
+  const Real rounding = 64 * std::numeric_limits<Real>::epsilon() * static_cast<Real>(spec.frames);
+  const auto whole = static_cast<std::int32_t>(frames);
+  return begin_frame + held_before + (frames > static_cast<Real>(whole) + rounding ? whole + 1 : whole);
+}
+
+}  // namespace
+
+template <Precise Real>
+Result<std::size_t> complete_locks(const KeyTimingSpec<Real>& spec, std::span<KeyLock> out) {
+  const auto last_key = static_cast<std::int32_t>(spec.key_distances.size()) - 1;
+  std::int32_t holds = 0;
+  for (const KeyLock& lock : spec.locks) holds += lock.hold;
+  if (holds >= spec.frames) {
+    return Error{.code = ErrorCode::out_of_range,
+                 .what = "the holds take all frames of the move",
+                 .remedy = "shorten the holds or give the move more frames",
+                 .key = spec.locks.front().key};
+  }
+  std::size_t count = 0;
+  out[count++] = {.key = 0, .frame = 0};
+  for (const KeyLock& wish : spec.locks) {
+    if (wish.key < 0 || wish.key > last_key) {
+      return wish_error("there is no such key", "count the keys from 0", wish);
+    }
+  }
+  for (std::size_t i = 0; i < spec.locks.size(); ++i) {
+    KeyLock lock = spec.locks[i];
+    if (lock.frame < 0) lock.frame = arrival_frame(spec, i);
+    const std::int32_t end = lock.frame + lock.hold;
+    if (end > spec.frames) {
+      return wish_error("this key would be left after the last frame",
+                        "give it an earlier frame or a shorter hold", lock);
+    }
+    KeyLock& before = out[count - 1];
+    if (lock.key == 0) {
+      if (lock.frame != 0) return wish_error("the first key is met on frame 0", "remove its frame", lock);
+      before = lock;
+      continue;
+    }
+    if (lock.key == last_key && end != spec.frames) {
+      return wish_error("the last key is met on the last frame", "remove its frame, or change frames", lock);
+    }
+    const std::int32_t left = before.frame + before.hold;
+    if (lock.frame == left && lock.key != before.key) {
+      return wish_error("this key is to be met on the frame of the locked key before it",
+                        "give the two keys different frames", lock);
+    }
+    if (lock.frame < left) {
+      return wish_error("this key is to be met before the locked key in front of it",
+                        "give the keys frames in their own order", lock);
+    }
+    out[count++] = lock;
+  }
+  if (out[count - 1].key != last_key) {
+    if (out[count - 1].frame + out[count - 1].hold >= spec.frames) {
+      return wish_error("this key leaves no frame for the keys behind it", "give it an earlier frame",
+                        out[count - 1]);
+    }
+    out[count++] = {.key = last_key, .frame = spec.frames};
+  }
+  return count;
+}
+
+template Result<std::size_t> complete_locks(const KeyTimingSpec<double>&, std::span<KeyLock>);
+template Result<std::size_t> complete_locks(const KeyTimingSpec<float>&, std::span<KeyLock>);
+
+}  // namespace inbetween
