@@ -19,7 +19,7 @@ extern "C" int __sanitizer_install_malloc_and_free_hooks(  // NOLINT
 #define INBETWEEN_ALLOCATOR_HOOKS 0
 #endif
 
-namespace armed_allocator {
+namespace {
 
 // Constant-initialised and of the executable itself: to read them takes no memory.
 thread_local bool armed = false;
@@ -29,17 +29,17 @@ void count() {
   if (armed) ++calls;
 }
 
-}  // namespace armed_allocator
+}  // namespace
 
 #if INBETWEEN_ALLOCATOR_HOOKS
 
-namespace armed_allocator {
+namespace {
 
 const bool hooks_installed =
     __sanitizer_install_malloc_and_free_hooks([](const volatile void*, std::size_t) { count(); },
                                               [](const volatile void*) { count(); }) != 0;
 
-}  // namespace armed_allocator
+}  // namespace
 
 #else
 
