@@ -7,12 +7,14 @@
 
 #include "host_tools/check/check.hpp"
 #include "host_tools/check/check_frames.hpp"
+#include "host_tools/check/check_output.hpp"
+#include "host_tools/check/check_plot.hpp"
 #include "host_tools/cli/command.hpp"
+#include "host_tools/cli/progress_bar.hpp"
 #include "host_tools/files/output_file.hpp"
-#include "host_tools/files/progress_bar.hpp"
 #include "host_tools/files/speed_rewrite.hpp"
 #include "host_tools/files/toml_source.hpp"
-#include "host_tools/fit/check_output.hpp"
+#include "host_tools/fit/fit_output.hpp"
 #include "host_tools/fit/speed_fit.hpp"
 #include "host_tools/plot/plot_limits.hpp"
 
@@ -76,7 +78,14 @@ int check_command(const CheckArguments& arguments) {
   std::optional<SpeedFit> fit;
   if (arguments.fit) fit = fit_command(arguments, plan, report);
   if (arguments.json) {
-    write_output(*arguments.json, [&](std::FILE* file) { write_check_json(report, smallest, fit, file); });
+    write_output(*arguments.json, [&](std::FILE* file) {
+      JsonWriter json(file);
+      json.begin_object();
+      write_check(json, report, smallest);
+      if (fit) write_fit(json, *fit);
+      json.end_object();
+      json.finish();
+    });
   }
   if (arguments.plot) draw_limits_plot(limits_plot_of(plan, report), *arguments.plot);
   std::FILE* out = summary_stream(arguments.json == "-" || arguments.fit == "-");

@@ -8,6 +8,7 @@
 #include "host_tools/cli/command.hpp"
 #include "host_tools/files/output_file.hpp"
 #include "host_tools/plan/plan_output.hpp"
+#include "host_tools/plan/plan_plot.hpp"
 #include "host_tools/plot/plot.hpp"
 
 namespace inbetween {

@@ -10,12 +10,12 @@
 
 #include "drivers/linux/interrupt_watch.hpp"
 #include "drivers/linux/key_terminal.hpp"
+#include "host_tools/cli/agreement.hpp"
 #include "host_tools/cli/command.hpp"
 #include "host_tools/cli/position_arguments.hpp"
+#include "host_tools/cli/progress_bar.hpp"
 #include "host_tools/files/fault_script.hpp"
 #include "host_tools/files/output_file.hpp"
-#include "host_tools/files/progress_bar.hpp"
-#include "host_tools/loop/agreement.hpp"
 #include "host_tools/motions/run.hpp"
 #include "host_tools/rig/rig_watch.hpp"
 

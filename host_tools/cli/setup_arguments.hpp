@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/files/progress_bar.hpp"
+#include "host_tools/cli/progress_bar.hpp"
 #include "host_tools/loop/rig_session.hpp"
 
 namespace inbetween {

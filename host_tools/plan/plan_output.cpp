@@ -16,79 +16,6 @@
 namespace inbetween {
 namespace {
 
-/// The rows of a plan in time, rolls included: frames first_frame()..last_frame(), or ticks from 0.
-class TimeLine {
- public:
-  TimeLine(const Plan& plan, PlanRows rows)
-      : move_(plan.played()), rows_(rows), rate_hz_(rows == PlanRows::tick ? plan.rig()->rate_hz : 0) {}
-
-  [[nodiscard]] std::int64_t first() const { return rows_ == PlanRows::tick ? 0 : move_.first_frame(); }
-  [[nodiscard]] std::int64_t last() const {
-    return rows_ == PlanRows::tick ? move_.last_tick_at(rate_hz_) : move_.last_frame();
-  }
-  [[nodiscard]] FrameTime<double> at(std::int64_t row) const {
-    if (rows_ == PlanRows::frame) return {static_cast<std::int32_t>(row), 0};
-    return move_.time_of_tick(row, rate_hz_);
-  }
-  /// From the beginning of the move, or of its pre-roll if the rows are ticks.
-  [[nodiscard]] double seconds(std::int64_t row) const {
-    if (rows_ == PlanRows::tick) return static_cast<double>(row) / rate_hz_;
-    return static_cast<double>(row) * move_.frame_rate().denominator / move_.frame_rate().numerator;
-  }
-
- private:
-  const Move<double>& move_;
-  PlanRows rows_;
-  std::int32_t rate_hz_;
-};
-
-/// One axis of a track on the rows of a plan. On a frame it is where the frame table has it, whichever solver
-/// made that; between frames it is where the loop would evaluate it.
-class AxisColumn {
- public:
-  AxisColumn(const Plan& plan, const PlanAxis& axis, PlanRows rows)
-      : line_(plan, rows),
-        rows_(rows),
-        solved_(plan.tracks()[*axis.track]),
-        axis_(axis.track_axis),
-        motion_(plan.move().tracks[*axis.track].axes.size()) {
-    const MoveRolls<double>& rolls = plan.played().rolls();
-    if (!rolls.before.empty()) before_ = &rolls.before[axis.move_axis];
-    if (!rolls.after.empty()) after_ = &rolls.after[axis.move_axis];
-  }
-
-  [[nodiscard]] const TimeLine& line() const { return line_; }
-  [[nodiscard]] double position(std::int64_t row) const {
-    const FrameTime<double> when = line_.at(row);
-    if (const RollAxis<double>* roll = roll_at(when)) return roll->motion(when).position;
-    const PathPoint<double> point =
-        rows_ == PlanRows::frame ? solved_.table().point(when.frame) : solved_.track().locate(when);
-    return solved_.track().path().position(point, static_cast<std::int32_t>(axis_));
-  }
-  /// Velocity and acceleration are those of the drawn speed, analytically.
-  AxisMotion<double> motion(std::int64_t row) {
-    const FrameTime<double> when = line_.at(row);
-    if (const RollAxis<double>* roll = roll_at(when)) return roll->motion(when);
-    solved_.track().motion(when, motion_);
-    return motion_[axis_];
-  }
-
- private:
-  [[nodiscard]] const RollAxis<double>* roll_at(const FrameTime<double>& when) const {
-    if (when.frame < 0) return before_;
-    const std::int32_t frames = solved_.track().frames();
-    return when.frame > frames || (when.frame == frames && when.fraction > 0) ? after_ : nullptr;
-  }
-
-  TimeLine line_;
-  PlanRows rows_;
-  const SolvedTrack<double>& solved_;
-  std::size_t axis_;
-  std::vector<AxisMotion<double>> motion_;
-  const RollAxis<double>* before_ = nullptr;
-  const RollAxis<double>* after_ = nullptr;
-};
-
 /// Of everything that decides the motion: the same for two files that differ in comments or names only.
 std::uint64_t hash_of(const MoveFile& move) {
   Fnv1a hash;
@@ -262,10 +189,6 @@ void write_roll(const Plan& plan, const char* name, const Rows& frames, JsonWrit
   json.end_object();
 }
 
-std::string unit_of(const PlanAxis& axis) {
-  return axis.unit ? std::string(to_string(*axis.unit)) : "";
-}
-
 }  // namespace
 
 void write_plan_json(const Plan& plan, PlanRows rows, std::FILE* file) {
@@ -366,117 +289,6 @@ void print_roll(const Plan& plan, RollEnd end, std::FILE* out) {
 void print_rolls(const Plan& plan, std::FILE* out) {
   print_roll(plan, RollEnd::before, out);
   print_roll(plan, RollEnd::after, out);
-}
-
-namespace {
-
-constexpr std::size_t samples_per_segment = 64;
-constexpr std::size_t samples_per_span = 32;
-
-/// The frame at which a distance is reached, between the rows of the table: by bisection on the drawn curve.
-double frame_of_distance(const Track<double>& track, const TwoSum<double>& distance) {
-  double low = 0;
-  double high = track.frames();
-  for (int i = 0; i < 60; ++i) {
-    const double middle = (low + high) / 2;
-    const auto frame = static_cast<std::int32_t>(middle);
-    const bool before = track.distance({frame, middle - frame}).minus(distance) < 0;
-    (before ? low : high) = middle;
-  }
-  return high;
-}
-
-double frame_of_key(const Track<double>& track, std::int32_t key) {
-  const auto intervals = track.key_intervals();
-  if (intervals.empty()) return frame_of_distance(track, track.arc_length().segment_begin(key));
-  const auto index = static_cast<std::size_t>(key);
-  return index < intervals.size() ? intervals[index].begin_frame : track.frames();
-}
-
-void sample_path(const Track<double>& track, PlotTrack& plot) {
-  const Path<double>& path = track.path();
-  const auto axes = static_cast<std::size_t>(path.axis_count());
-  plot.path.resize(axes);
-  for (std::int32_t i = 0; i < path.segment_count(); ++i) {
-    for (std::size_t sample = 0; sample < samples_per_segment; ++sample) {
-      const double t = static_cast<double>(sample) / samples_per_segment;
-      for (std::size_t d = 0; d < axes; ++d) plot.path[d].push_back(path.segment(i)[d].value(t));
-    }
-  }
-  for (std::size_t d = 0; d < axes; ++d) plot.path[d].push_back(path.segment(path.segment_count())[d].c0);
-}
-
-void sample_curve(const SpeedProfile<double>& profile, PlotTrack& plot) {
-  const std::size_t count = samples_per_span * static_cast<std::size_t>(profile.span_count());
-  for (std::size_t i = 0; i <= count; ++i) {
-    plot.curve.push_back(profile.value(static_cast<double>(i) / samples_per_span));
-  }
-}
-
-/// Everything of a track but where its axes stand in the plot.
-PlotTrack plot_of_track(const Plan& plan, std::size_t index) {
-  const MoveTrack& written = plan.move().tracks[index];
-  const SolvedTrack<double>& solved = plan.tracks()[index];
-  const Track<double>& track = solved.track();
-  const auto axes = static_cast<std::size_t>(track.path().axis_count());
-  PlotTrack plot;
-  sample_path(track, plot);
-  if (track.has_profile()) {
-    sample_curve(track.profile(), plot);
-    plot.control_values = solved.control_values();
-  }
-  plot.tangents.resize(axes);
-  for (std::int32_t frame = 0; frame <= track.frames(); ++frame) {
-    const PathPoint<double>& point = solved.table().point(frame);
-    const auto cubics = track.path().segment(point.segment);
-    for (std::size_t d = 0; d < axes; ++d) plot.tangents[d].push_back(cubics[d].derivative(point.t));
-    plot.speed.push_back(frame_row(track, solved.table(), frame).speed);
-  }
-  plot.keys.resize(axes);
-  for (const MoveKey& key : written.keys) {
-    for (std::size_t d = 0; d < axes; ++d) plot.keys[d].push_back(key.at[d]);
-  }
-  for (std::int32_t i = 0; i <= track.path().segment_count(); ++i) {
-    plot.key_frames.push_back(frame_of_key(track, i));
-  }
-  plot.key_frames.back() = track.frames();
-  const std::string unit = plan.length_unit(index);
-  plot.speed_unit = unit.empty() ? "" : unit + "/s";
-  return plot;
-}
-
-}  // namespace
-
-PlotMove plot_of(const Plan& plan) {
-  PlotMove plot;
-  plot.name = plan.move().name;
-  plot.frame_rate = plan.move().fps.as_written;
-  plot.frames_per_second = plan.move().fps.rate.frames_per_second();
-  plot.frames = plan.move().frames;
-  plot.first_frame = plan.played().first_frame();
-  plot.last_frame = plan.played().last_frame();
-  std::vector<std::vector<std::size_t>> axes_of_tracks;
-  for (const MoveTrack& track : plan.move().tracks) axes_of_tracks.emplace_back(track.axes.size());
-  for (std::size_t a = 0; a < plan.axes().size(); ++a) {
-    const PlanAxis& axis = plan.axes()[a];
-    if (!axis.track) continue;
-    axes_of_tracks[*axis.track][axis.track_axis] = plot.axes.size();
-    PlotAxis drawn{.name = axis.name, .unit = unit_of(axis), .positions = {}, .minimum = {}, .maximum = {}};
-    const AxisColumn column(plan, axis, PlanRows::frame);
-    for (std::int64_t frame = column.line().first(); frame <= column.line().last(); ++frame) {
-      drawn.positions.push_back(column.position(frame));
-    }
-    if (plan.rig()) {
-      drawn.minimum = plan.rig()->axes[a].min;
-      drawn.maximum = plan.rig()->axes[a].max;
-    }
-    plot.axes.push_back(std::move(drawn));
-  }
-  for (std::size_t t = 0; t < plan.tracks().size(); ++t) {
-    plot.tracks.push_back(plot_of_track(plan, t));
-    plot.tracks.back().axes = std::move(axes_of_tracks[t]);
-  }
-  return plot;
 }
 
 }  // namespace inbetween

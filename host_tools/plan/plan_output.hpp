@@ -1,17 +1,12 @@
-// A plan as JSON, as CSV and as the data of a picture. docs/formats.md describes the formats.
+// A plan as JSON and as CSV, and its rolls for people. docs/formats.md describes the formats.
 #pragma once
 
 #include <cstdio>
 
 #include "host_tools/plan/plan.hpp"
-#include "host_tools/plot/plot.hpp"
+#include "host_tools/plan/plan_rows.hpp"
 
 namespace inbetween {
-
-enum class PlanRows {
-  frame,  ///< frames 0..N; in the CSV also those of the rolls, below 0 and above N
-  tick,  ///< ticks of the rig's rate_hz from 0, on the first frame of the pre-roll or of the move, to the end
-};
 
 /// Version 1 of the format. The axes' arrays have a value per row of `rows`; the tables of the tracks are
 /// always per frame. Axes in no track are left out, in the CSV and the picture as well. Memory does not grow
@@ -25,8 +20,5 @@ void write_plan_csv(const Plan& plan, PlanRows rows, std::FILE* file);
 /// For people: a line for the pre-roll and one for the post-roll, "  pre-roll: ...", as far as there are
 /// such. Without a rig, that it would have one; where none keeps the limits, that `check` tells why.
 void print_rolls(const Plan& plan, std::FILE* out);
-
-/// What draw_plot shows.
-PlotMove plot_of(const Plan& plan);
 
 }  // namespace inbetween

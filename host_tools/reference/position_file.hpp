@@ -19,8 +19,8 @@
 
 #include "drivers/linux/instance_lock.hpp"
 #include "host_tools/files/file_layer.hpp"
+#include "host_tools/files/position_text.hpp"
 #include "host_tools/files/rig_file.hpp"
-#include "host_tools/reference/position_text.hpp"
 
 namespace inbetween {
 

@@ -16,6 +16,7 @@
 #include <string>
 #include <vector>
 
+#include "host_tools/plan/plan_plot.hpp"
 #include "tests/support/golden_table.hpp"
 #include "tests/support/oracle_table.hpp"
 #include "tests/support/refused_text.hpp"

@@ -1,4 +1,4 @@
-#include "host_tools/loop/agreement.hpp"
+#include "host_tools/cli/agreement.hpp"
 
 #include <fmt/format.h>
 

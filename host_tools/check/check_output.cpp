@@ -1,14 +1,12 @@
-#include "host_tools/fit/check_output.hpp"
+#include "host_tools/check/check_output.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
-#include <utility>
 
-#include "host_tools/files/json_writer.hpp"
+#include "host_tools/check/checked_peaks.hpp"
 #include "host_tools/plan/plan_output.hpp"
 
 namespace inbetween {
@@ -16,18 +14,6 @@ namespace {
 
 /// Of a table for people; the JSON has all of them.
 constexpr std::size_t max_steps_shown = 20;
-
-struct NamedPeak {
-  const char* name;
-  const char* per;
-  const CheckedPeak& peak;
-};
-
-std::array<NamedPeak, 3> peaks_of(const CheckedAxis& axis) {
-  return {{{"velocity", "/s", axis.velocity},
-           {"acceleration", "/s^2", axis.acceleration},
-           {"jerk", "/s^3", axis.jerk}}};
-}
 
 // --- table
 
@@ -203,36 +189,6 @@ void write_stops(JsonWriter& json, const CheckReport& report) {
   json.end_object();
 }
 
-void write_fit(JsonWriter& json, const SpeedFit& fit) {
-  json.line();
-  json.key("fit");
-  json.begin_object();
-  json.member("found", fit.found);
-  json.key("reason");
-  if (fit.found) {
-    json.null();
-  } else {
-    json.value(fit.reason);
-  }
-  json.member("least_frames", fit.least.frames);
-  json.key("tracks");
-  json.begin_array();
-  for (const TrackFit& track : fit.tracks) {
-    json.line();
-    json.begin_object();
-    json.member("track", static_cast<std::int64_t>(track.track));
-    json.numbers("speed", track.speed);
-    json.member("change", track.change);
-    json.member("change_share", track.change_share);
-    json.member("largest_change", track.largest_change);
-    json.member("alpha", track.largest_change_at);
-    json.member("frame", track.largest_change_frame);
-    json.end_object();
-  }
-  json.end_array();
-  json.end_object();
-}
-
 void write_smallest(JsonWriter& json, const SmallestFrames& smallest) {
   json.key("smallest_frames");
   if (smallest.frames) {
@@ -245,75 +201,6 @@ void write_smallest(JsonWriter& json, const SmallestFrames& smallest) {
     json.null();
   } else {
     json.value(smallest.reason);
-  }
-}
-
-// --- picture
-
-constexpr std::int32_t even_samples = 6000;
-constexpr std::int32_t samples_near_peak = 64;
-
-/// Evenly over the move with its rolls, and again within a few of those steps of each peak.
-std::vector<double> sample_frames(const LimitsPlot& plot, const CheckedAxis& axis) {
-  std::vector<double> at;
-  const double first = plot.first_frame;
-  const double last = plot.last_frame;
-  const double even = (last - first) / even_samples;
-  for (std::int32_t i = 0; i <= even_samples; ++i) at.push_back(first + i * even);
-  for (const auto& [name, per, peak] : peaks_of(axis)) {
-    for (std::int32_t i = -samples_near_peak; i <= samples_near_peak; ++i) {
-      at.push_back(peak.frame + 2 * even * i / samples_near_peak);
-    }
-  }
-  std::erase_if(at, [&](double frame) { return !(frame >= first && frame <= last); });
-  std::ranges::sort(at);
-  return at;
-}
-
-void add_rows(const Plan& plan, const CheckReport& report, std::size_t index, LimitsPlot& plot) {
-  const CheckedAxis& axis = report.axes[index];
-  const PlanAxis& planned = plan.axes()[index];
-  std::vector<AxisMotion<double>> motion(plan.played().axis_count());
-  const auto motion_at = [&](double frame) {
-    const auto whole = static_cast<std::int32_t>(std::floor(frame));
-    plan.played().motion({whole, frame - whole}, motion);
-    const AxisMotion<double>& now = motion[planned.move_axis];
-    return std::array<double, 3>{now.velocity, now.acceleration, now.jerk};
-  };
-  // Where the jerk jumps, as at the joint with a roll, the peak is on one side only.
-  const auto is_below = [&](double frame, std::size_t quantity) {
-    double largest = 0;
-    for (const double side : {frame - 1e-6, frame, frame + 1e-6}) {
-      const double value = motion_at(side)[quantity];
-      if (std::fabs(value) > std::fabs(largest)) largest = value;
-    }
-    return largest < 0;
-  };
-  std::array<std::vector<Point>, 3> samples;
-  for (const double frame : sample_frames(plot, axis)) {
-    const std::array<double, 3> values = motion_at(frame);
-    for (std::size_t i = 0; i < values.size(); ++i) samples[i].push_back({frame, values[i]});
-  }
-  const std::array<NamedPeak, 3> peaks = peaks_of(axis);
-  for (std::size_t i = 0; i < peaks.size(); ++i) {
-    const CheckedPeak& peak = peaks[i].peak;
-    if (!peak.limit) continue;
-    std::vector<double> steps;
-    for (const CheckedStep& step : report.steps) {
-      const bool is_refused =
-          i == 0 ? step.velocity > 0 : i == 1 && breaks_jerk_limit(step, plan.rig()->axes[index]);
-      if (step.axis == index && is_refused) steps.push_back(step.frame);
-    }
-    plot.rows.push_back({.axis = axis.name,
-                         .quantity = peaks[i].name,
-                         .unit = axis.unit + peaks[i].per,
-                         .samples = std::move(samples[i]),
-                         .peak = peak.value,
-                         .peak_frame = peak.frame,
-                         .peak_is_below = is_below(peak.frame, i),
-                         .limit = peak.limit,
-                         .steps = std::move(steps),
-                         .exceeded = peak.is_exceeded()});
   }
 }
 
@@ -336,10 +223,7 @@ void print_check(const Plan& plan, const CheckReport& report, const SmallestFram
   print_verdict(plan, report, smallest, out);
 }
 
-void write_check_json(const CheckReport& report, const SmallestFrames& smallest,
-                      const std::optional<SpeedFit>& fit, std::FILE* file) {
-  JsonWriter json(file);
-  json.begin_object();
+void write_check(JsonWriter& json, const CheckReport& report, const SmallestFrames& smallest) {
   json.member("format", 1);
   json.member("fits", report.fits());
   write_smallest(json, smallest);
@@ -370,45 +254,6 @@ void write_check_json(const CheckReport& report, const SmallestFrames& smallest,
   write_stops(json, report);
   json.line();
   json.member("highest_rate", report.highest_rate);
-  if (fit) write_fit(json, *fit);
-  json.end_object();
-  json.finish();
-}
-
-void print_fit(const Plan& plan, const SpeedFit& fit, const std::string& file, std::FILE* out) {
-  if (!fit.found) return;
-  const std::string name = file == "-" ? "the file on standard output" : file;
-  if (fit.tracks.empty()) {
-    fmt::print(out, "nothing to change; {} is the move as it is\n", name);
-    return;
-  }
-  for (const TrackFit& track : fit.tracks) {
-    const std::size_t before = plan.tracks()[track.track].control_values().size();
-    fmt::print(out, "new speed curve of {}: {} control values",
-               comma_separated(plan.move().tracks[track.track].axes), track.speed.size());
-    if (track.refinements > 0) fmt::print(out, " (the {} of before, refined)", before);
-    fmt::print(
-        out,
-        "; changed by {:.3g} on the whole ({:.1f} % of its mean), most by {:+.3g} at a = {:.2f}, frame "
-        "{:.1f}\n",
-        track.change, 100 * track.change_share, track.largest_change, track.largest_change_at,
-        track.largest_change_frame);
-  }
-  fmt::print(out, "with it the move fits in its {} frames: {}\n", plan.move().frames, name);
-}
-
-LimitsPlot limits_plot_of(const Plan& plan, const CheckReport& report) {
-  LimitsPlot plot{.name = plan.move().name,
-                  .frame_rate = plan.move().fps.as_written,
-                  .frames_per_second = plan.move().fps.rate.frames_per_second(),
-                  .frames = plan.move().frames,
-                  .first_frame = plan.played().first_frame(),
-                  .last_frame = plan.played().last_frame(),
-                  .rows = {}};
-  for (std::size_t a = 0; a < report.axes.size(); ++a) {
-    if (report.axes[a].range) add_rows(plan, report, a, plot);
-  }
-  return plot;
 }
 
 }  // namespace inbetween

@@ -1,4 +1,4 @@
-#include "host_tools/files/progress_bar.hpp"
+#include "host_tools/cli/progress_bar.hpp"
 
 #include <fmt/format.h>
 #include <sys/ioctl.h>

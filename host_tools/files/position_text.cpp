@@ -1,4 +1,4 @@
-#include "host_tools/reference/position_text.hpp"
+#include "host_tools/files/position_text.hpp"
 
 #include <fmt/format.h>
 

@@ -1,0 +1,64 @@
+#include "host_tools/fit/fit_output.hpp"
+
+#include <fmt/format.h>
+
+#include <cstddef>
+#include <cstdint>
+
+#include "host_tools/files/diagnostics.hpp"
+
+namespace inbetween {
+
+void write_fit(JsonWriter& json, const SpeedFit& fit) {
+  json.line();
+  json.key("fit");
+  json.begin_object();
+  json.member("found", fit.found);
+  json.key("reason");
+  if (fit.found) {
+    json.null();
+  } else {
+    json.value(fit.reason);
+  }
+  json.member("least_frames", fit.least.frames);
+  json.key("tracks");
+  json.begin_array();
+  for (const TrackFit& track : fit.tracks) {
+    json.line();
+    json.begin_object();
+    json.member("track", static_cast<std::int64_t>(track.track));
+    json.numbers("speed", track.speed);
+    json.member("change", track.change);
+    json.member("change_share", track.change_share);
+    json.member("largest_change", track.largest_change);
+    json.member("alpha", track.largest_change_at);
+    json.member("frame", track.largest_change_frame);
+    json.end_object();
+  }
+  json.end_array();
+  json.end_object();
+}
+
+void print_fit(const Plan& plan, const SpeedFit& fit, const std::string& file, std::FILE* out) {
+  if (!fit.found) return;
+  const std::string name = file == "-" ? "the file on standard output" : file;
+  if (fit.tracks.empty()) {
+    fmt::print(out, "nothing to change; {} is the move as it is\n", name);
+    return;
+  }
+  for (const TrackFit& track : fit.tracks) {
+    const std::size_t before = plan.tracks()[track.track].control_values().size();
+    fmt::print(out, "new speed curve of {}: {} control values",
+               comma_separated(plan.move().tracks[track.track].axes), track.speed.size());
+    if (track.refinements > 0) fmt::print(out, " (the {} of before, refined)", before);
+    fmt::print(
+        out,
+        "; changed by {:.3g} on the whole ({:.1f} % of its mean), most by {:+.3g} at a = {:.2f}, frame "
+        "{:.1f}\n",
+        track.change, 100 * track.change_share, track.largest_change, track.largest_change_at,
+        track.largest_change_frame);
+  }
+  fmt::print(out, "with it the move fits in its {} frames: {}\n", plan.move().frames, name);
+}
+
+}  // namespace inbetween

@@ -1,0 +1,123 @@
+#include "host_tools/plan/plan_plot.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "host_tools/plan/plan_rows.hpp"
+
+namespace inbetween {
+namespace {
+
+constexpr std::size_t samples_per_segment = 64;
+constexpr std::size_t samples_per_span = 32;
+
+/// The frame at which a distance is reached, between the rows of the table: by bisection on the drawn curve.
+double frame_of_distance(const Track<double>& track, const TwoSum<double>& distance) {
+  double low = 0;
+  double high = track.frames();
+  for (int i = 0; i < 60; ++i) {
+    const double middle = (low + high) / 2;
+    const auto frame = static_cast<std::int32_t>(middle);
+    const bool before = track.distance({frame, middle - frame}).minus(distance) < 0;
+    (before ? low : high) = middle;
+  }
+  return high;
+}
+
+double frame_of_key(const Track<double>& track, std::int32_t key) {
+  const auto intervals = track.key_intervals();
+  if (intervals.empty()) return frame_of_distance(track, track.arc_length().segment_begin(key));
+  const auto index = static_cast<std::size_t>(key);
+  return index < intervals.size() ? intervals[index].begin_frame : track.frames();
+}
+
+void sample_path(const Track<double>& track, PlotTrack& plot) {
+  const Path<double>& path = track.path();
+  const auto axes = static_cast<std::size_t>(path.axis_count());
+  plot.path.resize(axes);
+  for (std::int32_t i = 0; i < path.segment_count(); ++i) {
+    for (std::size_t sample = 0; sample < samples_per_segment; ++sample) {
+      const double t = static_cast<double>(sample) / samples_per_segment;
+      for (std::size_t d = 0; d < axes; ++d) plot.path[d].push_back(path.segment(i)[d].value(t));
+    }
+  }
+  for (std::size_t d = 0; d < axes; ++d) plot.path[d].push_back(path.segment(path.segment_count())[d].c0);
+}
+
+void sample_curve(const SpeedProfile<double>& profile, PlotTrack& plot) {
+  const std::size_t count = samples_per_span * static_cast<std::size_t>(profile.span_count());
+  for (std::size_t i = 0; i <= count; ++i) {
+    plot.curve.push_back(profile.value(static_cast<double>(i) / samples_per_span));
+  }
+}
+
+/// Everything of a track but where its axes stand in the plot.
+PlotTrack plot_of_track(const Plan& plan, std::size_t index) {
+  const MoveTrack& written = plan.move().tracks[index];
+  const SolvedTrack<double>& solved = plan.tracks()[index];
+  const Track<double>& track = solved.track();
+  const auto axes = static_cast<std::size_t>(track.path().axis_count());
+  PlotTrack plot;
+  sample_path(track, plot);
+  if (track.has_profile()) {
+    sample_curve(track.profile(), plot);
+    plot.control_values = solved.control_values();
+  }
+  plot.tangents.resize(axes);
+  for (std::int32_t frame = 0; frame <= track.frames(); ++frame) {
+    const PathPoint<double>& point = solved.table().point(frame);
+    const auto cubics = track.path().segment(point.segment);
+    for (std::size_t d = 0; d < axes; ++d) plot.tangents[d].push_back(cubics[d].derivative(point.t));
+    plot.speed.push_back(frame_row(track, solved.table(), frame).speed);
+  }
+  plot.keys.resize(axes);
+  for (const MoveKey& key : written.keys) {
+    for (std::size_t d = 0; d < axes; ++d) plot.keys[d].push_back(key.at[d]);
+  }
+  for (std::int32_t i = 0; i <= track.path().segment_count(); ++i) {
+    plot.key_frames.push_back(frame_of_key(track, i));
+  }
+  plot.key_frames.back() = track.frames();
+  const std::string unit = plan.length_unit(index);
+  plot.speed_unit = unit.empty() ? "" : unit + "/s";
+  return plot;
+}
+
+}  // namespace
+
+PlotMove plot_of(const Plan& plan) {
+  PlotMove plot;
+  plot.name = plan.move().name;
+  plot.frame_rate = plan.move().fps.as_written;
+  plot.frames_per_second = plan.move().fps.rate.frames_per_second();
+  plot.frames = plan.move().frames;
+  plot.first_frame = plan.played().first_frame();
+  plot.last_frame = plan.played().last_frame();
+  std::vector<std::vector<std::size_t>> axes_of_tracks;
+  for (const MoveTrack& track : plan.move().tracks) axes_of_tracks.emplace_back(track.axes.size());
+  for (std::size_t a = 0; a < plan.axes().size(); ++a) {
+    const PlanAxis& axis = plan.axes()[a];
+    if (!axis.track) continue;
+    axes_of_tracks[*axis.track][axis.track_axis] = plot.axes.size();
+    PlotAxis drawn{.name = axis.name, .unit = unit_of(axis), .positions = {}, .minimum = {}, .maximum = {}};
+    const AxisColumn column(plan, axis, PlanRows::frame);
+    for (std::int64_t frame = column.line().first(); frame <= column.line().last(); ++frame) {
+      drawn.positions.push_back(column.position(frame));
+    }
+    if (plan.rig()) {
+      drawn.minimum = plan.rig()->axes[a].min;
+      drawn.maximum = plan.rig()->axes[a].max;
+    }
+    plot.axes.push_back(std::move(drawn));
+  }
+  for (std::size_t t = 0; t < plan.tracks().size(); ++t) {
+    plot.tracks.push_back(plot_of_track(plan, t));
+    plot.tracks.back().axes = std::move(axes_of_tracks[t]);
+  }
+  return plot;
+}
+
+}  // namespace inbetween

@@ -1,0 +1,58 @@
+#include "host_tools/plan/plan_rows.hpp"
+
+namespace inbetween {
+
+TimeLine::TimeLine(const Plan& plan, PlanRows rows)
+    : move_(plan.played()), rows_(rows), rate_hz_(rows == PlanRows::tick ? plan.rig()->rate_hz : 0) {}
+
+std::int64_t TimeLine::last() const {
+  return rows_ == PlanRows::tick ? move_.last_tick_at(rate_hz_) : move_.last_frame();
+}
+
+FrameTime<double> TimeLine::at(std::int64_t row) const {
+  if (rows_ == PlanRows::frame) return {static_cast<std::int32_t>(row), 0};
+  return move_.time_of_tick(row, rate_hz_);
+}
+
+double TimeLine::seconds(std::int64_t row) const {
+  if (rows_ == PlanRows::tick) return static_cast<double>(row) / rate_hz_;
+  return static_cast<double>(row) * move_.frame_rate().denominator / move_.frame_rate().numerator;
+}
+
+AxisColumn::AxisColumn(const Plan& plan, const PlanAxis& axis, PlanRows rows)
+    : line_(plan, rows),
+      rows_(rows),
+      solved_(plan.tracks()[*axis.track]),
+      axis_(axis.track_axis),
+      motion_(plan.move().tracks[*axis.track].axes.size()) {
+  const MoveRolls<double>& rolls = plan.played().rolls();
+  if (!rolls.before.empty()) before_ = &rolls.before[axis.move_axis];
+  if (!rolls.after.empty()) after_ = &rolls.after[axis.move_axis];
+}
+
+double AxisColumn::position(std::int64_t row) const {
+  const FrameTime<double> when = line_.at(row);
+  if (const RollAxis<double>* roll = roll_at(when)) return roll->motion(when).position;
+  const PathPoint<double> point =
+      rows_ == PlanRows::frame ? solved_.table().point(when.frame) : solved_.track().locate(when);
+  return solved_.track().path().position(point, static_cast<std::int32_t>(axis_));
+}
+
+AxisMotion<double> AxisColumn::motion(std::int64_t row) {
+  const FrameTime<double> when = line_.at(row);
+  if (const RollAxis<double>* roll = roll_at(when)) return roll->motion(when);
+  solved_.track().motion(when, motion_);
+  return motion_[axis_];
+}
+
+const RollAxis<double>* AxisColumn::roll_at(const FrameTime<double>& when) const {
+  if (when.frame < 0) return before_;
+  const std::int32_t frames = solved_.track().frames();
+  return when.frame > frames || (when.frame == frames && when.fraction > 0) ? after_ : nullptr;
+}
+
+std::string unit_of(const PlanAxis& axis) {
+  return axis.unit ? std::string(to_string(*axis.unit)) : "";
+}
+
+}  // namespace inbetween

@@ -1,0 +1,62 @@
+// The rows in which a plan is shown, and the positions of an axis on them.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "host_tools/plan/plan.hpp"
+
+namespace inbetween {
+
+enum class PlanRows {
+  frame,  ///< frames 0..N; in the CSV also those of the rolls, below 0 and above N
+  tick,  ///< ticks of the rig's rate_hz from 0, on the first frame of the pre-roll or of the move, to the end
+};
+
+/// The rows of a plan in time, rolls included: frames first_frame()..last_frame(), or ticks from 0. Refers to
+/// the plan.
+class TimeLine {
+ public:
+  TimeLine(const Plan& plan, PlanRows rows);
+
+  [[nodiscard]] std::int64_t first() const { return rows_ == PlanRows::tick ? 0 : move_.first_frame(); }
+  [[nodiscard]] std::int64_t last() const;
+  [[nodiscard]] FrameTime<double> at(std::int64_t row) const;
+  /// Counts from the beginning of the move, or of its pre-roll if the rows are ticks.
+  [[nodiscard]] double seconds(std::int64_t row) const;
+
+ private:
+  const Move<double>& move_;
+  PlanRows rows_;
+  std::int32_t rate_hz_;
+};
+
+/// One axis of a track on the rows of a plan. On a frame it is where the frame table has it, whichever solver
+/// made that; between frames it is where the loop would evaluate it. Refers to the plan.
+class AxisColumn {
+ public:
+  AxisColumn(const Plan& plan, const PlanAxis& axis, PlanRows rows);
+
+  [[nodiscard]] const TimeLine& line() const { return line_; }
+  [[nodiscard]] double position(std::int64_t row) const;
+  /// Velocity and acceleration are those of the drawn speed, analytically.
+  AxisMotion<double> motion(std::int64_t row);
+
+ private:
+  [[nodiscard]] const RollAxis<double>* roll_at(const FrameTime<double>& when) const;
+
+  TimeLine line_;
+  PlanRows rows_;
+  const SolvedTrack<double>& solved_;
+  std::size_t axis_;
+  std::vector<AxisMotion<double>> motion_;
+  const RollAxis<double>* before_ = nullptr;
+  const RollAxis<double>* after_ = nullptr;
+};
+
+/// "mm"; "" where the plan has no rig.
+std::string unit_of(const PlanAxis& axis);
+
+}  // namespace inbetween
