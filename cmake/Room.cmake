@@ -1,5 +1,6 @@
 # A room is a subfolder with a README.md, and a library target of its own: add_room(PREFIX ROOM TARGET...) makes
-# PREFIX_ROOM from the sources in ROOM. It may include what it links to; tests/architecture holds the include lines.
+# PREFIX_ROOM from the sources in ROOM. A room may include only the rooms that its line names: scripts in
+# tests/architecture read these lines, and hold the include lines and the READMEs to them.
 function(add_room prefix room)
   file(GLOB sources CONFIGURE_DEPENDS "${room}/*.cpp" "src/${room}/*.cpp")
   if(sources)

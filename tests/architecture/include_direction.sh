@@ -27,26 +27,22 @@ BEGIN {
   sees["host_tools"] = " firmware_core drivers sim "
   sees["tests"] = " firmware_core drivers sim host_tools "
 
-  # Which rooms of the same folder a room may look into, besides itself. The CMakeLists.txt of the folder says the same.
-  rooms["firmware_core/base"] = ""
-  rooms["firmware_core/path"] = " base "
-  rooms["firmware_core/timing"] = " path base "
-  rooms["firmware_core/limits"] = " timing path base "
-  rooms["firmware_core/play"] = " limits timing base "
-  rooms["firmware_core/homing"] = " play base "
-  rooms["firmware_core/loop"] = " play limits base "
-  rooms["firmware_core/steps"] = " loop play timing base "
-  rooms["firmware_core/can"] = " loop base "
-  rooms["host_tools/files"] = ""
-  rooms["host_tools/plot"] = " files "
-  rooms["host_tools/plan"] = " plot files "
-  rooms["host_tools/check"] = " plan files "
-  rooms["host_tools/fit"] = " check plan plot files "
-  rooms["host_tools/rig"] = " files "
-  rooms["host_tools/reference"] = " rig files "
-  rooms["host_tools/loop"] = " reference rig files "
-  rooms["host_tools/motions"] = " loop reference rig check plan files "
-  rooms["host_tools/cli"] = " motions loop reference rig fit check plan plot files "
+  # Which rooms of the same folder a room may look into, besides itself: the lists of CMakeLists.txt.
+  read_rooms("firmware_core")
+  read_rooms("host_tools")
+}
+
+# Reads the lines "add_core_room(ROOM ROOM...)" and "add_host_room(ROOM ROOM...)".
+function read_rooms(folder,    line, room) {
+  while ((getline line < (folder "/CMakeLists.txt")) > 0) {
+    if (line !~ /^add_(core|host)_room\([a-z ]+\)$/) continue
+    gsub(/^[^(]*\(|\)$/, "", line)
+    room = line
+    sub(/ .*/, "", room)
+    sub(/^[^ ]* ?/, "", line)
+    rooms[folder "/" room] = " " line " "
+  }
+  close(folder "/CMakeLists.txt")
 }
 
 function refuse(why) {
@@ -105,6 +101,7 @@ function folder_of(path) {
     next
   }
   name = substr(line, 2, RLENGTH - 2)
+  spelled = name
   target = folder_of(name)
   # What is private to the core lies beside its sources. It goes by its bare name in its own room and by "ROOM/NAME" in
   # another, so that the core compiles without the rest of the checkout.
@@ -117,10 +114,10 @@ function folder_of(path) {
   }
   # Tests see everything, the private parts of the core and the example firmware too.
   if (FILENAME ~ /^tests\// && FILENAME !~ /oracle_/ && name ~ /^(firmware_core\/src|examples\/firmware)\//) next
-  if (name ~ /^firmware_core\// && target != "firmware_core")
+  if (spelled ~ /^firmware_core\//)
     refuse("the core is included by its public name, \"inbetween/...\"")
   else if (!(target in sees))
-    refuse("a header of the project is included by its path from the root, e.g. \"host_tools/plan.hpp\"; " \
+    refuse("a header of the project is included by its path from the root, e.g. \"host_tools/plan/plan.hpp\"; " \
            "any other in angle brackets")
   else if (oracle && name !~ /^tests\/support\/oracle_/)
     refuse("an oracle is independent: it may include oracle_* and the standard library only")
@@ -133,7 +130,7 @@ function folder_of(path) {
     name_there = there
     sub(/.*\//, "", name_there)
     if (!(here in rooms))
-      refuse("the room " here " is not in the list of include_direction.sh; add it with what it may look into")
+      refuse("the room " here " is not in its CMakeLists.txt; add it with what it may look into")
     else if (there == "" || index(rooms[here], " " name_there " ") == 0)
       refuse(here " may not look into " (there == "" ? name : there))
   }

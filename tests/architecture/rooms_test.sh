@@ -1,0 +1,59 @@
+#!/usr/bin/env bash
+# Holds rooms.sh and walk.sh to their word: a copy of the tree passes, and each wrong change alone is refused with the
+# right reason.
+#
+#   rooms_test.sh ROOT
+set -euo pipefail
+root=$1
+scripts=$root/tests/architecture
+tree=$(mktemp --directory)
+trap 'rm --recursive --force "$tree"' EXIT
+failures=0
+
+fresh_tree() {
+  rm --recursive --force "${tree:?}"/*
+  cp --recursive "$root"/{firmware_core,host_tools,drivers,sim,docs,examples} "$tree"
+}
+
+# refuses SCRIPT REASON COMMAND...: COMMAND makes the change, from the root of the copy.
+refuses() {
+  local script=$1 reason=$2 verdict
+  shift 2
+  fresh_tree
+  (cd "$tree" && "$@")
+  if verdict=$(bash "$scripts/$script" "$tree" 2>&1); then
+    printf 'FAILED: %s passes after: %s\n' "$script" "$*"
+  elif [[ $verdict != *"$reason"* ]]; then
+    printf 'FAILED: %s refuses "%s" for another reason: %s\n' "$script" "$*" "$verdict"
+  else
+    return 0
+  fi
+  failures=$((failures + 1))
+}
+
+fresh_tree
+bash "$scripts/rooms.sh" "$tree" || failures=$((failures + 1))
+bash "$scripts/walk.sh" "$tree" || failures=$((failures + 1))
+
+core=firmware_core/include/inbetween
+refuses rooms.sh "$core/path/README.md: error: there is none" rm $core/path/README.md
+refuses rooms.sh 'no line "May look into: base."' sed -i 's/into: base/into: base, timing/' $core/path/README.md
+refuses rooms.sh 'no line "May look into: plot, files."' sed -i '/^May look/d' host_tools/plan/README.md
+refuses rooms.sh 'no line "May look into: nothing."' sed -i 's/into: nothing/into: path/' $core/base/README.md
+refuses rooms.sh 'no line "Begin with ..."' sed -i 's/^Begin with/See/' host_tools/cli/README.md
+refuses rooms.sh 'no line "May look into: path, timing, base."' \
+  sed -i 's/^add_core_room(timing path base)/add_core_room(timing path timing base)/' firmware_core/CMakeLists.txt
+refuses rooms.sh 'no line add_core_room(path ...)' sed -i '/^add_core_room(path /d' firmware_core/CMakeLists.txt
+refuses rooms.sh 'no line add_host_room(attic ...)' mkdir host_tools/attic
+refuses rooms.sh 'no line add_core_room(attic ...)' mkdir firmware_core/src/attic
+refuses rooms.sh 'it does not name the room fit' sed -i '/(fit)/d' host_tools/README.md
+refuses rooms.sh 'no line add_host_room(ROOM ...)' sed -i '/^add_host_room/d' host_tools/CMakeLists.txt
+
+refuses walk.sh 'there is no host_tools/plan/plan.hpp' rm host_tools/plan/plan.hpp
+refuses walk.sh 'arc_length.hpp and firmware_core/include/inbetween/timing/speed_profile.hpp do not include' \
+  sed -i '/meet in \[/d' docs/walk.md
+refuses walk.sh 'ports.hpp do not include' sed -i '/loop\/ports.hpp/d' $core/loop/motion_loop.hpp
+refuses walk.sh 'a walk from a file to the wire has more' sed -i '/^9\./,$d' docs/walk.md
+
+((failures == 0)) || exit 1
+printf 'rooms.sh, walk.sh: every sample judged rightly\n'
