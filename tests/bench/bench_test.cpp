@@ -5,7 +5,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
+#if defined(__x86_64__)
+#include <cpuid.h>
+#endif
 
+#include <algorithm>
 #include <cctype>
 #include <cstdlib>
 #include <filesystem>
@@ -35,6 +39,32 @@ int processes_with(std::string_view text) {
   }
   return count;
 }
+
+#if defined(__x86_64__)
+/// The bytes that the registers of a process take, as the processor says: those of the features that are
+/// switched on, or of all that it has.
+std::size_t register_bytes() {
+  constexpr unsigned extended_state = 0xD;
+  unsigned eax = 0;
+  unsigned switched_on = 0;
+  unsigned all = 0;
+  unsigned edx = 0;
+  if (__get_cpuid_count(extended_state, 0, &eax, &switched_on, &all, &edx) == 0) return 512;  // FXSAVE's
+  return std::max(switched_on, all);
+}
+
+TEST(Bench, ItsKernelHasRoomForTheRegistersOfEveryProcessor) {
+  const ProgramRun run = run_command({"/bin/bash", "-euc",
+                                      "kernel=$(" INBETWEEN_SOURCE_DIR
+                                      "/sim/bench/kernel); cat \"${kernel%/*}/register_buffer_bytes\""});
+  ASSERT_EQ(run.status, 0) << run.err;
+  const std::size_t room = std::stoul(run.out);
+  EXPECT_GE(room, register_bytes()) << "write a larger register_buffer_bytes in sim/bench/kernel";
+  // A developer whose processor has fewer registers sees it too.
+  constexpr std::size_t with_amx = 11'008;
+  EXPECT_GE(room, with_amx);
+}
+#endif
 
 TEST(Bench, GivesBackOutputErrorAndExitStatus) {
   const ProgramRun run = in_bench({}, {"/bin/sh", "-c", "echo told; echo complained >&2; exit 7"});

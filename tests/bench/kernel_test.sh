@@ -33,6 +33,8 @@ stand_in tar <<'END_OF_TAR'
 [[ ${!#} == */source ]] && mkdir --parents "${!#}/scripts/kconfig"
 printf '#!/bin/sh\ngrep -v =n "$3" >.config\n' >"${!#}/scripts/kconfig/merge_config.sh"
 chmod +x "${!#}/scripts/kconfig/merge_config.sh"
+mkdir --parents "${!#}/arch/x86/um"
+printf '\tDEFINE_LONGS(HOST_FP_SIZE, %s);\n' "${SOURCE_HAS:-2696}" >"${!#}/arch/x86/um/user-offsets.c"
 END_OF_TAR
 stand_in make <<END_OF_MAKE
 case \$* in
@@ -41,6 +43,9 @@ case \$* in
     echo built >>"$scratch/built"
     if [[ -n \${WAIT_FOR:-} ]]; then until [[ -e \$WAIT_FOR ]]; do sleep 0.01; done; fi
     [[ -z \${BREAK:-} ]] || { echo "the disk is full"; exit 2; }
+    bytes=\${COMPILED:-\$(tr --delete --complement 0-9 <arch/x86/um/user-offsets.c)}
+    mkdir --parents include/generated
+    echo "#define HOST_FP_SIZE \$((bytes / 8)) /* \$bytes / sizeof(unsigned long) */" >include/generated/user_constants.h
     printf kernel >linux
     chmod +x linux
     ;;
@@ -62,7 +67,9 @@ expect "the first start builds, and says so in one line" \
 $path" "$(kernel 2>&1)"
 expect "the second start has it, in silence" "$path" "$(kernel 2>&1)"
 expect "it was built once" 1 "$(times_built)"
-expect "what is kept is the kernel and its configuration" "config linux" "$(cd "${path%/linux}" && echo *)"
+expect "what is kept is the kernel, its configuration and the size of its register buffer" \
+  "config linux register_buffer_bytes" "$(cd "${path%/linux}" && echo *)"
+expect "the size is the one that was compiled" 16384 "$(cat "${path%/linux}/register_buffer_bytes")"
 expect "nothing else is left" "$(printf '%s\n' "${path%/linux}" "${path%/linux}.lock")" \
   "$(find "$scratch/cache" -mindepth 1 -maxdepth 1 | sort)"
 
@@ -72,6 +79,24 @@ printf 'CONFIG_CAN=y\n' >>"$scratch/bench/kernel.config"
 path=$(kernel --path)
 expect "another version of the source has another path" different \
   "$([[ $(PACKAGE_VERSION=6.1.2 kernel --path) == "$path" ]] || echo different)"
+
+# The path that a script has which differs in one line.
+changed_path=
+change() { # change SED_COMMAND
+  local whole
+  whole=$(<"$scratch/bench/kernel")
+  sed --in-place "$1" "$scratch/bench/kernel"
+  expect "the script has the line of $1" changed \
+    "$([[ $whole == "$(<"$scratch/bench/kernel")" ]] || echo changed)"
+  changed_path=$(kernel --path)
+  printf '%s\n' "$whole" >"$scratch/bench/kernel"
+}
+change 's/^register_buffer_bytes=.*/register_buffer_bytes=32768/'
+expect "another register buffer has another path" different "$([[ $changed_path == "$path" ]] || echo different)"
+change 's/^  sed --in-place/  sed --quiet --in-place/'
+expect "another edit of the source has another path" different "$([[ $changed_path == "$path" ]] || echo different)"
+change 's/^# Everything goes to/# All of it goes to/'
+expect "another comment has the same path" "$path" "$changed_path"
 
 # --- two at once -----------------------------------------------------------------------------------------------
 : >"$scratch/built"
@@ -102,7 +127,16 @@ expect "an option that the kernel refuses is named" \
   "sim/bench/kernel: error: the bench kernel does not build (sim/bench/kernel.config asks for what this kernel does not have: CONFIG_NET=y); see ${path%/linux}.log" \
   "$(REFUSE=1 kernel 2>&1 >/dev/null | tail --lines=1)"
 
+expect "a source that the edit does not fit is named" \
+  "sim/bench/kernel: error: the bench kernel does not build (sim/bench/kernel edits 'DEFINE_LONGS(HOST_FP_SIZE, 2696)', which is not in arch/x86/um/user-offsets.c any more); see ${path%/linux}.log" \
+  "$(SOURCE_HAS=4096 kernel 2>&1 >/dev/null | tail --lines=1)"
+expect "an edit without effect is not kept" \
+  "sim/bench/kernel: error: the bench kernel does not build (its register buffer has 2696 bytes instead of 16384); see ${path%/linux}.log" \
+  "$(COMPILED=2696 kernel 2>&1 >/dev/null | tail --lines=1)"
+expect "nor is its kernel" "" "$(find "$scratch/cache" -name linux)"
+
 # --- a build that was killed -------------------------------------------------------------------------------------
+rm --recursive "$scratch/cache"
 : >"$scratch/built"
 rm --force "$scratch/go"
 WAIT_FOR=$scratch/go kernel >/dev/null 2>&1 &
