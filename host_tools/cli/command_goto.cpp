@@ -61,7 +61,7 @@ int go(const GotoArguments& arguments) {
   RigReference reference = reference_of(rig, arguments.setup.positions, arguments.setup.simulated);
   const InterruptWatch interrupts;
   ProgressBar bar;
-  GoOptions options{.share = arguments.share, .confirm = {}, .session = session_options_of(arguments.setup)};
+  GoOptions options{.share = arguments.share, .session = session_options_of(arguments.setup)};
   options.session.audience.interrupted = &InterruptWatch::asked;
   options.session.audience.rig_has_changed = [&] { return watch.has_changed(); };
   options.session.audience.progress = [&](std::int64_t tick, std::int64_t last) {
@@ -73,7 +73,7 @@ int go(const GotoArguments& arguments) {
     terminal.emplace();
     options.session.audience.keys = [&] { return terminal->read(); };
   }
-  options.confirm = [&](const std::string& question) {
+  options.session.audience.confirm = [&](const std::string& question) {
     if (!arguments.yes) return agrees(*terminal, question);
     fmt::print(stderr, "{}\n", question);
     return true;

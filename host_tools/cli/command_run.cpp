@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "drivers/linux/interrupt_watch.hpp"
@@ -125,48 +126,48 @@ void print_run_summary(const RunReport& report, const Plan& plan, const RunArgum
 }
 
 /// On a terminal with the keys of a tape recorder, elsewhere with nothing but a progress bar.
-RunReport run(const Plan& plan, const RunArguments& arguments, const RigWatch& watch) {
-  const auto play = arguments.simulated ? &run_simulated : &run_on_rig;
+RunReport play(const Plan& plan, const RunArguments& arguments, const RigWatch& watch) {
   const InterruptWatch interrupts;
+  RunOptions options{.top_rate = arguments.top_rate,
+                     .shoot = shoot_options(arguments),
+                     .positions = arguments.positions,
+                     .cue_log = arguments.cue_log};
+  if (arguments.loop) options.repeat = Repeat::loop;
+  if (arguments.ping_pong) options.repeat = Repeat::ping_pong;
   FaultScript faults;
   if (arguments.faults) faults = read_fault_script(*arguments.faults, *plan.rig());
-  RunOptions options{.fast = arguments.fast,
+  SessionOptions rig{.simulated = arguments.simulated,
+                     .fast = arguments.fast,
                      .allow_jitter = arguments.allow_jitter,
-                     .top_rate = arguments.top_rate,
-                     .shoot = shoot_options(arguments),
                      .standing = positions_of(arguments.from),
                      .faults = std::move(faults),
                      .record = arguments.record,
-                     .positions = arguments.positions,
-                     .cue_log = arguments.cue_log,
                      .audience = {.interrupted = &InterruptWatch::asked,
                                   .rig_has_changed = [&] { return watch.has_changed(); }}};
-  if (arguments.loop) options.repeat = Repeat::loop;
-  if (arguments.ping_pong) options.repeat = Repeat::ping_pong;
   if (arguments.yes) {
-    options.confirm = [](const std::string& question) {
+    rig.audience.confirm = [](const std::string& question) {
       fmt::print(stderr, "{}\n", question);
       return true;
     };
   }
   ProgressBar bar;
   const std::int32_t rate_hz = plan.rig()->rate_hz;
-  options.audience.progress = [&](std::int64_t tick, std::int64_t last) {
+  rig.audience.progress = [&](std::int64_t tick, std::int64_t last) {
     const std::int32_t frame =
         std::min(plan.played().time_of_tick(tick, rate_hz).frame, plan.played().last_frame());
     bar.show(static_cast<double>(tick) / static_cast<double>(last),
              fmt::format("frame {}/{}  {:.1f} s", frame, plan.played().last_frame(),
                          static_cast<double>(tick) / rate_hz));
   };
-  if (arguments.fast || !KeyTerminal::is_there()) return play(plan, options);
+  if (arguments.fast || !KeyTerminal::is_there()) return run(plan, rig, options);
   KeyTerminal terminal;
-  if (!options.confirm) {
-    options.confirm = [&](const std::string& question) { return agrees(terminal, question); };
+  if (!rig.audience.confirm) {
+    rig.audience.confirm = [&](const std::string& question) { return agrees(terminal, question); };
   }
-  options.audience.progress = {};
-  options.audience.keys = [&] { return terminal.read(); };
-  options.audience.status = [&](const RunSnapshot& now) { bar.show(now.share, status_line(now)); };
-  return play(plan, options);
+  rig.audience.progress = {};
+  rig.audience.keys = [&] { return terminal.read(); };
+  rig.audience.status = [&](const RunSnapshot& now) { bar.show(now.share, status_line(now)); };
+  return run(plan, rig, options);
 }
 
 void refuse_no_camera(const Plan& plan) {
@@ -201,7 +202,7 @@ int run_command(const RunArguments& arguments) {
   const RigWatch watch(arguments.rig);
   const Plan plan = make_plan(arguments.move, arguments.rig, Solver::closed_form);
   if (!arguments.simulated && (arguments.step || arguments.shutter)) refuse_no_camera(plan);
-  const RunReport report = run(plan, arguments, watch);
+  const RunReport report = play(plan, arguments, watch);
   if (arguments.json) {
     write_output(*arguments.json, [&](std::FILE* file) { write_run_json(report, file); });
   }

@@ -163,12 +163,11 @@ ActEnd TimedRunner::run(const LoopTask& act, std::optional<std::int64_t> last) {
   return end_;
 }
 
-void refuse_unfit_machine(const std::string& rig_path, const std::vector<RealTimeRight>& rights,
-                          const char* otherwise) {
+void refuse_unfit_machine(const std::string& rig_path, const std::vector<RealTimeRight>& rights) {
   for (const RealTimeRight& right : rights) {
     if (!right.refusal || !right.is_needed) continue;
-    throw InputError({rig_path, 0, 0}, fmt::format("{}; {}, or {} with --allow-jitter", right.refusal->what,
-                                                   right.refusal->remedy, otherwise));
+    throw InputError({rig_path, 0, 0}, fmt::format("{}; {}, or move slowly with --allow-jitter",
+                                                   right.refusal->what, right.refusal->remedy));
   }
 }
 

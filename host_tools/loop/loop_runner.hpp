@@ -29,6 +29,8 @@ struct LoopAudience {
   std::function<void(const RunSnapshot&)> status = {};
   /// Called before the first tick and then about ten times a second of real time, and at the end.
   std::function<void(std::int64_t tick, std::int64_t last)> progress = {};
+  /// Asked before the rig goes slowly to where it is wanted. Without it, it does not.
+  std::function<bool(const std::string& question)> confirm = {};
   /// Whether nothing may be begun any more, because the rig is not what was read (RigWatch).
   std::function<bool()> rig_has_changed = {};
 };
@@ -140,8 +142,7 @@ class TimedRunner {
 };
 
 /// Throws InputError at the rig file of a rig that is to be moved without a right that it needs, with how to
-/// get it; --allow-jitter is what one may do `otherwise`.
-void refuse_unfit_machine(const std::string& rig_path, const std::vector<RealTimeRight>& rights,
-                          const char* otherwise);
+/// get it.
+void refuse_unfit_machine(const std::string& rig_path, const std::vector<RealTimeRight>& rights);
 
 }  // namespace inbetween

@@ -5,6 +5,8 @@
 
 #include "host_tools/loop/loop_preparations.hpp"
 #include "host_tools/reference/axis_positions.hpp"
+#include "host_tools/rig/rig_chips.hpp"
+#include "inbetween/loop/tick_time.hpp"
 
 namespace inbetween {
 namespace {
@@ -36,32 +38,73 @@ class Looking {
   bool has_looked_ = false;
 };
 
-std::unique_ptr<RigLoop> opened(const RigFile& rig, const RigReference& reference,
-                                const SessionOptions& options) {
-  if (!options.simulated) return RigLoop::on_rig(rig, !options.allow_jitter);
+/// Of a simulated rig.
+std::vector<double> standing(const RigFile& rig, const RigReference& reference,
+                             const SessionOptions& options) {
   std::vector<double> positions;
   positions.reserve(rig.axes.size());
   for (std::size_t a = 0; a < rig.axes.size(); ++a) {
     positions.push_back(reference.position(a).value_or(parked(rig.axes[a])));
   }
-  return RigLoop::simulated(rig, standing_positions(rig, std::move(positions), options.standing),
-                            options.fast);
+  return standing_positions(rig, std::move(positions), options.standing);
+}
+
+std::unique_ptr<RigInputs> opened_lines(const RigFile& rig, const SessionOptions& options,
+                                        const std::vector<double>& standing) {
+  if (options.simulated) return RigInputs::simulated(rig, standing);
+  refuse_unavailable_lines(rig);
+  return RigInputs::on_chips(rig);
+}
+
+std::unique_ptr<RigDrives> opened_drives(const RigFile& rig, const SessionOptions& options,
+                                         const std::vector<double>& standing) {
+  if (options.simulated) return RigDrives::simulated(rig, standing);
+  return RigDrives::on_rig(rig, !options.allow_jitter);
 }
 
 }  // namespace
 
+// The lines come first: what is taken for outputs changes on the way.
 RigSession::RigSession(const RigFile& rig, RigReference& reference, const SessionOptions& options)
-    : reference_(reference), rig_loop_(opened(rig, reference, options)) {
-  reference.place(rig_loop_->drives());
-  rig_loop_->start(options.audience, "move slowly");
+    : rig_(rig),
+      reference_(reference),
+      options_(options),
+      positions_(standing(rig, reference, options)),
+      lines_(opened_lines(rig, options, positions_)),
+      drives_(opened_drives(rig, options, positions_)),
+      storage_(rig.axes.size(), rig.axes.size()),
+      loop_(*drives_, *lines_, storage_.memory()),
+      record_(options.record ? std::make_unique<RunRecord>(*options.record, rig, options.fast) : nullptr),
+      trace_(rig.axes.size(), record_.get()) {
+  if (options.simulated) {
+    lines_->follow(*drives_);
+    drives_->set_faults(options.faults);
+  }
+  reference.place(*drives_);
+  start();
+}
+
+void RigSession::start() {
+  if (options_.fast) {
+    fast_.emplace(loop_, rig_.rate_hz, options_.audience, trace_);
+    return;
+  }
+  Lateness lateness = Lateness::time_stands_still;
+  std::optional<RealTimeWishes> wishes;
+  if (!options_.simulated) {
+    lateness = drives_->steps() != nullptr ? Lateness::falls_behind : Lateness::catches_up;
+    wishes = RealTimeWishes{};
+  }
+  timed_.emplace(loop_, rig_.rate_hz, options_.audience, trace_, lateness, wishes);
+  if (!options_.simulated && !options_.allow_jitter) refuse_unfit_machine(rig_.path, timed_->rights());
 }
 
 RigSession::~RigSession() {
-  disarm();
+  end();
 }
 
 ActEnd RigSession::perform(const LoopTask& act, std::optional<std::int64_t> last) {
-  return rig_loop_->perform(act, last);
+  return fast_ ? fast_->run(act, last) : timed_->run(act, last);
 }
 
 bool RigSession::arm() {
@@ -78,11 +121,11 @@ void RigSession::rest() {
   Looking looking(loop());
   perform(act_of(looking, true));
   for (std::size_t a = 0; a < positions_.size(); ++a) positions_[a] = looking.states()[a].actual;
-  reference_.at_rest(rig_loop_->drives(), looking.states(), looking.has_ceased());
+  reference_.at_rest(*drives_, looking.states(), looking.has_ceased());
 }
 
 void RigSession::keep(const std::vector<DriveState<double>>& states) {
-  reference_.at_rest(rig_loop_->drives(), states, false);
+  reference_.at_rest(*drives_, states, false);
 }
 
 void RigSession::disarm() {
@@ -93,6 +136,31 @@ void RigSession::disarm() {
     Disarming disarming(loop(), rig().rate_hz);
     perform(act_of(disarming, true));
   }
+}
+
+void RigSession::end() {
+  disarm();
+  if (timed_) {
+    latency_ = timed_->latency();
+    late_ticks_ = timed_->late_ticks();
+  }
+  timed_.reset();
+  fast_.reset();
+}
+
+std::optional<LoopLogEnd> RigSession::end_record() {
+  if (!record_) return std::nullopt;
+  return record_->finish();
+}
+
+std::int64_t RigSession::delay_ns() const {
+  // What is written on a tick is reached at the next; steps begin a tick later.
+  return ns_per_s / rig_.rate_hz * (drives_->steps() != nullptr ? 2 : 1);
+}
+
+std::string RigSession::trouble() const {
+  const std::string trouble = lines_->trouble();
+  return trouble.empty() ? drives_->trouble() : trouble;
 }
 
 std::string reason_of(const RigSession& session, const std::string& otherwise) {

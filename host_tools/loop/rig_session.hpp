@@ -1,4 +1,4 @@
-// A rig that is set up: switched on, moved without a drawn move, switched off.
+// A rig in use: switched on, moved, switched off.
 #pragma once
 
 #include <cstdint>
@@ -8,11 +8,16 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/loop/rig_loop.hpp"
+#include "host_tools/files/fault_script.hpp"
+#include "host_tools/loop/loop_runner.hpp"
+#include "host_tools/loop/loop_storage.hpp"
+#include "host_tools/loop/run_loop.hpp"
+#include "host_tools/loop/run_record.hpp"
 #include "host_tools/reference/rig_reference.hpp"
 
 namespace inbetween {
 
+/// Which rig is used: that of the machine, or one in this process.
 struct SessionOptions {
   bool simulated = false;
   /// Simulated: on a virtual clock, as fast as it can be computed.
@@ -22,17 +27,23 @@ struct SessionOptions {
   /// Where simulated axes really stand, by name. The others stand where the reference knows them, or else as
   /// near to 0 as their limits allow.
   std::map<std::string, double> standing = {};
+  /// What goes wrong with simulated drives; of the same rig.
+  FaultScript faults = {};
+  /// A line a tick goes there (run_record.hpp).
+  std::optional<std::string> record = {};
   LoopAudience audience = {};
 };
 
-/// The motion loop of a rig that is set up. Refers to the rig and the reference.
+/// The motion loop of a rig with all that is under it, simulated or real, and what ticks it. Refers to the
+/// rig and the reference.
 ///
 /// The order is: arm, about_to_move of the reference, perform, rest; as often as wanted; disarm, before what
 /// was performed goes (DisarmAtEnd). Whatever happens the drives are switched off at the end.
 class RigSession {
  public:
-  /// Opens the drives and the lines. Throws InputError where something is not there, or the machine is not
-  /// fit to run in real time.
+  /// Opens the drives and the lines, and ticks from now on, between acts as well unless it is fast. Throws
+  /// InputError where something is not there, or the machine is not fit to run in real time; what RunRecord
+  /// throws.
   RigSession(const RigFile& rig, RigReference& reference, const SessionOptions& options);
   ~RigSession();
   RigSession(const RigSession&) = delete;
@@ -42,7 +53,7 @@ class RigSession {
   bool arm();
   /// Where every axis stands as its drive tells, after arm() and after rest().
   [[nodiscard]] const std::vector<double>& positions() const { return positions_; }
-  /// Until it is over.
+  /// Until it is over. With the `last` of its ticks, if that is known, progress is told.
   ActEnd perform(const LoopTask& act, std::optional<std::int64_t> last = std::nullopt);
   /// Waits until the axes stand still, and tells the reference where.
   void rest();
@@ -50,21 +61,46 @@ class RigSession {
   void keep(const std::vector<DriveState<double>>& states);
   /// At once, or after a stop if something still moves. Nothing if it is not armed.
   void disarm();
+  /// Disarmed, and no tick follows.
+  void end();
 
-  /// What is wrong and what to do; "" for nothing.
-  [[nodiscard]] std::string trouble() const { return rig_loop_->trouble(); }
-  [[nodiscard]] RunLoop& loop() { return rig_loop_->loop(); }
-  [[nodiscard]] RigInputs& lines() { return rig_loop_->lines(); }
-  [[nodiscard]] double tick_seconds() const { return rig_loop_->tick_seconds(); }
-  [[nodiscard]] const RigFile& rig() const { return rig_loop_->rig(); }
+  /// What is wrong with a line or a drive and what to do; "" for nothing.
+  [[nodiscard]] std::string trouble() const;
+  [[nodiscard]] const SessionOptions& options() const { return options_; }
+  [[nodiscard]] RunLoop& loop() { return loop_; }
+  [[nodiscard]] RigInputs& lines() { return *lines_; }
+  [[nodiscard]] const RigDrives& drives() const { return *drives_; }
+  [[nodiscard]] const RigFile& rig() const { return rig_; }
+  [[nodiscard]] double tick_seconds() const { return 1.0 / rig_.rate_hz; }
   /// The setpoints of a tick are reached so much later.
-  [[nodiscard]] std::int64_t delay_ns() const { return rig_loop_->delay_ns(); }
+  [[nodiscard]] std::int64_t delay_ns() const;
+
+  // After the end.
+
+  [[nodiscard]] const std::vector<AxisTrace>& axes() const { return trace_.axes(); }
+  [[nodiscard]] const WakeLatency& latency() const { return latency_; }
+  [[nodiscard]] std::int64_t late_ticks() const { return late_ticks_; }
+  [[nodiscard]] std::optional<LoopLogEnd> end_record();
 
  private:
+  void start();
+
+  const RigFile& rig_;
   RigReference& reference_;
-  std::unique_ptr<RigLoop> rig_loop_;
+  SessionOptions options_;
   std::vector<double> positions_;
+  std::unique_ptr<RigInputs> lines_;
+  std::unique_ptr<RigDrives> drives_;
+  LoopStorage storage_;
+  RunLoop loop_;
+  std::unique_ptr<RunRecord> record_;
+  LoopTrace trace_;
+  WakeLatency latency_;
+  std::int64_t late_ticks_ = 0;
   bool is_armed_ = false;
+  // One of them, destroyed first.
+  std::optional<FastRunner> fast_;
+  std::optional<TimedRunner> timed_;
 };
 
 /// Switches the rig off at the end of a block: made after what its loop plays, which goes later.

@@ -100,7 +100,7 @@ SetupEnd go_to(const RigFile& rig, const std::vector<GoTarget>& targets, RigRefe
     end.reason = "the axes are there already";
     return end;
   }
-  if (!options.confirm(describe(session, way, options.share))) {
+  if (!options.session.audience.confirm(describe(session, way, options.share))) {
     end.reason = "nobody agreed, and nothing has moved";
     return end;
   }

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstddef>
-#include <functional>
 #include <map>
 #include <string>
 #include <vector>
@@ -24,13 +23,11 @@ std::vector<GoTarget> go_targets(const RigFile& rig, const std::map<std::string,
 struct GoOptions {
   /// Of the limits of velocity, acceleration and jerk, what the axes may use: above 0, up to 1.
   double share = 0.1;
-  /// Asked before anything moves, with what moves from where to where and for how long.
-  std::function<bool(const std::string& question)> confirm;
   SessionOptions session = {};
 };
 
-/// Switches the rig on, asks, goes there from wherever the axes stand, and switches it off. Axes that are
-/// there already do not move. An axis outside its soft limits comes in by the shortest way.
+/// Switches the rig on, asks the audience, goes there from wherever the axes stand, and switches it off. Axes
+/// that are there already do not move. An axis outside its soft limits comes in by the shortest way.
 ///
 /// Throws InputError where a target is unreferenced (nothing has been opened then) or the rig file has
 /// changed since it was read, and what RigSession and RigReference throw.

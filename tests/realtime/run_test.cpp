@@ -33,18 +33,18 @@ TEST(RealTimeRun, TakesAsLongAsTheMoveAndArrivesWhereTheFastOneDoes) {
   const Plan plan(parse_move(there, "move.toml"), parse_rig(bench, "rig.toml"), {});
   const MonotonicClock clock;
   const std::int64_t start_ns = clock.now_ns();
-  const RunReport report = run_simulated(plan, {.fast = false});
+  const RunReport report = run(plan, {.simulated = true, .fast = false});
   EXPECT_GE(clock.now_ns() - start_ns, 400'000'000);
   EXPECT_EQ(report.ticks, 81);
   EXPECT_LE(report.late_ticks, 82);
   EXPECT_EQ(report.axes[0].last_actual, 14);
   EXPECT_EQ(report.axes[0].following_error_peak,
-            run_simulated(plan, {.fast = true}).axes[0].following_error_peak);
+            run(plan, {.simulated = true, .fast = true}).axes[0].following_error_peak);
 }
 
 TEST(RealTimeRun, TellsHowLateItWokeUp) {
   const Plan plan(parse_move(there, "move.toml"), parse_rig(bench, "rig.toml"), {});
-  const WakeLatency latency = run_simulated(plan, {.fast = false}).wake_latency;
+  const WakeLatency latency = run(plan, {.simulated = true, .fast = false}).wake_latency;
   EXPECT_GT(latency.p50_us, 0);
   EXPECT_LE(latency.p50_us, latency.p99_us);
   EXPECT_LE(latency.p99_us, latency.p99_9_us);

@@ -112,8 +112,10 @@ TEST(Approach, WithYesTheRigGoesThereAndThenPlaysTheMove) {
 
 TEST(Approach, OneThatIsDeclinedMovesNothing) {
   const Plan plan = example();
-  const RunReport report = run_simulated(
-      plan, {.fast = true, .standing = {{"pan", 10}}, .confirm = [](const std::string&) { return false; }});
+  const RunReport report = run(plan, {.simulated = true,
+                                      .fast = true,
+                                      .standing = {{"pan", 10}},
+                                      .audience = {.confirm = [](const std::string&) { return false; }}});
   EXPECT_EQ(report.ending, Ending::stopped);
   EXPECT_EQ(report.ticks, 0);
   EXPECT_EQ(report.axes[1].last_actual, 10);
@@ -122,11 +124,11 @@ TEST(Approach, OneThatIsDeclinedMovesNothing) {
 TEST(Approach, CanBeStoppedAndLeft) {
   const Plan plan = example();
   int tick = 0;
-  const RunReport report =
-      run_simulated(plan, {.fast = true,
-                           .standing = {{"pan", 10}},
-                           .confirm = [](const std::string&) { return true; },
-                           .audience = {.keys = [&] { return ++tick == 200 ? "q" : ""; }}});
+  const RunReport report = run(plan, {.simulated = true,
+                                      .fast = true,
+                                      .standing = {{"pan", 10}},
+                                      .audience = {.keys = [&] { return ++tick == 200 ? "q" : ""; },
+                                                   .confirm = [](const std::string&) { return true; }}});
   EXPECT_EQ(report.ending, Ending::stopped);
   EXPECT_THAT(report.reason, HasSubstr("stopped before its end"));
   EXPECT_LT(report.axes[1].last_actual, 10);

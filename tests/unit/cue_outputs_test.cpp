@@ -57,18 +57,13 @@ std::vector<Row> rows_of(const std::string& path) {
   return rows;
 }
 
-RunOptions logged(const std::string& file) {
-  RunOptions options{.fast = true};
-  options.confirm = [](const std::string&) { return true; };
-  options.cue_log = file;
-  return options;
-}
+const SessionOptions simulated{.simulated = true, .fast = true};
 
 TEST(CueOutputs, EveryFrameOfARunHasItsPulseAtItsTimeAndTheClapperFramesIt) {
   const TemporaryFolder folder;
   const std::string file = folder.path() / "cues.csv";
   const Plan plan = plan_of(slide_and_pan, slider_rig);
-  const RunReport report = run_simulated(plan, logged(file));
+  const RunReport report = run(plan, simulated, {.cue_log = file});
   EXPECT_EQ(report.ending, Ending::finished) << report.reason;
   const std::vector<Row> rows = rows_of(file);
   ASSERT_EQ(rows.size(), 2U + 288U);
@@ -100,10 +95,10 @@ TEST(CueOutputs, AfterAStopInTheMiddleNoPulseBegins) {
   const TemporaryFolder folder;
   const std::string file = folder.path() / "cues.csv";
   const Plan plan = plan_of(slide_and_pan, slider_rig);
-  RunOptions options = logged(file);
+  SessionOptions rig = simulated;
   int asked = 0;
-  options.audience.interrupted = [&] { return ++asked == 2000; };
-  const RunReport report = run_simulated(plan, options);
+  rig.audience.interrupted = [&] { return ++asked == 2000; };
+  const RunReport report = run(plan, rig, {.cue_log = file});
   EXPECT_EQ(report.ending, Ending::stopped);
   const std::vector<Row> rows = rows_of(file);
   ASSERT_GT(rows.size(), 10U);
@@ -116,7 +111,7 @@ TEST(CueOutputs, ARigWithoutOutputsHasNoneToLog) {
   const TemporaryFolder folder;
   const Plan plan =
       plan_of(INBETWEEN_SOURCE_DIR "/examples/reveal.toml", INBETWEEN_SOURCE_DIR "/examples/camera_rig.toml");
-  EXPECT_THROW(run_simulated(plan, logged(folder.path() / "cues.csv")), InputError);
+  EXPECT_THROW(run(plan, simulated, {.cue_log = folder.path() / "cues.csv"}), InputError);
 }
 
 /// The pulses of the example, the loop's ticks being the test's.
@@ -191,7 +186,7 @@ TEST(CueOutputs, AMoveThatStartsByATriggerWaitsASecondInSimulation) {
   for (const auto& [m, r] : {std::pair{slide_and_pan, slider_rig}, std::pair{move, rig}}) {
     const std::string file = folder.path() / "cues.csv";
     const Plan plan = plan_of(m, r);
-    const RunReport report = run_simulated(plan, logged(file));
+    const RunReport report = run(plan, simulated, {.cue_log = file});
     EXPECT_EQ(report.ending, Ending::finished) << report.reason;
     const std::vector<Row> rows = rows_of(file);
     ASSERT_EQ(rows.size(), 290U);

@@ -121,7 +121,7 @@ TEST(Examples, MovesForRigsMeasureDistanceInOneUnitOrSayWhatCounts) {
 TEST(Examples, MovesForRigsStayInsideTheLimitsOfEveryAxis) {
   for (const ForARig& example : for_rigs) {
     const Plan plan = plan_for_rig(example);
-    const RunReport report = run_simulated(plan, {.fast = true});  // throws beyond a position
+    const RunReport report = run(plan, {.simulated = true, .fast = true});  // throws beyond a position
     EXPECT_EQ(report.ending, Ending::finished) << example.move;
     for (const PlanAxis& axis : plan.axes()) {
       ASSERT_TRUE(axis.track.has_value()) << axis.name;

@@ -198,6 +198,12 @@ TEST(GotoCommand, WithoutAFileASimulationWritesNothing) {
 
 // --- stopped on the way
 
+SessionOptions simulated_and_agreed(bool agrees) {
+  return {.simulated = true, .fast = true, .audience = {.confirm = [agrees](const std::string&) {
+                                             return agrees;
+                                           }}};
+}
+
 /// goto track=400 from 0, with something at its tick number `when`.
 struct Journey {
   RigFile rig = parse_rig(crane, "rig.toml");
@@ -210,8 +216,7 @@ struct Journey {
     RigReference reference(rig, file);
     reference.stands_at(0, 0);
     reference.stands_at(1, 12);
-    GoOptions options{.confirm = [](const std::string&) { return true; },
-                      .session = {.simulated = true, .fast = true}};
+    GoOptions options{.session = simulated_and_agreed(true)};
     options.session.audience.keys = [&, when] { return ++ticks == when ? something() : std::string(); };
     return go_to(rig, {{.axis = 0, .position = 400}, {.axis = 1, .position = 0}}, reference, options);
   }
@@ -249,9 +254,8 @@ TEST(GotoCommand, AnEmergencyStopOnTheWayLosesWhatNothingReports) {
 TEST(GotoCommand, WhoeverDoesNotAgreeMovesNothing) {
   const RigFile rig = parse_rig(crane, "rig.toml");
   RigReference reference(rig);
-  const SetupEnd end = go_to(
-      rig, {{.axis = 0, .position = 400}}, reference,
-      {.confirm = [](const std::string&) { return false; }, .session = {.simulated = true, .fast = true}});
+  const SetupEnd end =
+      go_to(rig, {{.axis = 0, .position = 400}}, reference, {.session = simulated_and_agreed(false)});
   EXPECT_FALSE(end.is_done);
   EXPECT_EQ(end.positions[0], 0);
 }
@@ -259,8 +263,7 @@ TEST(GotoCommand, WhoeverDoesNotAgreeMovesNothing) {
 TEST(GotoCommand, NothingIsBegunWithARigThatHasChanged) {
   const RigFile rig = parse_rig(crane, "rig.toml");
   RigReference reference(rig);
-  GoOptions options{.confirm = [](const std::string&) { return true; },
-                    .session = {.simulated = true, .fast = true}};
+  GoOptions options{.session = simulated_and_agreed(true)};
   options.session.audience.rig_has_changed = [] { return true; };
   EXPECT_THROW(go_to(rig, {{.axis = 0, .position = 400}}, reference, options), InputError);
 }

@@ -131,7 +131,7 @@ TEST(Rolls, AnAxisThatStartsOnItsLimitHasNoRoomHoweverSlowItIs) {
   EXPECT_THAT(report.refusals[0].message, HasSubstr("begin the speed curve with 0, 0, at rest"));
   EXPECT_FALSE(report.refusals[0].slower_helps);
   EXPECT_EQ(smallest_frames(plan, report, {}).frames, std::nullopt);
-  EXPECT_THROW(run_simulated(plan, {.fast = true}), LimitError);
+  EXPECT_THROW(run(plan, {.simulated = true, .fast = true}), LimitError);
 }
 
 TEST(Rolls, AnAxisWithLittleRoomFitsInMoreFramesAndNotInOneLess) {
@@ -177,7 +177,7 @@ TEST(Rolls, ASpeedThatRisesFromZeroAtOnceStepsAndHasNoPreRoll) {
 
 TEST(Rolls, AreRunTickByTickFromTheirFirstFrameToTheirLast) {
   const Plan plan = plan_of(move_of("5, 10, 5"));
-  const RunReport report = run_simulated(plan, {.fast = true});
+  const RunReport report = run(plan, {.simulated = true, .fast = true});
   const std::int32_t frames = plan.played().last_frame() - plan.played().first_frame();
   EXPECT_EQ(report.ticks, last_tick(frames, {24, 1}, 250) + 1);
   EXPECT_EQ(report.axes[1].last_commanded, motion_at(plan, plan.played().last_frame()).position);

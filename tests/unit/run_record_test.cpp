@@ -106,12 +106,13 @@ class RigChanged : public testing::Test {
  protected:
   Plan plan_{read_move_file(reveal), read_rig_file(camera_rig), {}};
   bool has_changed_ = false;
-  RunOptions options_{.fast = true, .audience = {.rig_has_changed = [this] { return has_changed_; }}};
+  SessionOptions options_{
+      .simulated = true, .fast = true, .audience = {.rig_has_changed = [this] { return has_changed_; }}};
 };
 
 TEST_F(RigChanged, NothingIsBegunAnyMore) {
   has_changed_ = true;
-  EXPECT_THAT([&] { run_simulated(plan_, options_); },
+  EXPECT_THAT([&] { run(plan_, options_); },
               testing::ThrowsMessage<InputError>(
                   HasSubstr("camera_rig.toml: error: the file was changed since it was read")));
 }
@@ -128,7 +129,7 @@ TEST_F(RigChanged, WhileTheRigMovesItGoesOnAndIsNotBegunAgainAfterAStop) {
     if (looks == 3000) return "q";
     return "";
   };
-  const RunReport report = run_simulated(plan_, options_);
+  const RunReport report = run(plan_, options_);
   EXPECT_EQ(report.ending, Ending::stopped);
   EXPECT_GE(looks, 3000) << "it was not begun again";
   EXPECT_LE(looks, 3100);

@@ -64,7 +64,7 @@ Plan plan_of(const std::string& move, const std::string& rig = bench) {
 }
 
 RunReport play_fast(const Plan& plan) {
-  return run_simulated(plan, {.fast = true});
+  return run(plan, {.simulated = true, .fast = true});
 }
 
 TEST(Run, PlaysEveryTickUntilTheEndAndArrives) {
@@ -104,11 +104,11 @@ TEST(Run, TheFollowingErrorIsTheLargestStepOfATick) {
 TEST(Run, TellsItsProgressFromTheFirstTickToTheLast) {
   std::vector<std::int64_t> ticks;
   std::int64_t last_tick = 0;
-  run_simulated(plan_of(there),
-                {.fast = true, .audience = {.progress = [&](std::int64_t tick, std::int64_t last) {
-                                 ticks.push_back(tick);
-                                 last_tick = last;
-                               }}});
+  run(plan_of(there),
+      {.simulated = true, .fast = true, .audience = {.progress = [&](std::int64_t tick, std::int64_t last) {
+                                          ticks.push_back(tick);
+                                          last_tick = last;
+                                        }}});
   EXPECT_EQ(ticks.front(), 0);
   EXPECT_EQ(ticks.back(), last_tick);
   EXPECT_TRUE(std::is_sorted(ticks.begin(), ticks.end()));
@@ -116,11 +116,13 @@ TEST(Run, TellsItsProgressFromTheFirstTickToTheLast) {
 
 TEST(Run, AnAxisBeyondItsLimitMovesNothing) {
   bool moved = false;
-  const RunOptions options = {.fast = true,
-                              .audience = {.progress = [&](std::int64_t, std::int64_t) { moved = true; }}};
+  const SessionOptions options = {
+      .simulated = true, .fast = true, .audience = {.progress = [&](std::int64_t, std::int64_t) {
+                                         moved = true;
+                                       }}};
   const Plan plan = plan_of(with(there, "[14]", "[14.5]"));
   try {
-    run_simulated(plan, options);
+    run(plan, options);
     FAIL() << "played";
   } catch (const LimitError& error) {
     EXPECT_THAT(error.what(), StartsWith("move.toml:5:9: error: axis \"x\" would go to 14."));

@@ -50,19 +50,20 @@ RunReport shoot_typing(const std::vector<std::pair<int, std::string>>& typed,
   const Plan plan(read_move_file(reveal), read_rig_file(camera_rig), {});
   int tick = 0;
   std::size_t next = 0;
-  return run_simulated(plan, {.fast = true,
-                              .shoot = ShootOptions{.settle_s = 0.1, .exposure_s = 0.1},
-                              .audience = {.keys =
-                                               [&] {
-                                                 const bool now =
-                                                     next < typed.size() && typed[next].first == tick;
-                                                 ++tick;
-                                                 return now ? typed[next++].second : std::string();
-                                               },
-                                           .status =
-                                               [&](const RunSnapshot& now) {
-                                                 if (lines != nullptr) lines->push_back(status_line(now));
-                                               }}});
+  return run(plan,
+             {.simulated = true,
+              .fast = true,
+              .audience = {.keys =
+                               [&] {
+                                 const bool now = next < typed.size() && typed[next].first == tick;
+                                 ++tick;
+                                 return now ? typed[next++].second : std::string();
+                               },
+                           .status =
+                               [&](const RunSnapshot& now) {
+                                 if (lines != nullptr) lines->push_back(status_line(now));
+                               }}},
+             {.shoot = ShootOptions{.settle_s = 0.1, .exposure_s = 0.1}});
 }
 
 TEST(Shooting, WithAKeyboardItWaitsForSpace) {
@@ -139,8 +140,9 @@ TEST(TopRate, AboveWhatIsCertifiedIsRefusedWithTheHighest) {
 TEST(TopRate, LetsTheOverrideGoAboveTheDrawnSpeed) {
   const Plan plan(read_move_file(reveal), read_rig_file(camera_rig), {});
   int tick = 0;
-  const RunReport report = run_simulated(
-      plan, {.fast = true, .top_rate = 1.1, .audience = {.keys = [&] { return tick++ == 0 ? "+++" : ""; }}});
+  const RunReport report = run(
+      plan, {.simulated = true, .fast = true, .audience = {.keys = [&] { return tick++ == 0 ? "+++" : ""; }}},
+      {.top_rate = 1.1});
   EXPECT_EQ(report.ending, Ending::finished);
   EXPECT_NEAR(static_cast<double>(report.ticks), 2001 / 1.1, 30);
 }

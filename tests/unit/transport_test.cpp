@@ -57,13 +57,16 @@ struct Session {
     const Plan plan(read_move_file(reveal), read_rig_file(camera_rig), {});
     int tick = 0;
     std::size_t next = 0;
-    report = run_simulated(
-        plan, {.fast = true, .repeat = repeat, .audience = {.keys = [&] {
-                                                 const bool now =
-                                                     next < typed.size() && typed[next].first == tick;
-                                                 ++tick;
-                                                 return now ? typed[next++].second : std::string();
-                                               }}});
+    report = run(plan,
+                 {.simulated = true,
+                  .fast = true,
+                  .audience = {.keys =
+                                   [&] {
+                                     const bool now = next < typed.size() && typed[next].first == tick;
+                                     ++tick;
+                                     return now ? typed[next++].second : std::string();
+                                   }}},
+                 {.repeat = repeat});
   }
 };
 
@@ -119,7 +122,7 @@ TEST(Transport, ALostTerminalStopsTheMoveOnThePath) {
       if (++tick == 900) std::raise(signal);  // the drives are switched on meanwhile
       return InterruptWatch::asked();
     };
-    const RunReport report = run_simulated(plan, {.fast = true, .audience = {.interrupted = asked}});
+    const RunReport report = run(plan, {.simulated = true, .fast = true, .audience = {.interrupted = asked}});
     EXPECT_EQ(report.ending, Ending::stopped) << signal;
     EXPECT_GT(report.ticks, 100) << signal;
     EXPECT_LT(report.ticks, 1200) << signal;
@@ -135,7 +138,7 @@ TEST(Transport, AnEmergencyStopEndsAMoveThatNobodyAttends) {
     if (++tick == 900) std::raise(SIGUSR1);
     return false;
   };
-  const RunReport report = run_simulated(plan, {.fast = true, .audience = {.interrupted = asked}});
+  const RunReport report = run(plan, {.simulated = true, .fast = true, .audience = {.interrupted = asked}});
   EXPECT_EQ(report.ending, Ending::fault);
   EXPECT_THAT(report.reason, HasSubstr("the emergency stop is pressed"));
   EXPECT_LT(report.axes[0].last_actual, 1640);
@@ -154,7 +157,7 @@ TEST(Transport, AfterAReleasedEmergencyStopTheRigIsAcknowledgedAndDoesNotJumpBac
     if (tick == 3000) return "\r";
     return tick == 3200 ? "q" : "";
   };
-  const RunReport report = run_simulated(plan, {.fast = true, .audience = {.keys = keys}});
+  const RunReport report = run(plan, {.simulated = true, .fast = true, .audience = {.keys = keys}});
   EXPECT_NE(report.ending, Ending::finished);
   EXPECT_GT(report.axes[0].last_actual, 60);
   EXPECT_LT(report.axes[0].last_actual, 1640);
