@@ -359,7 +359,8 @@ void refuse_stop(const Plan& plan, const StopObstacle<double>& obstacle, CheckRe
 }
 
 void prove_stops(const Plan& plan, CheckReport& report) {
-  const PlannedStops planned(plan);
+  report.planned_stops = std::make_shared<const PlannedStops>(plan);
+  const PlannedStops& planned = *report.planned_stops;
   if (planned.obstacle()) return refuse_stop(plan, *planned.obstacle(), report);
   CheckedStops stops{.longest = planned.bounds()->longest_in_time(), .axes = {}};
   for (const CheckedAxis& axis : report.axes) {

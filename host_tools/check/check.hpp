@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -74,9 +75,12 @@ struct CheckedStops {
   std::vector<CheckedStopAxis> axes;  ///< every axis of the rig
 };
 
+class PlannedStops;
+
 struct CheckReport {
   std::vector<CheckedAxis> axes;      ///< every axis of the rig, in its order
   std::optional<CheckedStops> stops;  ///< nothing where there is a place from which no stop keeps the limits
+  std::shared_ptr<const PlannedStops> planned_stops;  ///< at the drawn speed, for whoever plays the plan
   /// How many times faster than drawn every limit of the motion still holds; below 1 where it does not fit, 0
   /// where no rate does, infinity where nothing moves.
   double highest_rate = 0;

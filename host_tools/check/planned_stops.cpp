@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "host_tools/plan/move_rolls.hpp"
+
 namespace inbetween {
 namespace {
 
@@ -19,15 +21,24 @@ std::size_t cell_count(const Plan& plan, double rate) {
 
 }  // namespace
 
-PlannedStops::PlannedStops(const Plan& plan, double rate)
+PlannedStops PlannedStops::within_motion_limits(const Plan& plan, double rate) {
+  std::vector<AxisLimits<double>> limits;
+  for (std::size_t d = 0; d < plan.limits().size(); ++d) {
+    RigAxis axis = plan.rig()->axes[plan.axis_of(d)];
+    axis.stop_acceleration = axis.max_acceleration;
+    axis.stop_jerk = axis.max_jerk;
+    limits.push_back(limits_of(axis));
+  }
+  return {plan, rate, limits};
+}
+
+PlannedStops::PlannedStops(const Plan& plan, double rate, std::span<const AxisLimits<double>> limits)
     : cells_(cell_count(plan, rate) + 1), peaks_(plan.played().axis_count()) {
   std::vector<MotionTriple<double>> suprema((cells_.size() - 1) * peaks_.size());
   std::vector<AxisTurn<double>> turns(peaks_.size());
   std::vector<PeakSlack<double>> slack(peaks_.size());
-  const StopRequest<double> request{.move = plan.played(),
-                                    .limits = plan.limits(),
-                                    .rate = rate,
-                                    .tick_seconds = 1.0 / plan.rig()->rate_hz};
+  const StopRequest<double> request{
+      .move = plan.played(), .limits = limits, .rate = rate, .tick_seconds = 1.0 / plan.rig()->rate_hz};
   const StopBoundsMemory<double> memory{.cells = cells_, .suprema = suprema, .slack = slack, .turns = turns};
   const auto bounds = StopBounds<double>::make(request, memory, peaks_);
   if (bounds) {

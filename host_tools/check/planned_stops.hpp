@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "host_tools/plan/plan.hpp"
@@ -15,7 +16,9 @@ class PlannedStops {
   /// For rates up to `rate` times the drawn speed. The plan has a rig; a cell of the time line is about a
   /// frame, never shorter than two ticks, and never less than a 4096th of the move. Throws SolverError where
   /// a track has more axes than the core can bound.
-  explicit PlannedStops(const Plan& plan, double rate = 1);
+  explicit PlannedStops(const Plan& plan, double rate = 1) : PlannedStops(plan, rate, plan.limits()) {}
+  /// For what is no stop: with the limits of the motion in place of those of a stop.
+  static PlannedStops within_motion_limits(const Plan& plan, double rate);
   PlannedStops(PlannedStops&&) noexcept = default;
   PlannedStops& operator=(PlannedStops&&) noexcept = default;
 
@@ -27,6 +30,8 @@ class PlannedStops {
   [[nodiscard]] const std::vector<AxisPeaks<double>>& peaks() const { return peaks_; }
 
  private:
+  PlannedStops(const Plan& plan, double rate, std::span<const AxisLimits<double>> limits);
+
   std::vector<StopCell<double>> cells_;
   std::vector<AxisPeaks<double>> peaks_;
   std::optional<StopBounds<double>> bounds_;

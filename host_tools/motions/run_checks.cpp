@@ -47,6 +47,13 @@ void refuse_positions_beyond_limits(const Plan& plan) {
   }
 }
 
+/// How many times the drawn speed; 0 where the rig rests meanwhile.
+double exposure_rate(const ShootOptions& shoot, const Plan& plan) {
+  if (!shoot.shutter) return 0;
+  return (shoot.shutter->close - shoot.shutter->open) /
+         (plan.played().frame_rate().frames_per_second() * shoot.exposure_s);
+}
+
 }  // namespace
 
 std::unique_ptr<StagedMove> checked_move(const Plan& plan, double top_rate, Repeat repeat,
@@ -58,7 +65,9 @@ std::unique_ptr<StagedMove> checked_move(const Plan& plan, double top_rate, Repe
   std::vector<std::string> still;
   if (shoot) still = shoot->still;
   for (const std::string& axis : still) static_cast<void>(axis_named(*plan.rig(), axis));
-  auto staged = std::make_unique<StagedMove>(plan, top_rate, still);
+  auto staged = std::make_unique<StagedMove>(
+      plan, top_rate == 1 ? checked.planned_stops : StagedMove::stops_of(plan, top_rate),
+      shoot ? exposure_rate(*shoot, plan) : 0, still);
   staged->set_repeat(repeat);
   if (shoot) refuse_exposures(*staged, shoot_spec(*shoot, plan.rig()->rate_hz));
   return staged;

@@ -3,31 +3,48 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "host_tools/check/check.hpp"
 
 namespace inbetween {
 namespace {
 
-PlannedStops stops_of(const Plan& plan, double rate) {
-  PlannedStops stops(plan, rate);
-  if (stops.obstacle()) {
-    const std::size_t axis = plan.axis_of(static_cast<std::size_t>(stops.obstacle()->axis));
-    throw LimitError(
-        plan.place_of(axis),
-        fmt::format("axis {} could not be stopped at frame {:.2f} from {:g} times the drawn speed; "
-                    "use a lower rate",
-                    in_quotes(plan.axes()[axis].name), stops.obstacle()->frame, rate));
+[[noreturn]] void refuse(const Plan& plan, const StopObstacle<double>& obstacle, const char* what,
+                         double rate, const char* remedy) {
+  const std::size_t axis = plan.axis_of(static_cast<std::size_t>(obstacle.axis));
+  throw LimitError(plan.place_of(axis),
+                   fmt::format("axis {} could not be {} at frame {:.2f} from {:g} times the drawn speed; {}",
+                               in_quotes(plan.axes()[axis].name), what, obstacle.frame, rate, remedy));
+}
+
+PlannedStops travels_of(const Plan& plan, double top_rate, double exposure_rate) {
+  // A whole number of ticks is a little longer or shorter than what was asked for.
+  constexpr double rounding = 1 + 1e-9;
+  const double rate =
+      std::max(StagedMove::travel_share * top_rate, std::min(exposure_rate * rounding, top_rate));
+  PlannedStops travels = PlannedStops::within_motion_limits(plan, rate);
+  if (travels.obstacle()) {
+    refuse(plan, *travels.obstacle(), "sped up or slowed down within its motion limits", rate,
+           "expose longer, or give the move more frames");
   }
-  return stops;
+  return travels;
 }
 
 }  // namespace
 
-StagedMove::StagedMove(const Plan& plan, double rate, std::span<const std::string> still)
+std::shared_ptr<const PlannedStops> StagedMove::stops_of(const Plan& plan, double rate) {
+  auto stops = std::make_shared<const PlannedStops>(plan, rate);
+  if (stops->obstacle()) refuse(plan, *stops->obstacle(), "stopped", rate, "use a lower rate");
+  return stops;
+}
+
+StagedMove::StagedMove(const Plan& plan, std::shared_ptr<const PlannedStops> stops, double exposure_rate,
+                       std::span<const std::string> still)
     : plan_(plan),
-      stops_(stops_of(plan, rate)),
-      playhead_(plan.played(), *stops_.bounds(), plan.rig()->rate_hz),
+      stops_(std::move(stops)),
+      travels_(travels_of(plan, stops_->bounds()->rate(), exposure_rate)),
+      playhead_(plan.played(), *stops_->bounds(), plan.rig()->rate_hz, &*travels_.bounds()),
       is_still_(std::make_unique<bool[]>(plan.played().axis_count())) {
   for (std::size_t d = 0; d < plan.played().axis_count(); ++d) {
     drive_of_.push_back(plan.axis_of(d));

@@ -15,13 +15,25 @@ namespace inbetween {
 
 /// Stop bounds, a playhead on the first frame, and another for axes that stand still during exposures. Refers
 /// to the plan.
+///
+/// Stops may use the stop limits of the rig, the ways to single frames and through exposures its motion
+/// limits alone. They are slower than drawn, unless the exposures need more: at travel_share of the highest
+/// rate the motion itself takes half of an axis' acceleration at most, and leaves the rest to speed up with.
 class StagedMove {
  public:
-  /// For rates up to `rate` times the drawn speed; `still` names axes of the plan. Throws LimitError where
-  /// there is no stop from somewhere at that rate.
-  explicit StagedMove(const Plan& plan, double rate = 1, std::span<const std::string> still = {});
+  static constexpr double travel_share = 0.7;
+
+  /// For the rates of `stops`, which were made for the plan and have no obstacle; `still` names axes of the
+  /// plan, and exposures pass at up to `exposure_rate` times the drawn speed. Throws LimitError where the rig
+  /// cannot speed up at that.
+  StagedMove(const Plan& plan, std::shared_ptr<const PlannedStops> stops, double exposure_rate = 0,
+             std::span<const std::string> still = {});
+  explicit StagedMove(const Plan& plan) : StagedMove(plan, stops_of(plan, 1)) {}
   StagedMove(const StagedMove&) = delete;
   StagedMove& operator=(const StagedMove&) = delete;
+
+  /// Throws LimitError where there is no stop from somewhere at `rate` times the drawn speed.
+  static std::shared_ptr<const PlannedStops> stops_of(const Plan& plan, double rate);
 
   [[nodiscard]] const Plan& plan() const { return plan_; }
   [[nodiscard]] Playhead<double>& playhead() { return playhead_; }
@@ -33,7 +45,8 @@ class StagedMove {
 
  private:
   const Plan& plan_;
-  PlannedStops stops_;
+  std::shared_ptr<const PlannedStops> stops_;
+  PlannedStops travels_;
   Playhead<double> playhead_;
   std::optional<Playhead<double>> still_;
   std::vector<std::size_t> drive_of_;

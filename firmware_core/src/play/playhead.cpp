@@ -40,9 +40,11 @@ Error not_on_time_line() {
 }  // namespace
 
 template <Precise Real>
-Playhead<Real>::Playhead(const Move<Real>& move, const StopBounds<Real>& bounds, std::int32_t rate_hz)
+Playhead<Real>::Playhead(const Move<Real>& move, const StopBounds<Real>& bounds, std::int32_t rate_hz,
+                         const StopBounds<Real>* travels)
     : move_(&move),
       bounds_(&bounds),
+      travels_(travels),
       unit_(static_cast<std::int64_t>(rate_hz) * move.frame_rate().denominator),
       tick_s_(Real{1} / static_cast<Real>(rate_hz)),
       fps_(static_cast<Real>(move.frame_rate().numerator) / static_cast<Real>(move.frame_rate().denominator)),
@@ -339,15 +341,31 @@ Real Playhead<Real>::seconds_between(const FrameTime<Real>& from, const FrameTim
   return frames_between(from, to) / fps_;
 }
 
+/// A course that is below both bounds can be stopped anywhere: it is among the states that the stop bounds
+/// certify.
+template <Precise Real>
+StopBound<Real> Playhead<Real>::travel_bound(const FrameTime<Real>& from, const FrameTime<Real>& to) const {
+  const StopBound<Real> stops = bounds_->least(from, to);
+  if (travels_ == nullptr) return stops;
+  const StopBound<Real> own = travels_->least(from, to);
+  return {std::min(stops.rate_change, own.rate_change), std::min(stops.rate_jerk, own.rate_jerk),
+          std::min(stops.release_jerk, own.release_jerk)};
+}
+
+template <Precise Real>
+Real Playhead<Real>::top_travel_rate() const {
+  return travels_ == nullptr ? bounds_->rate() : std::min(bounds_->rate(), travels_->rate());
+}
+
 template <Precise Real>
 void Playhead<Real>::begin_travel(const FrameTime<Real>& to) {
   const bool backward = to < time_;
-  const StopBound<Real> bounds = bounds_->least(backward ? to : time_, backward ? time_ : to);
+  const StopBound<Real> bounds = travel_bound(backward ? to : time_, backward ? time_ : to);
   const Real way_s = std::fabs(seconds_between(time_, to));
   travel_ = {.from = time_,
              .to = to,
              .sign = backward ? Real{-1} : Real{1},
-             .course = Travel<Real>::shortest(way_s, override_, bounds)};
+             .course = Travel<Real>::shortest(way_s, std::min(override_, top_travel_rate()), bounds)};
   state_ = PlayheadState::travelling;
 }
 
@@ -383,13 +401,13 @@ Result<typename Playhead<Real>::Journey> Playhead<Real>::journey_of(const Exposu
                  .remedy = "let it close after it opens, and last longer than 0 s"};
   }
   const Real rate = way_s / exposure.seconds;
-  if (rate > bounds_->rate()) {
+  if (rate > top_travel_rate()) {
     return Error{.code = ErrorCode::out_of_range,
                  .what = "an exposure is so short that the rig would go faster than drawn",
                  .remedy = "expose longer, or open the shutter for a smaller share of the frame"};
   }
   const Real open_ticks = std::ceil(exposure.seconds / tick_s_ - tick_rounding<Real>);
-  StopBound<Real> bounds = bounds_->least(exposure.open, exposure.close);
+  StopBound<Real> bounds = travel_bound(exposure.open, exposure.close);
   for (int narrower = 0; narrower < max_narrowings; ++narrower) {
     const Real rise_s = Travel<Real>::rise_to(rate, bounds);
     const Real rise_ticks = std::ceil(rise_s / tick_s_);
@@ -399,7 +417,7 @@ Result<typename Playhead<Real>::Journey> Playhead<Real>::journey_of(const Exposu
                     .course = Travel<Real>::even(rate, (rise_ticks + open_ticks) * tick_s_ - rise_s, bounds),
                     .opening_tick = static_cast<std::int64_t>(rise_ticks),
                     .closing_tick = static_cast<std::int64_t>(rise_ticks + open_ticks)};
-    const StopBound<Real> least = bounds_->least(journey.from, journey.to);
+    const StopBound<Real> least = travel_bound(journey.from, journey.to);
     if (least.rate_change >= bounds.rate_change && least.release_jerk >= bounds.release_jerk) return journey;
     bounds = least;
   }

@@ -53,7 +53,9 @@ struct Exposure {
 /// A place on the time line and the rate at which time runs, forward or backward. Nothing but the rate is
 /// ever changed, so that the rig never leaves the path; and the rate changes within the bounds of
 /// StopBounds, so that no axis leaves its stop limits, what was begun can be finished, and every stop is no
-/// longer than StopBounds foretells.
+/// longer than StopBounds foretells. What is meant to rest again keeps lower bounds if there are any: a
+/// travel to a frame and an exposure keep those of the motion limits, and a stop on the way those of the stop
+/// limits.
 ///
 /// Method: to a rate in the quickest way, a bend up (|r''| = R2), a straight stretch (|r'| = R1) and a bend
 /// down (|r''| = Q) that meets the rate exactly. On every tick r'' is the one that keeps the state within the
@@ -65,8 +67,10 @@ struct Exposure {
 template <Precise Real>
 class Playhead {
  public:
-  /// At rest on the first frame. Refers to both. Ticks come `rate_hz` times a second.
-  Playhead(const Move<Real>& move, const StopBounds<Real>& bounds, std::int32_t rate_hz);
+  /// At rest on the first frame. Refers to all of them. Ticks come `rate_hz` times a second. `travels` are
+  /// bounds, made for lower limits, that what goes from rest to rest keeps as well, and their rate.
+  Playhead(const Move<Real>& move, const StopBounds<Real>& bounds, std::int32_t rate_hz,
+           const StopBounds<Real>* travels = nullptr);
 
   /// Plays towards an end at the override rate. If it runs the other way it turns.
   /// Errors: out_of_range (it is at that end already, and does not repeat).
@@ -83,8 +87,8 @@ class Playhead {
   /// Errors: out_of_range (beyond the end).
   Status step(Direction direction);
   /// Travels to where the run-up to an exposure starts, and to rest there (`arrived`).
-  /// Errors: out_of_range (not resting; the exposure covers no time, or needs a rate above
-  /// StopBounds::rate()), not_converged (no run-up within the bounds was found).
+  /// Errors: out_of_range (not resting; the exposure covers no time, or needs a rate above that of the
+  /// bounds), not_converged (no run-up within the bounds was found).
   /// O(cells of the stop bounds that it passes).
   Status go_to_run_up(const Exposure<Real>& exposure);
   /// From there: a run-up, then from open to close at the even rate (close - open) / seconds, then a run-out
@@ -133,6 +137,8 @@ class Playhead {
   [[nodiscard]] bool is_on_time_line(const FrameTime<Real>& time) const;
   [[nodiscard]] FrameTime<Real> end_towards(Direction direction) const;
   void begin_travel(const FrameTime<Real>& to);
+  [[nodiscard]] StopBound<Real> travel_bound(const FrameTime<Real>& from, const FrameTime<Real>& to) const;
+  [[nodiscard]] Real top_travel_rate() const;
   [[nodiscard]] Result<Journey> journey_of(const Exposure<Real>& exposure) const;
   PlayheadEvent tick_travel();
   void set_travelled(const FrameTime<Real>& from, Real way_s, Real rate, Real change);
@@ -151,7 +157,8 @@ class Playhead {
 
   const Move<Real>* move_;
   const StopBounds<Real>* bounds_;
-  std::int64_t unit_;  ///< a frame is so many ticks of numerator() each
+  const StopBounds<Real>* travels_;  ///< null: the same
+  std::int64_t unit_;                ///< a frame is so many ticks of numerator() each
   Real tick_s_;
   Real fps_;
   FrameTime<Real> time_;

@@ -1,0 +1,122 @@
+// Moves shot frame by frame, at rest or in motion: whatever is not a stop keeps the limits of the motion.
+#include <gtest/gtest.h>
+#include <rapidcheck.h>
+
+#include <algorithm>
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host_tools/check/check.hpp"
+#include "host_tools/motions/run_checks.hpp"
+#include "tests/support/property.hpp"
+#include "tests/support/random_move.hpp"
+#include "tests/support/recorded_play.hpp"
+#include "tests/support/rig_near.hpp"
+
+namespace inbetween {
+namespace shoot_property_test {
+
+constexpr int many_shoots = 800;
+constexpr int max_ticks = 60'000;
+
+/// The same rig, on which a stop may use no more than the motion: what a recorder of stops holds a shoot to.
+RigFile without_stop_limits(RigFile rig) {
+  for (RigAxis& axis : rig.axes) {
+    axis.stop_acceleration = axis.max_acceleration;
+    axis.stop_jerk = axis.max_jerk;
+  }
+  return rig;
+}
+
+ShootOptions shoot_of(const MoveFile& move) {
+  ShootOptions options{.settle_s = 0, .exposure_s = 0.01};
+  if (*rc::gen::inRange(0, 4) == 0) return options;
+  const double open = *rc::gen::inRange(-20, 20) / 20.0;
+  const double share = *rc::gen::inRange(1, 20) / 20.0;
+  const double slower = *rc::gen::inRange(10, 60) / 10.0;
+  options.shutter = Shutter<double>{open, std::min(open + share, 1.0)};
+  options.exposure_s =
+      slower * (options.shutter->close - options.shutter->open) / move.fps.rate.frames_per_second();
+  if (*rc::gen::arbitrary<bool>()) options.still.push_back(move.tracks[0].axes[0]);
+  return options;
+}
+
+struct Tried {
+  int shot = 0;
+  int in_motion = 0;
+  int refused = 0;
+  double acceleration_share = 0;
+};
+
+/// Frame after frame, and now and then another is looked at.
+void shoot_at_random(StagedMove& staged, const ShootSpec<double>& spec, const Plan& held_to,
+                     const CheckReport& report, Tried& tried) {
+  const double tick_s = 1.0 / held_to.rig()->rate_hz;
+  const PlannedStops wide(staged.plan());
+  RecordedPlay record(held_to, *wide.bounds(), tick_s);
+  RecordedPlay still_record(held_to, *wide.bounds(), tick_s);
+  std::vector<double> steps;
+  for (const CheckedStep& step : report.steps) steps.push_back(step.frame);
+  record.allow_steps_at(steps);
+  still_record.allow_steps_at(steps);
+  FrameShoot<double> shoot(spec, staged.plan().move().frames, staged.playhead(), staged.still());
+  RC_ASSERT(shoot.shoot(0).has_value());
+  for (int tick = 0; tick < max_ticks && shoot.phase() != ShootPhase::done; ++tick) {
+    const PlayheadEvent event = staged.playhead().tick();
+    if (staged.still() != nullptr) {
+      static_cast<void>(staged.still()->tick());
+      still_record.take(*staged.still());
+    }
+    record.take(staged.playhead());
+    shoot.tick(event);
+    if (shoot.phase() == ShootPhase::waiting || shoot.phase() == ShootPhase::standing) {
+      const bool looks = *rc::gen::inRange(0, 20) == 0;
+      const std::int32_t other = *rc::gen::inRange(0, staged.plan().move().frames + 1);
+      RC_ASSERT((looks ? shoot.look_at(other) : shoot.trigger()).has_value());
+    }
+    RC_ASSERT(record.complaint() == "");
+    RC_ASSERT(still_record.complaint() == "");
+  }
+  tried.acceleration_share = std::max(tried.acceleration_share, record.acceleration_share());
+}
+
+TEST(ShootProperty, FrameByFrameAndInMotionTheMotionLimitsHold) {
+  Tried tried;
+  check_property(many_shoots, [&] {
+    const std::optional<MoveFile> move = for_a_rig(*regular_move());
+    if (!move) return;
+    const std::optional<RigFile> rig =
+        rig_near(*move, {.share = [] { return *rc::gen::inRange(102, 200) / 100.0; },
+                         .limits_jerk = *rc::gen::arbitrary<bool>(),
+                         .allows_steps = *rc::gen::arbitrary<bool>(),
+                         .rate_hz = *rc::gen::element(100, 250, 1000)});
+    if (!rig) return;
+    const Plan plan(*move, rig, {});
+    const CheckReport report = check(plan);
+    if (!report.fits()) return;
+    const ShootOptions options = shoot_of(*move);
+    std::unique_ptr<StagedMove> staged;
+    try {
+      staged = checked_move(plan, 1, Repeat::none, options);
+    } catch (const LimitError&) {
+      ++tried.refused;
+      return;
+    }
+    ++tried.shot;
+    if (options.shutter) ++tried.in_motion;
+    const Plan held_to(*move, without_stop_limits(*rig), {});
+    shoot_at_random(*staged, shoot_spec(options, rig->rate_hz), held_to, report, tried);
+  });
+  std::cout << tried.shot << " moves shot, " << tried.in_motion << " of them in motion; " << tried.refused
+            << " refused; at most " << tried.acceleration_share << " of the acceleration used\n";
+  if (!counts_mean_something()) return;
+  EXPECT_GE(tried.shot, 200);
+  EXPECT_GT(tried.in_motion, 100);
+  EXPECT_LE(tried.refused, tried.shot / 4);
+}
+
+}  // namespace shoot_property_test
+}  // namespace inbetween
