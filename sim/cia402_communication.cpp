@@ -293,7 +293,10 @@ void SimulatedCia402Drive::hear_sync(const can::Frame& frame) {
   from_ = demand_;
   since_sync_s_ = 0;
   if (is_in_operation()) {
-    applied_.push_back({.at_ns = now_ns_, .target = static_cast<std::int32_t>(objects_.value(0x607A))});
+    const auto target = static_cast<std::int32_t>(objects_.value(0x607A));
+    if (!first_target_) first_target_ = target;
+    has_been_moved_ = has_been_moved_ || target != *first_target_;
+    if (settings_.records_targets) applied_.push_back({.at_ns = now_ns_, .target = target});
   }
   send_pdos();
 }

@@ -55,6 +55,7 @@ struct SimulatedCia402Settings {
   std::int64_t enable_delay_ns = 100'000'000;  ///< the brake opens
   SimulatedMotor::Settings motor{};
   std::vector<DriveTrouble> troubles{};
+  bool records_targets = false;  ///< applied() is kept, which grows with every tick
 };
 
 /// A CiA 402 drive with its motor, frame in and frame out: an object dictionary with the mapping rules of CiA
@@ -79,8 +80,13 @@ class SimulatedCia402Drive {
     std::int64_t at_ns;
     std::int32_t target;
   };
-  /// Its own record, from the first time that it was in operation.
+  /// Its own record, where it was asked for: from the first time that it was in operation, or since it was
+  /// forgotten.
   [[nodiscard]] const std::vector<Applied>& applied() const { return applied_; }
+
+  void forget_applied() { applied_.clear(); }
+  /// A target was applied that is not where it was switched on.
+  [[nodiscard]] bool has_been_moved() const { return has_been_moved_; }
 
   [[nodiscard]] can::NodeId node() const { return settings_.node; }
   [[nodiscard]] can::Cia402State state() const { return state_; }
@@ -157,6 +163,8 @@ class SimulatedCia402Drive {
   std::int64_t now_ns_;
   std::vector<can::Frame> frames_;
   std::vector<Applied> applied_;
+  std::optional<std::int32_t> first_target_;
+  bool has_been_moved_ = false;
 
   bool is_booting_ = true;
   can::NmtState nmt_ = can::NmtState::boot_up;

@@ -58,7 +58,7 @@ void add_sim_drives_command(CLI::App& program, Command& chosen) {
       ->take_all();
   command->add_option("--faults", arguments->faults, "a script of what goes wrong with them, and when");
   command->add_option("--record", arguments->record,
-                      "at the end write the targets that the drives applied: axis, nanoseconds, counts");
+                      "the targets that the drives apply: axis, nanoseconds, counts");
   command->footer(
       "Runs until Ctrl-C. Each drive boots, is set up, enabled and watched over as a real one is: it stops "
       "by itself\n"

@@ -71,15 +71,20 @@ void serve(BusOfDrives& bus, std::int64_t now_ns) {
   }
 }
 
-void write_record(const std::deque<BusOfDrives>& buses, const FaultSchedule& faults, const RigFile& rig,
-                  std::FILE* file) {
-  for (const BusOfDrives& bus : buses) {
-    for (const DriveOnBus& one : bus.drives) {
+/// Those since the last call: in memory they would grow as long as the rig moves.
+void write_targets(std::deque<BusOfDrives>& buses, std::FILE* file) {
+  for (BusOfDrives& bus : buses) {
+    for (DriveOnBus& one : bus.drives) {
       for (const SimulatedCia402Drive::Applied& applied : one.drive.applied()) {
         fmt::print(file, "{},{},{}\n", one.axis, applied.at_ns, applied.target);
       }
+      one.drive.forget_applied();
     }
   }
+}
+
+void write_end(const std::deque<BusOfDrives>& buses, const FaultSchedule& faults, const RigFile& rig,
+               std::FILE* file) {
   for (const FaultSchedule::Begun& fault : faults.begun()) {
     fmt::print(file, "{},fault,{},{}\n", rig.axes[fault.axis].name, fault.at_ns, fault.what);
   }
@@ -117,8 +122,9 @@ void run_sim_drives(const RigFile& rig, const SimDrivesOptions& options) {
     double position = std::clamp(0.0, axis.min, axis.max);
     if (const auto said = standing.extract(axis.name)) position = said.mapped();
     host = settings_of(axis, rig.rate_hz).setup.host;
-    bus->drives.push_back(
-        {axis.name, SimulatedCia402Drive(simulated_settings_of(axis, position), clock.now_ns())});
+    SimulatedCia402Settings settings = simulated_settings_of(axis, position);
+    settings.records_targets = options.record != nullptr;
+    bus->drives.push_back({axis.name, SimulatedCia402Drive(settings, clock.now_ns())});
     faults.attach(a, bus->drives.back().drive);
   }
   if (buses.empty()) {
@@ -137,8 +143,9 @@ void run_sim_drives(const RigFile& rig, const SimDrivesOptions& options) {
     clock.sleep_until_ns(clock.now_ns() + ns_between_looks);
     faults.advance(clock.now_ns());
     for (BusOfDrives& bus : buses) serve(bus, clock.now_ns());
+    if (options.record != nullptr) write_targets(buses, options.record);
   }
-  if (options.record != nullptr) write_record(buses, faults, rig, options.record);
+  if (options.record != nullptr) write_end(buses, faults, rig, options.record);
 }
 
 }  // namespace inbetween

@@ -3,19 +3,9 @@
 #include <algorithm>
 
 namespace inbetween {
-namespace {
-
-/// A target that is not where it was switched on.
-bool is_moved(const SimulatedCia402Drive& drive) {
-  const auto& applied = drive.applied();
-  return !applied.empty() && applied.front().target != applied.back().target;
-}
-
-}  // namespace
-
 void FaultSchedule::advance(std::int64_t now_ns) {
   if (!motion_ns_ &&
-      std::ranges::any_of(drives_, [](const DriveOfAxis& of) { return is_moved(*of.drive); })) {
+      std::ranges::any_of(drives_, [](const DriveOfAxis& of) { return of.drive->has_been_moved(); })) {
     motion_ns_ = now_ns;
   }
   std::erase_if(pending_, [&](const ScriptedFault& fault) {

@@ -20,9 +20,10 @@ SimulatedCanRig::SimulatedCanRig(std::size_t axes, const can::Cia402Setup& commo
     can::Cia402Setup setup = common;
     setup.node = node(axis + 1);
     hosts.push_back(can::Cia402Drive::make({.setup = setup, .max_step_counts = 2000}).value());
-    drives.emplace_back(
-        SimulatedCia402Settings{.node = setup.node, .position = static_cast<std::int32_t>(1000 * (axis + 1))},
-        now_ns);
+    drives.emplace_back(SimulatedCia402Settings{.node = setup.node,
+                                                .position = static_cast<std::int32_t>(1000 * (axis + 1)),
+                                                .records_targets = true},
+                        now_ns);
     wire.attach(drives.back());
   }
   bus_.push_back(

@@ -89,8 +89,10 @@ struct Crane {
       settings.max_step_counts =
           static_cast<std::int32_t>(1.2 * counts_per_unit * plan.limits()[i].max_velocity() / 250);
       hosts.push_back(*can::Cia402Drive::make(settings));
-      drives.emplace_back(SimulatedCia402Settings{.node = node, .position = i == 0 ? first_counts : 100'000},
-                          0);
+      drives.emplace_back(
+          SimulatedCia402Settings{
+              .node = node, .position = i == 0 ? first_counts : 100'000, .records_targets = true},
+          0);
       wire.attach(drives.back());
     }
     bus.push_back(*can::Cia402Bus::make(hosts, {.host = *can::NodeId::make(127)}));
