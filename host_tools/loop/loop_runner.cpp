@@ -15,6 +15,8 @@ namespace {
 constexpr std::int64_t ns_between_lines = ns_per_s / 10;
 constexpr std::int64_t snapshots_per_s = 20;
 constexpr std::int64_t ns_between_looks = 5'000'000;
+/// A machine without real-time rights may be late by many ticks; a program that was suspended, by a second.
+constexpr std::int64_t stall_ns = ns_per_s;
 
 /// Nothing is begun with a rig file that has changed.
 TransportKey allowed(TransportKey key, const LoopAudience& audience) {
@@ -98,11 +100,11 @@ void TimedRunner::loop() {
     std::int32_t ticks = 1;
     if (latency_ns >= period_ns) {
       if (act_ != nullptr) ++late_ticks_;
-      if (lateness_ != Lateness::catches_up) {
-        start_ns += latency_ns;
-      } else {
+      if (lateness_ == Lateness::catches_up || latency_ns >= stall_ns) {
         ticks += static_cast<std::int32_t>(std::min<std::int64_t>(latency_ns / period_ns, rate_hz_));
         number += latency_ns / period_ns;
+      } else {
+        start_ns += latency_ns;
       }
     }
     if (act_ != nullptr) latencies_.add(latency_ns, now_ns);

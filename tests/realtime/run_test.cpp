@@ -4,6 +4,9 @@
 #include <gtest/gtest.h>
 
 #include "drivers/linux/monotonic_clock.hpp"
+#include "host_tools/loop/rig_session.hpp"
+#include "host_tools/motions/staged_move.hpp"
+#include "host_tools/motions/transport.hpp"
 
 namespace inbetween {
 namespace run_test {
@@ -49,6 +52,48 @@ TEST(RealTimeRun, TellsHowLateItWokeUp) {
   EXPECT_LE(latency.p50_us, latency.p99_us);
   EXPECT_LE(latency.p99_us, latency.p99_9_us);
   EXPECT_LE(latency.p99_9_us, latency.max_us);
+}
+
+/// Plays a move, and takes its time once, as a program does that is suspended.
+struct Suspended {
+  Transport& transport;
+  std::int64_t for_ns;
+  int ticks = 0;
+
+  Status begin() { return transport.begin(); }
+  void press(TransportKey key) { transport.press(key); }
+  void tick(std::int32_t count, std::int64_t now_ns) {
+    transport.tick(count, now_ns);
+    const MonotonicClock clock;
+    if (++ticks == 40) clock.sleep_until_ns(clock.now_ns() + for_ns);
+  }
+  [[nodiscard]] bool is_over() const { return transport.is_over(); }
+  [[nodiscard]] RunSnapshot snapshot() const { return transport.snapshot(); }
+};
+
+/// Where the axis came to rest, after a tick of `for_ns` in the middle of its way from 2 to 14.
+double end_after(std::int64_t for_ns, bool& has_lost_time) {
+  const Plan plan(parse_move(there, "move.toml"), parse_rig(bench, "rig.toml"), {});
+  RigReference reference(*plan.rig());
+  StagedMove staged(plan);
+  RigSession session(*plan.rig(), reference, {.simulated = true});
+  const DisarmAtEnd disarm(session);
+  EXPECT_TRUE(session.arm());
+  Transport transport(session.loop(), staged, false);
+  Suspended suspended{.transport = transport, .for_ns = for_ns};
+  EXPECT_TRUE(session.perform(act_of(suspended)).begun);
+  has_lost_time = transport.keys().has_lost_time();
+  session.rest();
+  return session.positions()[0];
+}
+
+// faults.md 36
+TEST(RealTimeRun, ASimulationThatWasSuspendedStopsOnItsPathAndDoesNotGoOn) {
+  bool has_lost_time = false;
+  const double end = end_after(1'200'000'000, has_lost_time);
+  EXPECT_TRUE(has_lost_time);
+  EXPECT_GT(end, 3);
+  EXPECT_LT(end, 13);
 }
 
 TEST(MonotonicClock, NeverWakesUpTooEarly) {

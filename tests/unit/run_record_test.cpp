@@ -95,6 +95,16 @@ TEST(RunRecord, AReaderThatTakesNothingDoesNotHoldUpTheEnd) {
   EXPECT_THAT(run.err, HasSubstr("nobody reads it"));
 }
 
+TEST(RunRecord, APipeThatNobodyReadsIsRefusedAtOnce) {
+  const TemporaryFolder folder;
+  const std::string pipe = folder.path() / "pipe";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  const ProgramRun run =
+      run_program({"run", reveal, "--rig", camera_rig, "--sim", "--fast", "--record", pipe});
+  EXPECT_EQ(run.status, 1);
+  EXPECT_THAT(run.err, HasSubstr("pipe: cannot be written"));
+}
+
 TEST(RunRecord, AFileThatCannotBeWrittenIsRefusedBeforeAnythingMoves) {
   const ProgramRun run =
       run_program({"run", reveal, "--rig", camera_rig, "--sim", "--fast", "--record", "/nowhere/run.csv"});
