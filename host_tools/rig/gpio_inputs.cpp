@@ -146,52 +146,38 @@ bool RigInputs::is_gone() const {
 
 std::unique_ptr<RigInputs> RigInputs::simulated(const RigFile& rig, const std::vector<double>& positions) {
   std::unique_ptr<RigInputs> lines(new RigInputs(rig));
-  for (const double position : positions) lines->stands_.push_back({.position = position, .at_ns = {}});
+  std::vector<bool> released;
+  for (const Line& line : lines->lines_) released.push_back(line.level);
+  SimulatedInputs& simulated = lines->simulated_.emplace(std::move(released), positions);
+  const auto add_switch = [&](std::size_t axis, std::size_t line, bool is_above, double closes) {
+    const RigAxis& of = rig.axes[axis];
+    const double opens_after = of.home ? of.home->back_off : limit_margin * (of.max - of.min);
+    const SwitchSettings settings = lines->settings_of(line);
+    simulated.add_switch(axis, {.line = settings.line,
+                                .active_level = settings.active_level,
+                                .is_above = is_above,
+                                .closes = closes,
+                                .hysteresis = hysteresis_share * opens_after});
+  };
   for (std::size_t a = 0; a < rig.axes.size(); ++a) {
     const RigAxis& axis = rig.axes[a];
-    const double hysteresis = axis.home ? hysteresis_share * axis.home->back_off
-                                        : hysteresis_share * limit_margin * (axis.max - axis.min);
-    if (axis.home) {
-      lines->add_switch(a, *lines->axes_[a].home, axis.home->direction > 0, axis.home->at, hysteresis);
-    }
+    if (axis.home) add_switch(a, *lines->axes_[a].home, axis.home->direction > 0, axis.home->at);
     for (const std::size_t limit : lines->axes_[a].limits) {
       const std::size_t line = lines->limits_[limit].line;
       const bool is_max = axis.limit_max && lines->lines_[line].input == &*axis.limit_max;
-      lines->add_switch(a, line, is_max, limit_place(axis, is_max), hysteresis);
+      add_switch(a, line, is_max, limit_place(axis, is_max));
     }
   }
   lines->events_.reserve(usual_events);
-  lines->coming_.reserve(usual_events);
   return lines;
 }
 
-void RigInputs::add_switch(std::size_t axis, std::size_t line, bool is_above, double closes,
-                           double hysteresis) {
-  const SwitchSettings settings = settings_of(line);
-  const SimulatedSwitch of({.line = settings.line,
-                            .active_level = settings.active_level,
-                            .is_above = is_above,
-                            .closes = closes,
-                            .hysteresis = hysteresis},
-                           stands_[axis].position, static_cast<std::uint32_t>(line));
-  lines_[line].level = of.level();
-  switches_.push_back({.axis = axis, .line = line, .of = of});
-}
-
-void RigInputs::follow(std::size_t axis, double position, std::int64_t now_ns) {
-  Stand& stand = stands_[axis];
-  const std::int64_t from_ns = stand.at_ns.value_or(now_ns - 1);
-  if (now_ns <= from_ns) return;
-  const double seconds = static_cast<double>(now_ns - from_ns) * 1e-9;
-  const double velocity = (position - stand.position) / seconds;
-  const Setpoint<double> from{.position = stand.position, .velocity = velocity};
-  const Setpoint<double> to{.position = position, .velocity = velocity};
-  for (OnWay& one : switches_) {
-    if (one.axis != axis) continue;
-    one.of.move(from_ns, from, now_ns, to, coming_);
-    lines_[one.line].level = one.of.level();
+void RigInputs::read_simulated(std::int64_t now_ns) {
+  for (std::size_t a = 0; followed_ != nullptr && a < axes_.size(); ++a) {
+    simulated_->follow(a, followed_->true_position(a), now_ns);
   }
-  stand = {.position = position, .at_ns = now_ns};
+  simulated_->take(events_);
+  for (std::size_t line = 0; line < lines_.size(); ++line) lines_[line].level = simulated_->level(line);
 }
 
 std::size_t RigInputs::line_of(RigInput input) const {
@@ -206,33 +192,12 @@ std::size_t RigInputs::line_of(RigInput input) const {
   return asks_.value();
 }
 
-void RigInputs::set(RigInput input, bool is_active, std::int64_t now_ns) {
-  const std::size_t line = line_of(input);
-  const bool level = is_active == settings_of(line).active_level;
-  if (level == lines_[line].level) return;
-  lines_[line].level = level;
-  coming_.push_back({.at_ns = now_ns, .line = static_cast<std::uint8_t>(line), .level = level});
-}
-
-void RigInputs::set_home_fault(std::size_t axis, SimulatedSwitch::Fault fault) {
-  const auto home = std::ranges::find(switches_, axes_[axis].home.value(), &OnWay::line);
-  home->of.set_fault(fault);
-}
-
-void RigInputs::take_simulated(std::int64_t now_ns) {
-  if (followed_ != nullptr) {
-    for (std::size_t a = 0; a < stands_.size(); ++a) follow(a, followed_->true_position(a), now_ns);
-  }
-  events_.insert(events_.end(), coming_.begin(), coming_.end());
-  coming_.clear();
-}
-
 // --- a tick
 
 void RigInputs::read(std::int64_t now_ns) {
   events_.clear();
   for (std::size_t i = 0; i < chips_.size(); ++i) read_chip(i);
-  take_simulated(now_ns);
+  if (simulated_) read_simulated(now_ns);
   put_in_order();
   limit_hit_ = false;
   look_at_emergency_stop();

@@ -19,13 +19,13 @@
 #include "inbetween/homing/homing.hpp"
 #include "inbetween/homing/line_event.hpp"
 #include "inbetween/homing/switch_input.hpp"
-#include "sim/simulated_switch.hpp"
+#include "sim/simulated_inputs.hpp"
 
 namespace inbetween {
 
 class RigDrives;
 
-/// Lines of a rig that no axis has, as a simulation sets them.
+/// Lines of a rig that no axis has.
 enum class RigInput : std::uint8_t { emergency_stop, start_trigger, camera_asks };
 
 /// A LinePort for the emergency stop, the limit and home switches, the start trigger and the line of the
@@ -47,12 +47,10 @@ class RigInputs {
   /// In simulation: from now on `read` asks these drives where their axes really are. Of the same rig, which
   /// they outlive this with.
   void follow(const RigDrives& drives) { followed_ = &drives; }
-  /// In simulation: axis `axis` is at `position` at `now_ns`, and went there steadily.
-  void follow(std::size_t axis, double position, std::int64_t now_ns);
-  /// In simulation: a line that the rig has becomes active, or inactive, at `now_ns`.
-  void set(RigInput input, bool is_active, std::int64_t now_ns);
-  /// In simulation: what goes wrong with the home switch of an axis that has one.
-  void set_home_fault(std::size_t axis, SimulatedSwitch::Fault fault);
+  /// In simulation. The lines are numbered as events() are.
+  [[nodiscard]] SimulatedInputs& simulation() { return simulated_.value(); }
+  /// The number of a line that the rig has.
+  [[nodiscard]] std::size_t line_of(RigInput input) const;
 
   void read(std::int64_t now_ns);
 
@@ -112,16 +110,6 @@ class RigInputs {
     std::optional<std::size_t> home;  ///< of lines_
     std::vector<std::size_t> limits;  ///< of limits_
   };
-  /// A simulated switch on the way of an axis.
-  struct OnWay {
-    std::size_t axis = 0;
-    std::size_t line = 0;
-    SimulatedSwitch of;
-  };
-  struct Stand {
-    double position = 0;
-    std::optional<std::int64_t> at_ns;
-  };
 
   explicit RigInputs(const RigFile& rig);
   std::size_t add(const InputLine& input);
@@ -129,15 +117,13 @@ class RigInputs {
   [[nodiscard]] SwitchSettings settings_of(std::size_t line) const;
   void find_chips();
   void open(Chip& chip);
-  void add_switch(std::size_t axis, std::size_t line, bool is_above, double closes, double hysteresis);
 
   void read_chip(std::size_t number);
-  void take_simulated(std::int64_t now_ns);
+  void read_simulated(std::int64_t now_ns);
   void put_in_order();
   void look_at_emergency_stop();
   void look_at_limits(std::int64_t now_ns);
   void look_at_buttons(std::int64_t now_ns);
-  [[nodiscard]] std::size_t line_of(RigInput input) const;
 
   const RigFile& rig_;
   EmergencySignal signal_;
@@ -158,9 +144,7 @@ class RigInputs {
 
   // in simulation
   const RigDrives* followed_ = nullptr;
-  std::vector<OnWay> switches_;
-  std::vector<Stand> stands_;
-  std::vector<LineEvent> coming_;
+  std::optional<SimulatedInputs> simulated_;
 };
 
 }  // namespace inbetween

@@ -67,12 +67,16 @@ struct RigLinesTest : ::testing::Test {
   void ticks(int count) {
     for (int i = 0; i < count; ++i) tick();
   }
-  void set(RigInput input, bool is_active) { lines->set(input, is_active, now_ns + 1'000'000); }
+  void set(RigInput input, bool is_active) { set(input, is_active, now_ns + 1'000'000); }
+  void set(RigInput input, bool is_active, std::int64_t at_ns) {
+    const bool is_active_low = input == RigInput::start_trigger;
+    lines->simulation().set(lines->line_of(input), is_active != is_active_low, at_ns);
+  }
   /// The axis is moved there at a steady speed. How often a limit was hit.
   int move(std::size_t axis, double from, double to, int count) {
     int hits = 0;
     for (int i = 1; i <= count; ++i) {
-      lines->follow(axis, from + (to - from) * i / count, now_ns + tick_ns);
+      lines->simulation().follow(axis, from + (to - from) * i / count, now_ns + tick_ns);
       tick();
       hits += lines->limit_hit() ? 1 : 0;
     }
@@ -105,8 +109,8 @@ TEST_F(RigLinesTest, TheEmergencyStopStopsForAsLongAsItsLevelAsks) {
 }
 
 TEST_F(RigLinesTest, AnEdgeOfTheEmergencyStopAloneStops) {
-  lines->set(RigInput::emergency_stop, true, now_ns + 1'000'000);
-  lines->set(RigInput::emergency_stop, false, now_ns + 1'100'000);
+  set(RigInput::emergency_stop, true, now_ns + 1'000'000);
+  set(RigInput::emergency_stop, false, now_ns + 1'100'000);
   tick();
   EXPECT_TRUE(lines->emergency_stop());
   EXPECT_THAT(lines->trouble(), HasSubstr("emergency stop was pressed"));
@@ -162,11 +166,11 @@ TEST_F(RigLinesTest, AHomeSwitchIsAtItsPlaceAndTellsTheTimeOfItsEdge) {
   EXPECT_FALSE(lines->has_home(1));
   const SwitchSettings home = lines->home_switch(0);
   EXPECT_EQ(lines->homing_input(0).level, !home.active_level);
-  lines->follow(0, 0, now_ns + tick_ns);
+  lines->simulation().follow(0, 0, now_ns + tick_ns);
   tick();
   const std::int64_t at_zero_ns = now_ns;
   // 10 mm in a tick: the edge at -5 mm is in the middle of it.
-  lines->follow(0, -10, now_ns + tick_ns);
+  lines->simulation().follow(0, -10, now_ns + tick_ns);
   tick();
   EXPECT_EQ(lines->homing_input(0).level, home.active_level);
   ASSERT_EQ(lines->events().size(), 1U);
@@ -188,9 +192,9 @@ TEST_F(RigLinesTest, BehindTheHomeSwitchIsTheWayThatAStopTakes) {
 }
 
 TEST_F(RigLinesTest, EventsOfAllLinesComeInTheOrderOfTheirTimes) {
-  lines->set(RigInput::camera_asks, true, now_ns + 3'000'000);
-  lines->set(RigInput::emergency_stop, true, now_ns + 1'000'000);
-  lines->set(RigInput::start_trigger, true, now_ns + 2'000'000);
+  set(RigInput::camera_asks, true, now_ns + 3'000'000);
+  set(RigInput::emergency_stop, true, now_ns + 1'000'000);
+  set(RigInput::start_trigger, true, now_ns + 2'000'000);
   tick();
   ASSERT_EQ(lines->events().size(), 3U);
   for (std::size_t i = 1; i < 3; ++i) EXPECT_LT(lines->events()[i - 1].at_ns, lines->events()[i].at_ns);
@@ -199,8 +203,8 @@ TEST_F(RigLinesTest, EventsOfAllLinesComeInTheOrderOfTheirTimes) {
 }
 
 TEST_F(RigLinesTest, TheStartTriggerIsToldOnceAndNotByASpike) {
-  lines->set(RigInput::start_trigger, true, now_ns + 1'000'000);
-  lines->set(RigInput::start_trigger, false, now_ns + 1'200'000);
+  set(RigInput::start_trigger, true, now_ns + 1'000'000);
+  set(RigInput::start_trigger, false, now_ns + 1'200'000);
   ticks(3);
   EXPECT_FALSE(lines->start_triggered());
   set(RigInput::start_trigger, true);
@@ -214,8 +218,8 @@ TEST_F(RigLinesTest, TheStartTriggerIsToldOnceAndNotByASpike) {
 
 TEST_F(RigLinesTest, TheCameraAsksByAShortPulseAndOnceForItsBounces) {
   for (int i = 0; i < 3; ++i) {
-    lines->set(RigInput::camera_asks, true, now_ns + 1'000'000 + i * 200'000);
-    lines->set(RigInput::camera_asks, false, now_ns + 1'100'000 + i * 200'000);
+    set(RigInput::camera_asks, true, now_ns + 1'000'000 + i * 200'000);
+    set(RigInput::camera_asks, false, now_ns + 1'100'000 + i * 200'000);
   }
   tick();
   EXPECT_TRUE(lines->camera_asks());
