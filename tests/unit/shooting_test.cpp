@@ -4,12 +4,17 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <fstream>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <string>
 #include <vector>
 
 #include "host_tools/motions/run.hpp"
 #include "tests/support/run_program.hpp"
+#include "tests/support/temporary_file.hpp"
 
 namespace inbetween {
 namespace shooting_test {
@@ -42,6 +47,38 @@ TEST(Shooting, InMotionEveryFrameIsExposedToo) {
       {"--shutter", "0..180", "--exposure", "0.5", "--settle", "0.1", "--still", "tilt", "--json", "-"});
   EXPECT_EQ(run.status, 0);
   EXPECT_EQ(nlohmann::ordered_json::parse(run.out)["exposures"], 193);
+}
+
+/// The largest second difference of what the slide was told, over a tick squared, in mm/s^2.
+double max_acceleration_told(const std::vector<std::string>& more) {
+  const TemporaryFolder folder;
+  const std::string record = folder.path() / "record.csv";
+  std::vector<std::string> arguments = more;
+  arguments.insert(arguments.end(), {"--record", record});
+  EXPECT_EQ(run_with(arguments).status, 0);
+  std::ifstream file(record);
+  std::string line;
+  std::getline(file, line);
+  std::vector<double> told;
+  while (std::getline(file, line)) {
+    std::istringstream cells(line);
+    std::string cell;
+    for (int i = 0; i < 4; ++i) std::getline(cells, cell, ',');
+    if (!cell.empty()) told.push_back(std::stod(cell));
+  }
+  double most = 0;
+  for (std::size_t i = 2; i < told.size(); ++i) {
+    most = std::max(most, std::fabs(told[i] - 2 * told[i - 1] + told[i - 2]) * 250 * 250);
+  }
+  return most;
+}
+
+TEST(Shooting, TheExampleKeepsItsMotionLimitsAtRestAndInMotion) {
+  constexpr double max_acceleration = 800.001;
+  EXPECT_LE(max_acceleration_told({"--step", "--settle", "0"}), max_acceleration);
+  const double in_motion = max_acceleration_told({"--shutter", "-90..90", "--exposure", "0.05"});
+  EXPECT_LE(in_motion, max_acceleration);
+  EXPECT_GT(in_motion, 600) << "and is not slower than it need be";
 }
 
 /// Shoots the example with a keyboard, typing `typed[i].second` before tick `typed[i].first`.
