@@ -52,11 +52,14 @@ void SimulatedCia402Drive::enter(NmtState nmt) {
   nmt_ = nmt;
   if (leaves_operational) react_to_lost_communication();
   setpoint_deadline_ns_.reset();
-  sync_deadline_ns_.reset();
   waiting_.fill({});
-  if (nmt == NmtState::stopped) host_deadline_ns_.reset();
+  // SYNC and the host's heartbeat are watched in pre-operational as well.
+  if (nmt == NmtState::stopped || nmt == NmtState::boot_up) {
+    host_deadline_ns_.reset();
+    sync_deadline_ns_.reset();
+  }
   if (nmt != NmtState::boot_up) return;
-  host_deadline_ns_.reset();
+  missing_ = 0;
   is_booting_ = true;
   boot_ns_ = now_ns_ + settings_.boot_delay_ns;
   objects_.restore(defaults_, 0, last_of_communication);
@@ -82,6 +85,7 @@ void SimulatedCia402Drive::raise_error(std::uint16_t code, std::uint8_t error_re
   objects_.set(0x1001, 0, error_register);
   objects_.set(0x603F, 0, code);
   if (is_booting_ || nmt_ == NmtState::stopped) return;
+  if (settings_.keeps_record) reported_.push_back({.at_ns = now_ns_, .code = code});
   send(can::emergency_frame(node(), {.code = code, .error_register = error_register}));
 }
 
@@ -97,9 +101,20 @@ void SimulatedCia402Drive::watch_communication() {
     deadline_ns.reset();
     return true;
   };
-  if (is_over(host_deadline_ns_)) lose_communication(0x8130);
-  if (is_over(setpoint_deadline_ns_)) lose_communication(0x8250);
-  if (is_over(sync_deadline_ns_)) lose_communication(0x8100);
+  const auto watch = [&](std::optional<std::int64_t>& deadline_ns, Watched what, std::uint16_t code) {
+    if (!is_over(deadline_ns)) return;
+    missing_ |= what;
+    lose_communication(code);
+  };
+  watch(host_deadline_ns_, host_heartbeat, 0x8130);
+  watch(setpoint_deadline_ns_, setpoints, 0x8250);
+  watch(sync_deadline_ns_, sync, 0x8100);
+}
+
+void SimulatedCia402Drive::has_come(Watched what) {
+  if ((missing_ & what) == 0) return;
+  missing_ &= ~static_cast<unsigned>(what);
+  if (missing_ == 0 && state_ != can::Cia402State::fault) raise_error(0, 0);
 }
 
 void SimulatedCia402Drive::lose_communication(std::uint16_t code) {
@@ -128,6 +143,7 @@ void SimulatedCia402Drive::hear_host(const can::Frame& frame) {
   const std::int64_t timeout_ns = (entry & 0xFFFF) * ms;
   if (host == 0 || timeout_ns == 0 || frame.id != 0x700 + host || frame.length != 1) return;
   if (frame.data[0] != 0) {
+    has_come(host_heartbeat);
     host_deadline_ns_ = now_ns_ + timeout_ns;
   } else if (host_deadline_ns_) {
     host_deadline_ns_.reset();
@@ -236,6 +252,10 @@ std::optional<std::uint32_t> SimulatedCia402Drive::refuses_mapping(const Pdo& pd
 void SimulatedCia402Drive::note_written(can::ObjectAddress object) {
   if (object.index == 0x1017) heartbeat_ns_ = now_ns_;
   if (object.index == 0x1016) host_deadline_ns_.reset();
+  if (object.index == 0x1006 && objects_.value(0x1006) == 0) sync_deadline_ns_.reset();
+  if (object == can::ObjectAddress{.index = 0x1400, .sub = can::pdo_sub_event_timer}) {
+    setpoint_deadline_ns_.reset();
+  }
   if (object.index == 0x6040) obey_controlword(static_cast<std::uint16_t>(objects_.value(0x6040)));
 }
 
@@ -249,6 +269,7 @@ void SimulatedCia402Drive::hear_pdo(const can::Frame& frame) {
     if (8U * frame.length < bits) return raise_error(0x8210, error_of_communication);
     if (8U * frame.length > bits) raise_error(0x8220, error_of_communication);
     const std::int64_t timeout_ns = objects_.value(pdo.communication, can::pdo_sub_event_timer) * ms;
+    has_come(setpoints);
     if (timeout_ns > 0) setpoint_deadline_ns_ = now_ns_ + timeout_ns;
     const bool waits_for_sync = objects_.value(pdo.communication, can::pdo_sub_type) <= 240;
     if (waits_for_sync) {
@@ -277,10 +298,11 @@ void SimulatedCia402Drive::apply_pdo(const Pdo& pdo, const can::Frame& frame) {
 void SimulatedCia402Drive::hear_sync(const can::Frame& frame) {
   const bool has_counter = objects_.value(0x1019) != 0;
   if (frame.length != (has_counter ? 1 : 0)) return raise_error(0x8240, error_of_communication);
+  const std::int64_t period_ns = std::int64_t{objects_.value(0x1006)} * 1000;
+  has_come(sync);
+  if (period_ns > 0) sync_deadline_ns_ = now_ns_ + period_ns + period_ns / 2;
   if (nmt_ != NmtState::operational) return;
   ++syncs_;
-  const std::int64_t period_ns = std::int64_t{objects_.value(0x1006)} * 1000;
-  if (period_ns > 0) sync_deadline_ns_ = now_ns_ + period_ns + period_ns / 2;
   show();
   // What was received before this SYNC acts now; what it was when SYNC came is told.
   for (std::size_t n = 0; n < pdos; ++n) {
@@ -296,7 +318,7 @@ void SimulatedCia402Drive::hear_sync(const can::Frame& frame) {
     const auto target = static_cast<std::int32_t>(objects_.value(0x607A));
     if (!first_target_) first_target_ = target;
     has_been_moved_ = has_been_moved_ || target != *first_target_;
-    if (settings_.records_targets) applied_.push_back({.at_ns = now_ns_, .target = target});
+    if (settings_.keeps_record) applied_.push_back({.at_ns = now_ns_, .target = target});
   }
   send_pdos();
 }

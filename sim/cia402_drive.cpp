@@ -103,6 +103,7 @@ void SimulatedCia402Drive::step(double seconds) {
       break;
     default:
       motor_.coast(seconds);
+      if (has_trouble(Kind::sink)) motor_.put(motor_.position() + trouble_value(Kind::sink) * seconds);
   }
   if (is_enabling_ && now_ns_ >= enabled_ns_) enter(Cia402State::operation_enabled);
 }
@@ -193,6 +194,8 @@ void SimulatedCia402Drive::enter(Cia402State state) {
     demand_ = motor_.position();
     demand_velocity_ = motor_.velocity();
   }
+  if (settings_.keeps_record && state != state_)
+    entered_.push_back({.at_ns = now_ns_, .state = state, .velocity = motor_.velocity()});
   state_ = state;
 }
 
@@ -212,6 +215,8 @@ void SimulatedCia402Drive::obey_controlword(std::uint16_t word) {
   const bool voltage = (word & 0x02) != 0;
   const bool no_quick_stop = (word & 0x04) != 0;
   const bool enable = (word & 0x08) != 0;
+  const bool is_on = state_ == Cia402State::switched_on || is_in_operation();
+  if (is_on && !enable && has_trouble(Kind::stay_on)) return;
   if (!voltage) {
     enter(Cia402State::switch_on_disabled);
   } else if (!no_quick_stop) {

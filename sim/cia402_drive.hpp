@@ -37,6 +37,8 @@ struct DriveTrouble {
     duplicate,       ///< its process data come twice
     foreign_sender,  ///< at `at_ns`: a target for it that is not from the host: where it stands
     flood,           ///< it sends `value` SDO answers a second that nobody has asked for
+    stay_on,         ///< it does not take the order to switch off; its watchdogs still do
+    sink,            ///< without power the axis moves by `value` counts/s
     no_window,       ///< at `at_ns`: it is one that does not watch its following error
     no_watchdog,     ///< at `at_ns`: it is one with neither heartbeat consumer nor setpoint timer
   };
@@ -55,7 +57,7 @@ struct SimulatedCia402Settings {
   std::int64_t enable_delay_ns = 100'000'000;  ///< the brake opens
   SimulatedMotor::Settings motor{};
   std::vector<DriveTrouble> troubles{};
-  bool records_targets = false;  ///< applied() is kept, which grows with every tick
+  bool keeps_record = false;  ///< applied(), entered() and reported(), which grow with every tick
 };
 
 /// A CiA 402 drive with its motor, frame in and frame out: an object dictionary with the mapping rules of CiA
@@ -80,11 +82,28 @@ class SimulatedCia402Drive {
     std::int64_t at_ns;
     std::int32_t target;
   };
-  /// Its own record, where it was asked for: from the first time that it was in operation, or since it was
-  /// forgotten.
+  struct Entered {
+    std::int64_t at_ns;
+    can::Cia402State state;
+    double velocity;  ///< of the motor at that moment, counts/s
+  };
+  struct Reported {
+    std::int64_t at_ns;
+    std::uint16_t code;  ///< 0: the errors are gone
+  };
+  /// Its own record, where it was asked for: the targets from the first time that it was in operation, its
+  /// states, and the emergencies that it sent; since power-on, or since they were forgotten.
   [[nodiscard]] const std::vector<Applied>& applied() const { return applied_; }
+  [[nodiscard]] const std::vector<Entered>& entered() const { return entered_; }
+  [[nodiscard]] const std::vector<Reported>& reported() const { return reported_; }
+  /// It misses something that it watches, or is in fault because it did.
+  [[nodiscard]] bool misses_something() const { return missing_ != 0; }
 
-  void forget_applied() { applied_.clear(); }
+  void forget_record() {
+    applied_.clear();
+    entered_.clear();
+    reported_.clear();
+  }
   /// A target was applied that is not where it was switched on.
   [[nodiscard]] bool has_been_moved() const { return has_been_moved_; }
 
@@ -116,6 +135,9 @@ class SimulatedCia402Drive {
   void enter(can::NmtState nmt);
   void watch_communication();
   void lose_communication(std::uint16_t code);
+  /// What it watches; an error lasts until that is there again, or its communication starts anew.
+  enum Watched : std::uint8_t { host_heartbeat = 1, setpoints = 2, sync = 4 };
+  void has_come(Watched what);
   void hear_host(const can::Frame& frame);
   void serve(const can::Frame& frame);
   [[nodiscard]] std::optional<std::uint32_t> refuses_download(const can::SdoMessage& request) const;
@@ -163,6 +185,8 @@ class SimulatedCia402Drive {
   std::int64_t now_ns_;
   std::vector<can::Frame> frames_;
   std::vector<Applied> applied_;
+  std::vector<Entered> entered_;
+  std::vector<Reported> reported_;
   std::optional<std::int32_t> first_target_;
   bool has_been_moved_ = false;
 
@@ -173,6 +197,7 @@ class SimulatedCia402Drive {
   std::optional<std::int64_t> host_deadline_ns_;      ///< from the host's first heartbeat on
   std::optional<std::int64_t> setpoint_deadline_ns_;  ///< from the first setpoint on
   std::optional<std::int64_t> sync_deadline_ns_;      ///< from the first SYNC on
+  unsigned missing_ = 0;                              ///< Watched
   std::array<std::optional<can::Frame>, 4> waiting_;  ///< RPDOs that SYNC will apply
   std::uint32_t syncs_ = 0;
 

@@ -88,6 +88,8 @@ void SimulatedCia402Drive::meet(const DriveTrouble& trouble) {
     case Kind::shorten:
     case Kind::duplicate:
     case Kind::flood:
+    case Kind::stay_on:
+    case Kind::sink:
       return;  // while they last, something else is done where it would be
   }
 }

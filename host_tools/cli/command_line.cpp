@@ -11,6 +11,7 @@
 #include "host_tools/check/check.hpp"
 #include "host_tools/cli/command.hpp"
 #include "host_tools/files/output_file.hpp"
+#include "host_tools/loop/rig_session.hpp"
 
 namespace inbetween {
 
@@ -58,6 +59,9 @@ int run_command_line(int argc, const char* const* argv) {
   } catch (const LimitError& error) {
     complain(error.what());
     return exit_limit;
+  } catch (const PowerLeftError& error) {
+    complain(error.what());
+    return exit_fault;
   } catch (const std::exception& error) {
     complain(error.what());
     return exit_bad_input;

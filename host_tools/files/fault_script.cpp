@@ -44,6 +44,7 @@ constexpr std::array kinds{
     FaultKind{.word = "wrong-mode", .kind = Kind::wrong_mode, .lasts = true, .own = "mode"},
     FaultKind{.word = "foreign-sender", .kind = Kind::foreign_sender},
     FaultKind{.word = "flood", .kind = Kind::flood, .lasts = true, .own = "frames_per_s"},
+    FaultKind{.word = "stay-on", .kind = Kind::stay_on, .lasts = true},
     FaultKind{.word = "no-window", .kind = Kind::no_window, .has_time = false},
     FaultKind{.word = "no-watchdog", .kind = Kind::no_watchdog, .has_time = false},
 };

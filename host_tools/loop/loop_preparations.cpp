@@ -42,8 +42,13 @@ Status Disarming::begin() {
 
 void Disarming::tick(std::int32_t ticks, std::int64_t now_ns) {
   loop_.tick(ticks, now_ns);
-  --ticks_left_;
-  is_off_ = std::ranges::none_of(loop_.drive_states(), &DriveState<double>::is_on);
+  const SupervisorState state = loop_.state();
+  // What moved is stopped by the first wish, and switched off by another.
+  if (state != SupervisorState::stopping && state != SupervisorState::disarmed) {
+    loop_.post(SupervisorEvent::disarm);
+  }
+  is_over_ = state == SupervisorState::disarmed &&
+             std::ranges::none_of(loop_.drive_states(), &DriveState<double>::is_leaving);
 }
 
 }  // namespace inbetween

@@ -44,20 +44,20 @@ class Arriving {
   std::vector<double> positions_;
 };
 
-/// Switches the drives off; a second at most.
+/// Switches the drives off, and waits until each has told that it is; what moves is stopped first. Bounded by
+/// that stop and by the drives' own times (DrivePort).
 class Disarming {
  public:
-  Disarming(RunLoop& loop, std::int32_t rate_hz) : loop_(loop), ticks_left_(rate_hz) {}
+  explicit Disarming(RunLoop& loop) : loop_(loop) {}
   Status begin();
   void press(TransportKey) {}
   void tick(std::int32_t ticks, std::int64_t now_ns);
-  [[nodiscard]] bool is_over() const { return is_off_ || ticks_left_ <= 0; }
+  [[nodiscard]] bool is_over() const { return is_over_; }
   [[nodiscard]] RunSnapshot snapshot() const { return {.state = loop_.state()}; }
 
  private:
   RunLoop& loop_;
-  std::int64_t ticks_left_;
-  bool is_off_ = false;
+  bool is_over_ = false;
 };
 
 }  // namespace inbetween

@@ -131,11 +131,21 @@ void RigSession::keep(const std::vector<DriveState<double>>& states) {
 void RigSession::disarm() {
   if (!is_armed_) return;
   is_armed_ = false;
-  // Something that moves is stopped by the first wish, and switched off by the second.
-  for (int wish = 0; wish < 2 && loop().state() != SupervisorState::disarmed; ++wish) {
-    Disarming disarming(loop(), rig().rate_hz);
-    perform(act_of(disarming, true));
+  Disarming disarming(loop());
+  perform(act_of(disarming, true));
+}
+
+std::string RigSession::use(const std::function<void()>& task) {
+  try {
+    task();
+  } catch (const std::exception& error) {
+    disarm();
+    const std::string on = drives_->left_on();
+    if (on.empty()) throw;
+    throw PowerLeftError(std::string(error.what()) + "\n" + on);
   }
+  disarm();
+  return drives_->left_on();
 }
 
 void RigSession::end() {
@@ -161,6 +171,15 @@ std::int64_t RigSession::delay_ns() const {
 std::string RigSession::trouble() const {
   const std::string trouble = lines_->trouble();
   return trouble.empty() ? drives_->trouble() : trouble;
+}
+
+SetupEnd end_of(RigSession& session, const std::function<SetupEnd()>& task) {
+  SetupEnd end;
+  const std::string on = session.use([&] { end = task(); });
+  if (on.empty()) return end;
+  end.reason = end.is_done ? on : end.reason + ". And " + on;
+  end.is_done = false;
+  return end;
 }
 
 std::string reason_of(const RigSession& session, const std::string& otherwise) {

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -16,6 +18,13 @@
 #include "host_tools/reference/rig_reference.hpp"
 
 namespace inbetween {
+
+/// Thrown instead of what was thrown where, after it, a drive may have power though everything was done to
+/// switch it off. what() is a line for each and says what to do.
+class PowerLeftError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
 
 /// Which rig is used: that of the machine, or one in this process.
 struct SessionOptions {
@@ -37,8 +46,8 @@ struct SessionOptions {
 /// The motion loop of a rig with all that is under it, simulated or real, and what ticks it. Refers to the
 /// rig and the reference.
 ///
-/// The order is: arm, about_to_move of the reference, perform, rest; as often as wanted; disarm, before what
-/// was performed goes (DisarmAtEnd). Whatever happens the drives are switched off at the end.
+/// The order in `use` is: arm, about_to_move of the reference, perform, rest; as often as wanted; disarm,
+/// before what was performed goes (DisarmAtEnd). Whatever happens the drives are switched off at the end.
 class RigSession {
  public:
   /// Opens the drives and the lines, and ticks from now on, between acts as well unless it is fast. Throws
@@ -49,6 +58,9 @@ class RigSession {
   RigSession(const RigSession&) = delete;
   RigSession& operator=(const RigSession&) = delete;
 
+  /// Does the task and switches off. Returns which drive may have power then (RigDrives::left_on); where the
+  /// task throws and one may, throws PowerLeftError.
+  std::string use(const std::function<void()>& task);
   /// Whether the drives are on; otherwise trouble() says why they are not.
   bool arm();
   /// Where every axis stands as its drive tells, after arm() and after rest().
@@ -121,6 +133,9 @@ struct SetupEnd {
   std::string reason = {};             ///< in words; also of what is done
   std::vector<double> positions = {};  ///< where every axis of the rig rests, as far as its drive tells
 };
+
+/// RigSession::use for a task that ends like this: it is not done where a drive may have power after it.
+SetupEnd end_of(RigSession& session, const std::function<SetupEnd()>& task);
 
 /// Why the session did not do what it was to: what is wrong with the rig, or else `otherwise`.
 std::string reason_of(const RigSession& session, const std::string& otherwise);

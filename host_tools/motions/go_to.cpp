@@ -81,13 +81,10 @@ std::vector<GoTarget> go_targets(const RigFile& rig, const std::map<std::string,
   return targets;
 }
 
-SetupEnd go_to(const RigFile& rig, const std::vector<GoTarget>& targets, RigReference& reference,
-               const GoOptions& options) {
-  std::vector<std::size_t> wanted;
-  wanted.reserve(targets.size());
-  for (const GoTarget& target : targets) wanted.push_back(target.axis);
-  reference.refuse_unreferenced(wanted);
-  RigSession session(rig, reference, options.session);
+namespace {
+
+SetupEnd go(RigSession& session, const std::vector<GoTarget>& targets, RigReference& reference,
+            const GoOptions& options) {
   SetupEnd end;
   if (!session.arm()) {
     end.reason = reason_of(session, "the drives were not switched on");
@@ -104,7 +101,7 @@ SetupEnd go_to(const RigFile& rig, const std::vector<GoTarget>& targets, RigRefe
     end.reason = "nobody agreed, and nothing has moved";
     return end;
   }
-  refuse_changed_rig(rig.path, options.session.audience.rig_has_changed);
+  refuse_changed_rig(session.rig().path, options.session.audience.rig_has_changed);
   reference.about_to_move(way.drive_of);
   FreeAxes axes(std::move(way.axes));
   ManualMotion play(session.loop(),
@@ -124,6 +121,18 @@ SetupEnd go_to(const RigFile& rig, const std::vector<GoTarget>& targets, RigRefe
   session.rest();
   end.positions = session.positions();
   return end;
+}
+
+}  // namespace
+
+SetupEnd go_to(const RigFile& rig, const std::vector<GoTarget>& targets, RigReference& reference,
+               const GoOptions& options) {
+  std::vector<std::size_t> wanted;
+  wanted.reserve(targets.size());
+  for (const GoTarget& target : targets) wanted.push_back(target.axis);
+  reference.refuse_unreferenced(wanted);
+  RigSession session(rig, reference, options.session);
+  return end_of(session, [&] { return go(session, targets, reference, options); });
 }
 
 }  // namespace inbetween

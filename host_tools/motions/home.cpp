@@ -93,9 +93,11 @@ SetupEnd home(const RigFile& rig, const std::vector<std::size_t>& axes, RigRefer
               const SessionOptions& options) {
   if (options.allow_jitter) refuse_fast_homing(rig, axes);
   RigSession session(rig, reference, options);
-  if (!session.arm()) return {.reason = reason_of(session, "the drives were not switched on")};
-  refuse_changed_rig(rig.path, options.audience.rig_has_changed);
-  return home_armed(session, axes, reference);
+  return end_of(session, [&]() -> SetupEnd {
+    if (!session.arm()) return {.reason = reason_of(session, "the drives were not switched on")};
+    refuse_changed_rig(rig.path, options.audience.rig_has_changed);
+    return home_armed(session, axes, reference);
+  });
 }
 
 }  // namespace inbetween

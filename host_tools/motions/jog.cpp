@@ -192,11 +192,8 @@ void refuse_long_ticks(const RigFile& rig) {
   }
 }
 
-}  // namespace
-
-SetupEnd jog(const RigFile& rig, std::size_t selected, RigReference& reference, const JogOptions& options) {
-  refuse_long_ticks(rig);
-  RigSession session(rig, reference, options.session);
+SetupEnd jog_session(RigSession& session, std::size_t selected, RigReference& reference,
+                     const JogOptions& options) {
   if (!session.arm()) return {.reason = reason_of(session, "the drives were not switched on")};
   JogRig axes = jog_rig(session, reference, options.share);
   FreeAxes free(std::move(axes.free));
@@ -212,7 +209,7 @@ SetupEnd jog(const RigFile& rig, std::size_t selected, RigReference& reference, 
     end = session.perform(act_of(jog));
     goes_on = end.begun && jog.asks() != Jog::Ask::none;
     if (jog.asks() == Jog::Ask::mark) {
-      refuse_changed_rig(rig.path, options.session.audience.rig_has_changed);
+      refuse_changed_rig(session.rig().path, options.session.audience.rig_has_changed);
       const std::size_t axis = jog.selected();
       reference.about_to_move({&axis, 1});
       jog.marked();
@@ -225,6 +222,14 @@ SetupEnd jog(const RigFile& rig, std::size_t selected, RigReference& reference, 
   const bool was_left = jog.was_left();
   const std::string reason = end.begun ? reason_of(session, "the rig was stopped") : end.begun.error().what;
   return {.is_done = was_left, .reason = was_left ? "left" : reason, .positions = session.positions()};
+}
+
+}  // namespace
+
+SetupEnd jog(const RigFile& rig, std::size_t selected, RigReference& reference, const JogOptions& options) {
+  refuse_long_ticks(rig);
+  RigSession session(rig, reference, options.session);
+  return end_of(session, [&] { return jog_session(session, selected, reference, options); });
 }
 
 }  // namespace inbetween

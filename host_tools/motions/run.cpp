@@ -66,12 +66,15 @@ class Run {
 
   /// The drives are switched off again, whatever happens.
   RunReport play() {
-    {
+    const std::string on = session_.use([&] {
       const DisarmAtEnd disarm(session_);
       if (arm() && go_to_start()) perform_move();
       end_cues();
       const std::string trouble = session_.trouble();
       if (!trouble.empty() && report_.ending != Ending::finished) end_by(Ending::fault, trouble);
+    });
+    if (!on.empty()) {
+      end_by(Ending::fault, report_.ending == Ending::finished ? on : report_.reason + ". And " + on);
     }
     session_.end();
     report_.late_ticks = session_.late_ticks();

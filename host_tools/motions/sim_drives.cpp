@@ -72,13 +72,20 @@ void serve(BusOfDrives& bus, std::int64_t now_ns) {
 }
 
 /// Those since the last call: in memory they would grow as long as the rig moves.
-void write_targets(std::deque<BusOfDrives>& buses, std::FILE* file) {
+void write_record(std::deque<BusOfDrives>& buses, std::FILE* file) {
   for (BusOfDrives& bus : buses) {
     for (DriveOnBus& one : bus.drives) {
       for (const SimulatedCia402Drive::Applied& applied : one.drive.applied()) {
         fmt::print(file, "{},{},{}\n", one.axis, applied.at_ns, applied.target);
       }
-      one.drive.forget_applied();
+      for (const SimulatedCia402Drive::Entered& entered : one.drive.entered()) {
+        fmt::print(file, "{},state,{},{},{:.3f}\n", one.axis, entered.at_ns, can::name_of(entered.state),
+                   entered.velocity);
+      }
+      for (const SimulatedCia402Drive::Reported& reported : one.drive.reported()) {
+        fmt::print(file, "{},emergency,{},{:04X}\n", one.axis, reported.at_ns, reported.code);
+      }
+      one.drive.forget_record();
     }
   }
 }
@@ -90,8 +97,9 @@ void write_end(const std::deque<BusOfDrives>& buses, const FaultSchedule& faults
   }
   for (const BusOfDrives& bus : buses) {
     for (const DriveOnBus& one : bus.drives) {
-      fmt::print(file, "{},end,{},{:.3f},{:.3f}\n", one.axis, can::name_of(one.drive.state()),
-                 one.drive.position(), one.drive.velocity());
+      fmt::print(file, "{},end,{},{:.3f},{:.3f},{}\n", one.axis, can::name_of(one.drive.state()),
+                 one.drive.position(), one.drive.velocity(),
+                 one.drive.misses_something() ? "misses something" : "misses nothing");
     }
   }
 }
@@ -123,7 +131,7 @@ void run_sim_drives(const RigFile& rig, const SimDrivesOptions& options) {
     if (const auto said = standing.extract(axis.name)) position = said.mapped();
     host = settings_of(axis, rig.rate_hz).setup.host;
     SimulatedCia402Settings settings = simulated_settings_of(axis, position);
-    settings.records_targets = options.record != nullptr;
+    settings.keeps_record = options.record != nullptr;
     bus->drives.push_back({axis.name, SimulatedCia402Drive(settings, clock.now_ns())});
     faults.attach(a, bus->drives.back().drive);
   }
@@ -143,7 +151,7 @@ void run_sim_drives(const RigFile& rig, const SimDrivesOptions& options) {
     clock.sleep_until_ns(clock.now_ns() + ns_between_looks);
     faults.advance(clock.now_ns());
     for (BusOfDrives& bus : buses) serve(bus, clock.now_ns());
-    if (options.record != nullptr) write_targets(buses, options.record);
+    if (options.record != nullptr) write_record(buses, options.record);
   }
   if (options.record != nullptr) write_end(buses, faults, rig, options.record);
 }

@@ -21,7 +21,8 @@ struct SimDrivesOptions {
   /// What goes wrong with them; of the same rig.
   FaultScript faults = {};
   /// Receives a line per target that a drive applied: axis, nanoseconds of the monotonic clock, counts; one
-  /// per fault that has begun; and one per axis with what it does at the end. May be null.
+  /// per state of CiA 402 that it entered, with its velocity at that moment; one per emergency that it sent;
+  /// one per fault that has begun; and one per axis with what it does at the end. May be null.
   std::FILE* record = nullptr;
 };
 

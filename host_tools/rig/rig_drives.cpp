@@ -23,8 +23,10 @@ constexpr double step_share = 1.2;
 constexpr std::int64_t heartbeat_ns = 30'000'000;
 constexpr std::int64_t heartbeats_waited_for = 4;
 constexpr std::int64_t ns_per_ms = 1'000'000;
-/// How many ticks without a setpoint a drive waits.
-constexpr std::int64_t setpoints_waited_for = 8;
+/// How long a drive waits for a setpoint: in ticks, of which one may be late, and at least. Meanwhile it
+/// holds the last one, which stops the axis as hard as its motor can; then it brakes by its own ramp.
+constexpr std::int64_t setpoints_waited_for = 4;
+constexpr std::int64_t min_setpoint_wait_ms = 20;
 
 /// Counts that a double has every one of.
 constexpr double max_counts = 9'007'199'254'740'992;
@@ -99,7 +101,7 @@ can::Cia402Settings settings_of(const RigAxis& axis, std::int32_t rate_hz) {
   const double ends[] = {axis.min * scale, axis.max * scale};
   const std::int64_t timeout_ms = heartbeats_waited_for * heartbeat_period_ns(rate_hz) / ns_per_ms;
   const std::int64_t setpoint_ms =
-      std::max<std::int64_t>(50, setpoints_waited_for * tick_ns(rate_hz) / ns_per_ms);
+      std::max(min_setpoint_wait_ms, setpoints_waited_for * tick_ns(rate_hz) / ns_per_ms);
   can::Cia402Settings settings{
       .setup = {
           .node = value_or_refuse(can::NodeId::make(drive.node), axis),
@@ -110,6 +112,14 @@ can::Cia402Settings settings_of(const RigAxis& axis, std::int32_t rate_hz) {
           .position_limits =
               can::CountRange{.least = static_cast<std::int32_t>(std::floor(std::min(ends[0], ends[1]))),
                               .most = static_cast<std::int32_t>(std::ceil(std::max(ends[0], ends[1])))}}};
+  // The ramp of the drive is not known; that of the axis, twice, is long enough.
+  settings.disable_timeout_ns += static_cast<std::int64_t>(2 * axis.max_velocity / axis.max_acceleration *
+                                                           static_cast<double>(ns_per_s));
+  // A thousandth of max_velocity is rest, and a count to either side.
+  const double rest_s = static_cast<double>(settings.rest_ns) / static_cast<double>(ns_per_s);
+  settings.rest_counts = static_cast<std::int32_t>(std::ceil(
+                             std::min(0.001 * std::fabs(scale) * axis.max_velocity * rest_s, 1e9))) +
+                         1;
   settings.max_step_counts =
       static_cast<std::int32_t>(std::ceil(step_share * std::fabs(scale) * axis.max_velocity / rate_hz)) + 1;
   return settings;
@@ -355,6 +365,23 @@ std::string RigDrives::trouble() const {
     return text + "; " + words.remedy;
   }
   return "";
+}
+
+std::string RigDrives::left_on() const {
+  std::string all;
+  for (std::size_t i = 0; i < on_can_.axes.size(); ++i) {
+    const can::Cia402Drive& drive = port_->drive(i);
+    if (drive.phase() == can::DrivePhase::off) continue;
+    can::DriveFinding why = can::DriveFinding::not_switched_off;
+    for (const can::DriveFinding end :
+         {can::DriveFinding::moves_while_off, can::DriveFinding::watchdog_stays}) {
+      if (drive.findings().has(end)) why = end;
+    }
+    const can::DriveFindingWords words = can::words_of(why);
+    all += fmt::format("{}axis {}: {}; {}", all.empty() ? "" : ". And ",
+                       in_quotes(rig_.axes[on_can_.axes[i]].name), words.what, words.remedy);
+  }
+  return all;
 }
 
 }  // namespace inbetween

@@ -93,6 +93,9 @@ class RigDrives {
 
   /// What is wrong with a drive and what to do, the first found; "" for nothing. Not for the loop's thread.
   [[nodiscard]] std::string trouble() const;
+  /// Once disable() was over: which drive may have power, or will report that this program is gone, and what
+  /// to do; "" for none.
+  [[nodiscard]] std::string left_on() const;
   /// Of the buses, the drives on them and the chips that steps go to. Once no tick follows.
   [[nodiscard]] Counters counts() const;
 

@@ -32,11 +32,11 @@ void expect_told(const BusScene& scene, std::string_view axis, std::string_view 
   EXPECT_THAT(scene.run.out, HasSubstr(fmt::format("axis \"{}\": {}", axis, words)));
 }
 
-/// The rig was not switched on, and it is said why.
+/// The rig was not switched on, and it is said why; no drive minds that nothing follows.
 void expect_refused_at_arming(const BusScene& scene, std::string_view axis, std::string_view words) {
   expect_told(scene, axis, words);
   for (const std::string& name : all) EXPECT_TRUE(scene.targets(name).empty()) << name << " was switched on";
-  scene.expect_rest();
+  scene.expect_quiet();
 }
 
 // faults.md 18. First more than a bus of 1 Mbit/s carries that is meant for nobody, then as much as it
@@ -86,6 +86,7 @@ TEST(CanFault, DoubleFramesAreAStopOfAllOnThePath) {
   const BusScene scene = scene_with(fault("pan", "duplicate-frames"));
   expect_told(scene, "pan", "too many frames of the drive are short, unknown or come twice");
   scene.expect_stop_on_path(all);
+  scene.expect_quiet();
 }
 
 // faults.md 20
@@ -110,6 +111,7 @@ TEST(CanFault, ALostHeartbeatStopsAllOnThePath) {
   const BusScene scene = scene_with(fault("slide", "lose-heartbeat"));
   expect_told(scene, "slide", "the heartbeat of the drive has stopped");
   scene.expect_stop_on_path(all);
+  scene.expect_quiet();
 }
 
 // faults.md 22
@@ -125,6 +127,7 @@ TEST(CanFault, AnEmergencyStopsTheOthersOnThePathAndIsSaidInWords) {
   EXPECT_THAT(scene.run.out, HasSubstr("EMCY 2310, "));
   scene.expect_stop_on_path({"slide", "pan"});
   EXPECT_NEAR(scene.last_velocity("tilt"), 0, 1) << "by the ramp of its fault";
+  scene.expect_let_go({"tilt"});
 }
 
 // faults.md 24
@@ -132,6 +135,7 @@ TEST(CanFault, ADriveThatStartsAnewStopsTheOthersOnThePath) {
   const BusScene scene = scene_with(fault("tilt", "reboot"));
   expect_told(scene, "tilt", "the drive has started anew; look at its supply, then find its reference again");
   scene.expect_stop_on_path({"slide", "pan"});
+  scene.expect_quiet();
 }
 
 // faults.md 25
@@ -154,6 +158,7 @@ TEST(CanFault, ADriveThatIgnoresItsTargetMakesTimeStandStillForAll) {
   const BusScene scene = scene_with(fault("slide", "ignore-target"));
   expect_told(scene, "slide", "the drive does not follow its target (statusword bit 12)");
   scene.expect_stop_on_path(all);
+  scene.expect_quiet();
 }
 
 // faults.md 26. Bit 12 comes back, and nothing catches up.
@@ -168,6 +173,7 @@ TEST(CanFault, ADriveInAnotherModeStopsAllOnThePath) {
   const BusScene scene = scene_with(fault("pan", "wrong-mode", "after_motion = 4\nmode = 1"));
   expect_told(scene, "pan", "the drive is in another mode than cyclic synchronous position");
   scene.expect_stop_on_path(all);
+  scene.expect_quiet();
 }
 
 // faults.md 27
@@ -179,6 +185,7 @@ TEST(CanFault, AnAxisThatIsNotWhereTheMoveStartsIsAnErrorAndNothingMoves) {
                         "or agree to let it go there slowly (--yes)"));
   EXPECT_FALSE(scene.targets("pan").empty()) << "it was switched on, to know where it is";
   scene.expect_no_motion();
+  scene.expect_quiet();
 }
 
 // faults.md 28. Pressed in motion, moved while it is off, released: the next run sees where it is.
@@ -203,7 +210,19 @@ TEST(CanFault, AReleasedEmergencyStopResumesNothingAndPositionsAreReadAgain) {
       EXPECT_NEAR(since.front(), 20 * 4000, 1) << "it was moved by hand";
     }
   }
-  scene.expect_rest();
+  scene.expect_let_go();
+}
+
+// One drive does not take the order to switch off. It is named, and its own watchdogs see to it.
+TEST(CanFault, ADriveThatDoesNotSwitchOffIsNamedAndKeepsItsWatchdogs) {
+  const BusScene scene = scene_with(fault("pan", "stay-on"));
+  expect_told(scene, "pan", "the drive did not tell that it is switched off; take its power away");
+  EXPECT_THAT(scene.emergencies("pan"), testing::Not(testing::IsEmpty())) << "its watchdog has ended it";
+  EXPECT_EQ(scene.last_state("pan"), "switch-on disabled");
+  for (const char* axis : {"slide", "tilt"}) {
+    EXPECT_THAT(scene.emergencies(axis), testing::IsEmpty()) << axis;
+    EXPECT_EQ(scene.last_state(axis), "switch-on disabled") << axis;
+  }
 }
 
 // faults.md 29

@@ -84,7 +84,8 @@ BusScene::BusScene(const BusSceneOptions& options) {
   read_record();
 }
 
-/// "slide,123,60000", "slide,fault,123,stick", "slide,end,switched on,1640000.056,-0.000"
+/// "slide,123,60000", "slide,state,123,switched on,0.000", "slide,emergency,123,8130",
+/// "slide,fault,123,stick", "slide,end,switched on,1640000.056,-0.000,misses nothing"
 void BusScene::read_record() {
   std::istringstream lines(drives);
   for (std::string line; std::getline(lines, line);) {
@@ -93,6 +94,10 @@ void BusScene::read_record() {
       ADD_FAILURE() << "a record has the line " << line;
     } else if (cells[1] == "end") {
       ends_[cells[0]] = cells;
+    } else if (cells[1] == "state") {
+      continue;  // the last of them is in "end"
+    } else if (cells[1] == "emergency") {
+      if (cells[3] != "0000") emergencies_[cells[0]].push_back(cells[3]);
     } else if (cells[1] == "fault") {
       if (fault_ns_ == 0) fault_ns_ = std::stoll(cells[2]);
     } else {
@@ -119,6 +124,27 @@ double BusScene::last_velocity(const std::string& axis) const {
 
 std::string BusScene::last_state(const std::string& axis) const {
   return ends_.contains(axis) ? ends_.at(axis).at(2) : "";
+}
+
+std::vector<std::string> BusScene::emergencies(const std::string& axis) const {
+  return emergencies_.contains(axis) ? emergencies_.at(axis) : std::vector<std::string>();
+}
+
+void BusScene::expect_let_go(const std::vector<std::string>& in_fault) const {
+  ASSERT_EQ(ends_.size(), axes_of_rig.size());
+  for (const auto& [axis, end] : ends_) {
+    const bool may_be_in_fault = std::ranges::count(in_fault, axis) > 0;
+    EXPECT_EQ(end.at(2), may_be_in_fault ? "fault" : "switch-on disabled") << axis;
+    EXPECT_NEAR(last_velocity(axis), 0, 1) << axis;
+    EXPECT_EQ(end.at(5), "misses nothing") << axis;
+  }
+}
+
+void BusScene::expect_quiet() const {
+  expect_let_go();
+  for (const auto& [axis, codes] : emergencies_) {
+    EXPECT_TRUE(codes.empty()) << axis << " reported " << codes.front();
+  }
 }
 
 void BusScene::expect_rest() const {

@@ -51,7 +51,15 @@ struct BusScene {
   /// When the first fault of the script began; 0 where none has.
   [[nodiscard]] std::int64_t fault_ns() const { return fault_ns_; }
 
+  /// The codes that it sent, without those that say that an error is gone.
+  [[nodiscard]] std::vector<std::string> emergencies(const std::string& axis) const;
+
   void expect_rest() const;
+  /// Three seconds after `run` every axis rests without power and misses nothing that `run` would send. Those
+  /// that had a fault of their own may show it.
+  void expect_let_go(const std::vector<std::string>& in_fault = {}) const;
+  /// The same, and no drive has ever sent an emergency.
+  void expect_quiet() const;
   /// No target but the place where each axis was switched on, or none at all.
   void expect_no_motion() const;
   /// From the fault on, these axes leave the path of the plan at no tick, brake no harder than the rig's stop
@@ -64,6 +72,7 @@ struct BusScene {
   TemporaryFolder folder_;
   std::map<std::string, std::vector<Target>> targets_;
   std::map<std::string, std::vector<std::string>> ends_;
+  std::map<std::string, std::vector<std::string>> emergencies_;
   std::int64_t fault_ns_ = 0;
 };
 

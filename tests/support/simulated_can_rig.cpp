@@ -22,7 +22,7 @@ SimulatedCanRig::SimulatedCanRig(std::size_t axes, const can::Cia402Setup& commo
     hosts.push_back(can::Cia402Drive::make({.setup = setup, .max_step_counts = 2000}).value());
     drives.emplace_back(SimulatedCia402Settings{.node = setup.node,
                                                 .position = static_cast<std::int32_t>(1000 * (axis + 1)),
-                                                .records_targets = true},
+                                                .keeps_record = true},
                         now_ns);
     wire.attach(drives.back());
   }

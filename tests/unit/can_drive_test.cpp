@@ -39,33 +39,49 @@ TEST(DrivePhase, EveryPhaseTimesEveryEvent) {
   using Event = DriveEvent;
   const std::map<DrivePhase, std::map<Event, DrivePhase>> ways{
       {off, {{Event::connect, booting}}},
-      {booting, {{Event::booted, configuring}, {Event::timed_out, refused}}},
-      {configuring, {{Event::configured, starting}, {Event::refused, refused}, {Event::vanished, gone}}},
-      {starting, {{Event::started, idle}, {Event::timed_out, refused}, {Event::vanished, gone}}},
-      {idle, {{Event::connect, booting}, {Event::enable, clearing}, {Event::vanished, gone}}},
+      {booting, {{Event::booted, configuring}, {Event::timed_out, refused}, {Event::disable, off}}},
+      {configuring,
+       {{Event::configured, starting},
+        {Event::refused, refused},
+        {Event::disable, disabling},
+        {Event::vanished, gone}}},
+      {starting,
+       {{Event::started, idle},
+        {Event::timed_out, refused},
+        {Event::disable, disabling},
+        {Event::vanished, gone}}},
+      {idle,
+       {{Event::connect, booting},
+        {Event::enable, clearing},
+        {Event::disable, disabling},
+        {Event::vanished, gone}}},
       {clearing,
        {{Event::cleared, enabling},
         {Event::timed_out, idle},
         {Event::dropped_out, idle},
-        {Event::disable, idle},
+        {Event::disable, disabling},
         {Event::quick_stop, stopping},
         {Event::vanished, gone}}},
       {enabling,
        {{Event::enabled, DrivePhase::following},
         {Event::timed_out, idle},
         {Event::dropped_out, idle},
-        {Event::disable, idle},
+        {Event::disable, disabling},
         {Event::quick_stop, stopping},
         {Event::vanished, gone}}},
       {DrivePhase::following,
        {{Event::dropped_out, idle},
         {Event::stopped_itself, stopping},
-        {Event::disable, idle},
+        {Event::disable, disabling},
         {Event::quick_stop, stopping},
         {Event::vanished, gone}}},
-      {stopping, {{Event::enable, clearing}, {Event::disable, idle}, {Event::vanished, gone}}},
-      {refused, {{Event::connect, booting}}},
-      {gone, {{Event::connect, booting}}},
+      {stopping, {{Event::enable, clearing}, {Event::disable, disabling}, {Event::vanished, gone}}},
+      {disabling, {{Event::disabled, DrivePhase::disabled}, {Event::timed_out, abandoned}}},
+      {DrivePhase::disabled, {{Event::connect, booting}, {Event::leave, leaving}}},
+      {leaving, {{Event::connect, booting}, {Event::left, off}, {Event::timed_out, abandoned}}},
+      {abandoned, {{Event::connect, booting}}},
+      {refused, {{Event::connect, booting}, {Event::disable, disabling}}},
+      {gone, {{Event::connect, booting}, {Event::disable, disabling}}},
   };
   ASSERT_EQ(ways.size(), drive_phases);
   std::set<std::string> names;
@@ -75,7 +91,7 @@ TEST(DrivePhase, EveryPhaseTimesEveryEvent) {
       const auto event = static_cast<Event>(e);
       const DriveStep step = next_phase(phase, event);
       const bool leads_on = ways_out.contains(event);
-      const bool is_start = event == Event::connect || event == Event::enable;
+      const bool is_start = event == Event::connect || event == Event::enable || event == Event::leave;
       const DrivePhase otherwise = event == Event::disconnect ? off : phase;
       EXPECT_EQ(step.phase, leads_on ? ways_out.at(event) : otherwise) << name_of(phase) << ", event " << e;
       EXPECT_EQ(step.is_refused, is_start && !leads_on) << name_of(phase) << ", event " << e;
@@ -278,7 +294,61 @@ TEST_F(DriveOfNode5, GoesOffByItsOwnRamp) {
   EXPECT_EQ(tick(following, 700, 720)->controlword, 0x0007);
   EXPECT_EQ(tick(switched_on, 700, 720)->controlword, 0x0006);
   EXPECT_EQ(tick(ready, 703, 720), (DriveCommand{.controlword = 0x0000, .target = 703}));
-  EXPECT_EQ(drive->phase(), DrivePhase::idle);
+  EXPECT_EQ(drive->phase(), DrivePhase::disabling);
+  EXPECT_FALSE(drive->leave(now)) << "it has not told that it is off";
+  for (int i = 0; i < 13; ++i) EXPECT_EQ(tick(disabled, 703)->controlword, 0x0000);
+  EXPECT_EQ(drive->phase(), DrivePhase::disabled) << "and it has rested for 50 ms";
+}
+
+TEST_F(DriveOfNode5, IsLetGoWithoutItsWatchdogs) {
+  bring_to_following();
+  drive->disable(now);
+  for (int i = 0; i < 16; ++i) tick(disabled, 703);
+  ASSERT_TRUE(drive->leave(now));
+  silent_tick();
+  ASSERT_EQ(services.size(), 1U);
+  EXPECT_EQ(read_nmt(services[0]), (NmtOrder{NmtCommand::enter_pre_operational, 5}));
+  objects.remove(0x1006, 0);
+  objects.written.clear();
+  for (int i = 0; i < 10; ++i) {
+    EXPECT_FALSE(silent_tick()) << "no process data";
+    for (const Frame& frame : services) {
+      drive->receive(sdo_frame(0x585, objects.answer(*read_sdo_request(frame))), now);
+    }
+  }
+  EXPECT_EQ(drive->phase(), DrivePhase::off);
+  const std::vector<std::pair<DriveObjects::Key, std::uint32_t>> expected{
+      {{0x1400, 5}, 0}, {{0x1016, 1}, 0}, {{0x1017, 0}, 0}};
+  EXPECT_EQ(objects.written, expected);
+  EXPECT_FALSE(drive->needs_sync());
+  EXPECT_FALSE(drive->is_in_use());
+}
+
+TEST_F(DriveOfNode5, OneThatDoesNotLetItselfGoIsSetBackAndThenReported) {
+  bring_to_following();
+  drive->disable(now);
+  for (int i = 0; i < 16; ++i) tick(disabled, 703);
+  drive->leave(now);
+  int resets = 0;
+  for (int i = 0; i < 1600; ++i) {
+    silent_tick();
+    for (const Frame& frame : services) {
+      if (read_nmt(frame) == NmtOrder{NmtCommand::reset_communication, 5}) ++resets;
+    }
+  }
+  EXPECT_EQ(resets, 1);
+  EXPECT_EQ(drive->phase(), DrivePhase::abandoned);
+  EXPECT_EQ(drive->first_finding(), DriveFinding::watchdog_stays);
+}
+
+TEST_F(DriveOfNode5, OneToWhichNothingWasWrittenIsLeftAsItIs) {
+  objects.set(0x1000, 0, 4, 0x00020191);
+  configure();
+  ASSERT_EQ(drive->first_finding(), DriveFinding::wrong_device);
+  EXPECT_TRUE(drive->disable(now));
+  EXPECT_EQ(drive->phase(), DrivePhase::off);
+  silent_tick();
+  EXPECT_TRUE(services.empty());
 }
 
 TEST_F(DriveOfNode5, SendsNothingOnceSetpointsHaveCeased) {

@@ -74,6 +74,7 @@ TEST(FaultScript, EveryWordIsATroubleOfTheDrive) {
       {"wrong-mode", {"at = 1\nmode = 1", Kind::wrong_mode}},
       {"foreign-sender", {"at = 1", Kind::foreign_sender}},
       {"flood", {"at = 1\nframes_per_s = 1", Kind::flood}},
+      {"stay-on", {"at = 1", Kind::stay_on}},
       {"no-window", {"", Kind::no_window}},
       {"no-watchdog", {"", Kind::no_watchdog}},
   };

@@ -70,9 +70,7 @@ void Cia402Bus::receive(const Frame& frame, std::int64_t now_ns) {
 /// measure how long they have had no setpoint.
 bool Cia402Bus::wants_heartbeat(std::span<const std::int32_t> targets) const {
   const bool has_ceased = targets.empty() && std::ranges::any_of(drives_, &Cia402Drive::is_commanded);
-  const bool is_in_use =
-      std::ranges::any_of(drives_, [](const Cia402Drive& drive) { return drive.phase() != DrivePhase::off; });
-  return is_in_use && !has_ceased;
+  return !has_ceased && std::ranges::any_of(drives_, &Cia402Drive::is_in_use);
 }
 
 std::optional<Frame> Cia402Bus::next_service(std::int64_t now_ns) {
@@ -104,7 +102,7 @@ Result<std::size_t> Cia402Bus::tick(std::int64_t now_ns, std::span<const std::in
     if (frame) frames[count++] = *frame;
   };
   for (Cia402Drive& drive : drives_) drive.tick(now_ns);
-  if (std::ranges::any_of(drives_, &Cia402Drive::has_process_data)) send(sync_.next());
+  if (std::ranges::any_of(drives_, &Cia402Drive::needs_sync)) send(sync_.next());
   for (std::size_t i = 0; i < drives_.size(); ++i) {
     send(drives_[i].command(targets.empty() ? std::optional<std::int32_t>{} : targets[i]));
   }

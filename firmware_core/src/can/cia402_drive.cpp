@@ -38,11 +38,12 @@ Cia402Goal goal_of(DrivePhase phase) {
 
 Result<Cia402Drive> Cia402Drive::make(const Cia402Settings& settings) {
   const std::int64_t heartbeat_ns = settings.setup.drive_heartbeat_ms * std::int64_t{1'000'000};
-  const bool is_sensible = settings.max_step_counts > 0 && settings.hold_tolerance_counts >= 0 &&
-                           settings.missing_limit > 0 && settings.bad_frame_limit >= 0 &&
-                           settings.bad_frame_ticks > 0 && settings.boot_timeout_ns > 0 &&
-                           settings.sdo_timeout_ns > 0 && settings.enable_timeout_ns > 0 &&
-                           settings.ignore_grace_ns >= 0 && settings.heartbeat_timeout_ns >= 2 * heartbeat_ns;
+  const bool is_sensible =
+      settings.max_step_counts > 0 && settings.hold_tolerance_counts >= 0 && settings.missing_limit > 0 &&
+      settings.bad_frame_limit >= 0 && settings.bad_frame_ticks > 0 && settings.boot_timeout_ns > 0 &&
+      settings.sdo_timeout_ns > 0 && settings.enable_timeout_ns > 0 &&
+      settings.disable_timeout_ns > settings.rest_ns && settings.rest_ns >= 0 && settings.rest_counts >= 0 &&
+      settings.ignore_grace_ns >= 0 && settings.heartbeat_timeout_ns >= 2 * heartbeat_ns;
   if (!is_sensible) {
     return Error{.code = ErrorCode::out_of_range,
                  .what = "a limit or time of a drive is not positive, or its heartbeat is missed after one",
@@ -57,6 +58,7 @@ Cia402Drive::Cia402Drive(const Cia402Settings& settings, const SetupScript& scri
     : settings_(settings),
       script_(script),
       runner_(settings.setup.node, settings.sdo_timeout_ns),
+      exit_(settings.setup.node, settings.sdo_timeout_ns),
       heartbeat_({.timeout_ns = settings.heartbeat_timeout_ns, .boot_timeout_ns = settings.boot_timeout_ns}),
       ticks_to_forgive_(settings.bad_frame_ticks) {}
 
@@ -89,6 +91,8 @@ void Cia402Drive::enter(DrivePhase phase, std::int64_t now_ns) {
       heartbeat_.stop();
       feedback_ = {};
       has_feedback_ = false;
+      has_written_ = false;
+      has_lost_touch_ = false;
       break;
     case configuring:
       runner_.begin(script_);
@@ -110,10 +114,23 @@ void Cia402Drive::enter(DrivePhase phase, std::int64_t now_ns) {
       followed_ns_ = now_ns;
       is_commanded_ = false;
       break;
+    case disabling:
+      phase_deadline_ns_ = now_ns + settings_.disable_timeout_ns;
+      rest_since_ns_.reset();
+      is_resting_ = false;
+      exit_.hush();
+      break;
+    case leaving:
+      enter_leaving(now_ns);
+      break;
+    case gone:
+      has_lost_touch_ = true;
+      break;
     case off:
     case idle:
+    case disabled:
+    case abandoned:
     case refused:
-    case gone:
       break;
   }
 }
@@ -136,9 +153,11 @@ void Cia402Drive::note_foreign_frame() {
 void Cia402Drive::receive(const Frame& frame, std::int64_t now_ns) {
   if (phase_ == off) return;
   if (frame.id == heartbeat_id(node())) return take_heartbeat(frame, now_ns);
-  if (frame.id == emergency_id(node())) return take_emergency(frame);
+  if (frame.id == emergency_id(node())) return take_emergency(frame, now_ns);
   if (frame.id == tpdo1_id(node())) return take_feedback(frame);
-  if (frame.id == sdo_answer_id(node()) && !runner_.receive(frame)) ++counters_.stray_answers;
+  if (frame.id != sdo_answer_id(node())) return;
+  const bool is_awaited = is_leaving() ? exit_.receive(frame) : runner_.receive(frame);
+  if (!is_awaited) ++counters_.stray_answers;
 }
 
 void Cia402Drive::take_bad_frame() {
@@ -153,17 +172,21 @@ void Cia402Drive::take_heartbeat(const Frame& frame, std::int64_t now_ns) {
   }
   heard_ = *heard;
   heartbeat_.receive(*heard, now_ns);
-  if (*heard != NmtState::boot_up) return;
-  if (phase_ == booting) {
+  if (*heard == NmtState::boot_up) take_boot_up(now_ns);
+}
+
+void Cia402Drive::take_boot_up(std::int64_t now_ns) {
+  const bool was_told_to_leave = phase_ == leaving && has_lost_touch_;
+  if (phase_ == booting || was_told_to_leave) {
     // One that was on its way before the reset was sent is not the answer to it.
-    if (!order_) apply(DriveEvent::booted, now_ns);
+    if (!order_) apply(was_told_to_leave ? DriveEvent::left : DriveEvent::booted, now_ns);
   } else if (phase_ != refused && phase_ != gone) {
     find(DriveFinding::unexpected_boot);
-    apply(DriveEvent::vanished, now_ns);
+    apply(phase_ == leaving ? DriveEvent::left : DriveEvent::vanished, now_ns);
   }
 }
 
-void Cia402Drive::take_emergency(const Frame& frame) {
+void Cia402Drive::take_emergency(const Frame& frame, std::int64_t now_ns) {
   const std::optional<Emergency> emergency = read_emergency(frame, node());
   if (!emergency) {
     ++counters_.bad_frames;
@@ -173,6 +196,9 @@ void Cia402Drive::take_emergency(const Frame& frame) {
   last_emergency_ = *emergency;
   ++counters_.emergencies;
   if (phase_ == starting || is_supervised()) find(DriveFinding::emergency);
+  if (has_lost_touch_ || !is_of_communication(emergency->code)) return;
+  has_lost_touch_ = true;
+  if (phase_ == leaving) enter_leaving(now_ns);
 }
 
 void Cia402Drive::take_feedback(const Frame& frame) {
@@ -200,7 +226,7 @@ bool Cia402Drive::is_supervised() const {
 }
 
 bool Cia402Drive::has_process_data() const {
-  return phase_ == starting || is_supervised();
+  return phase_ == starting || phase_ == disabling || phase_ == disabled || is_supervised();
 }
 
 void Cia402Drive::tick(std::int64_t now_ns) {
@@ -219,8 +245,8 @@ void Cia402Drive::count_ticks() {
     bad_frame_level_ = std::max<std::int32_t>(bad_frame_level_ - 1, 0);
   }
   if (is_fresh_) missed_in_row_ = 0;
-  if (!is_fresh_ && is_supervised()) {
-    ++counters_.missed;
+  if (!is_fresh_ && phase_ != starting) {
+    if (is_supervised()) ++counters_.missed;
     missed_in_row_ = std::min(missed_in_row_ + 1, settings_.missing_limit);
   }
   // What is still awaited after a tick with feedback was lost; without, it may come late.
@@ -251,9 +277,15 @@ void Cia402Drive::advance(std::int64_t now_ns) {
       return watch_following(now_ns);
     case stopping:
       return watch_stopping();
+    case disabling:
+      return advance_disabling(now_ns);
+    case leaving:
+      return advance_leaving(now_ns);
     case off:
     case booting:
     case idle:
+    case disabled:
+    case abandoned:
     case refused:
     case gone:
       return;
@@ -338,6 +370,12 @@ void Cia402Drive::watch_deadline(std::int64_t now_ns) {
     case stopping:
       find_lasting(DriveFinding::quick_stop_ignored);
       break;
+    case disabling:
+      give_up_disabling(now_ns);
+      break;
+    case leaving:
+      find(DriveFinding::watchdog_stays);
+      break;
     default:
       break;
   }
@@ -345,6 +383,7 @@ void Cia402Drive::watch_deadline(std::int64_t now_ns) {
 }
 
 std::uint16_t Cia402Drive::controlword() const {
+  if (phase_ == disabling || phase_ == disabled) return disabling_controlword();
   // Not enabled, or not any more, before it is in the right mode and its target is held.
   const bool waits_for_mode = phase_ == enabling && !is_seeded_;
   const std::uint16_t word = controlword_for(goal_of(phase_), state());
@@ -367,14 +406,15 @@ void Cia402Drive::choose_target(std::optional<std::int32_t> target) {
 }
 
 std::optional<Frame> Cia402Drive::command(std::optional<std::int32_t> target) {
-  if (!is_supervised()) return {};
+  const bool goes_off = (phase_ == disabling || phase_ == disabled) && hears_commands();
+  if (!is_supervised() && !goes_off) return {};
   if (phase_ == following && is_commanded_ && !target) return {};
   choose_target(target);
   return command_frame(node(), {.controlword = controlword(), .target = target_});
 }
 
 bool Cia402Drive::wants_service() const {
-  return order_.has_value() || phase_ == configuring;
+  return order_.has_value() || phase_ == configuring || phase_ == disabling || phase_ == leaving;
 }
 
 std::optional<Frame> Cia402Drive::service(std::int64_t now_ns) {
@@ -383,7 +423,16 @@ std::optional<Frame> Cia402Drive::service(std::int64_t now_ns) {
     order_.reset();
     return nmt_frame(order);
   }
-  if (phase_ == configuring) return runner_.poll(script_, now_ns);
+  if (phase_ == configuring) {
+    const std::optional<Frame> frame = runner_.poll(script_, now_ns);
+    has_written_ = has_written_ || runner_.state() == SetupState::writing;
+    return frame;
+  }
+  if (phase_ == disabling) {
+    const auto word = hears_commands() ? std::optional<std::uint16_t>{} : disabling_controlword();
+    return exit_.poll(word, now_ns);
+  }
+  if (phase_ == leaving) return exit_.poll({}, now_ns);
   return {};
 }
 

@@ -105,7 +105,6 @@ void set_period(ScriptWriter& writer, const Cia402Setup& setup, const Interpolat
               .size = 1,
               .may_be_absent = setup.sync_overflow == 0,
               .value = setup.sync_overflow});
-  writer.write_if_there({.index = 0x1006}, 4, static_cast<std::uint32_t>(period.microseconds));
   writer.write({.index = 0x60C2, .sub = 1}, 1, period.value);
   writer.write({.index = 0x60C2, .sub = 2}, 1, static_cast<std::uint8_t>(period.index));
 }
@@ -126,13 +125,21 @@ void set_motion(ScriptWriter& writer, const Cia402Setup& setup) {
   }
 }
 
-void set_watch(ScriptWriter& writer, const Cia402Setup& setup) {
+void set_watch(ScriptWriter& writer, const Cia402Setup& setup, const InterpolationPeriod& period) {
   // A drive that has no 1029 goes to pre-operational, which is what 0 asks for.
   writer.write_if_there({.index = 0x1029, .sub = 1}, 1, 0);
   writer.write({.index = 0x6007}, 2, static_cast<std::uint16_t>(setup.communication_lost_option));
   writer.add({.action = SetupAction::watchdog,
               .object = {.index = 0x1016, .sub = 1},
               .value = (std::uint32_t{setup.host.value()} << 16) | setup.host_timeout_ms});
+  // The period of SYNC is exactly that or 0: drives tune their clocks by it. With it many drives are in fault
+  // when SYNC is half a period late, which one late tick brings about; without, they watch SYNC no more, and
+  // its loss is found by the host's heartbeat, of which one may be late. A drive that cannot watch the
+  // heartbeat watches SYNC: its setpoint timer alone may stand still without.
+  writer.add({.action = SetupAction::sync_watch,
+              .object = {.index = 0x1006},
+              .may_be_absent = true,
+              .value = static_cast<std::uint32_t>(period.microseconds)});
   writer.write({.index = 0x1017}, 2, setup.drive_heartbeat_ms);
 }
 
@@ -171,7 +178,7 @@ Result<SetupScript> make_setup_script(const Cia402Setup& setup) {
   set_pdos(writer, setup);
   set_period(writer, setup, *period);
   set_motion(writer, setup);
-  set_watch(writer, setup);
+  set_watch(writer, setup, *period);
   writer.write({.index = 0x6060}, 1, static_cast<std::uint8_t>(mode_cyclic_position));
   if (!writer.status()) return writer.status().error();
   return script;

@@ -106,6 +106,17 @@ constexpr std::array table{
         {.what = "the drive does not answer a quick stop",
          .remedy = "use the emergency stop",
          .reaction = cease_setpoints}},
+    Row{DriveFinding::not_switched_off,
+        {.what = "the drive did not tell that it is switched off",
+         .remedy = "take its power away before anybody goes near the axis",
+         .reaction = cease_setpoints}},
+    Row{DriveFinding::moves_while_off,
+        {.what = "the axis moves though its drive is switched off",
+         .remedy = "hold it, and look at its brake and balance",
+         .reaction = cease_setpoints}},
+    Row{DriveFinding::watchdog_stays,
+        {.what = "the drive is off, but goes on to watch this program and will report that it is gone",
+         .remedy = "look at the bus; the next start resets the drive"}},
 };
 
 constexpr bool is_in_order() {

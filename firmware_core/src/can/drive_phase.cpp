@@ -17,12 +17,13 @@ constexpr std::size_t index_of(DriveEvent event) {
 
 using Row = std::array<DriveStep, drive_events>;
 
-/// Where nothing else is said: connect and enable are refused, everything else changes nothing.
+/// Where nothing else is said: connect, enable and leave are refused, everything else changes nothing.
 constexpr Row usual(DrivePhase phase) {
   Row row;
   row.fill({phase, false});
   row[index_of(Event::connect)] = {phase, true};
   row[index_of(Event::enable)] = {phase, true};
+  row[index_of(Event::leave)] = {phase, true};
   row[index_of(Event::disconnect)] = {off, false};
   return row;
 }
@@ -33,7 +34,10 @@ constexpr std::array<Row, drive_phases> make_table() {
   const auto on = [&](DrivePhase from, DriveEvent event, DrivePhase to) {
     table[index_of(from)][index_of(event)] = {to, false};
   };
-  for (const DrivePhase from : {off, idle, DrivePhase::refused, gone}) on(from, Event::connect, booting);
+  for (const DrivePhase from :
+       {off, idle, DrivePhase::disabled, leaving, abandoned, DrivePhase::refused, gone}) {
+    on(from, Event::connect, booting);
+  }
   on(booting, Event::booted, configuring);
   on(booting, Event::timed_out, DrivePhase::refused);
   on(configuring, Event::configured, starting);
@@ -52,7 +56,16 @@ constexpr std::array<Row, drive_phases> make_table() {
   on(following, Event::stopped_itself, stopping);
 
   for (const DrivePhase from : {clearing, enabling, following}) on(from, Event::quick_stop, stopping);
-  for (const DrivePhase from : {clearing, enabling, following, stopping}) on(from, Event::disable, idle);
+  on(booting, Event::disable, off);
+  for (const DrivePhase from :
+       {configuring, starting, idle, clearing, enabling, following, stopping, DrivePhase::refused, gone}) {
+    on(from, Event::disable, disabling);
+  }
+  on(disabling, Event::disabled, DrivePhase::disabled);
+  on(disabling, Event::timed_out, abandoned);
+  on(DrivePhase::disabled, Event::leave, leaving);
+  on(leaving, Event::left, off);
+  on(leaving, Event::timed_out, abandoned);
   for (const DrivePhase from : {configuring, starting, idle, clearing, enabling, following, stopping}) {
     on(from, Event::vanished, gone);
   }
@@ -62,8 +75,8 @@ constexpr std::array<Row, drive_phases> make_table() {
 constexpr std::array<Row, drive_phases> table = make_table();
 
 constexpr std::array<const char*, drive_phases> phase_names{
-    "off",      "booting",   "configuring", "starting", "idle", "clearing",
-    "enabling", "following", "stopping",    "refused",  "gone"};
+    "off",      "booting",   "configuring", "starting", "idle",      "clearing", "enabling", "following",
+    "stopping", "disabling", "disabled",    "leaving",  "abandoned", "refused",  "gone"};
 
 }  // namespace
 

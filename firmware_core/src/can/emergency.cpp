@@ -94,6 +94,11 @@ const char* words_of_emergency(std::uint16_t code) {
   return "an error that CiA 301 does not name";
 }
 
+bool is_of_communication(std::uint16_t code) {
+  const unsigned group = code >> 8U;
+  return group == 0x81 || group == 0x82 || group == 0x87;
+}
+
 const char* words_of_error_bit(unsigned bit) {
   return bit < register_bits.size() ? register_bits[bit] : "no such bit";
 }

@@ -19,7 +19,7 @@ constexpr std::array<std::array<SetupState, setup_events>, setup_states> table{{
 }};
 
 constexpr bool reads_first(SetupAction action) {
-  return action != SetupAction::write && action != SetupAction::watchdog;
+  return action != SetupAction::write && action != SetupAction::watchdog && action != SetupAction::sync_watch;
 }
 /// The reasons that the client itself gives: no answer, or a senseless one.
 constexpr bool is_of_host(std::uint32_t abort_code) {
@@ -58,7 +58,8 @@ void SetupRunner::begin_step(const SetupScript& script) {
     return;
   }
   const SetupStep& step = script[step_];
-  if (!reads_first(step.action)) return write(step, step.value);
+  const bool is_needless = step.action == SetupAction::sync_watch && host_timeout_ms_ != 0;
+  if (!reads_first(step.action)) return write(step, is_needless ? 0 : step.value);
   state_ = next_state(state_, SetupEvent::begin_reading);
   client_.begin_upload(step.object, step.size);
 }
@@ -98,6 +99,7 @@ void SetupRunner::has_read(const SetupScript& script, const SetupStep& step) {
       return write(step, step.value | (found & cob_id_without_rtr));
     case SetupAction::write:
     case SetupAction::watchdog:
+    case SetupAction::sync_watch:
       return;  // these do not read first
   }
 }

@@ -8,6 +8,7 @@
 #include "inbetween/can/canopen_id.hpp"
 #include "inbetween/can/cia402.hpp"
 #include "inbetween/can/cia402_setup.hpp"
+#include "inbetween/can/drive_exit.hpp"
 #include "inbetween/can/drive_finding.hpp"
 #include "inbetween/can/drive_phase.hpp"
 #include "inbetween/can/emergency.hpp"
@@ -35,7 +36,12 @@ struct Cia402Settings {
   std::int64_t boot_timeout_ns = 5'000'000'000;
   std::int64_t sdo_timeout_ns = 500'000'000;
   std::int64_t enable_timeout_ns = 1'000'000'000;  ///< a brake may take some 100 ms
-  std::int64_t ignore_grace_ns = 20'000'000;       ///< some drives clear bit 12 for a moment
+  /// How long the drive may take for its ramp, its brake and its power stage on the way off.
+  std::int64_t disable_timeout_ns = 2'000'000'000;
+  /// The axis rests where it has not been further than this, in counts, from one place for rest_ns.
+  std::int32_t rest_counts = 10;
+  std::int64_t rest_ns = 50'000'000;
+  std::int64_t ignore_grace_ns = 20'000'000;  ///< some drives clear bit 12 for a moment
   std::int64_t heartbeat_timeout_ns = 150'000'000;
 };
 
@@ -76,7 +82,13 @@ class Cia402Drive {
   bool connect(std::int64_t now_ns) { return apply(DriveEvent::connect, now_ns); }
   /// Also refused while there are findings: acknowledge them first.
   bool enable(std::int64_t now_ns);
-  bool disable(std::int64_t now_ns) { return apply(DriveEvent::disable, now_ns); }
+  /// Leads to DrivePhase::disabled, or to abandoned within disable_timeout_ns and a transfer of SDO. A drive
+  /// to which nothing has been written is left as it is.
+  bool disable(std::int64_t now_ns) {
+    return apply(has_written_ ? DriveEvent::disable : DriveEvent::disconnect, now_ns);
+  }
+  /// Of a disabled drive, and of no other: leads to off, or to abandoned within two boot_timeout_ns.
+  bool leave(std::int64_t now_ns) { return apply(DriveEvent::leave, now_ns); }
   bool quick_stop(std::int64_t now_ns) { return apply(DriveEvent::quick_stop, now_ns); }
   bool disconnect(std::int64_t now_ns) { return apply(DriveEvent::disconnect, now_ns); }
   /// Somebody has seen the findings. Those whose cause lasts come back with the next tick.
@@ -91,8 +103,18 @@ class Cia402Drive {
 
   /// Once a tick, before anything is sent: what was missed, what was found, which phase follows.
   void tick(std::int64_t now_ns);
-  /// Whether the drive takes part in SYNC.
+  /// Whether the drive sends process data when it hears SYNC.
   [[nodiscard]] bool has_process_data() const;
+  /// Whether SYNC must go on for it: a drive that is about to leave may still watch it.
+  [[nodiscard]] bool needs_sync() const { return has_process_data() || phase_ == DrivePhase::leaving; }
+  /// Whether it needs the host's heartbeat. A drive that was abandoned shall miss it.
+  [[nodiscard]] bool is_in_use() const {
+    return phase_ != DrivePhase::off && phase_ != DrivePhase::abandoned;
+  }
+  /// Whether it is on its way off, and has to be ticked on.
+  [[nodiscard]] bool is_leaving() const {
+    return phase_ == DrivePhase::disabling || phase_ == DrivePhase::disabled || phase_ == DrivePhase::leaving;
+  }
   /// The frame of this tick, if there is one. `target`, in counts, is used while following. Once a target
   /// has been given, none is sent without: setpoints have ceased, and the drive's own watchdog stops the
   /// motor.
@@ -132,8 +154,9 @@ class Cia402Drive {
   void find_lasting(DriveFinding finding);
   void take_bad_frame();
   void take_heartbeat(const Frame& frame, std::int64_t now_ns);
-  void take_emergency(const Frame& frame);
+  void take_emergency(const Frame& frame, std::int64_t now_ns);
   void take_feedback(const Frame& frame);
+  void take_boot_up(std::int64_t now_ns);
   void count_ticks();
   void watch_connection(std::int64_t now_ns);
   void advance(std::int64_t now_ns);
@@ -144,6 +167,16 @@ class Cia402Drive {
   void watch_following(std::int64_t now_ns);
   void watch_stopping();
   void watch_deadline(std::int64_t now_ns);
+  // the way off
+  void enter_leaving(std::int64_t now_ns);
+  void advance_disabling(std::int64_t now_ns);
+  void advance_leaving(std::int64_t now_ns);
+  void watch_rest(std::int32_t actual, std::int64_t now_ns);
+  void give_up_disabling(std::int64_t now_ns);
+  [[nodiscard]] bool hears_commands() const;
+  [[nodiscard]] bool has_no_power() const;
+  [[nodiscard]] bool has_lost_touch_by_fault() const;
+  [[nodiscard]] std::uint16_t disabling_controlword() const;
   [[nodiscard]] bool is_in_mode() const { return feedback_.mode == mode_cyclic_position; }
   [[nodiscard]] bool status_has(std::uint16_t bit) const { return (feedback_.statusword & bit) != 0; }
   [[nodiscard]] bool is_supervised() const;
@@ -153,6 +186,7 @@ class Cia402Drive {
   Cia402Settings settings_;
   SetupScript script_;
   SetupRunner runner_;
+  DriveExit exit_;
   HeartbeatConsumer heartbeat_;
   DrivePhase phase_ = DrivePhase::off;
   DriveFindings findings_;
@@ -175,6 +209,14 @@ class Cia402Drive {
   bool host_heartbeat_sent_ = false;
   bool is_seeded_ = false;     ///< enabling: the target is held
   bool is_commanded_ = false;  ///< following: a target has been given
+  bool has_written_ = false;   ///< its set-up has begun to write, since it was connected
+  /// It has left Operational by itself, or reported a fault of communication, since it was connected. When it
+  /// leaves, its communication starts anew, which forgets such a fault.
+  bool has_lost_touch_ = false;
+  // disabling: where the axis was when it moved last, and since when it has been there
+  std::int32_t rest_counts_at_ = 0;
+  std::optional<std::int64_t> rest_since_ns_;
+  bool is_resting_ = false;
 };
 
 }  // namespace inbetween::can

@@ -138,6 +138,9 @@ class Cia402Port {
     now_ns_ = now_ns;
     const bool has_targets = !setpoints.empty() && take_targets(setpoints);
     if (wants_on_ && all_are_set_up()) switch_on();
+    if (lets_go_ && none_may_have_power()) {
+      for_each_drive([&](Cia402Drive& drive) { drive.leave(now_ns); });
+    }
     for (std::size_t l = 0; l < lanes_.size(); ++l) {
       const Cia402Lane<Link>& lane = lanes_[l];
       if (wants_on_) bring_up(lane);
@@ -164,10 +167,12 @@ class Cia402Port {
       }
     }
     is_out_of_range_ = false;
+    lets_go_ = false;
     wants_on_ = true;
   }
   void disable() {
     wants_on_ = false;
+    lets_go_ = true;
     for_each_drive([&](Cia402Drive& drive) { drive.disable(now_ns_); });
   }
   void quick_stop() {
@@ -211,6 +216,7 @@ class Cia402Port {
     }
     return {.actual = static_cast<Real>(drive.feedback().actual - axis.zero_counts) / axis.counts_per_unit,
             .is_on = drive.phase() == DrivePhase::following,
+            .is_leaving = lanes_[axis.lane].link->is_up() && drive.is_leaving(),
             .condition = condition_of(axis)};
   }
 
@@ -262,11 +268,18 @@ class Cia402Port {
   void bring_up(const Cia402Lane<Link>& lane) {
     for (std::size_t d = 0; d < lane.drives.size(); ++d) {
       const DrivePhase phase = lane.bus->drives()[d].phase();
-      const bool is_away =
-          phase == DrivePhase::off || phase == DrivePhase::gone || phase == DrivePhase::refused;
+      const bool is_away = phase == DrivePhase::off || phase >= DrivePhase::disabled;
       if (!is_away || !lane.drives[d].may_connect) continue;
       lane.drives[d].may_connect = !lane.bus->drives()[d].connect(now_ns_);
     }
+  }
+  /// Those whose bus is down are not waited for: nobody can tell them anything.
+  [[nodiscard]] bool none_may_have_power() const {
+    return std::ranges::none_of(lanes_, [](const Cia402Lane<Link>& lane) {
+      return lane.link->is_up() && std::ranges::any_of(lane.bus->drives(), [](const Cia402Drive& drive) {
+               return drive.phase() == DrivePhase::disabling;
+             });
+    });
   }
   /// None is switched on before all can be.
   [[nodiscard]] bool all_are_set_up() const {
@@ -294,6 +307,7 @@ class Cia402Port {
   std::array<bool, max_lanes> was_unsent_{};
   std::int64_t now_ns_ = 0;
   bool wants_on_ = false;
+  bool lets_go_ = false;          ///< the drives are switched off, and then let go together
   bool is_out_of_range_ = false;  ///< a setpoint was: setpoints cease
 };
 

@@ -47,6 +47,7 @@ enum class SetupAction : std::uint8_t {
   switch_off,  ///< COB-ID of a PDO: bit 31 set, all others kept, read back
   switch_on,   ///< COB-ID of a PDO: `value` with bit 30 as it is in the drive, read back
   watchdog,    ///< write where the drive has the object; what it reads back decides at the end
+  sync_watch,  ///< write `value` where the drive does not watch the host's heartbeat, and 0 where it does
 };
 
 struct SetupStep {

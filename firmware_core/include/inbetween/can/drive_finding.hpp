@@ -39,8 +39,12 @@ enum class DriveFinding : std::uint8_t {
   foreign_sender,
   setpoint_jump,
   quick_stop_ignored,
+  // while it is switched off
+  not_switched_off,
+  moves_while_off,
+  watchdog_stays,
 };
-inline constexpr std::size_t drive_findings = 28;
+inline constexpr std::size_t drive_findings = 31;
 
 /// What the loop has to do with the whole rig (a drive decides nothing for the others).
 enum class DriveReaction : std::uint8_t {
@@ -70,11 +74,11 @@ class DriveFindings {
   friend constexpr bool operator==(const DriveFindings&, const DriveFindings&) = default;
 
  private:
-  static constexpr std::uint32_t bit(DriveFinding finding) {
-    return std::uint32_t{1} << static_cast<unsigned>(finding);
+  static constexpr std::uint64_t bit(DriveFinding finding) {
+    return std::uint64_t{1} << static_cast<unsigned>(finding);
   }
-  static_assert(drive_findings <= 32);
-  std::uint32_t bits_ = 0;
+  static_assert(drive_findings <= 64);
+  std::uint64_t bits_ = 0;
 };
 
 }  // namespace inbetween::can

@@ -17,16 +17,21 @@ enum class DrivePhase : std::uint8_t {
   enabling,     ///< on the way to operation enabled; its target is where it is, then held
   following,    ///< takes targets
   stopping,     ///< the drive's own quick stop, and the rest after it
+  disabling,    ///< on the way off: until it tells that it has no power, and the axis rests
+  disabled,     ///< that is so; the other drives of the rig are waited for
+  leaving,      ///< out of Operational, and its watchdogs are taken away: after that it is off
+  abandoned,    ///< it did not do so in time: it is told nothing, and its own watchdogs stay on
   refused,      ///< it could not be set up: findings() and refusal() say why
   gone,         ///< it has started anew or left Operational: it must be set up again
 };
-inline constexpr std::size_t drive_phases = 11;
+inline constexpr std::size_t drive_phases = 15;
 
 enum class DriveEvent : std::uint8_t {
   // wishes of the caller
   connect,     ///< set the drive up from the beginning
   enable,      ///< switch it on; a fault is reset first
-  disable,     ///< switch it off, out of operation by its own ramp
+  disable,     ///< switch it off, out of operation by its own ramp, and see that it is
+  leave,       ///< it may be let go: every axis of the rig rests without power
   quick_stop,  ///< stop it by its own ramp
   disconnect,  ///< say nothing more to it
   // what happens
@@ -40,8 +45,10 @@ enum class DriveEvent : std::uint8_t {
   stopped_itself,  ///< it is in a quick stop of its own
   timed_out,       ///< the phase has lasted too long
   vanished,        ///< it has started anew or left Operational
+  disabled,        ///< it has no power, and its axis rests
+  left,            ///< it watches this program no more
 };
-inline constexpr std::size_t drive_events = 15;
+inline constexpr std::size_t drive_events = 18;
 
 struct DriveStep {
   DrivePhase phase;

@@ -23,6 +23,7 @@ template <Precise Real>
 struct DriveState {
   Real actual = 0;  ///< position in axis units
   bool is_on = false;
+  bool is_leaving = false;  ///< it is being switched off, and whoever ends now would leave it half-way
   DriveCondition condition = DriveCondition::fine;
 };
 
@@ -38,7 +39,8 @@ concept DrivePort = Precise<Real> &&
   drives.write(setpoints, now_ns);
   /// Begins to switch the drives on, after whatever has been; DriveState::is_on tells when they are.
   drives.enable();
-  /// Begins to switch them off.
+  /// Begins to switch them off, which is over when none is leaving (DriveState). Bounded by the drives' own
+  /// times; a drive that could not be switched off is not leaving either.
   drives.disable();
   /// Each drive stops by its own ramp.
   drives.quick_stop();
