@@ -27,7 +27,7 @@ can::NodeId node(int number) {
 
 class SimulatedDrive : public testing::Test {
  protected:
-  SimulatedCia402Drive drive{{.node = node(5), .position = 1000, .records_targets = true}, 0};
+  SimulatedCia402Drive drive{{.node = node(5), .position = 1000, .keeps_record = true}, 0};
   std::int64_t now = 0;
 
   std::vector<Frame> pass(std::int64_t ns) {
@@ -214,7 +214,7 @@ TEST_F(SimulatedDrive, ReactsToLostCommunicationAsItIsTold) {
   };
   for (const Row& row : {Row{0, Cia402State::operation_enabled}, Row{1, Cia402State::fault},
                          Row{2, Cia402State::switch_on_disabled}, Row{3, Cia402State::quick_stop_active}}) {
-    drive = SimulatedCia402Drive({.node = node(5), .position = 1000, .records_targets = true}, now);
+    drive = SimulatedCia402Drive({.node = node(5), .position = 1000, .keeps_record = true}, now);
     bring_to_operation();
     EXPECT_EQ(write(0x6007, 0, 2, row.option), 0U);
     EXPECT_EQ(write(0x605A, 0, 2, 6), 0U);
