@@ -234,7 +234,7 @@ TEST(Check, ALineThatTurnsBackBetweenKeysIsAStepWithoutAKey) {
     EXPECT_NEAR(step.acceleration, std::abs(after[0].acceleration - before[0].acceleration), 1e-3);
   }
   ASSERT_FALSE(report.fits());
-  EXPECT_THAT(report.refusals[0].message, HasSubstr("move a key so that the path goes round"));
+  EXPECT_THAT(report.refusals[0].message, HasSubstr("let the speed touch 0 there with corners = \"ease\""));
   EXPECT_EQ(smallest_of(plan).frames, std::nullopt);
 }
 
