@@ -14,7 +14,8 @@ namespace inbetween {
 namespace {
 
 constexpr std::int32_t max_pace_spans = 2047;
-constexpr std::int32_t spans_in_shortest = 4;
+/// Between two rests that lie off the knots, two spans are lost and four are the least that a speed takes.
+constexpr std::int32_t spans_in_shortest = 6;
 constexpr std::int32_t min_pace_spans = 8;
 /// Twenty are usual. Where there is no curve the iteration makes no way.
 constexpr int max_pace_iterations = 200;
@@ -22,6 +23,8 @@ constexpr int max_pace_iterations = 200;
 constexpr double step_share = 0.995;
 /// Of the complementarity and of the rows, with control values about 1.
 constexpr double pace_tolerance = 1e-13;
+/// Of a row, as a share of the length: more is no rounding.
+constexpr double acceptable_miss = 1e-11;
 
 Error unmet(std::int32_t key, std::int32_t frame) {
   return {.code = ErrorCode::no_solution,
@@ -67,24 +70,35 @@ struct Term {
 /// v_i is 1 and the others are 0. Control values that are 0 add nothing and have no unknown.
 class PaceProgram {
  public:
-  explicit PaceProgram(const PaceSpec& spec)
-      : spec_(spec), f_(span_count(spec)), whole_(0.0, static_cast<double>(f_), f_) {
+  PaceProgram(const PaceSpec& spec, std::int32_t f)
+      : spec_(spec), f_(f), whole_(0.0, static_cast<double>(f_), f_) {
     fix_values();
     for (std::int32_t i = 0; i <= f_; ++i) {
       if (is_zero_[index(i)] == 0) free_.push_back(i);
     }
-    before_.resize(is_zero_.size() + 1);
+    before_.assign(is_zero_.size() + 1, 0);
     for (std::size_t i = 0; i < is_zero_.size(); ++i)
       before_[i + 1] = before_[i] + (is_zero_[i] != 0 ? 0U : 1U);
     list_rows();
     number_unknowns();
   }
 
-  /// The control values, or nothing and the key that is missed most.
-  std::vector<double> solve() {
+  /// False where there is no such curve.
+  bool solve() {
     start();
     for (int i = 0; i < max_pace_iterations && !is_solved(); ++i) step();
-    if (!(missed() <= 1e-9)) throw SolverError(blame());
+    return missed() <= acceptable_miss;
+  }
+  /// The key that is missed most.
+  [[nodiscard]] Error blame() const {
+    std::size_t worst = 0;
+    for (std::size_t r = 0; r < rows_.size(); ++r) {
+      if (std::abs(residual(r)) > std::abs(residual(worst))) worst = r;
+    }
+    const std::size_t key = keys_.empty() ? 0 : keys_[worst];
+    return unmet(static_cast<std::int32_t>(key), spec_.key_frames[key]);
+  }
+  [[nodiscard]] std::vector<double> control_values() const {
     std::vector<double> values(static_cast<std::size_t>(f_) + 1);
     for (std::size_t p = 0; p < free_.size(); ++p) values[index(free_[p])] = slack_[p] / weight(p);
     double largest = 0;
@@ -149,7 +163,7 @@ class PaceProgram {
   void number_unknowns() {
     std::size_t next = 0;
     std::size_t row = 0;
-    place_of_multiplier_.resize(rows_.size());
+    place_of_multiplier_.assign(rows_.size(), 0);
     for (std::size_t p = 0; p < free_.size(); ++p) {
       place_of_sum_.push_back(next++);
       while (row < rows_.size() && last_unknown(rows_[row]) <= p) place_of_multiplier_[row++] = next++;
@@ -179,15 +193,13 @@ class PaceProgram {
   /// Entries of Q and of the rows, by place: the part of the matrix that stays.
   template <class Visit>
   void for_each_entry(const Visit& visit) const {
-    const double spans_per_key = static_cast<double>(f_) / static_cast<double>(spec_.key_frames.size() - 1);
-    const double scale = spans_per_key * spans_per_key * spans_per_key * spans_per_key;
     std::vector<Term> here = bend(0);
     for (std::int32_t knot = 0; knot < f_; ++knot) {
       const std::vector<Term> next = bend(knot + 1);
       const auto add = [&](const std::vector<Term>& one, const std::vector<Term>& other, double factor) {
         for (const Term& x : one) {
           for (const Term& y : other) {
-            visit(place_of_sum_[x.unknown], place_of_sum_[y.unknown], factor * scale * x.weight * y.weight);
+            visit(place_of_sum_[x.unknown], place_of_sum_[y.unknown], factor * x.weight * y.weight);
           }
         }
       };
@@ -208,7 +220,7 @@ class PaceProgram {
 
   void start() {
     sum_.assign(size_, 0);
-    slack_.resize(free_.size());
+    slack_.assign(free_.size(), 0);
     dual_.assign(free_.size(), 1);
     double total = 0;
     for (std::size_t p = 0; p < free_.size(); ++p) {
@@ -239,15 +251,6 @@ class PaceProgram {
   [[nodiscard]] bool is_solved() const {
     return missed() <= pace_tolerance && complementarity() <= pace_tolerance;
   }
-  [[nodiscard]] Error blame() const {
-    std::size_t worst = 0;
-    for (std::size_t r = 0; r < rows_.size(); ++r) {
-      if (std::abs(residual(r)) > std::abs(residual(worst))) worst = r;
-    }
-    const std::size_t key = keys_.empty() ? 0 : keys_[worst];
-    return unmet(static_cast<std::int32_t>(key), spec_.key_frames[key]);
-  }
-
   /// The Newton step towards complementarity `aim`, with the product of a step before as a correction.
   struct Direction {
     std::vector<double> sum, slack, dual;
@@ -335,7 +338,11 @@ class PaceProgram {
 }  // namespace
 
 std::vector<double> smoothest_pace(const PaceSpec& spec) {
-  return PaceProgram(spec).solve();
+  for (std::int32_t f = span_count(spec);; f *= 2) {
+    PaceProgram program(spec, f);
+    if (program.solve()) return program.control_values();
+    if (2 * f > max_pace_spans) throw SolverError(program.blame());
+  }
 }
 
 }  // namespace inbetween

@@ -27,7 +27,7 @@ struct PaceSpec {
 /// Method: a convex quadratic program in the control values, whose unknowns are their running sums, so that
 /// every key is a condition on four or five neighbours and all matrices have a narrow band; Mehrotra's
 /// predictor and corrector (1992). Cost: tens of iterations, each linear in the number of control values.
-/// Accuracy: every key within 1e-12 of the length.
+/// Accuracy: every key within 1e-11 of the length.
 ///
 /// Throws SolverError, with the key, where no curve of so many control values meets the frames, or where a
 /// touch cannot lie on a knot.

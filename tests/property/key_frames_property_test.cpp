@@ -220,7 +220,8 @@ TEST(KeyFramesProperty, AnAxisThatKeepsItsValueDoesNotLeaveIt) {
       for (std::int32_t i = 4 * move.frames[k]; i <= 4 * move.frames[k + 1]; ++i) {
         track.track().positions({i / 4, i % 4 / 4.0}, position);
         for (std::int32_t d = 0; d < move.axes; ++d) {
-          const auto [low, high] = std::minmax(move.at(k, d), move.at(k + 1, d));
+          const double low = std::min(move.at(k, d), move.at(k + 1, d));
+          const double high = std::max(move.at(k, d), move.at(k + 1, d));
           if (low != high && move.overshoot) continue;
           const double rounding = 1e-12 * (move.range(d) + std::fabs(low));
           RC_ASSERT(position[static_cast<std::size_t>(d)] >= low - rounding);
@@ -246,8 +247,9 @@ TEST(KeyFramesProperty, APathWithoutOvershootStaysBetweenItsKeys) {
     RC_ASSERT(path.has_value());
     for (std::int32_t i = 0; i < path->segment_count(); ++i) {
       for (std::int32_t d = 0; d < move.axes; ++d) {
-        const auto [low, high] =
-            std::minmax(move.at(static_cast<std::size_t>(i), d), move.at(static_cast<std::size_t>(i) + 1, d));
+        const auto key = static_cast<std::size_t>(i);
+        const double low = std::min(move.at(key, d), move.at(key + 1, d));
+        const double high = std::max(move.at(key, d), move.at(key + 1, d));
         const double rounding = 1e-12 * (move.range(d) + std::fabs(low));
         for (int k = 0; k <= 64; ++k) {
           const double position = path->position({i, k / 64.0}, d);
@@ -291,6 +293,8 @@ TEST(KeyFramesProperty, APaceMeetsItsKeysAndNoCurveThatDoesIsSmoother) {
     TimedMove move = random_timed_move(
         *rc::gen::element(Spline::smooth, Spline::catmull_rom, Spline::tcb, Spline::linear));
     move.pace = true;
+    RC_LOG() << testing::PrintToString(move.frames) << testing::PrintToString(move.keys) << move.axes
+             << move.closed << move.rests_at_start << move.rests_at_end << static_cast<int>(move.spline);
     const SolvedTrack<double> track = move.solved();
     expect_keys_met(move, track);
     if (!(track.track().arc_length().total() > 0)) return;
@@ -298,8 +302,8 @@ TEST(KeyFramesProperty, APaceMeetsItsKeysAndNoCurveThatDoesIsSmoother) {
     const std::size_t n = v.size();
     const auto f = static_cast<double>(n - 1);
     for (const double value : v) RC_ASSERT(value >= 0 && value <= 100);
-    if (move.rests_at_start) RC_ASSERT(v[0] == 0 && v[1] == 0);
-    if (move.rests_at_end) RC_ASSERT(v[n - 1] == 0 && v[n - 2] == 0);
+    RC_ASSERT(!move.rests_at_start || (v[0] == 0 && v[1] == 0));
+    RC_ASSERT(!move.rests_at_end || (v[n - 1] == 0 && v[n - 2] == 0));
     const auto bend = [&](std::size_t i) {
       return i == 0 || i + 1 == n ? 0 : v[i - 1] - 2 * v[i] + v[i + 1];
     };
@@ -326,8 +330,8 @@ TEST(KeyFramesProperty, APaceMeetsItsKeysAndNoCurveThatDoesIsSmoother) {
       for (const std::size_t from : inside) {
         for (const std::size_t to : inside) {
           const bool is_fixed = (move.rests_at_start && to <= 1) || (move.rests_at_end && to + 2 >= n);
-          if (v[from] <= 1e-6 || is_fixed) continue;
-          RC_ASSERT(gradient[to] - gradient[from] >= -1e-5 * (scale + 1e-9));
+          if (v[from] <= 1e-2 || is_fixed) continue;
+          RC_ASSERT(gradient[to] - gradient[from] >= -1e-5 * scale - 1e-10);
         }
       }
     }
@@ -372,7 +376,9 @@ TEST(KeyFramesProperty, CornersThatEaseDoNotStep) {
       // Corners too near to each other for a curve of 4097 values: refused, and no move.
     }
   });
-  if (counts_mean_something()) EXPECT_GE(solved, 400);
+  if (counts_mean_something()) {
+    EXPECT_GE(solved, 400);
+  }
 }
 
 }  // namespace key_frames_property_test

@@ -34,7 +34,7 @@ max_jerk = 40000
 drive = { type = "pipe", path = "/dev/null", counts_per_unit = 100 }
 )";
 
-std::string move(const std::string& track, int frames = 96) {
+std::string move_of(const std::string& track, int frames = 96) {
   return "name = \"move\"\nfps = 24\nframes = " + std::to_string(frames) +
          "\n[[track]]\naxes = [\"zoom\"]\n" + track;
 }
@@ -65,7 +65,7 @@ std::vector<double> positions(const Json& plan) {
 
 TEST(KeyFrames, APlainZoomOfFourKeysFits) {
   for (const char* way : {"", "kinetic = \"curves\"\n", "kinetic = \"pace\"\n"}) {
-    const std::string text = move(way + zoom);
+    const std::string text = move_of(way + zoom);
     const ProgramRun run = check(text);
     EXPECT_EQ(run.status, 0) << way << run.err;
     EXPECT_THAT(run.out, HasSubstr("no step of velocity or acceleration")) << way;
@@ -80,17 +80,17 @@ TEST(KeyFrames, APlainZoomOfFourKeysFits) {
 
 TEST(KeyFrames, WhatStepsNamesCurvesAsTheRemedy) {
   for (const char* way : {"kinetic = \"monotone\"\n", "kinetic = \"linear\"\n"}) {
-    const ProgramRun run = check(move(way + zoom));
+    const ProgramRun run = check(move_of(way + zoom));
     EXPECT_EQ(run.status, 3) << way;
     EXPECT_THAT(run.err, HasSubstr("use kinetic = \"curves\"")) << way;
   }
-  const ProgramRun old = check(move("kinetic = \"smooth\"\n" + zoom));
+  const ProgramRun old = check(move_of("kinetic = \"smooth\"\n" + zoom));
   EXPECT_EQ(old.status, 1);
   EXPECT_THAT(old.err, HasSubstr("called \"monotone\""));
 }
 
 TEST(KeyFrames, APaceIsShownAsASpeedCurve) {
-  const Json track = planned(move("kinetic = \"pace\"\n" + zoom))["tracks"][0];
+  const Json track = planned(move_of("kinetic = \"pace\"\n" + zoom))["tracks"][0];
   const auto speed = track["speed"].get<std::vector<double>>();
   ASSERT_GT(speed.size(), 8U);
   EXPECT_EQ(track["f"], speed.size() - 1);
@@ -103,20 +103,20 @@ TEST(KeyFrames, AKeyWrittenTwiceIsAHoldOnEveryPath) {
       "timing = \"frames\"\nkeys = [ {at=[0], frame=0}, {at=[20], frame=30}, {at=[20], frame=60}, "
       "{at=[5], frame=96} ]\n";
   for (const char* spline : {"smooth", "catmull-rom", "tcb"}) {
-    const std::string text = move("spline = \"" + std::string(spline) + "\"\n" + keys);
+    const std::string text = move_of("spline = \"" + std::string(spline) + "\"\n" + keys);
     const std::vector<double> at = positions(planned(text));
     for (std::size_t frame = 30; frame <= 60; ++frame) EXPECT_EQ(at[frame], 20) << spline << " " << frame;
     const ProgramRun run = check(text, {"--json", "-"});
     for (const auto& step : Json::parse(run.out)["steps"]) EXPECT_EQ(step["velocity_step"], 0) << spline;
   }
-  EXPECT_EQ(check(move(keys)).status, 0);
+  EXPECT_EQ(check(move_of(keys)).status, 0);
 }
 
 TEST(KeyFrames, AnEndWithoutRestIsPassedAtASpeedWithARoll) {
-  const Json json = Json::parse(check(move("rest = \"end\"\n" + zoom), {"--json", "-"}).out);
+  const Json json = Json::parse(check(move_of("rest = \"end\"\n" + zoom), {"--json", "-"}).out);
   EXPECT_TRUE(json["fits"]);
-  const std::vector<double> moving = planned(move("rest = \"none\"\n" + zoom))["axes"][0]["velocity"];
-  const std::vector<double> resting = planned(move(zoom))["axes"][0]["velocity"];
+  const std::vector<double> moving = planned(move_of("rest = \"none\"\n" + zoom))["axes"][0]["velocity"];
+  const std::vector<double> resting = planned(move_of(zoom))["axes"][0]["velocity"];
   EXPECT_NE(moving.front(), 0);
   EXPECT_NE(moving.back(), 0);
   EXPECT_EQ(resting.front(), 0);
@@ -128,12 +128,12 @@ TEST(KeyFrames, AnEndWithoutRestIsPassedAtASpeedWithARoll) {
 TEST(KeyFrames, ANodOnOneAxisEasesAtItsTurningPoint) {
   const std::string keys =
       "keys = [ {at=[0]}, {at=[-15]}, {at=[0]} ]\nspeed = [0, 0, 10, 10, 10, 10, 10, 0, 0]\n";
-  const ProgramRun passed = check(move(keys, 48));
+  const ProgramRun passed = check(move_of(keys, 48));
   EXPECT_EQ(passed.status, 3);
   EXPECT_THAT(passed.err, HasSubstr("ease"));
   const std::string eased_keys =
       "keys = [ {at=[0]}, {at=[-15], ease=true}, {at=[0]} ]\nspeed = [0, 0, 10, 10, 10, 10, 10, 0, 0]\n";
-  for (const std::string& text : {move("corners = \"ease\"\n" + keys, 48), move(eased_keys, 48)}) {
+  for (const std::string& text : {move_of("corners = \"ease\"\n" + keys, 48), move_of(eased_keys, 48)}) {
     const ProgramRun run = check(text);
     EXPECT_EQ(run.status, 0) << run.err;
     const Json plan = planned(text);
@@ -146,24 +146,24 @@ TEST(KeyFrames, ANodOnOneAxisEasesAtItsTurningPoint) {
 TEST(KeyFrames, CornersEaseBetweenKeysToo) {
   const std::string keys =
       "keys = [ {at=[0]}, {at=[-15]}, {at=[3]}, {at=[0]} ]\nspeed = [0, 0, 10, 10, 10, 10, 10, 0, 0]\n";
-  EXPECT_EQ(check(move(keys, 48)).status, 3);
-  const ProgramRun run = check(move("corners = \"ease\"\n" + keys, 48));
+  EXPECT_EQ(check(move_of(keys, 48)).status, 3);
+  const ProgramRun run = check(move_of("corners = \"ease\"\n" + keys, 48));
   EXPECT_EQ(run.status, 0) << run.err;
 }
 
 TEST(KeyFrames, AnEasedKeyIsLockedOnAKnotAndTheNearestFrameIsNamed) {
   const auto locked = [](int frame) {
-    return move("keys = [ {at=[0]}, {at=[-15], ease=true, frame=" + std::to_string(frame) +
-                    "}, {at=[0]} ]\nspeed = [0, 0, 10, 10, 10, 10, 10, 0, 0]\n",
-                51);
+    return move_of("keys = [ {at=[0]}, {at=[-15], ease=true, frame=" + std::to_string(frame) +
+                       "}, {at=[0]} ]\nspeed = [0, 0, 10, 10, 10, 10, 10, 0, 0]\n",
+                   51);
   };
   const ProgramRun refused = check(locked(20));
   EXPECT_EQ(refused.status, 1);
   EXPECT_THAT(refused.err, HasSubstr("the nearest frame that is possible is "));
   const ProgramRun even =
-      check(move("keys = [ {at=[0]}, {at=[-15], ease=true, frame=21}, {at=[0]} ]\n"
-                 "speed = [0, 0, 10, 10, 10, 10, 10, 0, 0]\n",
-                 48));
+      check(move_of("keys = [ {at=[0]}, {at=[-15], ease=true, frame=21}, {at=[0]} ]\n"
+                    "speed = [0, 0, 10, 10, 10, 10, 10, 0, 0]\n",
+                    48));
   EXPECT_EQ(even.status, 0) << even.err;
 }
 
@@ -172,10 +172,10 @@ TEST(KeyFrames, APaceEasesAtACornerOnItsFrame) {
       "timing = \"frames\"\nkinetic = \"pace\"\nkeys = [ {at=[0], frame=0}, {at=[-15], frame=31}, {at=[0], "
       "frame=96} "
       "]\n";
-  EXPECT_EQ(check(move(keys)).status, 3);
-  const ProgramRun run = check(move("corners = \"ease\"\n" + keys));
+  EXPECT_EQ(check(move_of(keys)).status, 3);
+  const ProgramRun run = check(move_of("corners = \"ease\"\n" + keys));
   EXPECT_EQ(run.status, 0) << run.err;
-  EXPECT_NEAR(positions(planned(move("corners = \"ease\"\n" + keys)))[31], -15, 1e-9);
+  EXPECT_NEAR(positions(planned(move_of("corners = \"ease\"\n" + keys)))[31], -15, 1e-9);
 }
 
 // --- overshoot

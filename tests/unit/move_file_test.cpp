@@ -385,7 +385,8 @@ TEST(MoveFile, AnUnknownWordMeetsTheListOfWords) {
   expect_change_refused("keys = [", "spline = @\"smoth\"\nkeys = [",
                         {"spline is \"smoth\"; write \"smooth\", \"catmull-rom\", \"tcb\" or \"linear\""});
   expect_change_refused("keys = [", "timing = @\"frame\"\nkeys = [", {"write \"speed\" or \"frames\""});
-  expect_move_refused(with(locked, "\"smooth\"", "@\"hermite\""), {"write \"linear\" or \"smooth\""});
+  expect_move_refused(with(locked, "\"monotone\"", "@\"hermite\""),
+                      {"write \"linear\", \"curves\", \"pace\" or \"monotone\""});
 }
 
 // ---- numbers
@@ -511,8 +512,8 @@ TEST(MoveFile, KineticNeedsTimingByFrames) {
 }
 
 TEST(MoveFile, WhatKineticSmoothWasIsCalledMonotone) {
-  expect_change_refused("kinetic = \"monotone\"", "kinetic = @\"smooth\"",
-                        {"kinetic is \"smooth\"", "called \"monotone\"", "\"curves\""});
+  expect_move_refused(with(locked, "\"monotone\"", "@\"smooth\""),
+                      {"kinetic is \"smooth\"", "called \"monotone\"", "\"curves\""});
 }
 
 TEST(MoveFile, EaseRestCornersAndOvershootAreRefusedWhereTheyMeanNothing) {
