@@ -15,7 +15,7 @@ namespace inbetween {
 namespace {
 
 constexpr std::string_view turn_remedy =
-    "move a key so that the path goes round, or put a key there and rest at it with hold";
+    "let the speed touch 0 there with corners = \"ease\", or move a key so that the path goes round";
 
 /// Nothing is refined that is further from its limit than this share of it.
 constexpr double slack_share = 1e-6;
@@ -112,7 +112,7 @@ void list_steps(const Plan& plan, std::size_t index, CheckReport& report) {
   std::vector<AxisStep<double>> steps(axes.size());
   for (std::int32_t i = 0; i <= segments; ++i) {
     const double frame = steps_at_key<double>(track, i, steps);
-    if (!is_joined_by_roll(track, frame)) add_steps(axes, steps, i % track.path().key_count(), frame, report);
+    if (!is_joined_by_roll(track, frame)) add_steps(axes, steps, track.path().key_at(i), frame, report);
     if (i == segments) break;
     const Standstills<double> standstills = standstills_within(track, i);
     for (std::size_t k = 0; k < standstills.count; ++k) {
@@ -259,17 +259,20 @@ class AxisRefusals {
     return step.key ? key_of(step)->place : place_;
   }
   [[nodiscard]] std::string remedy_of(const CheckedStep& step) const {
-    if (track_.timing == Timing::frames) {
-      return "time the track by a speed curve that begins and ends with 0, 0, on spline = \"smooth\" (its "
-             "keys "
-             "may keep their frames)";
+    if (track_.timing == Timing::frames && kinetic_of(track_) != MoveKinetic::pace) {
+      if (track_.spline == Spline::linear) return "use spline = \"smooth\" and kinetic = \"curves\"";
+      if (kinetic_of(track_) != MoveKinetic::curves) return "use kinetic = \"curves\"";
+      return "use spline = \"smooth\"";
     }
+    if (track_.timing == Timing::frames && (is_start(step) || is_end(step))) return "use rest = \"both\"";
     if (is_start(step)) return "begin the speed curve with 0, 0, at rest";
     if (is_end(step)) return "end the speed curve with 0, 0, at rest";
     if (!step.key) return std::string(turn_remedy);
     if (key_of(step)->breaks) return "take away the break of the key";
-    if (track_.spline != Spline::smooth) return "use spline = \"smooth\", or rest at the key with hold";
-    return "rest at the key with hold";
+    const std::string ease = track_.timing == Timing::frames
+                                 ? "let the speed touch 0 there with ease = true"
+                                 : "let the speed touch 0 there with ease = true, or rest there with hold";
+    return (track_.spline != Spline::smooth ? "use spline = \"smooth\", or " : "") + ease;
   }
 
   const MoveFile& move_;

@@ -24,11 +24,13 @@ void print_key_timing(const SolvedTrack<double>& solved, std::FILE* out) {
   if (!solved.key_timing()) return;
   const KeyTiming<double>& timing = *solved.key_timing();
   const auto f = static_cast<std::int32_t>(timing.control_values.size()) - 1;
-  for (const KeyLock& lock : timing.locks) {
-    const bool end_of_move =
-        lock.hold == 0 && (lock.key == 0 || lock.key == solved.track().path().segment_count());
+  for (std::size_t i = 0; i < timing.locks.size(); ++i) {
+    const KeyLock& lock = timing.locks[i];
+    const bool end_of_move = lock.hold == 0 && (i == 0 || i + 1 == timing.locks.size());
     if (end_of_move) continue;
-    fmt::print(out, "    key {} on frame {}", lock.key, lock.frame);
+    fmt::print(out, "    {} on frame {:.6g}", lock.key < 0 ? "turn" : fmt::format("key {}", lock.key),
+               timing.frame_of(lock, solved.track().frames()));
+    if (lock.ease) fmt::print(out, ", eased");
     if (lock.hold > 0) fmt::print(out, ", at rest for {} frames", lock.hold);
     fmt::print(out, "{}\n", lock.breaks ? ", with a break in the speed" : "");
   }

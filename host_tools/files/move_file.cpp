@@ -18,10 +18,11 @@ namespace {
 
 constexpr std::array<std::string_view, 7> move_fields = {"name", "fps",     "frames", "track",
                                                          "cue",  "clapper", "start"};
-constexpr std::array<std::string_view, 8> track_fields = {"axes",  "spline",  "closed", "keys",
-                                                          "speed", "weights", "timing", "kinetic"};
-constexpr std::array<std::string_view, 7> key_fields = {"at",    "tension", "continuity", "bias",
-                                                        "frame", "break",   "hold"};
+constexpr std::array<std::string_view, 11> track_fields = {"axes",    "spline",  "closed",   "keys",
+                                                           "speed",   "weights", "timing",   "rest",
+                                                           "kinetic", "corners", "overshoot"};
+constexpr std::array<std::string_view, 8> key_fields = {"at",    "tension", "continuity", "bias",
+                                                        "frame", "break",   "hold",       "ease"};
 
 constexpr std::int64_t max_fps = 1'000;
 constexpr std::int64_t max_fps_part = 1'000'000;
@@ -116,6 +117,12 @@ void read_lock(const TomlTable& table, const KeyContext& track, MoveKey& key) {
   if (const auto hold = table.optional("hold")) {
     key.hold = static_cast<std::int32_t>(hold->integer(1, track.frames));
   }
+  if (const auto ease = table.optional("ease")) {
+    key.ease = ease->boolean();
+    if (key.ease && key.hold) ease->refuse("is what a hold does anyway; remove one of the two");
+    if (key.ease && key.breaks)
+      ease->refuse("contradicts break, where the speed jumps; remove one of the two");
+  }
 }
 
 std::string numbers(std::size_t count) {
@@ -188,6 +195,40 @@ void read_weights(const TomlTable& table, MoveTrack& track) {
   }
 }
 
+void read_kinetic(const TomlTable& table, MoveTrack& track) {
+  if (const auto kinetic = table.optional("kinetic")) {
+    if (track.timing != Timing::frames)
+      kinetic->refuse(R"(needs timing = "frames"; add that or remove kinetic)");
+    if (kinetic->node().value<std::string_view>() == "smooth") {
+      kinetic->refuse(
+          R"(is "smooth", which is called "monotone"; write that, or "curves", which does not step)");
+    }
+    constexpr std::array kinds = {MoveKinetic::linear, MoveKinetic::curves, MoveKinetic::pace,
+                                  MoveKinetic::monotone};
+    track.kinetic = kinds.at(kinetic->choice({"linear", "curves", "pace", "monotone"}));
+    if (track.kinetic == MoveKinetic::curves && track.spline == Spline::linear) {
+      kinetic->refuse(
+          R"(is "curves", and spline = "linear" has none; write kinetic = "linear" or another spline)");
+    }
+  }
+  const bool by_frames = track.timing == Timing::frames;
+  const bool is_curve = !by_frames || kinetic_of(track) == MoveKinetic::pace;
+  if (const auto rest = table.optional("rest")) {
+    constexpr std::array ends = {RestingEnds{true, true}, RestingEnds{true, false}, RestingEnds{false, true},
+                                 RestingEnds{false, false}};
+    track.rest = ends.at(rest->choice({"both", "start", "end", "none"}));
+    if (!by_frames || (!is_curve && kinetic_of(track) != MoveKinetic::curves)) {
+      rest->refuse(R"(needs timing = "frames" and kinetic = "curves" or "pace"; remove it)");
+    }
+  }
+  if (const auto corners = table.optional("corners")) {
+    track.ease_corners = corners->choice({"pass", "ease"}) == 1;
+    if (track.ease_corners && !is_curve) {
+      corners->refuse(R"(is "ease", which is for a speed curve: timing = "speed", or kinetic = "pace")");
+    }
+  }
+}
+
 MoveTrack read_track(const TomlValue& value, std::int32_t frames, std::map<std::string, Place>& taken_axes) {
   const TomlTable table(value.table(), "a track", track_fields);
   MoveTrack track;
@@ -201,10 +242,12 @@ MoveTrack read_track(const TomlValue& value, std::int32_t frames, std::map<std::
   if (const auto timing = table.optional("timing")) {
     track.timing = timing->choice({"speed", "frames"}) == 0 ? Timing::speed : Timing::frames;
   }
-  if (const auto kinetic = table.optional("kinetic")) {
-    track.kinetic = kinetic->choice({"linear", "smooth"}) == 0 ? Kinetic::linear : Kinetic::smooth;
-    if (track.timing != Timing::frames)
-      kinetic->refuse(R"(needs timing = "frames"; add that or remove kinetic)");
+  read_kinetic(table, track);
+  if (const auto overshoot = table.optional("overshoot")) {
+    track.overshoot = overshoot->boolean();
+    if (!track.overshoot && track.spline != Spline::smooth && track.spline != Spline::catmull_rom) {
+      overshoot->refuse(R"(has a meaning with spline = "smooth" and "catmull-rom"; remove it)");
+    }
   }
   const TomlValue keys = table.required("keys", "keys = [ { at = [...] }, ... ]");
   track.keys_place = keys.place();
@@ -217,6 +260,10 @@ MoveTrack read_track(const TomlValue& value, std::int32_t frames, std::map<std::
 }
 
 }  // namespace
+
+MoveKinetic kinetic_of(const MoveTrack& track) {
+  return track.kinetic.value_or(track.spline == Spline::linear ? MoveKinetic::linear : MoveKinetic::curves);
+}
 
 MoveFile parse_move(std::string_view text, const std::string& file_name) {
   const toml::table root = parse_toml(text, file_name);

@@ -36,6 +36,16 @@ struct WrittenFrameRate {
 
 enum class Timing { speed, frames };
 
+/// How the frames of the keys make a motion. `pace` is a speed curve, the others are the core's.
+enum class MoveKinetic { linear, curves, pace, monotone };
+
+/// The ends of the move at which a track rests.
+struct RestingEnds {
+  bool start = true;
+  bool end = true;
+  bool operator==(const RestingEnds&) const = default;
+};
+
 struct MoveKey {
   std::vector<double> at;  // one coordinate per axis of the track, in the units of the axes
   double tension = 0;      // these three -1..1, 0 unless the spline is tcb
@@ -44,6 +54,7 @@ struct MoveKey {
   std::optional<std::int32_t> frame;  // 0..frames of the move
   bool breaks = false;
   std::optional<std::int32_t> hold;  // 1..frames of the move
+  bool ease = false;                 // the speed touches 0 here
   Place place;
   std::vector<Place> at_places;  // of each coordinate
 };
@@ -60,7 +71,10 @@ struct MoveTrack {
   std::vector<double> weights;  // one per axis, >= 0, not all 0; empty: all 1
   std::vector<Place> weight_places;
   Timing timing = Timing::speed;
-  std::optional<Kinetic> kinetic;  // only with Timing::frames
+  std::optional<MoveKinetic> kinetic;  // only with Timing::frames
+  std::optional<RestingEnds> rest;     // only with curves and pace
+  bool ease_corners = false;           // the speed touches 0 wherever the path turns at once
+  bool overshoot = true;               // false: no axis leaves the values of neighbouring keys between them
   Place place;
   Place keys_place;
 };
@@ -78,6 +92,9 @@ struct MoveFile {
   Place fps_place;
   Place start_place = {};  // of `start`, if the move has it
 };
+
+/// The kinetic of a track with Timing::frames, written or not.
+MoveKinetic kinetic_of(const MoveTrack& track);
 
 /// Reads and checks a move. Throws InputError at the first thing that is wrong.
 MoveFile read_move_file(const std::filesystem::path& path);

@@ -106,12 +106,13 @@ std::string rewritten(std::string_view text, const WrittenList& list, std::span<
 
 bool same_key(const MoveKey& a, const MoveKey& b) {
   return a.at == b.at && a.tension == b.tension && a.continuity == b.continuity && a.bias == b.bias &&
-         a.frame == b.frame && a.breaks == b.breaks && a.hold == b.hold;
+         a.frame == b.frame && a.breaks == b.breaks && a.hold == b.hold && a.ease == b.ease;
 }
 
 bool same_but_speed(const MoveTrack& a, const MoveTrack& b) {
   return a.axes == b.axes && a.spline == b.spline && a.closed == b.closed && a.weights == b.weights &&
-         a.timing == b.timing && a.kinetic == b.kinetic &&
+         a.timing == b.timing && a.kinetic == b.kinetic && a.rest == b.rest &&
+         a.ease_corners == b.ease_corners && a.overshoot == b.overshoot &&
          std::equal(a.keys.begin(), a.keys.end(), b.keys.begin(), b.keys.end(), same_key);
 }
 

@@ -70,7 +70,7 @@ CurveFrame FittedTrack::frame_of(std::span<const double> baseline) const {
   };
   if (const std::optional<KeyTiming<double>>& timing = solved().key_timing()) {
     for (const KeyLock& lock : timing->locks) {
-      const double begin = lock.frame * f / frames();
+      const double begin = timing->frame_of(lock, frames()) * f / frames();
       const double end = (lock.frame + lock.hold) * f / frames();
       fix(begin);
       if (lock.hold == 0) continue;

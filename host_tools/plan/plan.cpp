@@ -28,8 +28,10 @@ struct TrackNumbers {
                  .axis_count = static_cast<std::int32_t>(track.axes.size()),
                  .keys = keys,
                  .weights = track.weights,
-                 .shapes = shapes};
+                 .shapes = shapes,
+                 .overshoot = track.overshoot};
     spec.control_values = track.speed;
+    spec.ease_corners = track.ease_corners;
     if (track.timing == Timing::frames) {
       take_key_frames(track, move.frames);
     } else {
@@ -43,11 +45,12 @@ struct TrackNumbers {
   void take_locks(const MoveTrack& track) {
     for (std::size_t k = 0; k < track.keys.size(); ++k) {
       const MoveKey& key = track.keys[k];
-      if (!key.frame && !key.hold) continue;
+      if (!key.frame && !key.hold && !key.ease) continue;
       locks.push_back({.key = static_cast<std::int32_t>(k),
                        .frame = key.frame.value_or(-1),
                        .hold = key.hold.value_or(0),
-                       .breaks = key.breaks});
+                       .breaks = key.breaks,
+                       .ease = key.ease});
     }
     spec.locks = locks;
   }
@@ -66,8 +69,21 @@ struct TrackNumbers {
     }
     if (track.closed && track.keys.size() > 1) key_frames.push_back(frames);
     spec.key_frames = key_frames;
-    const Kinetic usual = track.spline == Spline::linear ? Kinetic::linear : Kinetic::smooth;
-    spec.kinetic = track.kinetic.value_or(usual);
+    const MoveKinetic kinetic = kinetic_of(track);
+    spec.pace = kinetic == MoveKinetic::pace;
+    spec.kinetic = kinetic == MoveKinetic::curves     ? Kinetic::curves
+                   : kinetic == MoveKinetic::monotone ? Kinetic::monotone
+                                                      : Kinetic::linear;
+    const RestingEnds rest = track.rest.value_or(RestingEnds{});
+    spec.rests_at_start = rest.start;
+    spec.rests_at_end = rest.end;
+    if (spec.pace) take_locks(track);
+    for (const MoveKey& key : track.keys) {
+      if (!key.ease || spec.pace) continue;
+      throw InputError(key.place,
+                       R"(ease belongs to a speed curve; remove it, or write kinetic = "pace" (kinetic = )"
+                       R"("curves" eases where it turns back by itself))");
+    }
   }
 };
 
@@ -91,13 +107,22 @@ const Place& place_of(const Error& error, const MoveTrack& track) {
   return track.place;
 }
 
-std::string message_of(const Error& error, const MoveTrack& track) {
+std::string message_of(const Error& error, const MoveTrack& track, std::int32_t frames) {
   std::string where;
   if (error.axis >= 0 && static_cast<std::size_t>(error.axis) < track.axes.size()) {
     where += fmt::format("axis {}: ", in_quotes(track.axes[static_cast<std::size_t>(error.axis)]));
   }
   if (error.key >= 0) where += fmt::format("key {}: ", error.key);
   if (error.frame >= 0) where += fmt::format("frame {}: ", error.frame);
+  const bool is_touch = error.code == ErrorCode::no_solution && error.key >= 0 && error.frame >= 0 &&
+                        track.timing == Timing::speed && track.keys[static_cast<std::size_t>(error.key)].ease;
+  if (is_touch) {
+    const std::int32_t nearest =
+        nearest_touch_frame(error.frame, frames, track.speed.size(), max_lock_values);
+    if (nearest != error.frame) {
+      return fmt::format("{}{}; the nearest frame that is possible is {}", where, error.what, nearest);
+    }
+  }
   return fmt::format("{}{}; {}", where, error.what, error.remedy);
 }
 
@@ -109,7 +134,7 @@ SolvedTrack<double> solve_track(const MoveTrack& track, const MoveFile& move, co
     if (!valid) throw SolverError(valid.error());
     return solved;
   } catch (const SolverError& refused) {
-    throw InputError(place_of(refused.error(), track), message_of(refused.error(), track));
+    throw InputError(place_of(refused.error(), track), message_of(refused.error(), track, move.frames));
   }
 }
 

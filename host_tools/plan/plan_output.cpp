@@ -23,18 +23,23 @@ std::uint64_t hash_of(const MoveFile& move) {
     hash.add(number);
   }
   for (const MoveTrack& track : move.tracks) {
-    const Kinetic kinetic = track.kinetic.value_or(Kinetic::linear);
     hash.add(static_cast<std::int32_t>(track.axes.size()));
     hash.add(static_cast<std::int32_t>(track.spline));
     hash.add(static_cast<std::int32_t>(track.timing));
-    hash.add(static_cast<std::int32_t>(kinetic) + (track.kinetic ? 1 : 0));
+    hash.add(
+        static_cast<std::int32_t>(track.timing == Timing::frames ? kinetic_of(track) : MoveKinetic::linear));
     hash.add(static_cast<std::int32_t>(track.closed));
+    const RestingEnds rest = track.rest.value_or(RestingEnds{});
+    for (const bool flag : {rest.start, rest.end, track.ease_corners, track.overshoot}) {
+      hash.add(static_cast<std::int32_t>(flag));
+    }
     for (const MoveKey& key : track.keys) {
       for (const double value : key.at) hash.add(value);
       for (const double value : {key.tension, key.continuity, key.bias}) hash.add(value);
       hash.add(key.frame.value_or(-1));
       hash.add(key.hold.value_or(0));
       hash.add(static_cast<std::int32_t>(key.breaks));
+      hash.add(static_cast<std::int32_t>(key.ease));
     }
     for (const std::vector<double>* list : {&track.speed, &track.weights}) {
       hash.add(static_cast<std::int32_t>(list->size()));
@@ -48,17 +53,13 @@ const char* name_of(Solver solver) {
   return solver == Solver::closed_form ? "closed-form" : "runge-kutta";
 }
 
-/// s as one number, for people; the table itself keeps segment and t apart.
-double one_number(const PathPoint<double>& point) {
-  return point.segment + point.t;
-}
-
 void write_segments(const Path<double>& path, JsonWriter& json) {
   json.key("segments");
   json.begin_array();
   for (std::int32_t i = 0; i < path.segment_count(); ++i) {
     json.line();
     json.begin_object();
+    if (!path.knots().empty()) json.member("s", path.parameter({i, 0}));
     json.key("coefficients");
     json.begin_array();
     for (const Cubic<double>& cubic : path.segment(i)) {
@@ -81,7 +82,7 @@ void write_table(const SolvedTrack<double>& solved, JsonWriter& json) {
     json.begin_object();
     json.member("frame", frame);
     json.member("alpha", row.alpha);
-    json.member("s", one_number(row.point));
+    json.member("s", solved.track().path().parameter(row.point));  // one number, for people
     json.member("distance", row.distance);
     json.member("speed", row.speed);
     json.member("acceleration", row.acceleration);

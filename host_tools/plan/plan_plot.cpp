@@ -27,11 +27,12 @@ double frame_of_distance(const Track<double>& track, const TwoSum<double>& dista
   return high;
 }
 
-double frame_of_key(const Track<double>& track, std::int32_t key) {
+/// The frame at which a segment begins.
+double frame_of_segment(const Track<double>& track, std::int32_t segment) {
   const auto intervals = track.key_intervals();
-  if (intervals.empty()) return frame_of_distance(track, track.arc_length().segment_begin(key));
-  const auto index = static_cast<std::size_t>(key);
-  return index < intervals.size() ? intervals[index].begin_frame : track.frames();
+  if (intervals.empty()) return frame_of_distance(track, track.arc_length().segment_begin(segment));
+  const auto index = static_cast<std::size_t>(segment);
+  return index < intervals.size() ? intervals[index].begin() : track.frames();
 }
 
 void sample_path(const Track<double>& track, PlotTrack& plot) {
@@ -78,7 +79,7 @@ PlotTrack plot_of_track(const Plan& plan, std::size_t index) {
     for (std::size_t d = 0; d < axes; ++d) plot.keys[d].push_back(key.at[d]);
   }
   for (std::int32_t i = 0; i <= track.path().segment_count(); ++i) {
-    plot.key_frames.push_back(frame_of_key(track, i));
+    if (track.path().key_at(i)) plot.key_frames.push_back(frame_of_segment(track, i));
   }
   plot.key_frames.back() = track.frames();
   const std::string unit = plan.length_unit(index);

@@ -2,13 +2,17 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
+#include "host_tools/plan/smoothest_pace.hpp"
+
 namespace inbetween {
 namespace {
 
 /// At the default delta a segment takes about 20 pieces; what is missing is told by the core.
 constexpr std::size_t usual_pieces_per_segment = 24;
-/// Locked keys and holds may refine a drawn curve up to this many control values.
-constexpr std::size_t max_control_values = 4097;
+/// Of a path over frames, beside a rest.
+constexpr std::size_t max_segments_between_keys = 4;
 
 template <class T>
 const T& value_or_throw(const Result<T>& result) {
@@ -23,7 +27,7 @@ SolverError::SolverError(const Error& error)
 
 template <Precise Real>
 SolvedTrack<Real>::SolvedTrack(const TrackSpec<Real>& spec, Solver solver, const OdeOptions<Real>& ode) {
-  const Path<Real> path = make_path(spec.path);
+  const Path<Real> path = make_path(spec);
   const ArcLength<Real> arc_length = make_arc_length(path, spec.arc_length);
   track_ = make_track(spec, path, arc_length);
   points_.resize(static_cast<std::size_t>(spec.frames) + 1);
@@ -40,13 +44,18 @@ Track<Real> SolvedTrack<Real>::make_track(const TrackSpec<Real>& spec, const Pat
                                           const ArcLength<Real>& arc_length) {
   if (!spec.key_frames.empty()) {
     key_intervals_.resize(static_cast<std::size_t>(path.segment_count()));
-    return value_or_throw(Track<Real>::make_with_key_frames(path, arc_length, spec.key_frames, spec.kinetic,
-                                                            spec.frames, spec.fps,
-                                                            {.key_intervals = key_intervals_}));
+    const Track<Real> track = value_or_throw(Track<Real>::make_with_key_frames(
+        path, arc_length, spec.key_frames, spec.pace ? Kinetic::linear : spec.kinetic, spec.frames, spec.fps,
+        {.key_intervals = key_intervals_}));
+    if (!spec.pace) return track;
   }
   control_values_.assign(spec.control_values.begin(), spec.control_values.end());
   if (control_values_.size() == 1) control_values_.push_back(control_values_.front());
-  if (!spec.locks.empty()) apply_locks(spec, arc_length);
+  if (spec.pace) {
+    apply_pace(spec, find_waypoints(spec, path, arc_length));
+  } else if (!spec.locks.empty() || spec.ease_corners) {
+    apply_locks(spec, find_waypoints(spec, path, arc_length));
+  }
   const SpeedProfile<Real> profile = make_profile(control_values_);
   span_distances_.resize(control_values_.size() + 1);
   portions_.resize(breaks_.size() + 1);
@@ -56,44 +65,120 @@ Track<Real> SolvedTrack<Real>::make_track(const TrackSpec<Real>& spec, const Pat
 }
 
 template <Precise Real>
-void SolvedTrack<Real>::apply_locks(const TrackSpec<Real>& spec, const ArcLength<Real>& arc_length) {
+std::vector<Waypoint> SolvedTrack<Real>::find_waypoints(const TrackSpec<Real>& spec, const Path<Real>& path,
+                                                        const ArcLength<Real>& arc_length) {
+  if (control_values_.empty()) control_values_ = {Real(1), Real(1)};
   // The profile's own checks come first, so that a bad control value is named as such.
-  static_cast<void>(make_profile(control_values_));
-  std::vector<Real> key_distances;
-  for (std::size_t i = 0; i < segment_begins_.size(); ++i) {
-    key_distances.push_back(arc_length.segment_begin(static_cast<std::int32_t>(i)).high);
+  const SpeedProfile<Real> profile = make_profile(control_values_);
+  span_distances_.resize(control_values_.size() + 1);
+  return waypoints_of(value_or_throw(Track<Real>::make(path, arc_length, profile, spec.frames, spec.fps,
+                                                       {.span_distances = span_distances_})));
+}
+
+template <Precise Real>
+void SolvedTrack<Real>::apply_pace(const TrackSpec<Real>& spec, std::span<const Waypoint> waypoints) {
+  PaceSpec pace{.key_distances = {},
+                .key_frames = spec.key_frames,
+                .rests_at_start = spec.rests_at_start,
+                .rests_at_end = spec.rests_at_end};
+  std::vector<double> distances;
+  std::vector<std::int32_t> touches;
+  double length = 0;
+  for (const Waypoint& place : waypoints) {
+    if (!place.is_key) continue;
+    length = place.distance;
+    distances.push_back(length);
+    const bool is_asked = std::ranges::any_of(
+        spec.locks, [&](const KeyLock& lock) { return lock.ease && lock.key == place.key; });
+    if (is_asked || (spec.ease_corners && place.is_corner)) touches.push_back(place.key);
   }
-  const std::size_t rows = spec.locks.size() + 1;
-  std::vector<Real> adjusted(max_control_values);
-  std::vector<Real> drawn(max_control_values);
-  std::vector<Real> mobility(max_control_values);
-  std::vector<Real> ceiling(max_control_values);
+  if (!(length > 0)) return;
+  pace.key_distances = distances;
+  pace.touches = touches;
+  const std::vector<double> values = smoothest_pace(pace);
+  control_values_.assign(values.begin(), values.end());
+}
+
+namespace {
+
+/// The wishes about keys, in the numbers of the waypoints, and a touch at every corner that has no wish.
+std::vector<KeyLock> locks_on(std::span<const Waypoint> waypoints, std::span<const KeyLock> wishes,
+                              bool ease_corners) {
+  std::vector<KeyLock> locks;
+  for (std::size_t i = 0; i < waypoints.size(); ++i) {
+    const Waypoint& place = waypoints[i];
+    const bool is_inside = i > 0 && i + 1 < waypoints.size();
+    const bool eases = ease_corners && place.is_corner && is_inside;
+    bool has_wish = false;
+    for (const KeyLock& wish : wishes) {
+      if (!place.is_key || wish.key != place.key) continue;
+      locks.push_back(wish);
+      locks.back().key = static_cast<std::int32_t>(i);
+      if (eases && wish.hold == 0 && !wish.breaks) locks.back().ease = true;
+      has_wish = true;
+    }
+    if (eases && !has_wish) locks.push_back({.key = static_cast<std::int32_t>(i), .ease = true});
+  }
+  for (const KeyLock& wish : wishes) {  // of no key: refused by its number
+    if (wish.key < 0 || wish.key > waypoints.back().key) locks.push_back(wish);
+  }
+  return locks;
+}
+
+}  // namespace
+
+template <Precise Real>
+void SolvedTrack<Real>::apply_locks(const TrackSpec<Real>& spec, std::span<const Waypoint> waypoints) {
+  const std::vector<KeyLock> wishes = locks_on(waypoints, spec.locks, spec.ease_corners);
+  if (wishes.empty()) return;
+  std::vector<Real> distances;
+  for (const Waypoint& place : waypoints) distances.push_back(static_cast<Real>(place.distance));
+  const std::size_t rows = wishes.size() + 1;
+  std::vector<Real> adjusted(max_lock_values);
+  std::vector<Real> drawn(max_lock_values);
+  std::vector<Real> mobility(max_lock_values);
+  std::vector<Real> ceiling(max_lock_values);
   std::vector<Real> targets(rows);
   std::vector<Real> multipliers(4 * rows);
   std::vector<Real> matrix(rows * rows);
   completed_locks_.resize(rows + 1);
-  const KeyTimingSpec<Real> wishes{.control_values = control_values_,
-                                   .key_distances = key_distances,
-                                   .locks = spec.locks,
-                                   .frames = spec.frames};
-  KeyTiming<Real> timing = value_or_throw(adjust_to_locks<Real>(
-      wishes, {adjusted, drawn, mobility, ceiling, completed_locks_, targets, multipliers, matrix}));
+  const Result<KeyTiming<Real>> adjusting = adjust_to_locks<Real>(
+      {.control_values = control_values_, .key_distances = distances, .locks = wishes, .frames = spec.frames},
+      {adjusted, drawn, mobility, ceiling, completed_locks_, targets, multipliers, matrix});
+  if (!adjusting) {
+    Error error = adjusting.error();
+    const auto place = static_cast<std::size_t>(error.key);
+    if (error.key >= 0 && place < waypoints.size()) error.key = waypoints[place].key;
+    throw SolverError(error);
+  }
+  KeyTiming<Real> timing = *adjusting;
   control_values_.assign(timing.control_values.begin(), timing.control_values.end());
   timing.control_values = control_values_;
   key_timing_ = timing;
-  const std::int32_t last_key = static_cast<std::int32_t>(key_distances.size()) - 1;
-  for (const KeyLock& lock : timing.locks) {
-    const bool inside = lock.key > 0 && lock.key < last_key;
+  for (KeyLock& lock : completed_locks_) {
+    const auto place = static_cast<std::size_t>(lock.key);
+    if (place >= waypoints.size()) continue;  // memory beyond the locks that there are
+    const bool inside = lock.key > 0 && place + 1 < waypoints.size();
+    lock.key = waypoints[place].is_key ? waypoints[place].key : -1;
     if (lock.breaks && inside) breaks_.push_back({lock.key, lock.frame});
   }
 }
 
 template <Precise Real>
-Path<Real> SolvedTrack<Real>::make_path(const PathSpec<Real>& spec) {
-  const auto axes = static_cast<std::size_t>(std::max(spec.axis_count, 1));
-  cubics_.resize(spec.keys.size() + axes);
+Path<Real> SolvedTrack<Real>::make_path(const TrackSpec<Real>& spec) {
+  PathSpec<Real> path = spec.path;
+  const auto axes = static_cast<std::size_t>(std::max(path.axis_count, 1));
+  std::size_t rows = path.keys.size() / axes + 1;
+  if (!spec.key_frames.empty() && !spec.pace && spec.kinetic == Kinetic::curves) {
+    path.key_frames = spec.key_frames;
+    path.rests_at_start = spec.rests_at_start;
+    path.rests_at_end = spec.rests_at_end;
+    rows *= max_segments_between_keys;
+    knots_.resize(rows);
+  }
+  cubics_.resize(rows * axes);
   weights_.resize(axes);
-  return value_or_throw(Path<Real>::make(spec, {cubics_, weights_}));
+  return value_or_throw(Path<Real>::make(path, {cubics_, weights_, knots_}));
 }
 
 template <Precise Real>

@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "host_tools/plan/waypoints.hpp"
 #include "inbetween/path/arc_length.hpp"
 #include "inbetween/path/path.hpp"
 #include "inbetween/timing/frame_table.hpp"
@@ -16,6 +17,9 @@
 /// The core's track with memory from the heap, as large as it needs to be.
 
 namespace inbetween {
+
+/// Locked keys, holds and touches may refine a drawn curve up to this many control values.
+inline constexpr std::size_t max_lock_values = 4097;
 
 /// An error of the core on its way through code that uses exceptions.
 class SolverError : public std::runtime_error {
@@ -39,6 +43,13 @@ struct TrackSpec {
   /// Instead of control values: a frame for every key (of a closed path one more).
   std::span<const std::int32_t> key_frames = {};
   Kinetic kinetic = Kinetic::linear;
+  /// Instead of `kinetic`: the smoothest speed curve that meets the key frames (smoothest_pace).
+  bool pace = false;
+  /// Of curves and a pace: at rest at that end. Of a drawn curve its control values say so.
+  bool rests_at_start = true;
+  bool rests_at_end = true;
+  /// The speed touches 0 wherever the path turns at once. Locks of a pace are its touches.
+  bool ease_corners = false;
 };
 
 /// Path, arc length, speed profile, track and frame table of one spec. Movable, not copyable: its
@@ -62,14 +73,18 @@ class SolvedTrack {
   [[nodiscard]] Track<Real> make_track(const TrackSpec<Real>& spec, const Path<Real>& path,
                                        const ArcLength<Real>& arc_length);
   /// Fills control_values_, and breaks_ with the locks that are breaks.
-  void apply_locks(const TrackSpec<Real>& spec, const ArcLength<Real>& arc_length);
-  [[nodiscard]] Path<Real> make_path(const PathSpec<Real>& spec);
+  void apply_locks(const TrackSpec<Real>& spec, std::span<const Waypoint> waypoints);
+  void apply_pace(const TrackSpec<Real>& spec, std::span<const Waypoint> waypoints);
+  [[nodiscard]] std::vector<Waypoint> find_waypoints(const TrackSpec<Real>& spec, const Path<Real>& path,
+                                                     const ArcLength<Real>& arc_length);
+  [[nodiscard]] Path<Real> make_path(const TrackSpec<Real>& spec);
   [[nodiscard]] ArcLength<Real> make_arc_length(const Path<Real>& path,
                                                 const ArcLengthOptions<Real>& options);
   [[nodiscard]] SpeedProfile<Real> make_profile(std::span<const Real> control_values);
 
   std::vector<Cubic<Real>> cubics_;
   std::vector<Real> weights_;
+  std::vector<FrameKnot> knots_;
   std::vector<ArcPiece<Real>> pieces_;
   std::vector<Real> begins_;
   std::vector<std::int32_t> buckets_;

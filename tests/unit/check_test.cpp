@@ -234,7 +234,7 @@ TEST(Check, ALineThatTurnsBackBetweenKeysIsAStepWithoutAKey) {
     EXPECT_NEAR(step.acceleration, std::abs(after[0].acceleration - before[0].acceleration), 1e-3);
   }
   ASSERT_FALSE(report.fits());
-  EXPECT_THAT(report.refusals[0].message, HasSubstr("move a key so that the path goes round"));
+  EXPECT_THAT(report.refusals[0].message, HasSubstr("let the speed touch 0 there with corners = \"ease\""));
   EXPECT_EQ(smallest_of(plan).frames, std::nullopt);
 }
 
@@ -267,7 +267,7 @@ TEST(Check, AMoveTimedByFramesStepsAtItsCornersAndMeetsItsRollsAtItsEnds) {
   EXPECT_EQ(report.steps[1].frame, 96);
   EXPECT_NEAR(report.steps[1].velocity, 30 / 4.0, 1e-12);
   ASSERT_FALSE(report.fits());
-  EXPECT_THAT(report.refusals[0].message, HasSubstr("time the track by a speed curve"));
+  EXPECT_THAT(report.refusals[0].message, HasSubstr("use spline = \"smooth\" and kinetic = \"curves\""));
 }
 
 /// Product and oracle agree on what steps, where and by how much.

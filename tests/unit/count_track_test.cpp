@@ -222,7 +222,7 @@ TEST_F(CountTrackTimedOtherwise, KeepsTheSpeedOfEveryPortionBetweenBreaks) {
 }
 
 TEST_F(CountTrackTimedOtherwise, KeepsTheFramesOfKeys) {
-  for (const Kinetic kinetic : {Kinetic::linear, Kinetic::smooth}) {
+  for (const Kinetic kinetic : {Kinetic::linear, Kinetic::monotone}) {
     for (const auto& key_frames : {std::array<std::int32_t, 6>{0, 20, 40, 60, 80, 100},
                                    std::array<std::int32_t, 6>{0, 1, 2, 50, 99, 100}}) {
       const Track<double> track = with_key_frames(key_frames, kinetic);

@@ -211,7 +211,9 @@ TEST(FormatsDocument, HasEveryWordThatAFieldMayBe) {
   const std::map<std::string, std::set<std::string>> words = {
       {"spline", words_after(parse_move, with(move, "\"tcb\"", "\"?\""))},
       {"timing", words_after(parse_move, with(move, "\"speed\"", "\"?\""))},
-      {"kinetic", words_after(parse_move, with(move, "kinetic = \"linear\"", "kinetic = \"?\""))},
+      {"kinetic", words_after(parse_move, with(move, "kinetic = \"curves\"", "kinetic = \"?\""))},
+      {"rest", words_after(parse_move, with(move, "rest    = \"both\"", "rest = \"?\""))},
+      {"corners", words_after(parse_move, with(move, "corners = \"pass\"", "corners = \"?\""))},
       {"start", words_after(parse_move, with(move, "\"trigger\"", "\"?\""))},
       {"unit", words_after(parse_rig, with(rig, "\"unit\"", "\"?\""))},
       {"reference", words_after(parse_rig, with(rig, "reference = \"drive\"", "reference = \"?\""))},

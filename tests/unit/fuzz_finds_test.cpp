@@ -278,7 +278,7 @@ TEST(FuzzFinds, ADerivativeBeyondTheRangeIsGivenAsZeroAndReported) {
                                         .frames = 3,
                                         .key_frames = {0, 1, 3},
                                         .fps = quick,
-                                        .kinetic = Kinetic::smooth});
+                                        .kinetic = Kinetic::monotone});
   EXPECT_EQ(motion_at<float>(by_frames, {0, 0}).derivatives, Derivatives::unbounded);
   const auto by_curve = solved<float>(
       {.spline = Spline::linear, .keys = {0, 1e15F}, .speed = {0, 0, 9, 0, 0}, .frames = 3, .fps = quick});

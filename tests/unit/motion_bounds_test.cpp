@@ -149,7 +149,7 @@ TEST(MotionBounds, BreaksHaveTheSpeedOfTheirOwnPortion) {
 TEST(MotionBounds, TimedByFramesAreBoundedToo) {
   const std::vector<double> keys{0, 30, 90, 90};
   const std::vector<std::int32_t> key_frames{0, 12, 48, 72};
-  for (const Kinetic kinetic : {Kinetic::linear, Kinetic::smooth}) {
+  for (const Kinetic kinetic : {Kinetic::linear, Kinetic::monotone}) {
     const TrackSpec<double> spec{.path = {.axis_count = 1, .keys = keys},
                                  .control_values = {},
                                  .frames = 72,

@@ -50,7 +50,7 @@ speed = [1]
 axes = ["pan"]
 spline = "linear"
 timing = "frames"
-kinetic = "smooth"
+kinetic = "monotone"
 keys = [ { at = [0], frame = 0 }, { at = [5], frame = 100 } ]
 )";
 
@@ -138,7 +138,7 @@ TEST(MoveFile, ReadsEveryFieldOfKeysAndTimings) {
   const MoveTrack& pan = move.tracks[1];
   EXPECT_EQ(pan.spline, Spline::linear);
   EXPECT_EQ(pan.timing, Timing::frames);
-  EXPECT_EQ(pan.kinetic, Kinetic::smooth);
+  EXPECT_EQ(pan.kinetic, MoveKinetic::monotone);
   EXPECT_THAT(pan.speed, IsEmpty());
 }
 
@@ -152,8 +152,8 @@ TEST(MoveFile, KnowsEverySplineAndKinetic) {
   EXPECT_EQ(spline("catmull-rom"), Spline::catmull_rom);
   EXPECT_EQ(spline("tcb"), Spline::tcb);
   EXPECT_EQ(spline("linear"), Spline::linear);
-  const MoveFile move = parse_move(with(locked, "kinetic = \"smooth\"", "kinetic = \"linear\""), "m");
-  EXPECT_EQ(move.tracks[1].kinetic, Kinetic::linear);
+  const MoveFile move = parse_move(with(locked, "kinetic = \"monotone\"", "kinetic = \"linear\""), "m");
+  EXPECT_EQ(move.tracks[1].kinetic, MoveKinetic::linear);
 }
 
 TEST(MoveFile, AByteOrderMarkAndWindowsLineEndsChangeNothing) {
@@ -385,7 +385,8 @@ TEST(MoveFile, AnUnknownWordMeetsTheListOfWords) {
   expect_change_refused("keys = [", "spline = @\"smoth\"\nkeys = [",
                         {"spline is \"smoth\"; write \"smooth\", \"catmull-rom\", \"tcb\" or \"linear\""});
   expect_change_refused("keys = [", "timing = @\"frame\"\nkeys = [", {"write \"speed\" or \"frames\""});
-  expect_move_refused(with(locked, "\"smooth\"", "@\"hermite\""), {"write \"linear\" or \"smooth\""});
+  expect_move_refused(with(locked, "\"monotone\"", "@\"hermite\""),
+                      {"write \"linear\", \"curves\", \"pace\" or \"monotone\""});
 }
 
 // ---- numbers
@@ -508,6 +509,19 @@ TEST(MoveFile, ABreakNeedsAFrame) {
 
 TEST(MoveFile, KineticNeedsTimingByFrames) {
   expect_change_refused("keys = [", "kinetic = @\"linear\"\nkeys = [", {"kinetic needs timing = \"frames\""});
+}
+
+TEST(MoveFile, WhatKineticSmoothWasIsCalledMonotone) {
+  expect_move_refused(with(locked, "\"monotone\"", "@\"smooth\""),
+                      {"kinetic is \"smooth\"", "called \"monotone\"", "\"curves\""});
+}
+
+TEST(MoveFile, EaseRestCornersAndOvershootAreRefusedWhereTheyMeanNothing) {
+  expect_change_refused("frame = 150", "frame = 150, hold = 3, ease = @true", {"ease is what a hold does"});
+  expect_change_refused("frame = 150", "frame = 150, break = true, ease = @true", {"ease contradicts break"});
+  expect_change_refused("keys = [", "rest = @\"none\"\nkeys = [", {"rest needs timing = \"frames\""});
+  expect_change_refused("keys = [", "spline = \"linear\"\novershoot = @false\nkeys = [",
+                        {"overshoot has a meaning with spline = \"smooth\""});
 }
 
 // ---- speed and weights

@@ -173,7 +173,7 @@ axes = ["focus"]
 keys = [ { at = [3], frame = 0 }, { at = [9], frame = 90 }, { at = [4], frame = 170 }, { at = [5], frame = 240 } ]
 spline = "catmull-rom"
 timing = "frames"
-kinetic = "smooth"
+kinetic = "monotone"
 [[track]]
 axes = ["zoom", "iris"]
 keys = [ { at = [0, 1] }, { at = [20, 2], frame = 100, hold = 12 }, { at = [30, 4] } ]

@@ -211,7 +211,7 @@ TEST(KeyFrames, LinearOnLinearPathsIsPlainKeyFrameInterpolation) {
 }
 
 TEST(KeyFrames, EveryKeyIsPassedOnItsFrameToTheLastBit) {
-  for (const Kinetic kinetic : {Kinetic::linear, Kinetic::smooth}) {
+  for (const Kinetic kinetic : {Kinetic::linear, Kinetic::monotone}) {
     const Drawing drawing = keys_on_frames(kinetic);
     const SolvedTrack<double> track = solved(drawing);
     EXPECT_FALSE(track.track().has_profile());
@@ -225,7 +225,7 @@ TEST(KeyFrames, EveryKeyIsPassedOnItsFrameToTheLastBit) {
 }
 
 TEST(KeyFrames, SmoothNeverGoesBackAndHasNoJumpOfTheRateAtAKey) {
-  const Drawing drawing = keys_on_frames(Kinetic::smooth);
+  const Drawing drawing = keys_on_frames(Kinetic::monotone);
   const SolvedTrack<double> track = solved(drawing);
   double before = 0;
   for (std::int32_t step = 0; step <= 3200; ++step) {
@@ -250,7 +250,7 @@ TEST(KeyFrames, SmoothNeverGoesBackAndHasNoJumpOfTheRateAtAKey) {
 }
 
 TEST(KeyFrames, SmoothKeepsEvenlyTimedKeysAtAnEvenRate) {
-  Drawing drawing = keys_on_frames(Kinetic::smooth);
+  Drawing drawing = keys_on_frames(Kinetic::monotone);
   drawing.key_frames = {0, 25, 50, 75, 100};
   const SolvedTrack<double> track = solved(drawing);
   for (std::int32_t frame = 0; frame <= 100; ++frame)
@@ -258,7 +258,7 @@ TEST(KeyFrames, SmoothKeepsEvenlyTimedKeysAtAnEvenRate) {
 }
 
 TEST(KeyFrames, VelocityAndAccelerationAreTheDerivativesOfThePosition) {
-  for (const Kinetic kinetic : {Kinetic::linear, Kinetic::smooth}) {
+  for (const Kinetic kinetic : {Kinetic::linear, Kinetic::monotone}) {
     const SolvedTrack<double> track = solved(keys_on_frames(kinetic));
     const double h = 1e-4;
     for (const std::int32_t frame : {0, 13, 20, 50, 69, 72, 90, 99}) {
@@ -283,7 +283,7 @@ TEST(KeyFrames, VelocityAndAccelerationAreTheDerivativesOfThePosition) {
 }
 
 TEST(KeyFrames, AClosedPathReturnsToItsFirstKeyOnTheLastFrame) {
-  for (const Kinetic kinetic : {Kinetic::linear, Kinetic::smooth}) {
+  for (const Kinetic kinetic : {Kinetic::linear, Kinetic::monotone}) {
     const SolvedTrack<double> track = solved({.closed = true,
                                               .keys = {10, 0, 42, 60, 90, 80},
                                               .key_frames = {0, 20, 70, 100},
@@ -297,7 +297,7 @@ TEST(KeyFrames, AClosedPathReturnsToItsFirstKeyOnTheLastFrame) {
 }
 
 TEST(KeyFrames, AKeyWrittenTwiceIsHeldBetweenItsTwoFrames) {
-  Drawing drawing = keys_on_frames(Kinetic::smooth);
+  Drawing drawing = keys_on_frames(Kinetic::monotone);
   drawing.spline = Spline::linear;
   drawing.keys = {10, 0, 42, 60, 42, 60, 150, 0, 160, -40};
   const SolvedTrack<double> track = solved(drawing);
@@ -321,7 +321,7 @@ TEST(KeyFrames, WhatIsNotAFrameForEveryKeyInOrderIsRefusedWithTheKey) {
                                    {{0, 20, 70, 100, 100}, ErrorCode::out_of_range, 4, 100},
                                    {{0, 20, 70, 100}, ErrorCode::wrong_count, -1, -1}};
   for (const Case& each : cases) {
-    Drawing drawing = keys_on_frames(Kinetic::smooth);
+    Drawing drawing = keys_on_frames(Kinetic::monotone);
     drawing.key_frames = each.frames;
     const Error error = refusal(drawing);
     EXPECT_EQ(error.code, each.code) << error.what;

@@ -1,5 +1,7 @@
 #include "motion_enclosure.hpp"
 
+#include "limits/lock_share.hpp"
+
 namespace inbetween {
 namespace {
 
@@ -216,7 +218,23 @@ bool MotionEnclosure<Real>::turns_back(const Stretch<Real>& stretch, bool at_end
   const AnchoredInterval<Real>& interval = stretch.path.interval;
   if (!interval.stands_still || interval.anchor <= 0 || interval.anchor >= 1) return false;
   if ((at_end ? stretch.tau_end : stretch.tau_begin) > 0) return false;
-  return centred(stretch.time.speed, at_end ? stretch.end : stretch.begin, Real(0)).value > 0;
+  const Real x = at_end ? stretch.end : stretch.begin;
+  if (!(centred(stretch.time.speed, x, Real(0)).value > 0)) return false;
+  // The speed of a touch rises with the third power of time: beside it the place may be off by what a lock
+  // promises while the speed is far above rounding.
+  const auto touches = [&](Real knot) {
+    const auto way = [&](Real at) {
+      const std::array<Real, 4>& c = stretch.time.speed;
+      return at * (c[0] + at * (c[1] / 2 + at * (c[2] / 3 + at * c[3] / 4)));
+    };
+    Real size = 0;
+    for (const Real c : stretch.time.speed) size += std::fabs(c);
+    const bool is_still =
+        centred(stretch.time.speed, knot, Real(0)).value <= 8 * std::numeric_limits<Real>::epsilon() * size;
+    const Real beside = std::fabs(way(x) - way(knot)) * stretch.time.seconds;
+    return is_still && beside <= lock_share<Real> * track_.arc_length().total();
+  };
+  return !touches(Real(0)) && !touches(Real(1));
 }
 
 template class MotionEnclosure<double>;

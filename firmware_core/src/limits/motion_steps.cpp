@@ -4,14 +4,11 @@
 #include <limits>
 
 #include "base/scaled_norm.hpp"
+#include "limits/lock_share.hpp"
 #include "path/segment_speed.hpp"
 
 namespace inbetween {
 namespace {
-
-/// Twice what a lock promises, as a share of the length.
-template <Precise Real>
-inline constexpr Real lock_share = std::numeric_limits<Real>::digits > 30 ? Real(2e-12) : Real(2e-5);
 
 /// Speed and acceleration along the path.
 template <Precise Real>
@@ -175,7 +172,7 @@ Real add_key_of_frames(const Track<Real>& track, std::int32_t key, std::span<Axi
   if (key > 0) add_interval(track, key - 1, Real(1), Real(-1), out);
   if (key >= segments) return static_cast<Real>(track.frames());
   add_interval(track, key, Real(0), Real(1), out);
-  return static_cast<Real>(track.key_intervals()[static_cast<std::size_t>(key)].begin_frame);
+  return track.key_intervals()[static_cast<std::size_t>(key)].begin();
 }
 
 /// The constants with which the curve arrives at a place and leaves it, and the place itself: where a portion

@@ -39,7 +39,11 @@ bool is_moving(const Track<Real>& track, RollEnd end) {
   if (!track.has_profile()) {
     const std::span<const KeyInterval<Real>> intervals = track.key_intervals();
     const KeyInterval<Real>& interval = at_start ? intervals.front() : intervals.back();
-    return interval.rates(at_start ? Real{0} : Real{1}, track.frame_rate()).first != 0;
+    const Path<Real>& path = track.path();
+    const bool path_moves =
+        std::ranges::any_of(path.segment(at_start ? 0 : path.segment_count()),
+                            [](const Cubic<Real>& cubic) { return cubic.c1 != 0 || cubic.c2 != 0; });
+    return path_moves && interval.rates(at_start ? Real{0} : Real{1}, track.frame_rate()).first != 0;
   }
   const SpeedProfile<Real>& profile = track.profile();
   return (at_start ? profile.span(0).b0 : profile.span(profile.span_count() - 1).b3) > 0;

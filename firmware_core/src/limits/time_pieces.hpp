@@ -151,8 +151,8 @@ class StretchWalk {
 
   [[nodiscard]] TimePiece<Real> piece_of(const KeyInterval<Real>& interval) const {
     TimePiece<Real> piece;
-    piece.frames = static_cast<Real>(interval.frames);
-    piece.first_frame = static_cast<Real>(interval.begin_frame);
+    piece.frames = interval.duration();
+    piece.first_frame = interval.begin();
     piece.seconds = piece.frames * frame_seconds_;
     piece.speed = {interval.c1 / piece.seconds, 2 * interval.c2 / piece.seconds,
                    3 * interval.c3 / piece.seconds, 0};

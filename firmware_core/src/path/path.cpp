@@ -5,6 +5,8 @@
 #include <limits>
 
 #include "base/scaled_norm.hpp"
+#include "path/frame_curves.hpp"
+#include "path/tcb_tangent.hpp"
 
 namespace inbetween {
 namespace {
@@ -28,6 +30,7 @@ class Construction {
  public:
   Construction(const PathSpec<Real>& spec, const PathMemory<Real>& memory)
       : spec_(spec),
+        memory_(memory),
         cubics_(memory.cubics),
         axes_(static_cast<std::size_t>(spec.axis_count)),
         keys_(spec.keys.size() / axes_),
@@ -38,6 +41,12 @@ class Construction {
   }
 
   void build() {
+    if (!spec_.key_frames.empty()) {
+      FrameCurves<Real> curves(spec_, memory_);
+      segments_ = curves.segments();
+      curves.write();
+      return append_continuation();
+    }
     switch (spec_.spline) {
       case Spline::linear:
         for (std::size_t i = 0; i < segments_; ++i) straight(i);
@@ -50,6 +59,7 @@ class Construction {
         build_tcb();
         break;
     }
+    if (!spec_.overshoot) limit_slopes();
     append_continuation();
   }
 
@@ -65,7 +75,7 @@ class Construction {
       return Error{.code = ErrorCode::out_of_range,
                    .what = "the path swings beyond the range of numbers after this key",
                    .remedy = "make the weights less unequal, or use a spline that is not smooth",
-                   .key = static_cast<std::int32_t>(i / axes_),
+                   .key = key_of(i / axes_),
                    .axis = static_cast<std::int32_t>(i % axes_)};
     }
     return Done{};
@@ -87,7 +97,7 @@ class Construction {
             .code = ErrorCode::unmeasured,
             .what = "an axis moves after this key, but with its weight of 0 the path has no length there",
             .remedy = "give the axis a weight above 0, or a track of its own",
-            .key = static_cast<std::int32_t>(i),
+            .key = key_of(i),
             .axis = moving_axis};
       }
     }
@@ -103,6 +113,11 @@ class Construction {
     return spec_.keys[(i < keys_ ? i : i - keys_) * axes_ + d];
   }
   [[nodiscard]] Real chord(std::size_t i, std::size_t d) const { return key(i + 1, d) - key(i, d); }
+  /// The key from which a segment leads.
+  [[nodiscard]] std::int32_t key_of(std::size_t segment) const {
+    const bool by_frames = !spec_.key_frames.empty();
+    return static_cast<std::int32_t>(by_frames ? FrameCurves<Real>(spec_, memory_).key_of(segment) : segment);
+  }
   [[nodiscard]] Cubic<Real>& cubic(std::size_t i, std::size_t d) { return cubics_[i * axes_ + d]; }
 
   void straight(std::size_t i) {
@@ -113,26 +128,12 @@ class Construction {
     for (std::size_t i = 0; i < segments_; ++i) {
       for (std::size_t d = 0; d < axes_; ++d) {
         const Real delta = chord(i, d);
-        const Real leaving = tangent(i, d, +1);
-        const Real arriving = tangent(i + 1, d, -1);
+        const Real leaving = tcb_tangent(spec_, i, d, KeySide::leaving);
+        const Real arriving = tcb_tangent(spec_, i + 1, d, KeySide::arriving);
         cubic(i, d) = {key(i, d), leaving, 3 * delta - 2 * leaving - arriving,
                        leaving + arriving - 2 * delta};
       }
     }
-  }
-
-  /// Kochanek and Bartels' source (side -1, arriving) and destination (side +1, leaving) derivative.
-  [[nodiscard]] Real tangent(std::size_t i, std::size_t d, int side) const {
-    const bool has_previous = spec_.closed || i > 0;
-    const bool has_next = spec_.closed || i + 1 < keys_;
-    const std::size_t k = i < keys_ ? i : i - keys_;
-    const Real before = has_previous ? chord(k > 0 ? k - 1 : keys_ - 1, d) : chord(k, d);
-    const Real after = has_next ? chord(k, d) : before;
-    const bool shaped = spec_.spline == Spline::tcb && !spec_.shapes.empty();
-    const KeyShape<Real> shape = shaped ? spec_.shapes[k] : KeyShape<Real>{};
-    const Real continuity = static_cast<Real>(side) * shape.continuity;
-    return (1 - shape.tension) / 2 *
-           ((1 + continuity) * (1 + shape.bias) * before + (1 - continuity) * (1 - shape.bias) * after);
   }
 
   // The smooth spline. Neighbouring equal keys share a knot, so the unknowns are the second
@@ -259,6 +260,50 @@ class Construction {
     }
   }
 
+  /// Fritsch and Carlson 1980: slopes of one sign, none above 3 times either chord's, make a cubic monotone.
+  /// A segment without length keeps its straight line, and no slope goes through it.
+  void limit_slopes() {
+    for (std::size_t d = 0; d < axes_; ++d) {
+      Real leaving = limited_slope(0, d);
+      const Real first = leaving;
+      for (std::size_t i = 0; i < segments_; ++i) {
+        const bool is_ring = spec_.closed && i + 1 == segments_;
+        const Real next = is_ring ? first : limited_slope(i + 1, d);
+        Cubic<Real>& c = cubic(i, d);
+        if (duration(i) > 0) {
+          const Real out = leaving * duration(i);
+          const Real in = next * duration(i);
+          const Real delta = chord(i, d);
+          if (out != c.c1 || in != c.derivative(1))
+            c = {c.c0, out, 3 * delta - 2 * out - in, out + in - 2 * delta};
+        }
+        leaving = next;
+      }
+    }
+  }
+  /// How long a segment takes on the parameter on which the path is C1; 0 where it has no length.
+  [[nodiscard]] Real duration(std::size_t i) const {
+    if (spec_.spline != Spline::smooth) return 1;
+    return same_knot(i) ? Real(0) : std::sqrt(scaled_chord(i));
+  }
+  /// The slope at key i, before the cubic of the segment that begins there is changed.
+  [[nodiscard]] Real limited_slope(std::size_t i, std::size_t d) {
+    const auto slope_of_chord = [&](std::size_t k) {
+      return duration(k) > 0 ? chord(k, d) / duration(k) : Real(0);
+    };
+    const bool has_before = i > 0 || spec_.closed;
+    const bool has_behind = i < segments_;
+    const std::size_t before = i > 0 ? i - 1 : segments_ - 1;
+    const Real one = slope_of_chord(has_before ? before : i);
+    const Real other = slope_of_chord(has_behind ? i : before);
+    if (!(one * other > 0)) return 0;
+    const Real time = duration(has_behind ? i : before);
+    const Real slope = (has_behind ? cubic(i, d).c1 : cubic(before, d).derivative(1)) / time;
+    const Real most = 3 * std::min(std::fabs(one), std::fabs(other));
+    if (slope * one <= 0) return 0;
+    return slope > most ? most : (slope < -most ? -most : slope);
+  }
+
   void append_continuation() {
     for (std::size_t d = 0; d < axes_; ++d) {
       Cubic<Real>& end = cubic(segments_, d);
@@ -267,11 +312,12 @@ class Construction {
         continue;
       }
       const Cubic<Real>& c = cubic(segments_ - 1, d);
-      end = {key(segments_, d), c.derivative(1), c.c2 + 3 * c.c3, c.c3};
+      end = {key(spec_.closed ? keys_ : keys_ - 1, d), c.derivative(1), c.c2 + 3 * c.c3, c.c3};
     }
   }
 
   const PathSpec<Real>& spec_;
+  PathMemory<Real> memory_;
   std::span<Cubic<Real>> cubics_;
   std::span<const Real> weights_;
   std::size_t axes_;
@@ -342,11 +388,38 @@ Status check_numbers(const PathSpec<Real>& spec) {
 }
 
 template <Precise Real>
+Status check_key_frames(const PathSpec<Real>& spec) {
+  const std::span<const std::int32_t> frames = spec.key_frames;
+  if (frames.empty()) return Done{};
+  const std::size_t keys = spec.keys.size() / static_cast<std::size_t>(spec.axis_count);
+  if (keys < 2 || frames.size() != keys + (spec.closed ? 1 : 0)) {
+    return Error{.code = ErrorCode::wrong_count,
+                 .what = "a path over frames needs two keys, and a frame for every key",
+                 .remedy = "give every key its frame; a closed path one more, for the return to key 0"};
+  }
+  for (std::size_t k = 1; k < frames.size(); ++k) {
+    // In 64 bits, because any two frames are allowed here.
+    const std::int64_t step = static_cast<std::int64_t>(frames[k]) - frames[k - 1];
+    if (step > 0 && step <= std::numeric_limits<std::int32_t>::max()) continue;
+    return Error{.code = ErrorCode::out_of_range,
+                 .what = "this key is not behind the key before it in time",
+                 .remedy = "give it a later frame",
+                 .key = static_cast<std::int32_t>(k),
+                 .frame = frames[k]};
+  }
+  return Done{};
+}
+
+template <Precise Real>
 Status check_memory(const PathSpec<Real>& spec, const PathMemory<Real>& memory) {
   const auto axes = static_cast<std::size_t>(spec.axis_count);
   const std::size_t keys = spec.keys.size() / axes;
-  const std::size_t rows = spec.closed && keys > 1 ? keys + 1 : keys;
-  if (memory.cubics.size() < rows * axes || memory.weights.size() < axes) {
+  const bool by_frames = !spec.key_frames.empty();
+  const std::size_t segments =
+      by_frames ? FrameCurves<Real>(spec, memory).segments() : (spec.closed && keys > 1 ? keys : keys - 1);
+  const std::size_t rows = segments + 1;
+  if (memory.cubics.size() < rows * axes || memory.weights.size() < axes ||
+      (by_frames && memory.knots.size() < segments)) {
     return Error{.code = ErrorCode::capacity,
                  .what = "the path has more keys and axes than its memory",
                  .remedy = "give it a larger capacity",
@@ -361,6 +434,7 @@ template <Precise Real>
 Result<Path<Real>> Path<Real>::make(const PathSpec<Real>& spec, const PathMemory<Real>& memory) {
   if (const Status counts = check_counts(spec); !counts) return counts.error();
   if (const Status numbers = check_numbers(spec); !numbers) return numbers.error();
+  if (const Status frames = check_key_frames(spec); !frames) return frames.error();
   if (const Status enough = check_memory(spec, memory); !enough) return enough.error();
 
   Construction<Real> construction(spec, memory);
@@ -375,6 +449,7 @@ Result<Path<Real>> Path<Real>::make(const PathSpec<Real>& spec, const PathMemory
   path.cubics_ =
       memory.cubics.first((construction.segments() + 1) * static_cast<std::size_t>(spec.axis_count));
   path.weights_ = construction.weights();
+  if (!spec.key_frames.empty()) path.knots_ = memory.knots.first(construction.segments());
   path.spline_ = spec.spline;
   path.closed_ = spec.closed;
   return path;

@@ -89,19 +89,24 @@ class SpanCutter {
     }
     finish();
   }
-  /// A frame for every key: each interval is a portion.
+  /// A frame for every key: the time between two keys is a portion.
   void cut_intervals() {
-    constexpr std::int32_t parts = min_pieces_per_segment<Real>;
+    constexpr std::int32_t per_part = min_pieces_per_segment<Real>;
+    std::int32_t first = 0;
     std::int32_t segment = 0;
     for (const KeyInterval<Source>& interval : track_.key_intervals()) {
-      const std::int32_t first = span_count_;
-      for (std::int32_t i = 0; i < parts; ++i) add_interval_span(interval, segment, part_of(i, parts));
+      if (interval.part == 0) first = span_count_;
+      for (std::int32_t i = 0; i < per_part; ++i) {
+        add_interval_span(interval, segment, part_of(i, per_part));
+      }
+      ++segment;
+      if (interval.part + 1 < interval.parts) continue;
+      const std::int32_t spans = per_part * interval.parts;
       add_portion({.begin_frame = interval.begin_frame,
                    .frames = interval.frames,
-                   .spans = parts,
-                   .phase = first * interval.frames - interval.begin_frame * parts,
+                   .spans = spans,
+                   .phase = first * interval.frames - interval.begin_frame * spans,
                    .last_span = span_count_ - 1});
-      ++segment;
     }
     finish();
   }
@@ -188,9 +193,10 @@ class SpanCutter {
 template <Precise Real, Precise Source>
 CountSizes count_sizes(const Track<Source>& track) {
   if (!track.has_profile()) {
-    const std::size_t intervals = track.key_intervals().size();
-    const std::size_t parts = intervals * static_cast<std::size_t>(min_pieces_per_segment<Real>);
-    return {.portions = intervals, .spans = parts, .pieces = parts};
+    const std::span<const KeyInterval<Source>> intervals = track.key_intervals();
+    const std::size_t parts = intervals.size() * static_cast<std::size_t>(min_pieces_per_segment<Real>);
+    const auto portions = std::ranges::count(intervals, 0, &KeyInterval<Source>::part);
+    return {.portions = static_cast<std::size_t>(portions), .spans = parts, .pieces = parts};
   }
   CountSizes sizes{.portions = std::max<std::size_t>(track.portions().size(), 1), .spans = 0, .pieces = 0};
   for (std::size_t i = 0; i < sizes.portions; ++i) {

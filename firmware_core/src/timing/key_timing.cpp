@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "inbetween/timing/speed_profile.hpp"
 #include "timing/lock_frames.hpp"
@@ -10,6 +11,10 @@
 
 namespace inbetween {
 namespace {
+
+/// A touch takes about two spans on either side of its knot: so many spans to one that was drawn leave the
+/// curve as drawn from one drawn span away on.
+constexpr std::int32_t spans_to_touch = 4;
 
 /// The exact curve on twice as many spans, natural ends kept (Lane and Riesenfeld 1980). In place.
 template <Precise Real>
@@ -72,7 +77,7 @@ class Adjustment {
         refine(memory_.drawn, f / 2);
       }
       if (spec_.key_distances.back() <= 0) return as_drawn();
-      if (!is_fine_enough(f)) continue;
+      if (!is_fine_enough(f) || !find_knots(f)) continue;
       const std::int32_t row = attempt(f);
       if (row < 0) return timing(f, refinements);
       blame(locks_[static_cast<std::size_t>(row) + 1]);
@@ -97,6 +102,51 @@ class Adjustment {
     return !hold_is_too_short_;
   }
 
+  /// The knots on which the eased keys are met. False where a finer curve is needed: a locked frame lies off
+  /// the knots, there is no room for the touch, or it would be as wide as what was drawn.
+  bool find_knots(std::int32_t f) {
+    const bool may_refine = 2 * static_cast<std::size_t>(f) < memory_.adjusted.size();
+    const bool is_coarse = f / drawn_f_ < spans_to_touch && may_refine;
+    bool found = true;
+    touch_is_off_knot_ = false;
+    for (std::size_t i = 0; i < locks_.size(); ++i) {
+      KeyLock& lock = memory_.locks[i];
+      lock.knot = -1;
+      if (!lock.ease) continue;
+      const std::int64_t scaled = static_cast<std::int64_t>(lock.frame) * f;
+      const bool off_knot = is_locked(lock) && scaled % spec_.frames != 0;
+      const std::int32_t knot =
+          touched_knot(static_cast<std::int32_t>((scaled + spec_.frames / 2) / spec_.frames), f);
+      const bool has_room = knot >= 3 && knot + 3 <= f && f <= std::numeric_limits<std::int16_t>::max();
+      lock.knot = static_cast<std::int16_t>(has_room ? knot : -1);
+      if (!off_knot && has_room && (!is_coarse || touches(knot, f))) continue;
+      found = false;
+      touch_is_off_knot_ = off_knot;
+      blame(lock);
+    }
+    return found;
+  }
+  /// Whether the drawn curve touches 0 at a knot already.
+  [[nodiscard]] bool touches(std::int32_t knot, std::int32_t f) const {
+    if (knot < 1 || knot >= f) return false;
+    const auto values = memory_.drawn.subspan(static_cast<std::size_t>(knot) - 1, 3);
+    return std::ranges::all_of(values, [](Real value) { return value == 0; });
+  }
+  /// A neighbour at which the curve touches 0 already, as one does that was adjusted before; else the knot.
+  [[nodiscard]] std::int32_t touched_knot(std::int32_t knot, std::int32_t f) const {
+    const std::int32_t reach = f / spec_.frames + 1;  // the frame of the key is a whole one
+    for (std::int32_t away = 0; away <= reach; ++away) {
+      if (touches(knot - away, f)) return knot - away;
+      if (touches(knot + away, f)) return knot + away;
+    }
+    return knot;
+  }
+  /// Whether the author gave the key its frame.
+  [[nodiscard]] bool is_locked(const KeyLock& lock) const {
+    return std::ranges::any_of(spec_.locks,
+                               [&](const KeyLock& wish) { return wish.key == lock.key && wish.frame >= 0; });
+  }
+
   void blame(const KeyLock& lock) {
     unmet_key_ = lock.key;
     unmet_frame_ = lock.frame;
@@ -111,7 +161,7 @@ class Adjustment {
       memory_.ceiling[i] = is_rest<Real>(drawn, i) ? Real(0) : Real(largest_control_value);
     }
     for (const KeyLock& lock : locks_) {
-      if (lock.hold > 0) rest_at(lock, curve, f);
+      if (lock.hold > 0 || lock.ease) rest_at(lock, curve, f);
     }
     set_mobility(f);
     stop_between_equal_keys(curve);
@@ -165,19 +215,21 @@ class Adjustment {
     return spec_.key_distances[static_cast<std::size_t>(lock.key)];
   }
 
+  /// Without a hold the curve touches 0 at a knot: three values are 0.
   void rest_at(const KeyLock& lock, const NearestCurve<Real>& curve, std::int32_t f) {
     const Real begin = curve.a(lock);
-    const Real end = curve.a({.key = lock.key, .frame = lock.frame + lock.hold});
+    const Real end = lock.hold > 0 ? curve.a_of_frame(lock.frame + lock.hold) : begin;
     const Real ramp = static_cast<Real>(f) / static_cast<Real>(drawn_f_);  // one drawn span
+    const bool is_drawn = lock.ease && touches(lock.knot, f);
     for (std::int32_t i = 0; i <= f; ++i) {
       const auto here = static_cast<Real>(i);
       const Real away = here < begin ? begin - 2 - here : here - end - 2;
-      const auto index = static_cast<std::size_t>(i);
+      const auto value = static_cast<std::size_t>(i);
       if (away < 0) {
-        memory_.drawn[index] = 0;
-        memory_.ceiling[index] = 0;
-      } else {
-        memory_.drawn[index] *= smooth_step((away + 1) / (ramp + 1));
+        memory_.drawn[value] = 0;
+        memory_.ceiling[value] = 0;
+      } else if (!is_drawn) {
+        memory_.drawn[value] *= smooth_step((away + 1) / (ramp + 1));
       }
     }
   }
@@ -209,6 +261,14 @@ class Adjustment {
   }
 
   [[nodiscard]] Error unmet(std::int64_t needed) const {
+    if (touch_is_off_knot_) {
+      return {.code = ErrorCode::no_solution,
+              .what = "the speed can touch 0 only on a knot of the speed curve, and this frame is on none",
+              .remedy = "lock it on the nearest frame that is (nearest_touch_frame), or remove its frame",
+              .key = unmet_key_,
+              .frame = unmet_frame_,
+              .needed = needed};
+    }
     return {.code = ErrorCode::no_solution,
             .what = hold_is_too_short_ ? "the speed curve has too few control values for a hold this short"
                                        : "no speed curve from 0 to 100 meets this key on its frame",
@@ -225,6 +285,7 @@ class Adjustment {
   std::span<const KeyLock> locks_;
   std::int32_t drawn_f_;
   bool hold_is_too_short_ = false;
+  bool touch_is_off_knot_ = false;
   std::int32_t unmet_key_ = -1;
   std::int32_t unmet_frame_ = -1;
 };
@@ -258,6 +319,14 @@ Result<KeyTiming<Real>> adjust_to_locks(const KeyTimingSpec<Real>& spec,
   const Result<std::size_t> count = complete_locks(spec, memory.locks);
   if (!count) return count.error();
   return Adjustment<Real>(spec, memory, *count).run();
+}
+
+std::int32_t nearest_touch_frame(std::int32_t frame, std::int32_t frames, std::size_t control_values,
+                                 std::size_t max_control_values) {
+  auto f = static_cast<std::int64_t>(std::max<std::size_t>(control_values, 2)) - 1;
+  while (2 * f < static_cast<std::int64_t>(max_control_values)) f *= 2;
+  const std::int64_t step = frames / std::gcd(static_cast<std::int64_t>(frames), f);
+  return static_cast<std::int32_t>((frame + step / 2) / step * step);
 }
 
 template Result<KeyTiming<double>> adjust_to_locks(const KeyTimingSpec<double>&,

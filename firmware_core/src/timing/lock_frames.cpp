@@ -2,7 +2,7 @@
 
 #include <limits>
 
-#include "timing/integral_row.hpp"
+#include "inbetween/timing/integral_row.hpp"
 
 namespace inbetween {
 namespace {
@@ -88,6 +88,10 @@ Result<std::size_t> complete_locks(const KeyTimingSpec<Real>& spec, std::span<Ke
   }
   for (std::size_t i = 0; i < spec.locks.size(); ++i) {
     KeyLock lock = spec.locks[i];
+    if (lock.ease && (lock.key == 0 || lock.key == last_key)) {
+      return wish_error("the speed eases at an end of the move by the curve itself",
+                        "remove ease, and draw 0, 0 at that end of the speed curve", lock);
+    }
     if (lock.frame < 0) lock.frame = arrival_frame(spec, i);
     const std::int32_t end = lock.frame + lock.hold;
     if (end > spec.frames) {

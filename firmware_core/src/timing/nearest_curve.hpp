@@ -7,8 +7,8 @@
 #include <limits>
 #include <span>
 
+#include "inbetween/timing/integral_row.hpp"
 #include "inbetween/timing/key_timing.hpp"
-#include "timing/integral_row.hpp"
 
 /// The quadratic program of the locked keys.
 
@@ -40,7 +40,10 @@ class NearestCurve {
   [[nodiscard]] IntegralRow<Real> row(std::size_t r) const { return {a(locks_[r]), a(locks_[r + 1]), f_}; }
   /// Where a lock stands on the curve.
   [[nodiscard]] Real a(const KeyLock& lock) const {
-    return static_cast<Real>(lock.frame) * static_cast<Real>(f_) / static_cast<Real>(frames_);
+    return lock.knot >= 0 ? static_cast<Real>(lock.knot) : a_of_frame(lock.frame);
+  }
+  [[nodiscard]] Real a_of_frame(std::int32_t frame) const {
+    return static_cast<Real>(frame) * static_cast<Real>(f_) / static_cast<Real>(frames_);
   }
 
   /// The index of a row that stays unmet, or -1.

@@ -73,6 +73,41 @@ class MonotoneSlopes {
   std::span<const std::int32_t> frames_;
 };
 
+template <Precise Real>
+Status check_key_frames(const Path<Real>& path, std::span<const std::int32_t> key_frames,
+                        std::int32_t frames) {
+  const std::size_t last = static_cast<std::size_t>(path.key_count()) - (path.closed() ? 0 : 1);
+  if (key_frames.size() != last + 1 || path.segment_count() == 0) {
+    return Error{.code = ErrorCode::wrong_count,
+                 .what = "a move timed by frames needs two keys, and a frame for every key",
+                 .remedy = "give every key its frame; a closed path one more, for the return to key 0"};
+  }
+  for (std::size_t i = 0; i <= last; ++i) {
+    const auto key = static_cast<std::int32_t>(i);
+    if (i == 0 && key_frames[i] != 0) {
+      return frame_error("the first key is not on frame 0", "give it frame 0", key, key_frames[i]);
+    }
+    if (i == last && key_frames[i] != frames) {
+      return frame_error("the last key is not on the last frame", "give it the frame of the move's end", key,
+                         key_frames[i]);
+    }
+    if (i > 0 && key_frames[i] <= key_frames[i - 1]) {
+      return frame_error("this key is not behind the key before it in time", "give it a later frame", key,
+                         key_frames[i]);
+    }
+  }
+  return Done{};
+}
+
+/// Curves need a path over frames, and nothing else can use one.
+template <Precise Real>
+Status check_knots(const Path<Real>& path, Kinetic kinetic) {
+  if (path.knots().empty() != (kinetic == Kinetic::curves)) return Done{};
+  return Error{.code = ErrorCode::out_of_range,
+               .what = "the path and the way of timing do not go together",
+               .remedy = "make the path over the frames of its keys for curves, and for nothing else"};
+}
+
 }  // namespace
 
 template <Precise Real>
@@ -174,26 +209,9 @@ Result<Track<Real>> Track<Real>::make_with_key_frames(const Path<Real>& path,
                                                       const TrackMemory<Real>& memory) {
   const SpeedProfile<Real> none = SpeedProfile<Real>::none();
   if (const Status valid = check_time_line(none, frames, fps); !valid) return valid.error();
+  if (const Status keys = check_key_frames(path, key_frames, frames); !keys) return keys.error();
+  if (const Status made = check_knots(path, kinetic); !made) return made.error();
   const auto segments = static_cast<std::size_t>(path.segment_count());
-  if (key_frames.size() != segments + 1 || segments == 0) {
-    return Error{.code = ErrorCode::wrong_count,
-                 .what = "a move timed by frames needs two keys, and a frame for every key",
-                 .remedy = "give every key its frame; a closed path one more, for the return to key 0"};
-  }
-  for (std::size_t i = 0; i <= segments; ++i) {
-    const auto key = static_cast<std::int32_t>(i);
-    if (i == 0 && key_frames[i] != 0) {
-      return frame_error("the first key is not on frame 0", "give it frame 0", key, key_frames[i]);
-    }
-    if (i == segments && key_frames[i] != frames) {
-      return frame_error("the last key is not on the last frame", "give it the frame of the move's end", key,
-                         key_frames[i]);
-    }
-    if (i > 0 && key_frames[i] <= key_frames[i - 1]) {
-      return frame_error("this key is not behind the key before it in time", "give it a later frame", key,
-                         key_frames[i]);
-    }
-  }
   if (memory.key_intervals.size() < segments) {
     return Error{.code = ErrorCode::capacity,
                  .what = "the path has more segments than the memory of the track",
@@ -203,8 +221,14 @@ Result<Track<Real>> Track<Real>::make_with_key_frames(const Path<Real>& path,
   const MonotoneSlopes<Real> slopes(key_frames);
   for (std::size_t i = 0; i < segments; ++i) {
     KeyInterval<Real>& interval = memory.key_intervals[i];
-    interval = {.begin_frame = key_frames[i], .frames = key_frames[i + 1] - key_frames[i]};
-    if (kinetic == Kinetic::smooth) {
+    const FrameKnot knot =
+        kinetic == Kinetic::curves ? path.knots()[i] : FrameKnot{.key = static_cast<std::int32_t>(i)};
+    const auto key = static_cast<std::size_t>(knot.key);
+    interval = {.begin_frame = key_frames[key],
+                .frames = key_frames[key + 1] - key_frames[key],
+                .part = knot.part,
+                .parts = knot.parts};
+    if (kinetic == Kinetic::monotone) {
       const Real d0 = slopes.at(i) * static_cast<Real>(interval.frames);
       const Real d1 = slopes.at(i + 1) * static_cast<Real>(interval.frames);
       interval.c1 = d0;
@@ -225,9 +249,19 @@ const Portion<Real>& Track<Real>::portion_at(std::int32_t frame) const {
 }
 
 template <Precise Real>
-std::size_t Track<Real>::interval_at(std::int32_t frame) const {
-  const auto behind = std::ranges::upper_bound(key_intervals_, frame, {}, &KeyInterval<Real>::begin_frame);
-  return behind == key_intervals_.begin() ? 0 : static_cast<std::size_t>(behind - key_intervals_.begin()) - 1;
+std::size_t Track<Real>::interval_at(const FrameTime<Real>& time) const {
+  const auto behind =
+      std::ranges::upper_bound(key_intervals_, time.frame, {}, &KeyInterval<Real>::begin_frame);
+  if (behind == key_intervals_.begin()) return 0;
+  // The last part between the two keys: the one meant is so many before it.
+  const auto last = static_cast<std::size_t>(behind - key_intervals_.begin()) - 1;
+  const KeyInterval<Real>& interval = key_intervals_[last];
+  if (interval.parts == 1) return last;
+  const Real parts_from_last = interval.u(time);
+  for (std::int32_t back = 0; back < interval.part; ++back) {
+    if (parts_from_last >= static_cast<Real>(-back)) return last - static_cast<std::size_t>(back);
+  }
+  return last - static_cast<std::size_t>(interval.part);
 }
 
 template <Precise Real>
@@ -252,10 +286,9 @@ PathPoint<Real> Track<Real>::special_locate(const FrameTime<Real>& time) const {
 template <Precise Real>
 PathPoint<Real> Track<Real>::key_frame_point(const FrameTime<Real>& time) const {
   if (time.frame >= frames_) return {path_.segment_count(), 0};
-  const std::size_t index = interval_at(time.frame);
+  const std::size_t index = interval_at(time);
   const KeyInterval<Real>& interval = key_intervals_[index];
-  const Real u = (static_cast<Real>(time.frame - interval.begin_frame) + time.fraction) /
-                 static_cast<Real>(interval.frames);
+  const Real u = interval.u(time);
   const Real t = u * (interval.c1 + u * (interval.c2 + u * interval.c3));
   return {static_cast<int>(index), t < 1 ? t : Real(1)};
 }
@@ -263,11 +296,8 @@ PathPoint<Real> Track<Real>::key_frame_point(const FrameTime<Real>& time) const 
 template <Precise Real>
 ParameterRates<Real> Track<Real>::key_frame_rates(const FrameTime<Real>& time) const {
   const bool at_end = time.frame >= frames_;
-  const KeyInterval<Real>& interval =
-      key_intervals_[at_end ? key_intervals_.size() - 1 : interval_at(time.frame)];
-  const auto frames = static_cast<Real>(interval.frames);
-  const Real u = (static_cast<Real>(time.frame - interval.begin_frame) + time.fraction) / frames;
-  return interval.rates(u, fps_);
+  const KeyInterval<Real>& interval = key_intervals_[at_end ? key_intervals_.size() - 1 : interval_at(time)];
+  return interval.rates(interval.u(time), fps_);
 }
 
 // The class is instantiated in track.cpp; these members are defined here.
@@ -282,7 +312,7 @@ ParameterRates<Real> Track<Real>::key_frame_rates(const FrameTime<Real>& time) c
       const Path<Real>&, const ArcLength<Real>&, std::span<const std::int32_t>, Kinetic, std::int32_t, \
       FrameRate, const TrackMemory<Real>&);                                                            \
   template const Portion<Real>& Track<Real>::portion_at(std::int32_t) const;                           \
-  template std::size_t Track<Real>::interval_at(std::int32_t) const;                                   \
+  template std::size_t Track<Real>::interval_at(const FrameTime<Real>&) const;                         \
   template TwoSum<Real> Track<Real>::special_distance(const FrameTime<Real>&) const;                   \
   template PathPoint<Real> Track<Real>::special_locate(const FrameTime<Real>&) const;                  \
   template PathPoint<Real> Track<Real>::key_frame_point(const FrameTime<Real>&) const;                 \

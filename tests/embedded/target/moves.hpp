@@ -25,7 +25,8 @@ struct Move {
   std::span<const double> keys;
   std::span<const double> weights = {};
   std::span<const KeyShape<double>> shapes = {};
-  std::span<const double> speed;
+  std::span<const double> speed = {};
+  std::span<const std::int32_t> key_frames = {};  ///< instead of a speed: curves over the frames
   std::int32_t frames = 24;
   FrameRate fps{24, 1};
   std::int32_t rate_hz = 100;
@@ -70,6 +71,10 @@ inline constexpr std::array lone_key{12.5, -3.0, 99.0};
 /// Far from zero, in 24000/1001 frames a second.
 inline constexpr std::array far_keys{1'000'000.0, 1'000'012.0, 1'000'030.0, 1'000'031.0};
 inline constexpr std::array far_speed{3.0, 3.0, 8.0, 1.0, 0.0, 0.0};
+
+/// Keys on frames: it rests at both ends, and one axis holds its value for a while.
+inline constexpr std::array timed_keys{0.0, 0.0, 33.0, 21.0, 50.0, 21.0, 80.0, 5.0, 64.0, -12.0};
+inline constexpr std::array<std::int32_t, 5> key_frames{0, 11, 30, 37, 72};
 }  // namespace data
 
 inline constexpr std::array moves{
@@ -136,6 +141,11 @@ inline constexpr std::array moves{
          .speed = data::far_speed,
          .frames = 100,
          .fps = {24000, 1001}},
+    Move{.name = "curves",
+         .axis_count = 2,
+         .keys = data::timed_keys,
+         .key_frames = data::key_frames,
+         .frames = 72},
 };
 
 }  // namespace inbetween::embedded

@@ -26,11 +26,16 @@ class SolvedMove {
                                         .axis_count = move.axis_count,
                                         .keys = keys,
                                         .weights = weights,
-                                        .shapes = std::span(shapes_).first(move.shapes.size())},
-                                       storage_.path.memory());
+                                        .shapes = std::span(shapes_).first(move.shapes.size()),
+                                        .key_frames = move.key_frames},
+                                       {storage_.path.cubics, storage_.path.weights, knots_});
     if (!path) return path.error();
     const auto arc_length = ArcLength<Real>::make(*path, {}, storage_.arc_length.memory());
     if (!arc_length) return arc_length.error();
+    if (!move.key_frames.empty()) {
+      return Track<Real>::make_with_key_frames(*path, *arc_length, move.key_frames, Kinetic::curves,
+                                               move.frames, move.fps, {.key_intervals = key_intervals_});
+    }
     const auto profile = SpeedProfile<Real>::make(rounded(move.speed, speed_), storage_.profile.memory());
     if (!profile) return profile.error();
     return Track<Real>::make(*path, *arc_length, *profile, move.frames, move.fps, storage_.memory());
@@ -43,7 +48,12 @@ class SolvedMove {
     return result.first(numbers.size());
   }
 
-  TrackStorage<Real, max_keys, max_axes, max_values, 500> storage_;
+  /// Of a path over frames: beside a rest.
+  static constexpr std::size_t max_segments = 4 * max_keys;
+
+  TrackStorage<Real, max_segments, max_axes, max_values, 500> storage_;
+  std::array<FrameKnot, max_segments> knots_;
+  std::array<KeyInterval<Real>, max_segments> key_intervals_;
   std::array<Real, max_keys * max_axes> keys_;
   std::array<Real, max_axes> weights_;
   std::array<KeyShape<Real>, max_keys> shapes_;

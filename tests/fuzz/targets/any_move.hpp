@@ -93,7 +93,7 @@ class MoveFromBytes {
         frame += bytes_.ConsumeIntegralInRange(0, 30);
       }
       if (bytes_.ConsumeIntegralInRange(0, 7) != 0) move.frames = move.key_frames.back();
-      move.kinetic = way == 1 ? Kinetic::linear : Kinetic::smooth;
+      move.kinetic = way == 1 ? Kinetic::linear : Kinetic::monotone;
     } else if (way >= 3) {
       const std::int32_t last_key = move.closed && key_count > 1 ? key_count : key_count - 1;
       std::int32_t frame = 0;

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "inbetween/base/precision.hpp"
@@ -40,6 +41,24 @@ struct PathSpec {
   std::span<const Real> weights = {};
   /// One per key, read for `tcb` only. Empty: all zero.
   std::span<const KeyShape<Real>> shapes = {};
+  /// false: no axis leaves the values of its two keys between them, for smooth and catmull_rom. Slopes are
+  /// lowered to 3 times the lesser of the two chords' and to 0 where the axis turns back or stays (Fritsch
+  /// and Carlson 1980), so that the path is C1 where that happens.
+  bool overshoot = true;
+  /// The frame of every key, and of a closed path that of the return to key 0: the knots of the path are
+  /// frames, and every axis is a curve over time. Empty: the path has no notion of time.
+  std::span<const std::int32_t> key_frames = {};
+  /// Only with `key_frames`: velocity and acceleration are 0 at that end.
+  bool rests_at_start = true;
+  bool rests_at_end = true;
+};
+
+/// Where a segment of a path over frames begins: `part` of `parts` equal parts of the time from `key` to the
+/// next key.
+struct FrameKnot {
+  std::int32_t key = 0;
+  std::int16_t part = 0;
+  std::int16_t parts = 1;
 };
 
 /// c0 + c1 t + c2 t^2 + c3 t^3, in axis units.
@@ -58,6 +77,8 @@ template <Precise Real>
 struct PathMemory {
   std::span<Cubic<Real>> cubics;  ///< (segments + 1) * axes
   std::span<Real> weights;        ///< axes
+  std::span<FrameKnot> knots =
+      {};  ///< segments, for a path over frames; there a rest may need 4 between keys
 };
 
 /// A path that exists is valid: finite coefficients, positive weighted length wherever an axis moves.
@@ -74,18 +95,45 @@ class Path {
   /// tcb, catmull_rom: Kochanek and Bartels 1984, eqs. 8 and 9; at an open end both chords are the
   /// only chord there is.
   ///
+  /// With `key_frames` the knots are the frames. smooth: C2 in time; a closed path without a rest at an end
+  /// is periodic, other ends without a rest have acceleration 0. tcb, catmull_rom: the tangents are adjusted
+  /// to unequal numbers of frames (Kochanek and Bartels 1984), so that the velocity goes on. An axis rests,
+  /// with velocity and acceleration 0, at the ends that say so and where it has one value at two neighbouring
+  /// keys, by one more knot a quarter into the interval beside the rest.
+  ///
   /// Errors: not_finite, out_of_range (coordinate beyond Precision<Real>::largest, negative weight,
-  /// shape outside [-1, 1], a smooth path that overshoots a thousand times as far), wrong_count, capacity,
-  /// unmeasured (with key and axis). Cost: linear in keys * axes. One key is a path that stays there.
+  /// shape outside [-1, 1], a smooth path that overshoots a thousand times as far, frames that do not rise),
+  /// wrong_count, capacity, unmeasured (with key and axis). Cost: linear in keys * axes. One key is a path
+  /// that stays there.
   static Result<Path> make(const PathSpec<Real>& spec, const PathMemory<Real>& memory);
 
   [[nodiscard]] std::int32_t axis_count() const { return axis_count_; }
   [[nodiscard]] std::int32_t key_count() const { return key_count_; }
-  /// n for n + 1 open keys, n for n closed keys, 0 for one open key.
+  /// n for n + 1 open keys, n for n closed keys, 0 for one open key; more where a path over frames rests.
   [[nodiscard]] std::int32_t segment_count() const { return segment_count_; }
   [[nodiscard]] bool closed() const { return closed_; }
   [[nodiscard]] Spline spline() const { return spline_; }
   [[nodiscard]] std::span<const Real> weights() const { return weights_; }
+  /// One for every segment of a path over frames; otherwise empty, and segment i begins at key i.
+  [[nodiscard]] std::span<const FrameKnot> knots() const { return knots_; }
+  /// The key at which segment `index` begins, 0..segment_count(); nothing where it begins between keys. The
+  /// end of a closed path is key 0.
+  [[nodiscard]] std::optional<std::int32_t> key_at(std::int32_t index) const {
+    if (index == segment_count_) return closed_ ? 0 : key_count_ - 1;
+    if (knots_.empty()) return index;
+    const FrameKnot& knot = knots_[static_cast<std::size_t>(index)];
+    if (knot.part > 0) return std::nullopt;
+    return knot.key;
+  }
+  /// s: i at key i, and in proportion to t, or to time where the path is over frames, between keys.
+  [[nodiscard]] Real parameter(const PathPoint<Real>& point) const {
+    const auto index = static_cast<std::size_t>(point.segment);
+    if (knots_.empty()) return static_cast<Real>(point.segment) + point.t;
+    if (index >= knots_.size()) return static_cast<Real>(knots_.back().key + 1);
+    const FrameKnot& knot = knots_[index];
+    return static_cast<Real>(knot.key) +
+           (static_cast<Real>(knot.part) + point.t) / static_cast<Real>(knot.parts);
+  }
 
   /// The cubics of all axes on a segment. Segment `segment_count()` is the continuation of the last
   /// one beyond its end, expanded there: at t = 0 it gives the last key to the last bit, and the
@@ -107,6 +155,7 @@ class Path {
 
   std::span<const Cubic<Real>> cubics_;
   std::span<const Real> weights_;
+  std::span<const FrameKnot> knots_;
   std::int32_t axis_count_ = 0;
   std::int32_t key_count_ = 0;
   std::int32_t segment_count_ = 0;

@@ -149,7 +149,7 @@ constexpr std::int32_t count_span_count(std::int32_t f) {
 
 /// What a count track of a track consists of. Spans: count_span_count(), and one more a break. Pieces: those
 /// of the arc length, and less than min_pieces_per_segment more a segment. For a move timed by frames: a
-/// portion a segment, and min_pieces_per_segment spans and pieces.
+/// portion between two keys, and min_pieces_per_segment spans and pieces a segment.
 struct CountSizes {
   std::size_t portions, spans, pieces;
 };

@@ -18,6 +18,10 @@ struct KeyLock {
   std::int32_t frame = -1;  ///< -1: none, only for a hold; then where the drawn curve arrives
   std::int32_t hold = 0;    ///< frames that the rig rests at the key, from `frame` on
   bool breaks = false;      ///< the speed may jump here: each side keeps the drawn shape, with a K of its own
+  /// The speed touches 0 here, with its derivative: three control values are 0, so the key is met on a knot
+  /// of the curve. Without `frame` on the knot nearest to where the drawn curve arrives.
+  bool ease = false;
+  std::int16_t knot = -1;  ///< the answer: on which knot of the curve the speed touches 0
 };
 
 template <Precise Real>
@@ -50,6 +54,13 @@ struct KeyTiming {
   std::int32_t refinements = 0;          ///< how often f was doubled (exactly, without changing the curve)
   Real largest_change = 0;               ///< of a control value of the refined curve
   std::int32_t largest_change_at = 0;    ///< its index
+
+  /// When a lock is met, in frames: a whole one unless it eases without a frame of its own.
+  [[nodiscard]] Real frame_of(const KeyLock& lock, std::int32_t frames) const {
+    if (lock.knot < 0) return static_cast<Real>(lock.frame);
+    return static_cast<Real>(lock.knot) * static_cast<Real>(frames) /
+           static_cast<Real>(control_values.size() - 1);
+  }
 };
 
 /// The control values x nearest to the drawn ones v, sum (x - v)^2 / w least, for which
@@ -68,12 +79,17 @@ struct KeyTiming {
 /// Accuracy: each lock is met within 1e-12 (double) or 1e-5 (float) of the length.
 ///
 /// Errors: out_of_range (no such key, a frame outside 0..N, the first key not on 0, the last not on N, order
-/// reversed, two keys on one frame: with key and frame), no_solution (with a key that cannot be met),
-/// capacity.
+/// reversed, two keys on one frame: with key and frame), no_solution (with a key that cannot be met; a key
+/// that eases on a frame that is no knot), capacity.
 ///
 /// Cost: iterations * f * 5; tens of iterations at most.
 template <Precise Real>
 Result<KeyTiming<Real>> adjust_to_locks(const KeyTimingSpec<Real>& spec, const KeyTimingMemory<Real>& memory);
+
+/// The frame nearest to `frame` at which a curve of so many control values, refined up to the most, has a
+/// knot: there a key that eases can be locked.
+std::int32_t nearest_touch_frame(std::int32_t frame, std::int32_t frames, std::size_t control_values,
+                                 std::size_t max_control_values);
 
 template <Precise Real, std::size_t Locks, std::size_t Values>
 struct KeyTimingStorage {

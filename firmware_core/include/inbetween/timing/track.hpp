@@ -69,21 +69,37 @@ struct Portion {
 
 /// How s moves between two keys that have frames and no speed curve.
 enum class Kinetic : std::uint8_t {
-  linear,  ///< s in proportion to time
-  smooth,  ///< monotone, C1 (Fritsch and Butland 1984)
+  linear,    ///< s in proportion to time
+  monotone,  ///< s is a monotone spline of time, C1 (Fritsch and Butland 1984)
+  curves,    ///< the path is made over the frames: every axis is a curve over time
 };
 
-/// One segment of a move timed by frames: t = u (c1 + u (c2 + u c3)), u = (frame - begin) / frames.
+/// One segment of a move timed by frames: t = u (c1 + u (c2 + u c3)), u from 0 to 1 over part `part` of
+/// `parts` equal parts of the time between two keys.
 template <Precise Real>
 struct KeyInterval {
-  std::int32_t begin_frame = 0;
-  std::int32_t frames = 1;
+  std::int32_t begin_frame = 0;  ///< of the key before it
+  std::int32_t frames = 1;       ///< from key to key
+  std::int32_t part = 0;
+  std::int32_t parts = 1;
   Real c1 = 1, c2 = 0, c3 = 0;
+
+  /// The frame on which the segment begins, which need not be a whole one.
+  [[nodiscard]] Real begin() const {
+    return static_cast<Real>(begin_frame) + static_cast<Real>(part * frames) / static_cast<Real>(parts);
+  }
+  /// How many frames it lasts.
+  [[nodiscard]] Real duration() const { return static_cast<Real>(frames) / static_cast<Real>(parts); }
+  [[nodiscard]] Real u(const FrameTime<Real>& time) const {
+    return (static_cast<Real>((time.frame - begin_frame) * parts - part * frames) +
+            time.fraction * static_cast<Real>(parts)) /
+           static_cast<Real>(frames);
+  }
 
   /// Derivatives of t in time, at u.
   [[nodiscard]] ParameterRates<Real> rates(Real u, FrameRate fps) const {
-    const Real rate =
-        static_cast<Real>(fps.numerator) / (static_cast<Real>(fps.denominator) * static_cast<Real>(frames));
+    const Real rate = static_cast<Real>(fps.numerator) * static_cast<Real>(parts) /
+                      (static_cast<Real>(fps.denominator) * static_cast<Real>(frames));
     return {rate * (c1 + u * (2 * c2 + u * (3 * c3))), rate * rate * (2 * c2 + 6 * u * c3),
             rate * rate * rate * (6 * c3)};
   }
@@ -125,8 +141,9 @@ class Track {
                                         std::span<const BreakKey> breaks, const TrackMemory<Real>& memory);
 
   /// No speed curve: every key has its frame (Steketee and Badler 1985), the first 0, the last N; of a
-  /// closed path one more, for the return to key 0. Smooth: slopes by Fritsch and Butland's harmonic mean,
-  /// at the first and last key their three-point formula, limited so that s never falls.
+  /// closed path one more, for the return to key 0. monotone: slopes by Fritsch and Butland's harmonic mean,
+  /// at the first and last key their three-point formula, limited so that s never falls. curves: `path` was
+  /// made over the same frames, and only there.
   /// Errors: wrong_count, out_of_range (first, last, order: with key and frame), capacity.
   static Result<Track> make_with_key_frames(const Path<Real>& path, const ArcLength<Real>& arc_length,
                                             std::span<const std::int32_t> key_frames, Kinetic kinetic,
@@ -225,7 +242,7 @@ class Track {
   [[nodiscard]] PathPoint<Real> special_locate(const FrameTime<Real>& time) const;
   [[nodiscard]] PathPoint<Real> key_frame_point(const FrameTime<Real>& time) const;
   [[nodiscard]] const Portion<Real>& portion_at(std::int32_t frame) const;
-  [[nodiscard]] std::size_t interval_at(std::int32_t frame) const;
+  [[nodiscard]] std::size_t interval_at(const FrameTime<Real>& time) const;
   [[nodiscard]] ParameterRates<Real> key_frame_rates(const FrameTime<Real>& time) const;
   [[nodiscard]] bool is_outside(const FrameTime<Real>& time) const {
     return time.frame < 0 || time.frame > frames_ || (time.frame == frames_ && time.fraction > 0);

@@ -1,0 +1,23 @@
+// The places along a path that timing knows: its keys, and where it turns back between them.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "inbetween/timing/track.hpp"
+
+namespace inbetween {
+
+struct Waypoint {
+  double distance = 0;   ///< along the path
+  std::int32_t key = 0;  ///< the key, or the key before it
+  bool is_key = true;
+  bool is_corner = false;  ///< the direction of the path changes at once: a corner, or the way back
+};
+
+/// In order of distance, from the first key to the end of the path. Keys in one place are corners together or
+/// not at all. `track` has a speed curve, whichever.
+template <Precise Real>
+std::vector<Waypoint> waypoints_of(const Track<Real>& track);
+
+}  // namespace inbetween

@@ -1,0 +1,197 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "tests/support/run_program.hpp"
+#include "tests/support/temporary_file.hpp"
+
+/// What an animator expects of keys, as the program's users meet it: keys on frames, turns that ease, holds
+/// that hold.
+
+namespace inbetween {
+namespace key_frames_test {
+
+using Json = nlohmann::json;
+using testing::HasSubstr;
+using testing::Not;
+
+const std::string rig = R"(
+name = "head"
+rate_hz = 250
+[[axis]]
+name = "zoom"
+unit = "mm"
+min = -1000
+max = 1000
+max_velocity = 200
+max_acceleration = 2000
+max_jerk = 40000
+drive = { type = "pipe", path = "/dev/null", counts_per_unit = 100 }
+)";
+
+std::string move_of(const std::string& track, int frames = 96) {
+  return "name = \"move\"\nfps = 24\nframes = " + std::to_string(frames) +
+         "\n[[track]]\naxes = [\"zoom\"]\n" + track;
+}
+
+const std::string zoom =
+    "timing = \"frames\"\n"
+    "keys = [ {at=[10], frame=0}, {at=[11], frame=24}, {at=[30], frame=72}, {at=[32], frame=96} ]\n";
+
+ProgramRun check(const std::string& text, const std::vector<std::string>& more = {}) {
+  const TemporaryFile move_file("move.toml", text);
+  const TemporaryFile rig_file("rig.toml", rig);
+  std::vector<std::string> arguments = {"check", move_file.path().string(), "--rig",
+                                        rig_file.path().string()};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return run_program(arguments);
+}
+
+Json planned(const std::string& text) {
+  const TemporaryFile move_file("move.toml", text);
+  const ProgramRun run = run_program({"plan", move_file.path().string(), "--json", "-"});
+  EXPECT_EQ(run.status, 0) << run.err;
+  return run.status == 0 ? Json::parse(run.out) : Json();
+}
+
+std::vector<double> positions(const Json& plan) {
+  return plan["axes"][0]["position"].get<std::vector<double>>();
+}
+
+TEST(KeyFrames, APlainZoomOfFourKeysFits) {
+  for (const char* way : {"", "kinetic = \"curves\"\n", "kinetic = \"pace\"\n"}) {
+    const std::string text = move_of(way + zoom);
+    const ProgramRun run = check(text);
+    EXPECT_EQ(run.status, 0) << way << run.err;
+    EXPECT_THAT(run.out, HasSubstr("no step of velocity or acceleration")) << way;
+    const std::vector<double> at = positions(planned(text));
+    ASSERT_EQ(at.size(), 97U);
+    EXPECT_NEAR(at[0], 10, 1e-9);
+    EXPECT_NEAR(at[24], 11, 1e-9);
+    EXPECT_NEAR(at[72], 30, 1e-9);
+    EXPECT_NEAR(at[96], 32, 1e-9);
+  }
+}
+
+TEST(KeyFrames, WhatStepsNamesCurvesAsTheRemedy) {
+  for (const char* way : {"kinetic = \"monotone\"\n", "kinetic = \"linear\"\n"}) {
+    const ProgramRun run = check(move_of(way + zoom));
+    EXPECT_EQ(run.status, 3) << way;
+    EXPECT_THAT(run.err, HasSubstr("use kinetic = \"curves\"")) << way;
+  }
+  const ProgramRun old = check(move_of("kinetic = \"smooth\"\n" + zoom));
+  EXPECT_EQ(old.status, 1);
+  EXPECT_THAT(old.err, HasSubstr("called \"monotone\""));
+}
+
+TEST(KeyFrames, APaceIsShownAsASpeedCurve) {
+  const Json track = planned(move_of("kinetic = \"pace\"\n" + zoom))["tracks"][0];
+  const auto speed = track["speed"].get<std::vector<double>>();
+  ASSERT_GT(speed.size(), 8U);
+  EXPECT_EQ(track["f"], speed.size() - 1);
+  EXPECT_EQ(*std::max_element(speed.begin(), speed.end()), 100);
+  EXPECT_TRUE(track["speed_drawn"].empty());
+}
+
+TEST(KeyFrames, AKeyWrittenTwiceIsAHoldOnEveryPath) {
+  const std::string keys =
+      "timing = \"frames\"\nkeys = [ {at=[0], frame=0}, {at=[20], frame=30}, {at=[20], frame=60}, "
+      "{at=[5], frame=96} ]\n";
+  for (const char* spline : {"smooth", "catmull-rom", "tcb"}) {
+    const std::string text = move_of("spline = \"" + std::string(spline) + "\"\n" + keys);
+    const std::vector<double> at = positions(planned(text));
+    for (std::size_t frame = 30; frame <= 60; ++frame) EXPECT_EQ(at[frame], 20) << spline << " " << frame;
+    const ProgramRun run = check(text, {"--json", "-"});
+    for (const auto& step : Json::parse(run.out)["steps"]) EXPECT_EQ(step["velocity_step"], 0) << spline;
+  }
+  EXPECT_EQ(check(move_of(keys)).status, 0);
+}
+
+TEST(KeyFrames, AnEndWithoutRestIsPassedAtASpeedWithARoll) {
+  const Json json = Json::parse(check(move_of("rest = \"end\"\n" + zoom), {"--json", "-"}).out);
+  EXPECT_TRUE(json["fits"]);
+  const std::vector<double> moving = planned(move_of("rest = \"none\"\n" + zoom))["axes"][0]["velocity"];
+  const std::vector<double> resting = planned(move_of(zoom))["axes"][0]["velocity"];
+  EXPECT_NE(moving.front(), 0);
+  EXPECT_NE(moving.back(), 0);
+  EXPECT_EQ(resting.front(), 0);
+  EXPECT_EQ(resting.back(), 0);
+}
+
+// --- a drawn speed that touches 0
+
+TEST(KeyFrames, ANodOnOneAxisEasesAtItsTurningPoint) {
+  const std::string keys =
+      "keys = [ {at=[0]}, {at=[-15]}, {at=[0]} ]\nspeed = [0, 0, 10, 10, 10, 10, 10, 0, 0]\n";
+  const ProgramRun passed = check(move_of(keys, 48));
+  EXPECT_EQ(passed.status, 3);
+  EXPECT_THAT(passed.err, HasSubstr("ease"));
+  const std::string eased_keys =
+      "keys = [ {at=[0]}, {at=[-15], ease=true}, {at=[0]} ]\nspeed = [0, 0, 10, 10, 10, 10, 10, 0, 0]\n";
+  for (const std::string& text : {move_of("corners = \"ease\"\n" + keys, 48), move_of(eased_keys, 48)}) {
+    const ProgramRun run = check(text);
+    EXPECT_EQ(run.status, 0) << run.err;
+    const Json plan = planned(text);
+    const std::vector<double> at = positions(plan);
+    EXPECT_NEAR(*std::min_element(at.begin(), at.end()), -15, 1e-9);
+    EXPECT_EQ(std::count(at.begin(), at.end(), at[24]), 1) << "it does not stand still";
+  }
+}
+
+TEST(KeyFrames, CornersEaseBetweenKeysToo) {
+  const std::string keys =
+      "keys = [ {at=[0]}, {at=[-15]}, {at=[3]}, {at=[0]} ]\nspeed = [0, 0, 10, 10, 10, 10, 10, 0, 0]\n";
+  EXPECT_EQ(check(move_of(keys, 48)).status, 3);
+  const ProgramRun run = check(move_of("corners = \"ease\"\n" + keys, 48));
+  EXPECT_EQ(run.status, 0) << run.err;
+}
+
+TEST(KeyFrames, AnEasedKeyIsLockedOnAKnotAndTheNearestFrameIsNamed) {
+  const auto locked = [](int frame) {
+    return move_of("keys = [ {at=[0]}, {at=[-15], ease=true, frame=" + std::to_string(frame) +
+                       "}, {at=[0]} ]\nspeed = [0, 0, 10, 10, 10, 10, 10, 0, 0]\n",
+                   51);
+  };
+  const ProgramRun refused = check(locked(20));
+  EXPECT_EQ(refused.status, 1);
+  EXPECT_THAT(refused.err, HasSubstr("the nearest frame that is possible is "));
+  const ProgramRun even =
+      check(move_of("keys = [ {at=[0]}, {at=[-15], ease=true, frame=21}, {at=[0]} ]\n"
+                    "speed = [0, 0, 10, 10, 10, 10, 10, 0, 0]\n",
+                    48));
+  EXPECT_EQ(even.status, 0) << even.err;
+}
+
+TEST(KeyFrames, APaceEasesAtACornerOnItsFrame) {
+  const std::string keys =
+      "timing = \"frames\"\nkinetic = \"pace\"\nkeys = [ {at=[0], frame=0}, {at=[-15], frame=31}, {at=[0], "
+      "frame=96} "
+      "]\n";
+  EXPECT_EQ(check(move_of(keys)).status, 3);
+  const ProgramRun run = check(move_of("corners = \"ease\"\n" + keys));
+  EXPECT_EQ(run.status, 0) << run.err;
+  EXPECT_NEAR(positions(planned(move_of("corners = \"ease\"\n" + keys)))[31], -15, 1e-9);
+}
+
+// --- overshoot
+
+TEST(KeyFrames, WithoutOvershootAHeldEyeStaysWhereItIs) {
+  const std::string two = "name = \"eyes\"\nfps = 24\nframes = 96\n[[track]]\naxes = [\"x\", \"y\"]\n";
+  const auto lowest = [&](const std::string& more) {
+    const std::string text = two + more +
+                             "keys = [ {at=[0,0]}, {at=[-25,5]}, {at=[-25,-5]}, {at=[10,0]} ]\n"
+                             "speed = [0, 0, 10, 10, 10, 10, 10, 0, 0]\n";
+    const std::vector<double> at = positions(planned(text));
+    return *std::min_element(at.begin(), at.end());
+  };
+  EXPECT_LT(lowest(""), -25.1);
+  EXPECT_GE(lowest("overshoot = false\n"), -25);
+}
+
+}  // namespace key_frames_test
+}  // namespace inbetween
