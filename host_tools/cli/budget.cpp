@@ -7,6 +7,7 @@
 #include <cmath>
 #include <string>
 
+#include "host_tools/files/diagnostics.hpp"
 #include "inbetween/limits/roll.hpp"
 #include "inbetween/limits/stop_bounds.hpp"
 #include "inbetween/play/playhead.hpp"
@@ -45,7 +46,7 @@ ElementCounts element_counts(const BudgetCapacity& capacity) {
   return n;
 }
 
-/// In the order of object_names.
+/// The sizes in the order of object_names.
 template <Precise Real>
 std::array<std::optional<std::int64_t>, budget_object_count> bytes(const BudgetCapacity& capacity) {
   const ElementCounts n = element_counts<Real>(capacity);
@@ -151,7 +152,7 @@ constexpr std::array<FunctionBudget, 55> stack{{
     {"StepMerge::merge", {2240, 2240}, {2240, 2240}},
 }};
 
-// In the first line stands what is asked for: 140 in double on a Cortex-M7, 130 in single precision on a
+// The first line has the required numbers: 140 in double on a Cortex-M7, 130 in single precision on a
 // Cortex-M4F.
 constexpr std::array<FunctionBudget, 11> instructions{{
     {"CountTrack::counts", {140, 130}, {3600, 130}},
@@ -193,7 +194,7 @@ std::span<const FunctionBudget> instruction_limits() {
 
 std::int32_t usual_pieces_per_segment(double delta) {
   // Quintic interpolation: the error of the speed falls with the fifth power of the length of a piece. At a
-  // coarse delta it falls more slowly, because a piece is then as long as a bend.
+  // coarse delta it falls more slowly, because a piece is then as long as a turn of the path.
   const double exponent = delta < 1e-6 ? 0.2 : 0.15;
   return static_cast<std::int32_t>(std::ceil(40 * std::pow(1e-6 / delta, exponent)));
 }
@@ -209,8 +210,10 @@ std::array<BudgetObject, budget_object_count> budget_objects(const BudgetCapacit
 void print_budget(const BudgetCapacity& capacity, std::FILE* out) {
   const double wide = delta_of<double>(capacity);
   const double single = delta_of<float>(capacity);
-  fmt::print(out, "Memory in bytes for {} keys, {} axes, {} control values, {} frames, {} locked keys:\n",
-             capacity.keys, capacity.axes, capacity.control_values, capacity.frames, capacity.locks);
+  fmt::print(out, "Memory in bytes for {}, {} {}, {}, {}, {}:\n", counted(capacity.keys, "key"),
+             capacity.axes, capacity.axes == 1 ? "axis" : "axes",
+             counted(capacity.control_values, "control value"), counted(capacity.frames, "frame"),
+             counted(capacity.locks, "locked key"));
   fmt::print(out, "  {:<40}{:>12}{:>12}\n", "", "double", "float");
   fmt::print(out, "  {:<40}{:>12g}{:>12g}\n", "with a speed error (delta) of", wide, single);
   fmt::print(out, "  {:<40}{:>12}{:>12}\n", "and as many pieces a segment, as a rule",

@@ -19,7 +19,7 @@ struct PlanArguments {
   std::optional<std::string> rig, csv, json, plot;
 };
 
-/// What locked keys and holds did to the drawn curve.
+/// Prints the change that locked keys and holds made to the drawn curve.
 void print_key_timing(const SolvedTrack<double>& solved, std::FILE* out) {
   if (!solved.key_timing()) return;
   const KeyTiming<double>& timing = *solved.key_timing();
@@ -31,7 +31,7 @@ void print_key_timing(const SolvedTrack<double>& solved, std::FILE* out) {
     fmt::print(out, "    {} on frame {:.6g}", lock.key < 0 ? "turn" : fmt::format("key {}", lock.key),
                timing.frame_of(lock, solved.track().frames()));
     if (lock.ease) fmt::print(out, ", eased");
-    if (lock.hold > 0) fmt::print(out, ", at rest for {} frames", lock.hold);
+    if (lock.hold > 0) fmt::print(out, ", at rest for {}", counted(lock.hold, "frame"));
     fmt::print(out, "{}\n", lock.breaks ? ", with a break in the speed" : "");
   }
   for (const Portion<double>& portion : solved.track().portions()) {
@@ -46,8 +46,8 @@ void print_key_timing(const SolvedTrack<double>& solved, std::FILE* out) {
 
 void print_plan_summary(const Plan& plan, std::FILE* out) {
   const MoveFile& move = plan.move();
-  fmt::print(out, "{}: {} frames at {} fps, {:.3f} s\n", move.name, move.frames, move.fps.as_written,
-             plan.duration_s());
+  fmt::print(out, "{}: {} at {} fps, {:.3f} s\n", move.name, counted(move.frames, "frame"),
+             move.fps.as_written, plan.duration_s());
   for (std::size_t t = 0; t < plan.tracks().size(); ++t) {
     const SolvedTrack<double>& solved = plan.tracks()[t];
     const Provenance<double>& made = solved.table().provenance();

@@ -27,7 +27,7 @@ constexpr std::array<std::string_view, 8> key_fields = {"at",    "tension", "con
 constexpr std::int64_t max_fps = 1'000;
 constexpr std::int64_t max_fps_part = 1'000'000;
 
-/// What to write for a rate that was given as a decimal number.
+/// The fraction to write instead of a rate that was given as a decimal number.
 std::string exact_rate(double fps) {
   // 23.976, 29.97 and their like stand for these rates times 1000/1001 (SMPTE ST 12-1); half a hundredth also
   // takes in 23.98 and 47.95.
@@ -85,7 +85,7 @@ WrittenFrameRate read_frame_rate(const TomlValue& value) {
   return {{*numerator, *denominator}, text, false};
 }
 
-/// What the keys of a track need to know about it.
+/// The properties of a track that its keys depend on.
 struct KeyContext {
   const std::vector<std::string>& axes;
   Spline spline;
@@ -125,10 +125,6 @@ void read_lock(const TomlTable& table, const KeyContext& track, MoveKey& key) {
   }
 }
 
-std::string numbers(std::size_t count) {
-  return fmt::format("{} number{}", count, count == 1 ? "" : "s");
-}
-
 MoveKey read_key(const TomlValue& value, std::size_t index, const KeyContext& track) {
   const TomlTable table(value.table(), fmt::format("key {}", index), key_fields);
   MoveKey key;
@@ -136,9 +132,9 @@ MoveKey read_key(const TomlValue& value, std::size_t index, const KeyContext& tr
   const TomlValue at = table.required("at", "at = [...], a number for each axis");
   const std::vector<TomlValue> coordinates = at.list(max_track_axes);
   if (coordinates.size() != track.axes.size()) {
-    throw InputError(
-        at.place(), fmt::format("key {} has {}; write {}, one for each of its axes ({})", index,
-                                numbers(coordinates.size()), track.axes.size(), comma_separated(track.axes)));
+    throw InputError(at.place(), fmt::format("key {} has {}; write {}, one for each of its axes ({})", index,
+                                             counted(static_cast<std::int64_t>(coordinates.size()), "number"),
+                                             track.axes.size(), comma_separated(track.axes)));
   }
   for (const TomlValue& coordinate : coordinates) {
     key.at.push_back(coordinate.number());
@@ -187,8 +183,8 @@ void read_weights(const TomlTable& table, MoveTrack& track) {
   }
   if (track.weights.size() != track.axes.size()) {
     weights->refuse(fmt::format("has {}; write {}, one for each of its axes ({})",
-                                numbers(track.weights.size()), track.axes.size(),
-                                comma_separated(track.axes)));
+                                counted(static_cast<std::int64_t>(track.weights.size()), "number"),
+                                track.axes.size(), comma_separated(track.axes)));
   }
   if (std::all_of(track.weights.begin(), track.weights.end(), [](double weight) { return weight == 0; })) {
     weights->refuse("are all 0, so that nothing has a length; make at least one positive");

@@ -9,9 +9,9 @@
 namespace inbetween {
 namespace {
 
-/// Of a row, the part that the conditions in force leave free: below this share of it, it is their sum.
+/// A row depends on the conditions in force if the part that they leave free is below this share of it.
 constexpr double dependent_share = 1e-11;
-/// How far an equation that follows from the others may be from them, in the size of its bound or 1.
+/// An equation that depends on the others may differ from them by this share of its bound, or of 1.
 constexpr double equation_rounding = 1e-9;
 
 /// L with L L^T = matrix, row after row.
@@ -61,6 +61,7 @@ QuadraticProgram::QuadraticProgram(std::span<const double> gram, std::span<const
 }
 
 void QuadraticProgram::find_directions(std::span<const double> row) {
+  // A row of a local condition is mostly zeros: only its part from `begin` to `end` is multiplied.
   const std::size_t q = in_force_.size();
   std::size_t begin = 0;  // most rows speak of few values
   std::size_t end = n_;
@@ -106,7 +107,7 @@ void QuadraticProgram::rotate_columns(std::size_t left, double cosine, double si
   }
 }
 
-/// The condition of the directions found last becomes the last one in force.
+/// Puts the condition of the directions found last behind those in force.
 void QuadraticProgram::enter(bool is_equality, double multiplier) {
   const std::size_t q = in_force_.size();
   for (std::size_t c = n_ - 1; c > q; --c) {
@@ -149,6 +150,7 @@ bool QuadraticProgram::add_equality(std::span<const double> row, double bound) {
     all += d_[i] * d_[i];
     if (i >= in_force_.size()) free += d_[i] * d_[i];
   }
+  // The equation follows from the earlier ones. It holds already, or it contradicts them.
   if (free <= dependent_share * dependent_share * all) {
     return std::fabs(residual) <= equation_rounding * (1 + std::fabs(bound));
   }
@@ -172,6 +174,7 @@ bool QuadraticProgram::add(std::span<const double> row, double bound) {
       if (i >= in_force_.size()) free += d_[i] * d_[i];
     }
     const bool is_dependent = free <= dependent_share * dependent_share * all;
+    // A dependent row leaves x where it is: only the multipliers move, until a condition leaves.
     const double full = is_dependent ? std::numeric_limits<double>::infinity() : residual / free;
     double step = full;
     const std::size_t leaving = first_to_leave(step);

@@ -14,12 +14,6 @@ constexpr std::size_t usual_pieces_per_segment = 24;
 /// Of a path over frames, beside a rest.
 constexpr std::size_t max_segments_between_keys = 4;
 
-template <class T>
-const T& value_or_throw(const Result<T>& result) {
-  if (!result) throw SolverError(result.error());
-  return *result;
-}
-
 }  // namespace
 
 SolverError::SolverError(const Error& error)

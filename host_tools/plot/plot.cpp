@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "host_tools/files/diagnostics.hpp"
 #include "host_tools/plot/plot_canvas.hpp"
 #include "host_tools/plot/plot_panel.hpp"
 #include "host_tools/plot/plot_path.hpp"
@@ -27,7 +28,7 @@ constexpr double section_gap = 26;
 // Beyond this, the width of a range overflows.
 constexpr double greatest_value = 1e300;
 
-// Where everything stands, from the top of the page down.
+// The places of all parts, from the top of the page down.
 struct TrackLayout {
   double title = 0;  // base line
   Box path;
@@ -75,12 +76,9 @@ Layout layout_of(const PlotMove& move) {
 }
 
 std::string summary(const PlotMove& move) {
-  const auto counted = [](std::size_t n, std::string_view what) {
-    return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s");
-  };
   const double milliseconds = std::round(1000 * (move.frames / move.frames_per_second));
-  return fmt::format("{}  ·  {} fps  ·  {} s  ·  {}", counted(static_cast<std::size_t>(move.frames), "frame"),
-                     move.frame_rate, milliseconds / 1000, counted(move.tracks.size(), "track"));
+  return fmt::format("{}  ·  {} fps  ·  {} s  ·  {}", counted(move.frames, "frame"), move.frame_rate,
+                     milliseconds / 1000, counted(static_cast<std::int64_t>(move.tracks.size()), "track"));
 }
 
 std::string names_of(const PlotMove& move, std::span<const std::size_t> axes) {
