@@ -116,11 +116,11 @@ double SimulatedCia402Drive::period_s() const {
 void SimulatedCia402Drive::follow(double seconds) {
   since_sync_s_ += seconds;
   const double period = period_s();
-  const std::int32_t least = as_signed(objects_.value(0x607D, 1));
-  const std::int32_t most = as_signed(objects_.value(0x607D, 2));
+  const std::int32_t min = as_signed(objects_.value(0x607D, 1));
+  const std::int32_t max = as_signed(objects_.value(0x607D, 2));
   double target = as_signed(objects_.value(0x607A)) + zero_;
-  if (least < most) {
-    const double clipped = std::clamp(target, least + zero_, most + zero_);
+  if (min < max) {
+    const double clipped = std::clamp(target, min + zero_, max + zero_);
     is_limited_ = clipped != target;
     target = clipped;
   }

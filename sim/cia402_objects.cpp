@@ -40,9 +40,9 @@ void add_communication(ObjectDictionary& objects, can::NodeId node) {
   objects.add({.index = 0x1017}, {.size = u16});
   fixed(0x1018, 0, u8, 4);
   for (std::uint8_t sub = 1; sub <= 4; ++sub) fixed(0x1018, sub, u32, 0x5100U + sub);
-  objects.add({.index = 0x1019}, {.size = u8, .most = 240});
+  objects.add({.index = 0x1019}, {.size = u8, .max = 240});
   fixed(0x1029, 0, u8, 1);
-  objects.add({.index = 0x1029, .sub = 1}, {.size = u8, .value = 1, .most = 2});
+  objects.add({.index = 0x1029, .sub = 1}, {.size = u8, .value = 1, .max = 2});
   for (unsigned n = 0; n < 4; ++n) {
     const std::uint32_t number = 0x100 * n + node.value();
     add_pdo(objects, 0x1400 + n, 0x1600 + n, 0x200 + number);
@@ -59,10 +59,10 @@ ObjectDictionary factory_objects(can::NodeId node) {
     objects.add({.index = index}, {.size = size, .access = Access::read_only, .value = value});
   };
   shown(0x603F, u16, 0);
-  objects.add({.index = 0x6007}, {.size = u16, .value = 1, .most = 3});
+  objects.add({.index = 0x6007}, {.size = u16, .value = 1, .max = 3});
   objects.add({.index = 0x6040}, {.size = u16});
   shown(0x6041, u16, 0);
-  objects.add({.index = 0x605A}, {.size = u16, .value = 2, .most = 8});
+  objects.add({.index = 0x605A}, {.size = u16, .value = 2, .max = 8});
   objects.add({.index = 0x6060}, {.size = u8, .value = 1});
   shown(0x6061, u8, 1);
   shown(0x6064, u32, 0);
@@ -72,8 +72,8 @@ ObjectDictionary factory_objects(can::NodeId node) {
   objects.add({.index = 0x607A}, {.size = u32});
   objects.add({.index = 0x607D, .sub = 1}, {.size = u32});
   objects.add({.index = 0x607D, .sub = 2}, {.size = u32});
-  objects.add({.index = 0x6085}, {.size = u32, .value = 500'000, .least = 1});
-  objects.add({.index = 0x60C2, .sub = 1}, {.size = u8, .value = 20, .least = 1});
+  objects.add({.index = 0x6085}, {.size = u32, .value = 500'000, .min = 1});
+  objects.add({.index = 0x60C2, .sub = 1}, {.size = u8, .value = 20, .min = 1});
   objects.add({.index = 0x60C2, .sub = 2}, {.size = u8, .value = 0xFD});
   shown(0x60F4, u32, 0);
   shown(0x6502, u32, 0xA1);

@@ -51,8 +51,8 @@ std::optional<std::uint32_t> ObjectDictionary::refuses_write(can::ObjectAddress 
   const Object& object = *found;
   if (object.access == Access::read_only) return can::abort_read_only;
   if (size != 0 && size != object.size) return can::abort_wrong_length;
-  if (value > object.most) return can::abort_too_high;
-  if (value < object.least) return can::abort_too_low;
+  if (value > object.max) return can::abort_too_high;
+  if (value < object.min) return can::abort_too_low;
   return {};
 }
 

@@ -19,8 +19,8 @@ class ObjectDictionary {
     std::uint8_t size = 4;
     Access access = Access::read_write;
     std::uint32_t value = 0;
-    std::uint32_t least = 0;  ///< compared without sign
-    std::uint32_t most = std::numeric_limits<std::uint32_t>::max();
+    std::uint32_t min = 0;  ///< compared without sign
+    std::uint32_t max = std::numeric_limits<std::uint32_t>::max();
   };
 
   void add(can::ObjectAddress address, const Object& object) { objects_[key(address)] = object; }

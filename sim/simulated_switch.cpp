@@ -43,8 +43,8 @@ double SimulatedSwitch::past(double position) const {
   return settings_.is_above ? position - settings_.closes : settings_.closes - position;
 }
 
-double SimulatedSwitch::random(double least, double most) {
-  return least + (most - least) * (static_cast<double>(random_()) / 4294967296.0);
+double SimulatedSwitch::random(double min, double max) {
+  return min + (max - min) * (static_cast<double>(random_()) / 4294967296.0);
 }
 
 void SimulatedSwitch::move(std::int64_t from_ns, const Setpoint<double>& from, std::int64_t to_ns,

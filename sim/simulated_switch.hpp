@@ -51,7 +51,7 @@ class SimulatedSwitch {
   [[nodiscard]] double past(double position) const;
   void add_change(std::int64_t at_ns);
   void add_pulse(std::int64_t at_ns, std::int64_t length_ns);
-  [[nodiscard]] double random(double least, double most);
+  [[nodiscard]] double random(double min, double max);
 
   Settings settings_;
   std::mt19937 random_;

@@ -234,14 +234,14 @@ void SocketCan::note_drops(msghdr& header) {
 }
 
 /// How many messages wait in in_headers_; 0 where none has come, or the link or the call has failed.
-int SocketCan::receive_batch(std::size_t most) {
+int SocketCan::receive_batch(std::size_t room) {
   if (socket_ < 0) return 0;
-  for (std::size_t i = 0; i < most; ++i) {
+  for (std::size_t i = 0; i < room; ++i) {
     in_headers_[i].msg_hdr.msg_controllen = sizeof(DropCount::bytes);
     in_headers_[i].msg_hdr.msg_flags = 0;
   }
   const int count =
-      ::recvmmsg(socket_, in_headers_.data(), static_cast<unsigned>(most), MSG_DONTWAIT, nullptr);
+      ::recvmmsg(socket_, in_headers_.data(), static_cast<unsigned>(room), MSG_DONTWAIT, nullptr);
   if (count >= 0) return count;
   if (errno != EAGAIN && errno != EINTR) note_link_error(errno, counters_.failed_receives);
   return 0;
@@ -264,8 +264,8 @@ std::optional<Frame> SocketCan::take(std::size_t index) {
 }
 
 std::size_t SocketCan::receive(std::span<Frame> frames) {
-  const std::size_t most = std::min(frames.size(), max_frames);
-  const int count = most > 0 ? receive_batch(most) : 0;
+  const std::size_t room = std::min(frames.size(), max_frames);
+  const int count = room > 0 ? receive_batch(room) : 0;
   std::size_t given = 0;
   for (int i = 0; i < count; ++i) {
     if (const std::optional<Frame> frame = take(static_cast<std::size_t>(i))) frames[given++] = *frame;

@@ -107,7 +107,7 @@ class SocketCan {
   void note_link_error(int error, std::uint64_t& otherwise);
   void note_error_frame(const ErrorFrame& error);
   void note_drops(msghdr& header);
-  int receive_batch(std::size_t most);
+  int receive_batch(std::size_t room);
   std::optional<Frame> take(std::size_t index);
 
   int socket_ = -1;

@@ -74,9 +74,9 @@ LineEvent GpioInputs::take(const gpio_v2_line_event& raw) {
 }
 
 std::size_t GpioInputs::read(std::span<LineEvent> events) {
-  const std::size_t most = std::min(events.size(), max_events);
-  if (!held_ || error_ != 0 || most == 0) return 0;
-  const ssize_t bytes = ::read(file_, raw_.data(), most * sizeof(gpio_v2_line_event));
+  const std::size_t room = std::min(events.size(), max_events);
+  if (!held_ || error_ != 0 || room == 0) return 0;
+  const ssize_t bytes = ::read(file_, raw_.data(), room * sizeof(gpio_v2_line_event));
   if (bytes < 0) {
     if (errno != EAGAIN && errno != EINTR) error_ = errno;
     return 0;

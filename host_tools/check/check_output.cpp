@@ -12,7 +12,7 @@
 namespace inbetween {
 namespace {
 
-/// Of a table for people; the JSON has all of them.
+/// The table for people ends after this many steps; the JSON has all of them.
 constexpr std::size_t max_steps_shown = 20;
 
 // --- table
@@ -55,7 +55,7 @@ void print_range(const CheckedAxis& axis, const Table& table) {
 std::string share_of(const CheckedPeak& peak) {
   if (!peak.limit) return "";
   if (!std::isfinite(peak.value)) return "exceeded";
-  // Rounded up: what exceeds its limit by little does not read as 100 %.
+  // The share is rounded up, so that a value just above its limit does not read as 100 %.
   const double percent = 100 * peak.share();
   return fmt::format("{:.0f} %", peak.is_exceeded() ? std::max(101.0, std::ceil(percent)) : percent);
 }

@@ -1,4 +1,4 @@
-// What a check has found, as a table and as JSON. docs/formats.md describes the JSON.
+// The report of a check, as a table and as JSON. docs/formats.md describes the JSON.
 #pragma once
 
 #include <cstdio>
@@ -9,7 +9,7 @@
 
 namespace inbetween {
 
-/// A row for each quantity of each axis, the steps (the first 20 of them), and the verdict as the last line.
+/// Prints a row for each quantity of each axis, the first 20 steps, and the verdict as the last line.
 void print_check(const Plan& plan, const CheckReport& report, const SmallestFrames& smallest, std::FILE* out);
 
 /// Writes the members of the JSON object, version 1 of the format, into an object that is open.

@@ -14,7 +14,8 @@ namespace {
 constexpr std::int32_t even_samples = 6000;
 constexpr std::int32_t samples_near_peak = 64;
 
-/// Evenly over the move with its rolls, and again within a few of those steps of each peak.
+/// The frames at which a motion is sampled: evenly over the move with its rolls, and closer within a few of
+/// those steps of each peak.
 std::vector<double> sample_frames(const LimitsPlot& plot, const CheckedAxis& axis) {
   std::vector<double> at;
   const double first = plot.first_frame;
@@ -41,7 +42,7 @@ void add_rows(const Plan& plan, const CheckReport& report, std::size_t index, Li
     const AxisMotion<double>& now = motion[planned.move_axis];
     return std::array<double, 3>{now.velocity, now.acceleration, now.jerk};
   };
-  // Where the jerk jumps, as at the joint with a roll, the peak is on one side only.
+  // The jerk jumps at the joint with a roll, so the peak may be on one side only.
   const auto is_below = [&](double frame, std::size_t quantity) {
     double largest = 0;
     for (const double side : {frame - 1e-6, frame, frame + 1e-6}) {

@@ -1,4 +1,4 @@
-// What a check has found, as the data of a picture.
+// The report of a check, as the data of a picture.
 #pragma once
 
 #include "host_tools/check/check.hpp"

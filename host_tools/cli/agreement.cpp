@@ -13,7 +13,7 @@
 namespace inbetween {
 namespace {
 
-/// While somebody thinks about a question.
+/// The pause between two looks at the keyboard while somebody thinks.
 constexpr std::int64_t ns_between_looks = 20'000'000;
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Whether somebody at a terminal agrees that a rig moves.
+// Asks somebody at a terminal to agree that a rig moves.
 #pragma once
 
 #include <string>
@@ -7,8 +7,8 @@
 
 namespace inbetween {
 
-/// Puts the question to standard error, and waits for Enter or for anything that means no: q, Esc, or an
-/// interrupt (InterruptWatch).
+/// Prints the question to standard error and waits for a key. Enter means yes; q, Esc or an interrupt
+/// (InterruptWatch) means no.
 bool agrees(KeyTerminal& terminal, const std::string& question);
 
 }  // namespace inbetween

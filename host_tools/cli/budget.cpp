@@ -45,7 +45,7 @@ ElementCounts element_counts(const BudgetCapacity& capacity) {
   return n;
 }
 
-/// In the order of object_names.
+/// The sizes in the order of object_names.
 template <Precise Real>
 std::array<std::optional<std::int64_t>, budget_object_count> bytes(const BudgetCapacity& capacity) {
   const ElementCounts n = element_counts<Real>(capacity);
@@ -151,7 +151,7 @@ constexpr std::array<FunctionBudget, 55> stack{{
     {"StepMerge::merge", {2240, 2240}, {2240, 2240}},
 }};
 
-// In the first line stands what is asked for: 140 in double on a Cortex-M7, 130 in single precision on a
+// The first line has the required numbers: 140 in double on a Cortex-M7, 130 in single precision on a
 // Cortex-M4F.
 constexpr std::array<FunctionBudget, 11> instructions{{
     {"CountTrack::counts", {140, 130}, {3600, 130}},
@@ -193,7 +193,7 @@ std::span<const FunctionBudget> instruction_limits() {
 
 std::int32_t usual_pieces_per_segment(double delta) {
   // Quintic interpolation: the error of the speed falls with the fifth power of the length of a piece. At a
-  // coarse delta it falls more slowly, because a piece is then as long as a bend.
+  // coarse delta it falls more slowly, because a piece is then as long as a turn of the path.
   const double exponent = delta < 1e-6 ? 0.2 : 0.15;
   return static_cast<std::int32_t>(std::ceil(40 * std::pow(1e-6 / delta, exponent)));
 }

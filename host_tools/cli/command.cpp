@@ -21,7 +21,7 @@ bool is_same_file(const std::string& one, const std::string& other) {
 
 }  // namespace
 
-// Not fmt::print, which throws where standard error cannot be written either: the status still tells.
+// fmt::print would throw if standard error cannot be written either. The exit status tells in any case.
 void complain(const std::string& line) {
   std::fputs((line + '\n').c_str(), stderr);
 }

@@ -1,4 +1,4 @@
-// What the commands of `inbetween` share. Each has a file of its own, command_NAME.cpp.
+// The shared part of the commands of `inbetween`. Each command has a file of its own, command_NAME.cpp.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -18,7 +18,7 @@ inline constexpr int exit_wrong_usage = 2;
 inline constexpr int exit_limit = 3;
 inline constexpr int exit_fault = 4;
 
-/// What can only be seen with all options together.
+/// A mistake in the options that shows only when all options are known.
 class UsageError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -37,7 +37,7 @@ void add_jog_command(CLI::App& program, Command& chosen);
 void add_sim_drives_command(CLI::App& program, Command& chosen);
 void add_budget_command(CLI::App& program, Command& chosen);
 
-/// One line to standard error.
+/// Prints one line to standard error.
 void complain(const std::string& line);
 
 /// A file that a command reads or writes, with the argument that names it.
@@ -46,16 +46,16 @@ struct NamedFile {
   std::optional<std::string> name;
 };
 
-/// No output is written over an input or over another output. Throws UsageError.
+/// Throws UsageError if an output would overwrite an input or another output.
 void refuse_outputs_in_one_place(const std::vector<NamedFile>& inputs, const std::vector<NamedFile>& outputs);
 
-/// Throws UsageError where the name of a picture has no known ending.
+/// Throws UsageError if the name of a picture has no known ending.
 void refuse_unknown_picture(const std::optional<std::string>& plot);
 
 /// Reads and solves; warnings go to standard error.
 Plan make_plan(const std::string& move, const std::optional<std::string>& rig, Solver solver);
 
-/// Where the summary goes: to standard error when standard output carries data.
+/// The stream for the summary: standard error if standard output carries data.
 std::FILE* summary_stream(bool data_on_standard_output);
 
 }  // namespace inbetween

@@ -20,9 +20,9 @@ int budget_command(const BudgetCapacity& capacity) {
 }
 
 void describe(CLI::App& app, BudgetCapacity& capacity) {
-  const auto add_count = [&](const char* name, std::int32_t& count, std::int32_t least, std::int32_t largest,
+  const auto add_count = [&](const char* name, std::int32_t& count, std::int32_t min, std::int32_t max,
                              const char* what) {
-    app.add_option(name, count, what)->check(CLI::Range(least, largest))->capture_default_str();
+    app.add_option(name, count, what)->check(CLI::Range(min, max))->capture_default_str();
   };
   add_count("--keys", capacity.keys, 1, largest_budget.keys, "keys of a track");
   add_count("--axes", capacity.axes, 1, largest_budget.axes, "axes of a track");
@@ -35,11 +35,11 @@ void describe(CLI::App& app, BudgetCapacity& capacity) {
   app.add_option("--delta", capacity.delta,
                  "largest relative error of the speed; without it 1e-6 in double, 1e-5 in single precision")
       ->check([](const std::string& text) {
-        constexpr double least = Precision<double>::smallest_delta;
+        constexpr double min = Precision<double>::smallest_delta;
         double delta = 0;
         const double above = *largest_budget.delta;
-        const bool known = CLI::detail::lexical_cast(text, delta) && delta >= least && delta < above;
-        return known ? "" : fmt::format("Value {} not in range: from {:g} to below {:g}", text, least, above);
+        const bool known = CLI::detail::lexical_cast(text, delta) && delta >= min && delta < above;
+        return known ? "" : fmt::format("Value {} not in range: from {:g} to below {:g}", text, min, above);
       });
   app.footer(
       "Three tables: the bytes that the caller of the core provides for every object of a move of that "

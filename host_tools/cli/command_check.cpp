@@ -27,8 +27,7 @@ struct CheckArguments {
   std::string start = "drawn";
 };
 
-/// Looks for a speed curve that fits and writes the move with it. Every reason why there is none is a line of
-/// standard error.
+/// Looks for a speed curve that fits, and writes the move with it.
 SpeedFit fit_command(const CheckArguments& arguments, const Plan& plan, const CheckReport& report) {
   SpeedFit fit;
   {
@@ -52,11 +51,11 @@ void complain_of_no_fit(const Plan& plan, const SpeedFit& fit, const SmallestFra
   if (smallest.frames) {
     complain(fmt::format("{}: note: the curve as it is fits in {} frames", place, *smallest.frames));
   }
-  if (plan.move().frames < fit.least.frames) return;  // the reason says it
+  if (plan.move().frames < fit.fewest.frames) return;  // the reason says so already
   complain(fmt::format("{}: note: in fewer than {} frames there is none, because of {} of axis {}", place,
-                       fit.least.frames,
-                       fit.least.by_acceleration ? "max_velocity and max_acceleration" : "max_velocity",
-                       in_quotes(plan.rig()->axes[fit.least.axis].name)));
+                       fit.fewest.frames,
+                       fit.fewest.by_acceleration ? "max_velocity and max_acceleration" : "max_velocity",
+                       in_quotes(plan.rig()->axes[fit.fewest.axis].name)));
 }
 
 int check_command(const CheckArguments& arguments) {

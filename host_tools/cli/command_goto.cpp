@@ -18,7 +18,7 @@
 namespace inbetween {
 namespace {
 
-/// Above this a loop without its rights could make an axis jump.
+/// A loop without real-time rights could make an axis jump above this share of its speed.
 constexpr double jitter_share = 0.1;
 
 struct GotoArguments {
@@ -28,7 +28,7 @@ struct GotoArguments {
   bool yes = false;
 };
 
-/// What the operator says, to the position file; nothing moves.
+/// Writes the positions that the operator gives into the position file. Nothing moves.
 int say_where_axes_stand(const GotoArguments& arguments) {
   std::vector<std::string> said = arguments.stands_at;
   said.reserve(said.size() + arguments.set_zero.size());

@@ -17,7 +17,7 @@
 namespace inbetween {
 namespace {
 
-/// Above this a loop without its rights could make an axis jump.
+/// A loop without real-time rights could make an axis jump above this share of its speed.
 constexpr double jitter_share = 0.1;
 
 struct JogArguments {

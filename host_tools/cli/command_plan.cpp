@@ -19,7 +19,7 @@ struct PlanArguments {
   std::optional<std::string> rig, csv, json, plot;
 };
 
-/// What locked keys and holds did to the drawn curve.
+/// Prints the change that locked keys and holds made to the drawn curve.
 void print_key_timing(const SolvedTrack<double>& solved, std::FILE* out) {
   if (!solved.key_timing()) return;
   const KeyTiming<double>& timing = *solved.key_timing();

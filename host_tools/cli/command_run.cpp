@@ -42,7 +42,7 @@ struct RunArguments {
   std::vector<std::string> still;
 };
 
-/// "0..180", in degrees of a frame.
+/// Reads a shutter such as "0..180", in degrees of a frame.
 Shutter<double> shutter_of(const std::string& text) {
   const std::size_t dots = text.find("..");
   const auto open = number_of(std::string_view(text).substr(0, dots));
@@ -80,23 +80,23 @@ std::optional<ShootOptions> shoot_options(const RunArguments& arguments) {
   return options;
 }
 
-/// A line an octave, with a bar where there are any.
+/// Prints one line an octave, with a bar if the octave has any ticks.
 void print_wake_latency(const RunReport& report, std::FILE* out) {
   const WakeLatency& latency = report.wake_latency;
   fmt::print(out,
              "  late ticks {}; woken after {:.0f} us (median), {:.0f} us (99 %), {:.0f} us (worst, {:.1f} s "
              "after the first)\n",
              report.late_ticks, latency.p50_us, latency.p99_us, latency.max_us, latency.max_at_s);
-  std::int64_t most = 1;
-  for (const WakeLatency::Bucket& bucket : latency.histogram) most = std::max(most, bucket.ticks);
+  std::int64_t max_ticks = 1;
+  for (const WakeLatency::Bucket& bucket : latency.histogram) max_ticks = std::max(max_ticks, bucket.ticks);
   constexpr std::int64_t bar_width = 40;
   for (const WakeLatency::Bucket& bucket : latency.histogram) {
-    const auto width = static_cast<std::size_t>((bucket.ticks * bar_width + most - 1) / most);
+    const auto width = static_cast<std::size_t>((bucket.ticks * bar_width + max_ticks - 1) / max_ticks);
     fmt::print(out, "  {:>12.0f} us{:>10} {}\n", bucket.below_us, bucket.ticks, std::string(width, '#'));
   }
 }
 
-/// `records` is what a line of it is called.
+/// Prints the end of a log. `records` is the word for its lines.
 void print_log(const LoopLogEnd& log, const char* records, const std::string& file, std::FILE* out) {
   if (log.lost == 0) {
     fmt::print(out, "  {}: {} {}\n", file == "-" ? "standard output" : file, log.written, records);
@@ -125,7 +125,7 @@ void print_run_summary(const RunReport& report, const Plan& plan, const RunArgum
   if (report.cue_log) print_log(*report.cue_log, "pulses", *arguments.cue_log, out);
 }
 
-/// On a terminal with the keys of a tape recorder, elsewhere with nothing but a progress bar.
+/// On a terminal a run has the keys of a tape recorder, elsewhere only a progress bar.
 RunReport play(const Plan& plan, const RunArguments& arguments, const RigWatch& watch) {
   const InterruptWatch interrupts;
   RunOptions options{.top_rate = arguments.top_rate,
@@ -179,7 +179,7 @@ void refuse_no_camera(const Plan& plan) {
 }
 
 int run_command(const RunArguments& arguments) {
-  shoot_options(arguments);  // what is wrong with them is said before any file is read
+  shoot_options(arguments);  // refuses wrong arguments before any file is read
   positions_of(arguments.from);
   if (!arguments.simulated) {
     if (arguments.fast) throw UsageError("--fast is for a simulated rig; add --sim");

@@ -13,7 +13,7 @@ namespace {
 
 constexpr int width = 40;
 
-/// Of standard error; 0 where it does not say.
+/// The width of standard error in characters; 0 if it is unknown.
 int terminal_columns() {
   winsize size{};
   return ::ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 ? size.ws_col : 0;

@@ -1,4 +1,4 @@
-// What the commands that set a rig up have in common: goto, home and jog.
+// The shared part of the commands that set a rig up: goto, home and jog.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -21,16 +21,16 @@ struct SetupArguments {
   std::optional<std::string> positions;
 };
 
-/// --rig, --sim, --from, --positions, --allow-jitter and, where nobody has to sit at it, --fast.
+/// Adds --rig, --sim, --from, --positions, --allow-jitter and, if the command can run unattended, --fast.
 void add_setup_options(CLI::App& command, SetupArguments& arguments, bool can_be_fast);
 
-/// Throws UsageError for what does not go together.
+/// Throws UsageError if options exclude each other.
 void check_setup_usage(const SetupArguments& arguments);
 
-/// Everything but the audience.
+/// The session options without the audience.
 SessionOptions session_options_of(const SetupArguments& arguments);
 
-/// Where the named axes rest, or all of them.
+/// Prints where the given axes rest.
 void print_positions(const RigFile& rig, const RigReference& reference, const std::vector<std::size_t>& axes,
                      const std::vector<double>& positions);
 

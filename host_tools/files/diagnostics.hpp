@@ -1,7 +1,7 @@
-// What the reader of a file says about it: the place, what is wrong, and what to do.
+// The lines that a reader prints about a file. Each names the place, the mistake and the remedy.
 //
-// Every diagnostic is one line. Control characters that come from the file appear as \xNN, so that nothing
-// in a file can break the line or steer a terminal.
+// Every diagnostic is one line. Control characters from the file appear as \xNN, so that no file can break
+// the line or steer a terminal.
 #pragma once
 
 #include <cstdint>
@@ -27,7 +27,7 @@ std::string to_string(const Place& place);
 /// Input that is refused. what() is "file:line:column: error: message", without a newline.
 class InputError : public std::runtime_error {
  public:
-  /// `message` says what is wrong and, after a semicolon, what to do.
+  /// `message` names the mistake and, after a semicolon, the remedy.
   InputError(Place place, std::string message);
 
   const Place& place() const { return place_; }
@@ -38,7 +38,7 @@ class InputError : public std::runtime_error {
   std::string message_;
 };
 
-/// Input that is accepted, with something that its author should know.
+/// A line about accepted input that its author should know.
 struct Warning {
   Place place;
   std::string message;

@@ -55,7 +55,7 @@ const FaultKind& read_kind(const TomlTable& table) {
   return kinds.at(table.required("what", R"(what = "lose-frames", say)").choice(words));
 }
 
-/// A field that means nothing to a fault would let its author believe in one that never comes.
+/// A field that a fault does not have is refused: its author would wait for something that never happens.
 void refuse_foreign_fields(const TomlTable& table, const FaultKind& kind) {
   const auto refuse = [&](std::string_view field, bool belongs) {
     const auto value = table.optional(field);
@@ -120,18 +120,17 @@ void read_extent(const TomlTable& table, ScriptedFault& fault) {
 
 std::int32_t read_counts(const TomlValue& value, const RigAxis& axis) {
   const double counts = std::round(value.number() * std::get<Cia402Drive>(axis.drive).counts_per_unit);
-  const double most = std::numeric_limits<std::int32_t>::max();
-  if (std::fabs(counts) > most) {
-    value.refuse(
-        fmt::format("is {:.15g} counts of the drive; write a position within {:.15g}", counts, most));
+  const double max = std::numeric_limits<std::int32_t>::max();
+  if (std::fabs(counts) > max) {
+    value.refuse(fmt::format("is {:.15g} counts of the drive; write a position within {:.15g}", counts, max));
   }
   return static_cast<std::int32_t>(counts);
 }
 
 void read_own(const TomlTable& table, const FaultKind& kind, const RigFile& rig, ScriptedFault& fault) {
   DriveTrouble& trouble = fault.trouble;
-  const auto whole = [&](const TomlValue& value, std::int64_t least, std::int64_t most) {
-    trouble.value = static_cast<std::int32_t>(value.integer(least, most));
+  const auto whole = [&](const TomlValue& value, std::int64_t min, std::int64_t max) {
+    trouble.value = static_cast<std::int32_t>(value.integer(min, max));
   };
   switch (kind.kind) {
     case Kind::lose_sent:

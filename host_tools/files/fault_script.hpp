@@ -1,8 +1,8 @@
-// A script of faults: what goes wrong with the simulated drives of a rig, and when. docs/formats.md is the
+// A script of faults: which faults the simulated drives of a rig have, and when. docs/formats.md is the
 // manual of the file.
 //
-// Reading checks everything that the file and its rig tell: types, ranges, names of axes, fields that do not
-// belong to a fault, positions that a drive cannot count to.
+// The reader checks the file against its rig: types, ranges, names of axes, fields that do not belong to a
+// fault, positions that a drive cannot count to.
 #pragma once
 
 #include <cstddef>
@@ -24,7 +24,7 @@ inline constexpr double max_fault_seconds = 86'400;
 inline constexpr std::int64_t max_flood_per_s = 100'000;
 
 struct ScriptedFault {
-  std::size_t axis = 0;  ///< of the rig's; it has a CiA 402 drive
+  std::size_t axis = 0;  ///< index of an axis of the rig; it has a CiA 402 drive
   std::string what;      ///< the word in the file
   /// Its `at_ns` counts from power-on, or from the first motion of the rig.
   DriveTrouble trouble;

@@ -22,7 +22,7 @@ int open_again_if_interrupted(const char* path, int flags, mode_t mode, int& des
   return descriptor < 0 ? errno : 0;
 }
 
-int read_open_file(int descriptor, std::size_t most, std::string& bytes) {
+int read_open_file(int descriptor, std::size_t max_bytes, std::string& bytes) {
   struct stat status = {};
   if (::fstat(descriptor, &status) != 0) return errno;
   if (!S_ISREG(status.st_mode)) return S_ISDIR(status.st_mode) ? EISDIR : EINVAL;
@@ -33,11 +33,11 @@ int read_open_file(int descriptor, std::size_t most, std::string& bytes) {
     if (count < 0) return errno;
     if (count == 0) return 0;
     bytes.append(block.data(), static_cast<std::size_t>(count));
-    if (bytes.size() > most) return EFBIG;
+    if (bytes.size() > max_bytes) return EFBIG;
   }
 }
 
-int read_file(const std::string& path, std::size_t most, std::string& bytes) {
+int read_file(const std::string& path, std::size_t max_bytes, std::string& bytes) {
   bytes.clear();
   int descriptor = -1;
   // A pipe would otherwise wait for a writer.
@@ -45,7 +45,7 @@ int read_file(const std::string& path, std::size_t most, std::string& bytes) {
           open_again_if_interrupted(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK, 0, descriptor)) {
     return error;
   }
-  const int error = read_open_file(descriptor, most, bytes);
+  const int error = read_open_file(descriptor, max_bytes, bytes);
   ::close(descriptor);
   return error;
 }

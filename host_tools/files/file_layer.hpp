@@ -1,5 +1,5 @@
-// The operations on files by which something is kept through a power cut, so that a test can cut the power
-// at each of them.
+// The file operations that keep data through a power cut. A test replaces them and cuts the power at each
+// one.
 #pragma once
 
 #include <cstddef>
@@ -9,26 +9,26 @@
 
 namespace inbetween {
 
-/// Each returns an errno, 0 if it succeeded.
+/// Each operation returns an errno, or 0 if it succeeded.
 struct FileLayer {
-  /// The bytes of a regular file; EFBIG for one above `most` bytes.
-  std::function<int(const std::string& path, std::size_t most, std::string& bytes)> read;
+  /// Reads a regular file. EFBIG if it has more than `max_bytes` bytes.
+  std::function<int(const std::string& path, std::size_t max_bytes, std::string& bytes)> read;
   /// Creates the file, or empties it.
   std::function<int(const std::string& path, int& descriptor)> create;
-  /// May write less than all, but at least one byte.
+  /// Writes at least one byte, maybe fewer than all.
   std::function<int(int descriptor, std::string_view bytes, std::size_t& written)> write;
   std::function<int(int descriptor)> sync;
   std::function<int(int descriptor)> close;
   std::function<int(const std::string& from, const std::string& to)> rename;
   std::function<int(const std::string& folder)> sync_folder;
-  /// One folder; EEXIST if there is something of that name.
+  /// Makes one folder. EEXIST if the name is taken.
   std::function<int(const std::string& folder)> make_folder;
 };
 
-/// Those of Linux.
+/// The operations of Linux.
 FileLayer system_files();
 
-/// An operation that failed, on which file, and why.
+/// A failed operation, its file and its reason.
 struct FileFailure {
   std::string_view what;  // "cannot be written"
   std::string path;
@@ -36,12 +36,12 @@ struct FileFailure {
   explicit operator bool() const { return error != 0; }
 };
 
-/// Replaces `path` by a file of `bytes` so that after a power cut at any moment there is the old file or the
-/// new one, whole: writes PATH.part, syncs it, renames it, syncs the folder. On return without a failure the
-/// new file is there for good. After a failure either may be.
+/// Replaces `path` by a file of `bytes`. After a power cut at any moment the old file or the new one is
+/// there, whole: this writes PATH.part, syncs it, renames it, and syncs the folder. If it returns no failure,
+/// the new file survives every power cut. After a failure either file may be there.
 FileFailure replace_durably(const FileLayer& files, const std::string& path, std::string_view bytes);
 
-/// Makes `folder` and those above it that are missing, for good.
+/// Makes `folder` and the missing folders above it, so that they survive a power cut.
 FileFailure make_folders(const FileLayer& files, const std::string& folder);
 
 }  // namespace inbetween

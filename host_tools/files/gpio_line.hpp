@@ -1,4 +1,4 @@
-// The GPIO lines of a rig: which they are and how they are wired.
+// The GPIO lines of a rig: their addresses and their wiring.
 #pragma once
 
 #include <string>
@@ -19,12 +19,12 @@ constexpr Level opposite(Level level) {
   return level == Level::low ? Level::high : Level::low;
 }
 
-/// What the chip itself does to an input that nothing drives.
+/// The pull of the chip on an input that nothing drives.
 enum class Bias { none, pull_up, pull_down };
 std::string_view to_string(Bias bias);
 
-/// Which line it is. An offset always has a chip; a name without one is the only line of that name on any
-/// chip.
+/// The address of a line. An offset always has a chip. A name without a chip is the only line of that name on
+/// all chips.
 struct LineAddress {
   std::string chip;  // label, never "gpiochipN"; empty: to be found by the name of the line
   GpioLine line;
@@ -34,12 +34,13 @@ struct LineAddress {
 /// `line 5 of chip "expander"`, `line "ESTOP"`.
 std::string to_string(const LineAddress& address);
 
-/// Whether both say the same line. An offset and a name may do so too, which only the chip knows.
+/// Whether both addresses are the same by their words. An offset and a name may mean the same line too, which
+/// only the chip knows.
 bool is_same_line(const LineAddress& a, const LineAddress& b);
 
 struct InputLine {
   LineAddress address;
-  Level active = Level::high;  // the level that means: pressed, stop, start, asked
+  Level active = Level::high;  // the level that means pressed, stop, start, or asked
   Bias bias = Bias::none;
 };
 

@@ -8,7 +8,7 @@
 namespace inbetween {
 namespace {
 
-/// Only a line that goes by its name may leave its chip to be found.
+/// A line may have no chip only if it has a name by which the chip can be found.
 LineAddress read_address(const TomlTable& table, TakenLines& taken) {
   const TomlValue line = table.required("line", "the line, by offset or name");
   LineAddress address;

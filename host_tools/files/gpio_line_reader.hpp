@@ -1,4 +1,4 @@
-// Reading the GPIO lines of a rig, each of which is used once.
+// Reads the GPIO lines of a rig. A rig uses each line once.
 #pragma once
 
 #include <cstdint>
@@ -24,30 +24,30 @@ class TakenLines {
   std::vector<LineAddress> lines_;
 };
 
-/// The field `chip`. Throws InputError where it is a number, "gpiochip0" included.
+/// Reads the field `chip`. Throws InputError if it is a number, or "gpiochip0", which is a number too.
 std::string read_chip(const TomlTable& table);
 
-/// A line of `chip` that is given by a field of its own, such as `step`.
+/// Reads a line of `chip` from a field of its own, such as `step`.
 GpioLine read_line_of(const std::string& chip, const TomlValue& value, TakenLines& taken);
 
 /// "low" or "high".
 Level read_level(const TomlValue& value);
 
-/// Which way an input shall fall when its wire breaks.
+/// The level that an input shall show when its wire breaks.
 enum class BrokenWire {
-  reads_active,    // emergency stop: the other way is refused
-  reads_inactive,  // what starts something: the other way is refused
+  reads_active,    // emergency stop: the other bias is refused
+  reads_inactive,  // an input that starts something: the other bias is refused
   preferably_active
 };
 
-/// The fields `chip`, `line` and `bias` of an input. Without a `bias` the chip pulls the way that `broken`
-/// says. Throws InputError where a bias would pull the way that is refused.
+/// Reads the fields `chip`, `line` and `bias` of an input. Without a `bias` the chip pulls as `broken` says.
+/// Throws InputError if the bias pulls the other way and `broken` does not allow it.
 InputLine read_input(const TomlTable& table, Level active, BrokenWire broken, TakenLines& taken);
 
-/// The same with the field `active`, "high" if it is not there.
+/// Reads the field `active` as well; "high" without it.
 InputLine read_input(const TomlTable& table, BrokenWire broken, TakenLines& taken);
 
-/// The fields `chip`, `line` and `idle` of an output.
+/// Reads the fields `chip`, `line` and `idle` of an output.
 OutputLine read_output(const TomlTable& table, TakenLines& taken);
 
 }  // namespace inbetween

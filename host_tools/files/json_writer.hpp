@@ -1,5 +1,5 @@
-// JSON, written as it comes: a plan of 100 000 frames has a million numbers, too many for a document in
-// memory. Numbers are written in the shortest form that reads back exactly; what is not finite is null.
+// Writes JSON piece by piece: a plan of 100 000 frames has a million numbers, too many for a document in
+// memory. A number has the shortest form that reads back exactly; a number that is not finite is null.
 #pragma once
 
 #include <fmt/format.h>
@@ -12,8 +12,8 @@
 
 namespace inbetween {
 
-/// Writes one JSON text to an open file. Values in objects follow key(), in arrays they stand alone; the
-/// commas are the writer's. Lines break where line() is called.
+/// Writes one JSON text to an open file. In an object a value follows key(); in an array it stands alone. The
+/// writer adds the commas. A line breaks where line() is called.
 class JsonWriter {
  public:
   explicit JsonWriter(std::FILE* file) : file_(file) {}

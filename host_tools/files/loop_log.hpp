@@ -1,4 +1,4 @@
-// A file that is told by a real-time loop, and never holds it up.
+// A log file of a real-time loop. It never holds up the loop.
 #pragma once
 
 #include <atomic>
@@ -16,32 +16,32 @@
 
 namespace inbetween {
 
-/// What became of such a file.
+/// The counts of a log file at its end.
 struct LoopLogEnd {
   std::int64_t written = 0;  ///< records
-  std::int64_t lost = 0;     ///< records that are not in the file
+  std::int64_t lost = 0;     ///< records that the file does not have
   std::string why = {};      ///< "" where none is
 };
 
-/// Text for a file, record by record. After the first failure nothing is written any more, and a pipe that
-/// nobody reads for a second is one. Of one thread.
+/// Writes text to a file, record by record. It stops writing at the first failure; a pipe that nobody reads
+/// for 1 s is a failure too. One thread uses it.
 class PatientFile {
  public:
-  /// "-" is standard output. Throws std::runtime_error, one line that starts with the name, where the file
+  /// "-" is standard output. Throws std::runtime_error, one line that starts with the name, if the file
   /// cannot be opened.
   explicit PatientFile(const std::string& name);
   ~PatientFile();
   PatientFile(const PatientFile&) = delete;
   PatientFile& operator=(const PatientFile&) = delete;
 
-  /// For the text of the next record; what is in it is written from time to time.
+  /// The caller appends the next record to this text. The text is written from time to time.
   [[nodiscard]] std::string& text() { return text_; }
-  /// The text of a record is complete.
+  /// Tells that the text of a record is complete.
   void end_record();
   void flush();
 
   [[nodiscard]] std::int64_t written() const { return written_; }
-  /// "" where nothing failed.
+  /// The first failure; "" without one.
   [[nodiscard]] const std::string& failure() const { return failure_; }
 
  private:
@@ -52,17 +52,17 @@ class PatientFile {
   std::string failure_;
 };
 
-/// In this thread a reader that has gone is a failed write.
+/// Makes a pipe without a reader a failed write in this thread, instead of a signal.
 void block_broken_pipe();
 
-/// The loop puts records into a ring, a thread of its own writes them. What finds no room, or no disk, is
-/// counted.
+/// The loop puts records into a ring, and a thread of the log writes them. Records without room in the ring
+/// or on the disk are counted.
 template <class Record, std::size_t capacity>
 class LoopLog {
  public:
-  /// `head` is the first line. `put` appends the line of a record to a text, in the thread of the log; it
-  /// outlives what it refers to no longer than finish(). `waits`: the loop has time, and waits for room
-  /// instead. Throws what PatientFile does.
+  /// `head` is the first line. The thread of the log calls `put`, which appends the line of a record to a
+  /// text; what `put` refers to must live until finish(). With `waits` the loop has time, and waits for room
+  /// instead of losing a record. Throws what PatientFile throws.
   LoopLog(const std::string& file, const std::string& head, bool waits,
           std::function<void(const Record&, std::string&)> put)
       : waits_(waits), file_(file), put_(std::move(put)) {
@@ -73,12 +73,13 @@ class LoopLog {
   LoopLog(const LoopLog&) = delete;
   LoopLog& operator=(const LoopLog&) = delete;
 
-  /// Of the loop's thread. No allocation, no system call unless it waits.
+  /// The loop's thread calls this. It allocates nothing and makes no system call unless it waits.
   void take(const Record& record) {
     ++taken_;
     while (!ring_->push(record) && waits_) std::this_thread::sleep_for(between_looks);
   }
-  /// Writes what is left. `too_slow` is why, where records were lost and the file is not to blame.
+  /// Writes the records that are left. `too_slow` is the reason if records were lost although the file did
+  /// not fail.
   LoopLogEnd finish(const std::string& too_slow) {
     leaves_.store(true);
     if (thread_.joinable()) thread_.join();

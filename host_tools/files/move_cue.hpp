@@ -1,4 +1,4 @@
-// What a move does on lines of the rig: pulses at frames, a clapper, the start by a trigger.
+// The use that a move makes of lines of the rig: pulses at frames, a clapper, the start by a trigger.
 #pragma once
 
 #include <cstddef>
@@ -20,7 +20,7 @@ inline constexpr std::size_t max_cue_frames = 10'000;  // that a cue lists
 inline constexpr std::size_t max_cue_pulses = 2'000'000;
 inline constexpr double max_pulse_ms = 60'000;
 
-/// Where a line is active: from its level in the rig to the opposite one for `width_ns`.
+/// The pulses of one line. A pulse takes the line from its idle level to the opposite one for `width_ns`.
 struct MoveCue {
   std::string line;                  // an output of the rig, or "camera"
   std::vector<std::int32_t> frames;  // 0..frames of the move, ascending; empty with `every`
@@ -40,7 +40,7 @@ struct Clapper {
   Place line_place;
 };
 
-/// What a run waits for when everything is ready.
+/// The event that starts a run when everything is ready.
 enum class Start { command, trigger };
 
 /// A pulse on `line`, in frames of the move; it may end after the move.
@@ -52,12 +52,11 @@ struct CuePulse {
   const Place* place = nullptr;  // of its frame in the move, or of the cue; in the move too
 };
 
-/// All pulses of a move, the clapper's included, in the order in which they begin, and where two begin at
-/// once in the order of the file, the clapper first. Refers into `move`, which lasts longer.
+/// All pulses of a move, the clapper's included, in the order in which they begin. Pulses that begin at once
+/// have the order of the file, the clapper first. The result refers to `move`, which must live longer.
 std::vector<CuePulse> cue_pulses(const MoveFile& move);
 
-/// Throws InputError at the place in the move where a line is named, or a trigger, that the rig does not
-/// have.
+/// Throws InputError at the place in the move that names a line or a trigger that the rig does not have.
 void check_cues(const MoveFile& move, const RigFile& rig);
 
 }  // namespace inbetween

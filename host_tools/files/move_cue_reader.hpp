@@ -1,4 +1,4 @@
-// Reading the cues of a move.
+// Reads the cues of a move.
 #pragma once
 
 #include "host_tools/files/move_file.hpp"
@@ -6,8 +6,8 @@
 
 namespace inbetween {
 
-/// The fields `cue`, `clapper` and `start` of a move whose frames and rate have been read, into `move`.
-/// Throws InputError at the first thing that is wrong, two pulses of a line that overlap or touch included.
+/// Reads the fields `cue`, `clapper` and `start` into `move`, whose frames and rate have been read. Throws
+/// InputError at the first mistake. Two pulses of a line that overlap or touch are a mistake.
 void read_cues(const TomlTable& table, MoveFile& move);
 
 }  // namespace inbetween

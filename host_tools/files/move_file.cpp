@@ -26,7 +26,7 @@ constexpr std::array<std::string_view, 7> key_fields = {"at",    "tension", "con
 constexpr std::int64_t max_fps = 1'000;
 constexpr std::int64_t max_fps_part = 1'000'000;
 
-/// What to write for a rate that was given as a decimal number.
+/// The fraction to write instead of a rate that was given as a decimal number.
 std::string exact_rate(double fps) {
   // 23.976, 29.97 and their like stand for these rates times 1000/1001 (SMPTE ST 12-1); half a hundredth also
   // takes in 23.98 and 47.95.
@@ -84,7 +84,7 @@ WrittenFrameRate read_frame_rate(const TomlValue& value) {
   return {{*numerator, *denominator}, text, false};
 }
 
-/// What the keys of a track need to know about it.
+/// The properties of a track that its keys depend on.
 struct KeyContext {
   const std::vector<std::string>& axes;
   Spline spline;

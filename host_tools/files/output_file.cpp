@@ -41,7 +41,7 @@ bool is_special(const std::string& name) {
   return fs::exists(status) && !fs::is_regular_file(status);
 }
 
-/// The file that a symbolic link stands for.
+/// The file that a symbolic link points to.
 fs::path behind_links(fs::path file) {
   constexpr int max_links = 40;  // as many as Linux follows
   std::error_code error;

@@ -116,7 +116,8 @@ std::variant<KeptPositions, std::string> parse_positions(std::string_view text) 
         line_number == 1 || (line_number == 2 ? read_rig(line, positions) : read_axis(line, positions));
     if (!is_read) return fmt::format("is damaged in line {}", line_number);
   }
-  // One way to write it: whatever was read leniently above differs from it.
+  // There is one way to write the text. A text that the lenient reader above accepts in another form differs
+  // here.
   if (to_text(positions) != text) return "is damaged: this program would have written it otherwise";
   return positions;
 }

@@ -7,9 +7,9 @@
 //   unreferenced focus
 //   sum 5be1a89cc4bb1b35
 //
-// Line 2 is the identity of the rig, hexadecimal, and its name. A line per axis: its state and its name, and
-// where it rests its position in its unit. An axis of which nothing is known has no number, so that none can
-// be mistaken for one. `sum` is FNV-1a, 64 bits, of every byte before that line.
+// Line 2 has the identity of the rig, hexadecimal, and its name. Each axis has a line with its state and its
+// name; an axis at rest has its position too, in its unit. An axis at an unknown place has no number, so that
+// nobody can take a number for its place. `sum` is FNV-1a, 64 bits, of every byte before that line.
 #pragma once
 
 #include <cstddef>
@@ -45,11 +45,11 @@ struct KeptPositions {
   bool operator==(const KeptPositions&) const = default;
 };
 
-/// Names are without control characters, as the reader of a rig sees to.
+/// Writes the text. Names have no control characters: the reader of a rig refuses them.
 std::string to_text(const KeptPositions& positions);
 
-/// The positions, or what is wrong with the text, as the end of a sentence: "is damaged in line 3". Accepts
-/// exactly what to_text writes.
+/// Returns the positions, or the mistake in the text as the end of a sentence: "is damaged in line 3". It
+/// accepts exactly what to_text writes.
 std::variant<KeptPositions, std::string> parse_positions(std::string_view text);
 
 }  // namespace inbetween

@@ -25,8 +25,8 @@ struct CanAddress {
 };
 
 struct NodeRange {
-  int least;
-  int most;
+  int min;
+  int max;
 };
 
 CanAddress read_can_address(const TomlTable& table, NodeRange range, const RigContext& rig) {
@@ -38,24 +38,24 @@ CanAddress read_can_address(const TomlTable& table, NodeRange range, const RigCo
                            in_quotes(address.bus)));
   }
   const TomlValue node = table.required("node", "the node id of the drive, node = 1");
-  address.node = static_cast<int>(node.integer(range.least, range.most));
+  address.node = static_cast<int>(node.integer(range.min, range.max));
   take(rig.taken, node, fmt::format("node {} of bus {}", address.node, address.bus),
        "give each drive its own");
   return address;
 }
 
-/// A scale in drive units per axis unit; both ends of the axis must stay within `most` drive units of 0.
-double read_scale(const TomlTable& table, std::string_view field, const RigAxis& axis, double most) {
+/// A scale in drive units per axis unit; both ends of the axis must stay within `max` drive units of 0.
+double read_scale(const TomlTable& table, std::string_view field, const RigAxis& axis, double max) {
   const TomlValue value = table.required(field, fmt::format("{} = 1000.0, say", field));
   const double scale = value.number();
   if (scale == 0) value.refuse("is 0; write a positive number, or a negative one to reverse the motor");
   const std::string_view counted = field.substr(0, field.find('_'));
   for (const double end : {axis.min, axis.max}) {
     const double position = end * scale;
-    if (std::abs(std::round(position)) > most) {
+    if (std::abs(std::round(position)) > max) {
       value.refuse(
           fmt::format("is {}, so that {} {} is {:.15g} {}, beyond {:.15g}; lower the scale or the range",
-                      scale, end, to_string(axis.unit), position, counted, most));
+                      scale, end, to_string(axis.unit), position, counted, max));
     }
   }
   return scale;

@@ -1,4 +1,4 @@
-// Reading the drives of a rig.
+// Reads the drives of a rig.
 #pragma once
 
 #include <map>
@@ -12,20 +12,20 @@
 
 namespace inbetween {
 
-/// Who has taken what: axis names, nodes of a bus. The text says which.
+/// The names and addresses that are taken already, each with the words that say by whom.
 using Taken = std::map<std::string, Place>;
 
 /// Throws InputError at `value` if `what` is taken already.
 void take(Taken& taken, const TomlValue& value, const std::string& what, std::string_view remedy);
 
-/// What reading an axis needs to know about the rig so far.
+/// The part of the rig that the reader of an axis needs.
 struct RigContext {
   std::span<const Bus> buses;
   Taken& taken;
   TakenLines& lines;
 };
 
-/// The table `drive` of an axis whose limits have been read.
+/// Reads the table `drive` of an axis whose limits have been read.
 Drive read_drive(const TomlValue& value, const RigAxis& axis, const RigContext& rig);
 
 }  // namespace inbetween

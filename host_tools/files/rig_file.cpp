@@ -43,7 +43,7 @@ constexpr std::array<std::string_view, 4> camera_fields = {"chip", "line", "idle
 constexpr std::array<std::string_view, 3> output_fields = {"chip", "line", "idle"};
 
 constexpr std::array<std::string_view, 6> unit_names = {"mm", "m", "deg", "rad", "turn", "unit"};
-/// What cues call the shutter of the camera.
+/// The name by which cues call the shutter of the camera.
 constexpr std::string_view camera_name = "camera";
 
 std::vector<Bus> read_buses(const TomlTable& rig) {
@@ -53,7 +53,7 @@ std::vector<Bus> read_buses(const TomlTable& rig) {
   for (const auto& [key, node] : section->table()) {
     const TomlValue value(node, fmt::format("bus {}", in_quotes(key.str())));
     const TomlTable table(value.table(), value.name(), bus_fields);
-    // What Linux allows as the name of a network interface (IFNAMSIZ, dev_valid_name).
+    // Linux allows these names for a network interface (IFNAMSIZ, dev_valid_name).
     const std::string_view name = key.str();
     const bool is_interface_name = !name.empty() && name.size() <= 15 && name != "." && name != ".." &&
                                    std::all_of(name.begin(), name.end(), [](char c) {
@@ -83,7 +83,7 @@ void read_limits(const TomlTable& table, RigAxis& axis) {
   };
   axis.max_jerk = limit("max_jerk");
   axis.max_acceleration_step = limit("max_acceleration_step");
-  // A stop begins in the midst of the motion: what the motion may do, the stop must be able to do.
+  // A stop begins within the motion, so its limits must not be below those of the motion.
   const auto stop_limit = [&](std::string_view field, std::string_view motion_field,
                               const std::optional<double>& motion) {
     const auto value = limit(field);

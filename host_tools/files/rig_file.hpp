@@ -77,12 +77,13 @@ struct PipeDrive {
 };
 using Drive = std::variant<Cia402Drive, OdriveDrive, MoteusDrive, StepDirDrive, PipeDrive>;
 
-/// Whether nothing reports where the axis really is: steps and servo pulses are only counted.
+/// Whether the drive works open loop: it counts steps or servo pulses, and nothing reports where the axis
+/// really is.
 bool is_open_loop(const Drive& drive);
 
-/// Who says where an axis is when a run begins.
+/// The source of an axis' position when a run begins.
 enum class Reference {
-  by_operator,  // who says so at a known place; the position file keeps it
+  by_operator,  // a person, at a known place; the position file keeps it
   by_home,      // its home switch; the position file keeps it
   by_drive      // the drive knows
 };

@@ -65,7 +65,7 @@ WrittenList written_list(std::string_view text, std::size_t begin) {
   return list;
 }
 
-/// What stands between the last two numbers, comma and all.
+/// The text between the last two numbers, with the comma.
 std::string_view separator(std::string_view text, const WrittenList& list) {
   constexpr std::string_view plain = ", ";
   if (list.numbers.size() < 2) return plain;
@@ -95,7 +95,7 @@ std::string rewritten(std::string_view text, const WrittenList& list, std::span<
     copied = list.numbers[i].end;
     if (i < speed.size()) append_number(result, speed[i]);
   }
-  // Not copied yet: what follows the last number.
+  // The text behind the last number is not copied yet.
   for (std::size_t i = list.numbers.size(); i < speed.size(); ++i) {
     result += separator(text, list);
     append_number(result, speed[i]);

@@ -1,8 +1,7 @@
-// From a TOML file to a toml::table: bounded reading and parsing with toml++.
+// Makes a TOML file a toml::table. Reading is bounded, and toml++ parses.
 //
-// A file is at most 8 MiB of UTF-8 text. Before toml++ sees it, one pass over the text refuses what would
-// cost toml++ unbounded stack or quadratic time (see parse_toml). Everything that is refused is an
-// InputError.
+// A file is at most 8 MiB of UTF-8 text. One pass over the text first refuses what would cost toml++
+// unbounded stack or quadratic time (see parse_toml). Every refusal is an InputError.
 #pragma once
 
 #include <toml++/toml.h>
@@ -17,7 +16,7 @@
 namespace inbetween {
 
 inline constexpr std::size_t max_file_bytes = std::size_t{8} << 20U;
-/// Our files nest four deep; toml++ and its destructors recurse once per level.
+/// Our files nest four levels deep. toml++ and its destructors recurse once per level.
 inline constexpr std::size_t max_toml_nesting = 16;
 /// Assignments and table headers. toml++ looks dotted keys up in a list, which is quadratic: this many take a
 /// few seconds at worst. A move of 10 000 keys with every field has 70 000.

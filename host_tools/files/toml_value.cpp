@@ -115,21 +115,21 @@ bool TomlValue::boolean() const {
   return value->get();
 }
 
-std::int64_t TomlValue::integer(std::int64_t least, std::int64_t most) const {
+std::int64_t TomlValue::integer(std::int64_t min, std::int64_t max) const {
   const auto* value = node_->as_integer();
-  const std::string wanted = fmt::format("a whole number from {} to {}", least, most);
+  const std::string wanted = fmt::format("a whole number from {} to {}", min, max);
   if (value == nullptr) refuse_type(wanted + " without a decimal point");
-  if (value->get() < least || value->get() > most) {
+  if (value->get() < min || value->get() > max) {
     refuse(fmt::format("is {}; write {}", value->get(), wanted));
   }
   return value->get();
 }
 
-double TomlValue::number(double least, double most) const {
+double TomlValue::number(double min, double max) const {
   const std::optional<double> value = node_->is_number() ? node_->value<double>() : std::nullopt;
-  const std::string wanted = fmt::format("a number from {} to {}", least, most);
+  const std::string wanted = fmt::format("a number from {} to {}", min, max);
   if (!value) refuse_type(wanted);
-  if (!(*value >= least && *value <= most)) refuse(fmt::format("is {}; write {}", *value, wanted));
+  if (!(*value >= min && *value <= max)) refuse(fmt::format("is {}; write {}", *value, wanted));
   return *value;
 }
 
@@ -139,11 +139,11 @@ double TomlValue::positive_number() const {
   return value;
 }
 
-std::vector<TomlValue> TomlValue::list(std::size_t most) const {
+std::vector<TomlValue> TomlValue::list(std::size_t max) const {
   const auto* array = node_->as_array();
   if (array == nullptr) refuse_type("a list in [ ]");
   if (array->empty()) refuse("is empty; write at least one element");
-  if (array->size() > most) refuse(fmt::format("has {} elements; write at most {}", array->size(), most));
+  if (array->size() > max) refuse(fmt::format("has {} elements; write at most {}", array->size(), max));
   std::vector<TomlValue> elements;
   elements.reserve(array->size());
   for (const toml::node& element : *array) {
@@ -152,9 +152,9 @@ std::vector<TomlValue> TomlValue::list(std::size_t most) const {
   return elements;
 }
 
-std::vector<TomlValue> TomlValue::tables(std::size_t most) const {
+std::vector<TomlValue> TomlValue::tables(std::size_t max) const {
   if (node_->is_table()) refuse("is a single table; write a list of tables, [[...]] or [ {...}, {...} ]");
-  std::vector<TomlValue> elements = list(most);
+  std::vector<TomlValue> elements = list(max);
   for (const TomlValue& element : elements) element.table();
   return elements;
 }

@@ -11,7 +11,7 @@ namespace {
 using Ordinates = std::array<double, 4>;
 
 /// How the Bezier ordinates of a span depend on the four control values around it, index - 1 .. index + 2.
-/// Those beyond the ends have no influence.
+/// Control values beyond the ends have no influence.
 std::array<Ordinates, 4> ordinate_weights(std::size_t span, std::size_t span_count) {
   std::array<Ordinates, 4> weights{};
   if (span == 0) {
@@ -44,7 +44,8 @@ SpeedSpan<double> span_of(const Ordinates& b) {
   return {b[0], b[1], b[2], b[3]};
 }
 
-/// The functions of a span at t as factors of its ordinates: by putting 1 for each in turn.
+/// The functions of a span at t as factors of its ordinates. Each factor is the function of a span whose one
+/// ordinate is 1 and whose others are 0.
 Ordinates factors_at(double t, const CurveWeights& weights) {
   Ordinates factors{};
   for (std::size_t k = 0; k < 4; ++k) {
@@ -52,7 +53,7 @@ Ordinates factors_at(double t, const CurveWeights& weights) {
     unit[k] = 1;
     const SpeedSpan<double> span = span_of(unit);
     factors[k] = weights.area * span.integral(t) + weights.value * span.value(t) +
-                 weights.slope * span.derivative(t) + weights.bend * span.second(t);
+                 weights.first * span.derivative(t) + weights.second * span.second(t);
   }
   return factors;
 }
@@ -60,15 +61,10 @@ Ordinates factors_at(double t, const CurveWeights& weights) {
 }  // namespace
 
 ControlCurve::ControlCurve(std::span<const double> values) {
-  const std::size_t f = values.size() - 1;
-  const auto knot = [&](std::size_t i) {
-    return i == 0 || i == f ? values[i] : (values[i - 1] + 4 * values[i] + values[i + 1]) / 6;
-  };
   TwoSum<double> area;
   areas_.push_back(0);
-  for (std::size_t i = 0; i < f; ++i) {
-    spans_.push_back(
-        {knot(i), (2 * values[i] + values[i + 1]) / 3, (values[i] + 2 * values[i + 1]) / 3, knot(i + 1)});
+  for (std::size_t i = 0; i + 1 < values.size(); ++i) {
+    spans_.push_back(speed_span(values, i));
     area.add(spans_.back().integral());
     areas_.push_back(area.high + area.low);
   }
@@ -79,9 +75,9 @@ CurveValues ControlCurve::at(const CurvePlace<double>& place) const {
   const SpeedSpan<double>& span = spans_[index];
   return {.area = areas_[index] + span.integral(place.t),
           .value = span.value(place.t),
-          .slope = span.derivative(place.t),
-          .bend = span.second(place.t),
-          .twist = 6 * ((span.b3 - span.b0) - 3 * (span.b2 - span.b1))};
+          .first = span.derivative(place.t),
+          .second = span.second(place.t),
+          .third = span.third()};
 }
 
 CurvePlace<double> ControlCurve::place_of_area(double area) const {
@@ -181,26 +177,15 @@ double mean_square(std::span<const double> values) {
 
 std::vector<double> refined(std::span<const double> values) {
   const std::size_t f = values.size() - 1;
-  std::vector<double> fine(2 * f + 1);
-  for (std::size_t i = 0; i <= f; ++i) {
-    const bool end = i == 0 || i == f;
-    fine[2 * i] = end ? values[i] : (values[i - 1] + 6 * values[i] + values[i + 1]) / 8;
-    if (i < f) fine[2 * i + 1] = (values[i] + values[i + 1]) / 2;
-  }
+  std::vector<double> fine(values.begin(), values.end());
+  fine.resize(2 * f + 1);
+  refine_control_values<double>(fine, f);
   return fine;
 }
 
 std::vector<bool> rests_of(std::span<const double> values) {
-  const std::size_t count = values.size();
-  std::vector<bool> rests(count);
-  const auto mark = [&](std::size_t first, std::size_t size) {
-    const bool still =
-        std::ranges::all_of(values.subspan(first, size), [](double value) { return value == 0; });
-    for (std::size_t i = first; still && i < first + size; ++i) rests[i] = true;
-  };
-  mark(0, 2);
-  mark(count - 2, 2);
-  for (std::size_t i = 0; i + 3 <= count; ++i) mark(i, 3);
+  std::vector<bool> rests;
+  for (std::size_t i = 0; i < values.size(); ++i) rests.push_back(is_rest(values, i));
   return rests;
 }
 

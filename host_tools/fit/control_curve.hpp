@@ -1,4 +1,4 @@
-// The speed curve as a linear function of its control values: what the fit of a speed curve is made from.
+// The speed curve as a linear function of its control values. The fit of a speed curve is built on it.
 #pragma once
 
 #include <cstddef>
@@ -10,18 +10,19 @@
 
 namespace inbetween {
 
-/// The curve at one place: Phi from 0 to there, phi, and its derivatives by a.
+/// The curve at one place: Phi from 0 to there, phi, and the first three derivatives of phi by a.
 struct CurveValues {
-  double area = 0, value = 0, slope = 0, bend = 0, twist = 0;
+  double area = 0, value = 0, first = 0, second = 0, third = 0;
 };
 
-/// A linear function of the curve at one place: the sum of each number times its own of CurveValues.
+/// A linear function of the curve at one place: the sum of each weight times the number of the same name in
+/// CurveValues.
 struct CurveWeights {
-  double area = 0, value = 0, slope = 0, bend = 0;
+  double area = 0, value = 0, first = 0, second = 0;
 };
 
-/// The uniform cubic B-spline with natural ends of SpeedProfile, for numbers of any sign and size: a change
-/// of a speed curve is one too. At least two control values.
+/// The curve of SpeedProfile for control values of any sign and size, because the difference of two speed
+/// curves is such a curve too. It has at least two control values.
 class ControlCurve {
  public:
   explicit ControlCurve(std::span<const double> values);
@@ -30,8 +31,8 @@ class ControlCurve {
   [[nodiscard]] std::size_t span_count() const { return spans_.size(); }
   [[nodiscard]] CurveValues at(const CurvePlace<double>& place) const;
   [[nodiscard]] double total() const { return areas_.back(); }
-  /// Where Phi first reaches `area`, for a curve that is nowhere negative; the nearer end beyond its ends.
-  /// O(log f).
+  /// The place where Phi first reaches `area`. The curve is nowhere negative. An area beyond the ends gives
+  /// the nearer end. O(log f).
   [[nodiscard]] CurvePlace<double> place_of_area(double area) const;
   /// The largest |phi|, and its a. Exact: at the ends of spans and where phi' = 0.
   struct Largest {
@@ -61,8 +62,8 @@ double mean_square(std::span<const double> values);
 /// the one is phi(2 a) of the other.
 std::vector<double> refined(std::span<const double> values);
 
-/// For every control value whether the curve rests there, as the core sees it: two zeros at an end, three in
-/// a row inside.
+/// Tells for every control value whether the curve rests there, as the core sees it: two zeros at an end,
+/// three in a row inside.
 std::vector<bool> rests_of(std::span<const double> values);
 
 }  // namespace inbetween

@@ -11,14 +11,14 @@ namespace inbetween {
 namespace {
 
 constexpr int stretches_per_segment = 64;
-/// Of the largest position of an axis: a turn by less is taken for rounding and leaves the axis going on.
+/// As a share of the largest position of an axis. A smaller turn counts as rounding: the axis goes on.
 constexpr double turn_rounding = 1e-9;
-/// By which the bound is lowered for the rounding of its sums.
+/// The bound is lowered by this share for the rounding of its sums.
 constexpr double sum_rounding = 1e-9;
-/// By which a way is shortened for the rounding of its ends, as a share of these.
+/// A way is shortened by this share of its ends for their rounding.
 constexpr double position_rounding = 1e-15;
 
-/// Not longer than the true way.
+/// The way between two positions, never longer than the true one.
 double way_between(double begin, double end) {
   const double rounding = position_rounding * (std::fabs(begin) + std::fabs(end));
   return std::max(std::fabs(end - begin) - rounding, 0.0);
@@ -81,7 +81,7 @@ class TurningPoints {
   std::vector<double> positions_;
 };
 
-/// The quickest way over a distance, with so many of its two ends at rest.
+/// The shortest time for a distance of which `ends_at_rest` ends are at rest.
 double quickest(double distance, const RigAxis& limits, int ends_at_rest) {
   const double v = limits.max_velocity;
   const double a = limits.max_acceleration;
@@ -93,7 +93,7 @@ double quickest(double distance, const RigAxis& limits, int ends_at_rest) {
   return distance / v + ends_at_rest * v / (2 * a);
 }
 
-/// What one track needs, in seconds.
+/// The time that one track needs, in seconds.
 class TrackTime {
  public:
   TrackTime(const Plan& plan, std::size_t index) : track_(plan.tracks()[index].track()) {
@@ -113,12 +113,12 @@ class TrackTime {
     bool by_acceleration = false;
   };
   [[nodiscard]] Bound bound() const {
-    Bound most = by_velocity();
+    Bound slowest = by_velocity();
     for (std::size_t d = 0; d < axes_.size(); ++d) {
       const double seconds = by_acceleration(d);
-      if (seconds > most.seconds * (1 + sum_rounding)) most = {seconds, axes_[d].index, true};
+      if (seconds > slowest.seconds * (1 + sum_rounding)) slowest = {seconds, axes_[d].index, true};
     }
-    return most;
+    return slowest;
   }
 
  private:
@@ -147,8 +147,8 @@ class TrackTime {
         share[slowest] += longest;
       }
     }
-    const auto most = static_cast<std::size_t>(std::ranges::max_element(share) - share.begin());
-    return {seconds, axes_[most].index, false};
+    const auto slowest = static_cast<std::size_t>(std::ranges::max_element(share) - share.begin());
+    return {seconds, axes_[slowest].index, false};
   }
 
   [[nodiscard]] double by_acceleration(std::size_t axis) const {
@@ -173,17 +173,17 @@ class TrackTime {
 }  // namespace
 
 FewestFrames fewest_frames(const Plan& plan) {
-  FewestFrames least;
+  FewestFrames fewest;
   const double fps = plan.move().fps.rate.frames_per_second();
   for (std::size_t t = 0; t < plan.tracks().size(); ++t) {
     const TrackTime::Bound bound = TrackTime(plan, t).bound();
     const double frames = std::ceil(bound.seconds * fps * (1 - sum_rounding));
-    if (!(frames > least.frames)) continue;
+    if (!(frames > fewest.frames)) continue;
     const bool is_countable = frames < max_frames;
-    least = {is_countable ? static_cast<std::int32_t>(frames) : max_frames, bound.axis,
-             bound.by_acceleration};
+    fewest = {is_countable ? static_cast<std::int32_t>(frames) : max_frames, bound.axis,
+              bound.by_acceleration};
   }
-  return least;
+  return fewest;
 }
 
 }  // namespace inbetween

@@ -1,4 +1,4 @@
-// How many frames a move needs at least on its rig, whatever its speed curves.
+// The number of frames that a move needs at least on its rig, whatever its speed curves are.
 #pragma once
 
 #include <cstddef>
@@ -10,21 +10,21 @@ namespace inbetween {
 
 struct FewestFrames {
   std::int32_t frames = 1;
-  std::size_t axis =
-      0;  ///< of the rig: the one in the way (by velocity: the one that is so for most of the time)
+  std::size_t axis = 0;  ///< the axis of the rig that needs the time; by velocity, the one that needs it for
+                         ///< the longest part
   bool by_acceleration = false;
 };
 
-/// The plan has a rig. In fewer frames no speed curve fits, with whatever number of control values: no motion
-/// that passes along the whole path of every track without going back and breaks no limit that check()
-/// judges. Proven, but not sharp: from max_velocity and max_acceleration alone.
+/// The plan has a rig. No speed curve fits in fewer frames, however many control values it has: every motion
+/// that passes the whole path of every track without going back would break a limit that check() judges. This
+/// is proven, but it is not sharp: it uses max_velocity and max_acceleration only.
 ///
-/// Velocity: every stretch of the path takes at least |way of an axis| / max_velocity of it, for the axis for
-/// which that is most. Acceleration: where an axis turns round it stands still, because no step of a velocity
-/// is allowed; so does every axis at an end of the move at which the drawn curve rests (an end that is passed
-/// at a speed may be reached by a roll). Between two such places it takes at least the time of the quickest
-/// motion from rest to rest over the way between them: full acceleration, full velocity, full deceleration;
-/// the sum of these is taken for every axis. Holds count for nothing. All sums are rounded down.
+/// Velocity: each axis takes at least |way| / max_velocity for a stretch of the path, and the slowest axis
+/// counts. Acceleration: an axis stands still where it turns round, because a step of the velocity is not
+/// allowed. Every axis stands still at an end of the move where the drawn curve rests; an end that is passed
+/// at a speed may be reached by a roll. The way between two such places takes at least the time of the
+/// quickest motion from rest to rest: full acceleration, full velocity, full deceleration. These times are
+/// added up for every axis. Holds add nothing. All sums are rounded down.
 ///
 /// Cost: 64 points per segment and axis.
 FewestFrames fewest_frames(const Plan& plan);

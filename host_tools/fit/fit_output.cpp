@@ -20,7 +20,7 @@ void write_fit(JsonWriter& json, const SpeedFit& fit) {
   } else {
     json.value(fit.reason);
   }
-  json.member("least_frames", fit.least.frames);
+  json.member("least_frames", fit.fewest.frames);
   json.key("tracks");
   json.begin_array();
   for (const TrackFit& track : fit.tracks) {

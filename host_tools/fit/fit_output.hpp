@@ -1,4 +1,4 @@
-// What a fit has found, for people and as JSON. docs/formats.md describes the JSON.
+// The result of a fit, for people and as JSON. docs/formats.md describes the JSON.
 #pragma once
 
 #include <cstdio>

@@ -7,12 +7,12 @@
 namespace inbetween {
 namespace {
 
-/// Of the largest control value: what reading the new curve may change, by rounding.
+/// Reading the new curve may change a control value by this share of the largest one, by rounding.
 constexpr double reading_rounding = 1e-7;
-/// Of Phi(f): between two locks with less nothing moves.
+/// As a share of Phi(f). Nothing moves between two locks with a smaller Phi between them.
 constexpr double still_share = 1e-12;
-/// A control value counts this far on either side; reading a curve brings to rest what is nearer to a hold
-/// than the second.
+/// A control value influences the curve this far on either side. Reading a curve brings every value to rest
+/// that is nearer to a hold than `hold_reach`.
 constexpr double reach = 2;
 constexpr double hold_reach = 3;
 

@@ -27,19 +27,20 @@ class FittedTrack {
   [[nodiscard]] const SolvedTrack<double>& solved() const { return played_.tracks().front(); }
   [[nodiscard]] const Track<double>& track() const { return solved().track(); }
   [[nodiscard]] std::int32_t frames() const { return played_.move().frames; }
-  /// Of the track.
+  /// The axes of the track, in its order.
   [[nodiscard]] std::span<const RigAxis> axes() const { return axes_; }
-  /// Where an axis of the track stands among those of the rig.
+  /// The index of an axis of the track among the axes of the rig.
   [[nodiscard]] std::size_t rig_axis(std::size_t axis) const { return rig_axes_[axis]; }
 
   /// Whether the acceleration steps at frames 0 and N.
   [[nodiscard]] EndSteps end_steps() const;
 
-  /// What has to stay while the curve changes: rests, Phi at locked keys, breaks and the end. `baseline` is
-  /// the played curve, refined or not.
+  /// The part of the curve that stays while the rest changes: its rests, and Phi at locked keys, at breaks
+  /// and at the end. `baseline` is the played curve, refined or not.
   [[nodiscard]] CurveFrame frame_of(std::span<const double> baseline) const;
 
-  /// What check() says of another curve; nothing, and `trouble`, where the move would not play it as it is.
+  /// The report of check() on another curve. Nothing, with the reason in `trouble`, if the move would not
+  /// play that curve unchanged.
   [[nodiscard]] std::optional<CheckReport> judge(std::span<const double> values, std::string& trouble) const;
 
  private:

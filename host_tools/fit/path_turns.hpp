@@ -14,8 +14,8 @@ struct PathTurns {
   double curvature = 0;                     ///< |W d2P/dL2|, 1 / length
   double scale = 0;                         ///< the distance in which the path turns; infinity on a line
 
-  /// False where the path stands still, and then nothing else means anything. At the end of the path: those
-  /// with which it arrives.
+  /// False where the path stands still; the members then mean nothing. At the end of the path it finds the
+  /// derivatives with which the path arrives.
   [[nodiscard]] bool find(const Path<double>& path, const PathPoint<double>& point);
 };
 

@@ -9,9 +9,9 @@
 namespace inbetween {
 namespace {
 
-/// Of a row, the part that the conditions in force leave free: below this share of it, it is their sum.
+/// A row depends on the conditions in force if the part that they leave free is below this share of it.
 constexpr double dependent_share = 1e-11;
-/// How far an equation that follows from the others may be from them, in the size of its bound or 1.
+/// An equation that depends on the others may differ from them by this share of its bound, or of 1.
 constexpr double equation_rounding = 1e-9;
 
 /// L with L L^T = matrix, row after row.
@@ -106,7 +106,7 @@ void QuadraticProgram::rotate_columns(std::size_t left, double cosine, double si
   }
 }
 
-/// The condition of the directions found last becomes the last one in force.
+/// Puts the condition of the directions found last behind those in force.
 void QuadraticProgram::enter(bool is_equality, double multiplier) {
   const std::size_t q = in_force_.size();
   for (std::size_t c = n_ - 1; c > q; --c) {

@@ -1,4 +1,4 @@
-// The nearest point that keeps linear conditions: a strictly convex quadratic programme.
+// The nearest point that keeps linear conditions: a strictly convex quadratic program.
 #pragma once
 
 #include <cstddef>
@@ -7,27 +7,27 @@
 
 namespace inbetween {
 
-/// The x with the least (x - target)^T G (x - target) of all that keep the conditions added so far.
-/// Conditions may be told in any order, and the one to add next may depend on x: of very many, only those
-/// that count are ever written down.
+/// Finds the x with the smallest (x - target)^T G (x - target) that keeps all conditions added so far.
+/// Conditions may come in any order, and the next one may depend on x: a caller with very many conditions
+/// adds only those that x breaks.
 ///
 /// Method: the dual active-set method of Goldfarb and Idnani (1983), with J = L^-T Q and R kept up to date by
-/// Givens rotations. A condition that is no longer in the way is forgotten: if x breaks it later, add it
-/// again.
+/// Givens rotations. The program forgets a condition that no longer holds x back: if x breaks it later, add
+/// it again.
 class QuadraticProgram {
  public:
-  /// G is n x n, row after row, symmetric and positive definite, otherwise std::invalid_argument; n is the
-  /// size of the target, 1 or more. O(n^3).
+  /// G is n x n, row after row, symmetric and positive definite; otherwise this throws std::invalid_argument.
+  /// n is the size of the target, 1 or more. O(n^3).
   QuadraticProgram(std::span<const double> gram, std::span<const double> target);
 
   [[nodiscard]] std::span<const double> x() const { return x_; }
 
-  /// row * x = bound from now on; before any inequality. False where it contradicts the equations before it.
-  /// O(n^2).
+  /// Demands row * x = bound from now on. Equations come before all inequalities. False if it contradicts an
+  /// earlier equation. O(n^2).
   [[nodiscard]] bool add_equality(std::span<const double> row, double bound);
 
-  /// row * x >= bound, and x is moved there. False where no x keeps it beside the conditions in force: then
-  /// nothing more may be asked. O(n^2) for every condition that comes or goes.
+  /// Demands row * x >= bound, and moves x there. False if no x keeps it together with the conditions in
+  /// force; the program is then of no further use. O(n^2) for every condition that comes or goes.
   [[nodiscard]] bool add(std::span<const double> row, double bound);
 
  private:

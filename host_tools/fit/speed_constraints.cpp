@@ -8,17 +8,18 @@ namespace {
 
 constexpr std::array<LimitedQuantity, 3> rates = {LimitedQuantity::velocity, LimitedQuantity::acceleration,
                                                   LimitedQuantity::jerk};
-/// Moments in a span of the curve: this many, but not more than the second number in all unless a span would
-/// have fewer than the third.
+/// A span of the curve has this many moments, or fewer if the curve would have more than max_curve_moments,
+/// but never fewer than min_moments_per_span.
 constexpr double moments_per_span = 24;
 constexpr double max_curve_moments = 1600;
 constexpr double min_moments_per_span = 8;
-/// Moments in a segment of the path, and more where the direction turns by this much (rad) between two.
+/// A segment of the path has this many moments, and more where the direction turns by turn_between_moments
+/// (rad) between two of them.
 constexpr int moments_per_segment = 10;
 constexpr double turn_between_moments = 0.05;
 constexpr int max_turn_halvings = 12;
-/// Of the mean of the curve: below it the rig is taken to stand, and a moment that stays on the path has no
-/// derivative.
+/// As a share of the mean of the curve. The rig counts as standing below this speed, where a moment that
+/// stays on the path has no derivative.
 constexpr double standing_share = 1e-4;
 
 std::size_t index_of(LimitedQuantity quantity) {
@@ -61,7 +62,7 @@ Rate rate_of(LimitedQuantity quantity, const std::array<double, 4>& turn, const 
 
 }  // namespace
 
-/// How fast the curve goes on at one place.
+/// The speed along the path at one place of the curve.
 struct MotionSamples::Pace {
   CurvePlace<double> place;
   CurveValues curve;
@@ -98,7 +99,7 @@ void MotionSamples::add_moment(double frame, const ControlCurve& curve) {
   if (point.segment < track_.path().segment_count()) add_path_moment(point.segment, point.t);
 }
 
-/// That of Phi at a, which is the later one at its beginning.
+/// The stretch that Phi at a belongs to. A place where two stretches meet belongs to the later one.
 const MotionSamples::Stretch& MotionSamples::stretch_at(double a) const {
   const auto next = std::ranges::upper_bound(stretches_, a, {}, &Stretch::begin);
   return next == stretches_.begin() ? *next : *(next - 1);
@@ -142,7 +143,7 @@ void MotionSamples::add_path_moment(std::int32_t segment, double t) {
   path_moments_.push_back(moment);
 }
 
-/// Of a key between two segments that have a length.
+/// Adds the step of T' at a key between two segments that have a length.
 void MotionSamples::add_key_steps(std::int32_t key) {
   PathTurns before;
   PathTurns after;
@@ -177,7 +178,7 @@ MotionSamples::Pace MotionSamples::pace(const ControlCurve& curve, const CurvePl
                                         const Stretch& stretch) const {
   Pace pace{.place = place, .curve = curve.at(place), .constant = stretch.constant};
   double by = pace.constant;
-  const std::array<double, 3> values = {pace.curve.value, pace.curve.slope, pace.curve.bend};
+  const std::array<double, 3> values = {pace.curve.value, pace.curve.first, pace.curve.second};
   for (std::size_t i = 0; i < 3; ++i) {
     by *= per_span_;
     pace.by[i] = by;
@@ -194,21 +195,22 @@ void MotionSamples::add_values(const Pace& pace, const PathMoment& moment, bool 
       const Rate rate = rate_of(quantity, moment.turns.axes[d], pace.w);
       CurveWeights by{.area = rate.by_distance * pace.constant,
                       .value = rate.by_speed * pace.by[0],
-                      .slope = rate.by_speed_1 * pace.by[1],
-                      .bend = rate.by_speed_2 * pace.by[2]};
+                      .first = rate.by_speed_1 * pace.by[1],
+                      .second = rate.by_speed_2 * pace.by[2]};
       if (stays_on_path) {
         const CurveValues& curve = pace.curve;
-        by.area = -(by.value * curve.slope + by.slope * curve.bend + by.bend * curve.twist) / curve.value;
+        by.area = -(by.value * curve.first + by.first * curve.second + by.second * curve.third) / curve.value;
       }
-      values_.push_back({.axis = static_cast<std::uint32_t>(d),
-                         .quantity = quantity,
-                         .share = rate.value / limit,
-                         .weights = {by.area / limit, by.value / limit, by.slope / limit, by.bend / limit}});
+      values_.push_back(
+          {.axis = static_cast<std::uint32_t>(d),
+           .quantity = quantity,
+           .share = rate.value / limit,
+           .weights = {by.area / limit, by.value / limit, by.first / limit, by.second / limit}});
     }
   }
 }
 
-/// Of the acceleration at a key.
+/// Adds the step of the acceleration at a key.
 void MotionSamples::add_step(const Pace& pace, const PathMoment& moment) {
   for (std::size_t d = 0; d < axes_.size(); ++d) {
     const double limit = limit_of(axes_[d], LimitedQuantity::acceleration_step);
@@ -218,11 +220,11 @@ void MotionSamples::add_step(const Pace& pace, const PathMoment& moment) {
     values_.push_back({.axis = static_cast<std::uint32_t>(d),
                        .quantity = LimitedQuantity::acceleration_step,
                        .share = step * pace.w[0],
-                       .weights = {.area = -by * pace.curve.slope / pace.curve.value, .value = by}});
+                       .weights = {.area = -by * pace.curve.first / pace.curve.value, .value = by}});
   }
 }
 
-/// Where the acceleration of the rates from `first` on steps against the rest outside the move.
+/// Adds the steps of the acceleration at an end of the move, from `first` on: outside the move the rig rests.
 void MotionSamples::add_end_step(std::size_t first) {
   for (std::size_t i = first, end = values_.size(); i < end; ++i) {
     LimitedValue step = values_[i];
@@ -232,7 +234,7 @@ void MotionSamples::add_end_step(std::size_t first) {
     const double ratio = axis.max_acceleration / limit;
     step.quantity = LimitedQuantity::acceleration_step;
     step.share *= ratio;
-    step.weights = {step.weights.area * ratio, step.weights.value * ratio, step.weights.slope * ratio, 0};
+    step.weights = {step.weights.area * ratio, step.weights.value * ratio, step.weights.first * ratio, 0};
     values_.push_back(step);
   }
 }

@@ -1,5 +1,5 @@
-// The limits of the axes of one track as conditions on its speed curve, at moments so dense that little can
-// hide between them. What is between them is for check() to judge.
+// The limits of the axes of one track as conditions on its speed curve. They are taken at moments so dense
+// that a peak between two of them is hardly higher. check() judges the motion between the moments.
 #pragma once
 
 #include <array>
@@ -18,7 +18,7 @@ namespace inbetween {
 enum class LimitedQuantity : std::uint8_t { velocity, acceleration, jerk, acceleration_step };
 inline constexpr std::size_t limited_quantities = 4;
 
-/// What share of each limit of one axis may be used, indexed by LimitedQuantity.
+/// The share of each limit of one axis that may be used, indexed by LimitedQuantity.
 using Allowance = std::array<double, limited_quantities>;
 
 /// A quantity of one axis as a share of its limit, with sign, at one moment.
@@ -33,44 +33,45 @@ struct LimitedValue {
 struct Moment {
   CurvePlace<double> place;
   std::size_t first = 0, end = 0;
-  bool is_linearized_here = true;  ///< false: a neighbour of the other kind says it better
+  bool is_linearized_here = true;  ///< false: a neighbouring moment of the other kind is nearer to the truth
 };
 
-/// Where a limit is used most, beyond what is allowed or, below 0, short of it.
+/// The limit that is used most. The share is above 0 if it is used beyond the allowance.
 struct Excess {
   double share = -1;  ///< |share| / allowance - 1
   std::uint32_t axis = 0;
   LimitedQuantity quantity = LimitedQuantity::velocity;
 };
 
-/// Which frames have steps of the acceleration besides the keys.
+/// Tells whether the acceleration steps at the first and the last frame, beside the steps at keys.
 struct EndSteps {
   bool begin = false, end = false;
 };
 
-/// The motion of one track under a speed curve that may change, while Phi at its breaks and at the end, and
-/// so every K, stays.
+/// The motion of one track under a speed curve that may change. Phi at its breaks and at its end stays, and
+/// therefore every K.
 ///
-/// With w = K phi da/dt the speed along the path and T = dP/dL, an axis has velocity T w, acceleration
-/// T' w^2 + T w' and jerk T'' w^3 + 3 T' w w' + T w''. There are moments that stay on the curve while the
-/// path passes under them, evenly spaced in a, and moments that stay on the path, at its keys on both sides
-/// and denser where it turns. Each is linearized in its own way; where the path turns within the distance
-/// that is travelled in one span, the second kind is nearer to the truth, elsewhere the first.
+/// The speed along the path is w = K phi da/dt. With T = dP/dL an axis has velocity T w, acceleration T' w^2
+/// + T w' and jerk T'' w^3 + 3 T' w w' + T w''. There are two kinds of moments. The first kind stays on the
+/// curve while the path passes under it; these moments are evenly spaced in a. The second kind stays on the
+/// path, on both sides of each key and denser where the path turns. Each kind is linearized in its own way.
+/// The second kind is nearer to the truth where the path turns within the distance that is travelled in one
+/// span, the first kind elsewhere.
 class MotionSamples {
  public:
-  /// `refinements`: how often the played curve has been refined. `axes` are those of the track, which has a
-  /// speed curve; both must outlive this.
+  /// The played curve has been refined `refinements` times. `axes` are the axes of the track, which has a
+  /// speed curve; both must outlive this object.
   MotionSamples(const Track<double>& track, std::span<const RigAxis> axes, int refinements, EndSteps steps);
 
-  /// The moment of one more frame, which need not be a whole one: of both kinds, with the path where `curve`
-  /// has it.
+  /// Adds moments of both kinds at one more frame, which need not be a whole one. The place on the path is
+  /// where `curve` is at that frame.
   void add_moment(double frame, const ControlCurve& curve);
-  /// Evaluates all.
+  /// Evaluates every moment for a curve.
   void evaluate(const ControlCurve& curve);
 
   [[nodiscard]] std::span<const Moment> moments() const { return moments_; }
   [[nodiscard]] std::span<const LimitedValue> values() const { return values_; }
-  /// Over all moments that are linearized, `allowances` axis by axis.
+  /// Finds the worst excess over all moments that are linearized. `allowances` has an entry for every axis.
   [[nodiscard]] Excess worst(std::span<const Allowance> allowances) const;
   /// The largest |share| of every axis and quantity.
   [[nodiscard]] std::vector<Allowance> peaks() const;
@@ -82,7 +83,7 @@ class MotionSamples {
     PathTurns turns;
     std::vector<double> turn_steps;  ///< of T' at a key, one per axis; otherwise empty
   };
-  /// Of the move between two breaks, in which distance = offset + constant * Phi.
+  /// The move between two breaks. There distance = offset + constant * Phi.
   struct Stretch {
     double begin = 0;  ///< a
     double begin_distance = 0;

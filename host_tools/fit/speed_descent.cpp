@@ -8,26 +8,27 @@
 namespace inbetween {
 namespace {
 
-/// What an excess costs at first, against a change that is the square of a share of the mean; raised by the
-/// factor where it does not go away. Of 2000 random fits none needed more.
+/// The price of an excess at first, beside a change that is the square of a share of the mean. The price
+/// rises by price_factor if the excess does not go away. None of 2000 random fits needed more than
+/// highest_price.
 constexpr double first_price = 20;
 constexpr double price_factor = 1000;
 constexpr double highest_price = 1e4;
-/// That cost is linear in the excess but for a quadratic part, which the method needs: this share of it.
+/// The cost is linear in the excess, but for this share, which is quadratic because the method needs it.
 constexpr double quadratic_share = 1e-3;
 constexpr int max_steps = 80;
 constexpr double first_radius = 0.5;  // in means of the wanted curve
 constexpr double min_radius = 1e-7;
-/// A step that gains less than this share of what there is is the last one.
+/// The last step is one that gains less than this share of the cost.
 constexpr double min_gain = 1e-5;
-/// Added to it, so that a curve that need not change ends at once.
+/// This is added to the cost, so that the search ends at once for a curve that need not change.
 constexpr double smallest_cost = 1e-6;
 /// Rounding of the linear conditions.
 constexpr double condition_tolerance = 1e-10;
-/// Conditions that one programme may look for; it needs about as many as there are free values.
+/// One program looks for conditions at most this often; it needs about as many as there are free values.
 constexpr int max_searches = 400;
 
-/// One step: the programme in which every limit is linear, about `here`.
+/// One step of the descent: the program in which every limit is linear, about `here`.
 class Programme {
  public:
   struct Region {
@@ -43,7 +44,7 @@ class Programme {
         region_(region),
         row_(here.size() + 1) {}
 
-  /// False where the numbers do not allow it.
+  /// False if rounding leaves no solution.
   bool solve() {
     row_.back() = 1;
     if (!programme_.add(row_, 0)) return false;
@@ -82,7 +83,7 @@ class Programme {
     return true;
   }
 
-  /// Of every limit the moment at which it is exceeded most.
+  /// Adds, for every limit, the moment at which it is exceeded most.
   bool add_limits(bool& added) {
     std::vector<double> difference;
     for (std::size_t i = 0; i < here_.size(); ++i) {
@@ -97,7 +98,7 @@ class Programme {
         const LimitedValue& value = samples_.values()[k];
         const CurveWeights& w = value.weights;
         const double share =
-            value.share + w.area * by.area + w.value * by.value + w.slope * by.slope + w.bend * by.bend;
+            value.share + w.area * by.area + w.value * by.value + w.first * by.first + w.second * by.second;
         const auto quantity = static_cast<std::size_t>(value.quantity);
         const double size = std::fabs(share) / allowances_[value.axis][quantity] - 1 - slack();
         Breach& breach = worst[value.axis * limited_quantities + quantity];
@@ -117,7 +118,7 @@ class Programme {
     const double allowance = allowances_[value.axis][static_cast<std::size_t>(value.quantity)];
     const double scale = -breach.sign * region_.unit / allowance;
     const CurveWeights weights{value.weights.area * scale, value.weights.value * scale,
-                               value.weights.slope * scale, value.weights.bend * scale};
+                               value.weights.first * scale, value.weights.second * scale};
     std::ranges::fill(row_, 0.0);
     const std::span<double> row = std::span(row_).first(here_.size());
     add_row(breach.moment->place, weights, row);
@@ -181,7 +182,7 @@ QuadraticProgram SpeedDescent::programme(std::span<const double> target, double 
   return programme;
 }
 
-/// Control values from numbers that are so but for rounding.
+/// Removes the rounding from control values: rests are 0 again, and no value leaves 0..100.
 std::vector<double> SpeedDescent::valid(std::span<const double> x) const {
   std::vector<double> values;
   for (std::size_t i = 0; i < frame_.wanted.size(); ++i) {

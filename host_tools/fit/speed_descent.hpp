@@ -1,5 +1,5 @@
-// The speed curve that is nearest to a wanted one and keeps the limits: one number of control values, one
-// start.
+// The speed curve that is nearest to a wanted one and keeps the limits, for one number of control values and
+// one start.
 #pragma once
 
 #include <cstddef>
@@ -11,35 +11,36 @@
 
 namespace inbetween {
 
-/// What must stay as it is while a curve changes.
+/// The part of a curve that stays while the rest changes.
 struct CurveFrame {
   std::vector<double> wanted;       ///< f + 1 control values
-  std::vector<bool> rests;          ///< of them those that are 0 and stay so
-  std::vector<double> fixed_areas;  ///< a, in rising order, the last is f: Phi there stays that of `wanted`
+  std::vector<bool> rests;          ///< the control values that are 0 and stay 0
+  std::vector<double> fixed_areas;  ///< places a, rising, the last is f; Phi there stays that of `wanted`
 };
 
-/// A curve, and what is left to wish for.
+/// The curve that a descent has reached, and by how much it misses.
 struct Descent {
   std::vector<double> values;
-  Excess excess;  ///< over all moments; kept where its share is at most descent_tolerance
+  Excess excess;  ///< over all moments; the limits are kept if its share is at most descent_tolerance
   double change =
       0;  ///< root mean square of phi - wanted phi over a, as a share of the mean of the wanted phi
 };
 
-/// By this share a limit may be exceeded: far less than check() rounds up.
+/// A descent may exceed a limit by this share. check() rounds up by far more.
 inline constexpr double descent_tolerance = 1e-6;
 
-/// Minimizes the integral of (phi - wanted phi)^2 with the limits at all moments of a MotionSamples kept,
-/// 0 <= values <= 100. Sequential quadratic programming with an exact penalty on the largest excess, in a
-/// trust region (Fletcher, Practical Methods of Optimization, ch. 14). What it finds is a local minimum.
+/// Minimizes the integral of (phi - wanted phi)^2 with the limits at all moments of a MotionSamples kept, 0
+/// <= values <= 100. Sequential quadratic programming with an exact penalty on the largest excess, in a trust
+/// region (Fletcher, Practical Methods of Optimization, ch. 14). It finds a local minimum.
 class SpeedDescent {
  public:
-  /// Throws std::invalid_argument where the fixed areas contradict the rests.
+  /// Throws std::invalid_argument if the fixed areas contradict the rests.
   explicit SpeedDescent(const CurveFrame& frame);
 
-  /// The curve nearest to any given one that has the rests and the fixed areas.
+  /// The curve with the rests and the fixed areas that is nearest to the given one.
   [[nodiscard]] std::vector<double> nearest(std::span<const double> values) const;
-  /// From `start`, which has the rests and the fixed areas. The samples are left evaluated at the result.
+  /// Descends from `start`, which has the rests and the fixed areas. It leaves the samples evaluated at the
+  /// result.
   [[nodiscard]] Descent run(std::span<const double> start, MotionSamples& samples,
                             std::span<const Allowance> allowances) const;
 

@@ -18,23 +18,24 @@ namespace inbetween {
 namespace {
 
 constexpr int max_refinements = 4;
-/// Of a limit, at first: what check() may say above the truth, and what samples may miss.
+/// The margin below a limit at first, as a share of it. It covers what check() adds to the truth and what the
+/// samples miss.
 constexpr double first_margin = 0.006;
-/// On top of what check() was seen to be above the samples.
+/// The margin is larger by this than the excess of check() over the samples that was measured.
 constexpr double spare_margin = 2e-5;
-/// How often margins are measured and tried again.
+/// The margins are measured and tried again this often.
 constexpr int max_trials = 8;
 /// Refinement ends with so many control values: the work grows with the third power of their number.
 constexpr std::size_t max_refined_values = 600;
-/// Of one gain to the one before when the control values are doubled, unless the levels show more.
+/// Each doubling of the control values gains this share of the gain before, unless the levels show more.
 constexpr double usual_gain_ratio = 0.5;
 constexpr double hopeless_share = 0.2;
-/// Curves of no more values are cheap enough to try all margins.
+/// A curve with this many values or fewer is cheap enough to try all margins.
 constexpr std::size_t max_values_tried_again = 64;
-/// A limit used to this share of what is allowed is one that the curve leans on.
+/// The curve leans on a limit if it uses this share of the allowance.
 constexpr double leaning_share = 0.97;
 
-/// In the order of LimitedQuantity.
+/// The peaks in the order of LimitedQuantity.
 constexpr std::array<CheckedPeak CheckedAxis::*, 3> peaks_of_axis = {
     &CheckedAxis::velocity, &CheckedAxis::acceleration, &CheckedAxis::jerk};
 
@@ -79,18 +80,18 @@ class TrackSearch {
   struct Level {
     std::vector<double> baseline;
     int refinements = 0;
-    std::vector<double> nearest = {};  ///< of what was reached there, what exceeds a limit least
+    std::vector<double> nearest = {};  ///< the curve reached there that exceeds the limits least
     double excess = std::numeric_limits<double>::infinity();
   };
-  /// What a search at one level works with.
+  /// The tools of a search at one level.
   struct Tools {
     CurveFrame frame;
     SpeedDescent descent;
     MotionSamples samples;
   };
 
-  /// What exceeds a limit falls, when the values are doubled again and again, about as a geometric series
-  /// does: whether its end is above 0.
+  /// The excess falls about as a geometric series does while the values are doubled again and again. Tells
+  /// whether the end of this series is above 0.
   [[nodiscard]] static bool is_hopeless(const std::vector<Level>& levels) {
     if (levels.size() < 2) return false;
     const double last = levels.back().excess;
@@ -180,8 +181,8 @@ class TrackSearch {
     return std::nullopt;
   }
 
-  /// The nearest of `best` and of what some fixed margins give: what check() is above the truth is different
-  /// from curve to curve, and may be nothing.
+  /// The nearest of `best` and of the curves that some fixed margins give. The excess of check() over the
+  /// truth differs from curve to curve, and may be 0.
   [[nodiscard]] std::vector<double> nearest_within(Best best, Tools& with) {
     if (best.values.size() > max_values_tried_again) return best.values;
     for (const double margin : {0.005, 0.004, 0.003, 0.002, 0.001, 5e-4, 2e-5}) {
@@ -196,8 +197,7 @@ class TrackSearch {
     return best.values;
   }
 
-  /// Allows of every limit what keeps check() below it, as far as `report` and the samples tell, which are of
-  /// one curve.
+  /// Sets every allowance so that check() stays below the limit. `report` and the samples are of one curve.
   void measure_margins(const CheckReport& report, double spare, const MotionSamples& samples,
                        std::vector<Allowance>& allowances) const {
     const std::vector<Allowance> sampled = samples.peaks();
@@ -206,7 +206,7 @@ class TrackSearch {
       for (std::size_t q = 0; q < peaks_of_axis.size(); ++q) {
         const CheckedPeak& peak = axis.*peaks_of_axis[q];
         if (!peak.limit || !(sampled[d][q] > leaning_share * allowances[d][q])) continue;
-        // On a roll a peak says nothing of the samples.
+        // A peak on a roll says nothing about the samples.
         const bool is_inside = peak.frame >= 0 && peak.frame <= fitted_.frames();
         const double ratio = is_inside ? peak.share() / sampled[d][q] : 1 + first_margin;
         allowances[d][q] = 1 / (std::max(ratio, 1.0) + spare);
@@ -215,7 +215,7 @@ class TrackSearch {
     }
   }
 
-  /// Looks from now on where check() saw a limit exceeded.
+  /// Adds the moments at which check() saw a limit exceeded.
   void add_peaks(const CheckReport& report, const ControlCurve& curve, MotionSamples& samples) const {
     for (std::size_t d = 0; d < fitted_.axes().size(); ++d) {
       for (const auto quantity : peaks_of_axis) {
@@ -233,7 +233,7 @@ class TrackSearch {
   std::string reason_;
 };
 
-/// Why it is of no use to look for a curve; empty where it may be.
+/// The reason why a search is of no use; empty if it may be of use.
 std::string hopeless(const FittedTrack& fitted) {
   const MoveTrack& file = fitted.file();
   if (file.timing == Timing::frames) {
@@ -272,7 +272,7 @@ TrackFit described(const FittedTrack& fitted, std::size_t index, std::vector<dou
   return fit;
 }
 
-/// The whole move with the new curves.
+/// The first reason why the whole move with the new curves does not fit; nothing if it fits.
 std::optional<std::string> refusal_of(const Plan& plan, const std::vector<TrackFit>& tracks) {
   MoveFile move = plan.move();
   for (const TrackFit& fit : tracks) move.tracks[fit.track].speed = fit.speed;
@@ -286,7 +286,7 @@ std::optional<std::string> refusal_of(const Plan& plan, const std::vector<TrackF
 SpeedFit fit_speed(const Plan& plan, const CheckReport& report, FitStart start,
                    const std::function<void(double share)>& progress) {
   SpeedFit fit;
-  fit.least = fewest_frames(plan);
+  fit.fewest = fewest_frames(plan);
   if (report.fits()) {
     fit.found = true;
     return fit;
@@ -301,12 +301,12 @@ SpeedFit fit_speed(const Plan& plan, const CheckReport& report, FitStart start,
     const FittedTrack fitted(plan, t);
     if (fitted.report().fits()) continue;
     if (std::string reason = hopeless(fitted); !reason.empty()) return give_up(std::move(reason));
-    if (const FewestFrames least = fewest_frames(fitted.played()); least.frames > fitted.frames()) {
+    if (const FewestFrames fewest = fewest_frames(fitted.played()); fewest.frames > fitted.frames()) {
       return give_up(fmt::format(
           "the way takes at least {} frames, whatever the speed curve, because of {} of axis {}; "
           "give the move more frames",
-          least.frames, least.by_acceleration ? "max_velocity and max_acceleration" : "max_velocity",
-          in_quotes(plan.rig()->axes[least.axis].name)));
+          fewest.frames, fewest.by_acceleration ? "max_velocity and max_acceleration" : "max_velocity",
+          in_quotes(plan.rig()->axes[fewest.axis].name)));
     }
     TrackSearch search(fitted, start, [&](double share) {
       if (progress) progress((static_cast<double>(t) + share) / count);

@@ -1,4 +1,4 @@
-// A speed curve that keeps the limits of the rig, as near to the drawn one as can be.
+// Finds a speed curve that keeps the limits of the rig and is as near to the drawn one as possible.
 #pragma once
 
 #include <cstddef>
@@ -13,9 +13,9 @@
 
 namespace inbetween {
 
-/// What the new curve is to be near to.
+/// The curve that the new one shall be near to.
 enum class FitStart : std::uint8_t {
-  drawn,      ///< the curve that is played: the drawn one, with what its locked keys made of it
+  drawn,      ///< the curve that is played: the drawn one, adjusted to its locked keys
   curvature,  ///< one that makes the acceleration across the path even: curvature_start()
 };
 
@@ -24,8 +24,8 @@ struct TrackFit {
   std::size_t track = 0;
   std::vector<double> speed;  ///< f + 1 control values, for with_speed()
   int refinements = 0;        ///< how often f was doubled against the curve that is played
-  /// new phi - played phi, in control values; a and the mean are those of the new curve. Also with
-  /// FitStart::curvature it is the played curve that counts.
+  /// The change is new phi - played phi, in control values, with FitStart::curvature too; a and the mean are
+  /// those of the new curve.
   double change = 0;             ///< root mean square over a
   double change_share = 0;       ///< of the mean of phi
   double largest_change = 0;     ///< of the magnitude, with the sign of the change
@@ -37,27 +37,27 @@ struct SpeedFit {
   std::vector<TrackFit> tracks;  ///< only those that change; none where nothing was found
   bool found = false;            ///< the move with these curves passes check()
   std::string reason;            ///< where none was found, what is in the way and what to do
-  FewestFrames least;            ///< proven for any speed curve, found or not
+  FewestFrames fewest;           ///< proven for any speed curve, found or not
 };
 
-/// New speed curves for the tracks that break a limit, the other tracks untouched; N and the path stay. Of
-/// the curves with the same Phi(f), the same Phi at locked keys and breaks and the same rests, one with the
-/// least integral of the squared change of phi over a. Where there is none with as many control values, the
-/// played curve is refined, f -> 2 f, at most 4 times and up to 600 control values.
+/// Finds new speed curves for the tracks that break a limit. The other tracks, N and the path stay. A new
+/// curve has the same Phi(f), the same Phi at locked keys and breaks, and the same rests; it has the smallest
+/// integral of the squared change of phi over a. If no curve fits with as many control values, the played
+/// curve is refined, f -> 2 f, at most 4 times and up to 600 control values.
 ///
-/// The new curve in the file means the new curve in the move: its locked keys are met as they are, so that
-/// reading it again changes it by no more than rounding. That is why next to a hold one more control value on
-/// either side may go to 0, and why a hold that has no frame cannot be kept: its frame follows from the drawn
-/// curve. It is refused with the frame to write.
+/// The move plays the new curve exactly as it stands in the file: the curve meets its locked keys already, so
+/// that reading it changes it by no more than rounding. Therefore one more control value may go to 0 on
+/// either side of a hold. A hold without a frame is refused, with the frame to write, because its frame would
+/// follow from the new curve.
 ///
-/// Method: SpeedDescent at sampled moments with a margin below every limit, judged by check(); then the
-/// margins are made as small as what check() is above the samples. It is a local minimum and not proven to be
-/// the least; that no curve is found does not prove that there is none, `least` does. Not found without a
-/// search: what slowing does not cure (CheckRefusal::slower_helps), a track with timing = "frames", fewer
-/// frames than `least`.
+/// Method: SpeedDescent at sampled moments with a margin below every limit; check() judges the result. Then
+/// the margins shrink to the excess of check() over the samples. The result is a local minimum; a smaller
+/// change may exist. If no curve is found, one may still exist; only `fewest` proves that none does. The
+/// search does not begin if slowing cures nothing (CheckRefusal::slower_helps), if a track has timing =
+/// "frames", or if the move has fewer frames than `fewest`.
 ///
-/// `report` is that of the plan. `progress` is told the share of the work, roughly. Cost: about a tenth of a
-/// second for a track of 10 control values, up to minutes for hundreds of them.
+/// `report` is that of the plan. `progress` gets the share of the work that is done, roughly. Cost: about 0.1
+/// s for a track of 10 control values, up to minutes for hundreds of them.
 SpeedFit fit_speed(const Plan& plan, const CheckReport& report, FitStart start,
                    const std::function<void(double share)>& progress);
 

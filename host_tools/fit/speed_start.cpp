@@ -6,6 +6,7 @@
 
 #include "host_tools/fit/control_curve.hpp"
 #include "host_tools/fit/path_turns.hpp"
+#include "inbetween/base/bisection.hpp"
 
 namespace inbetween {
 namespace {
@@ -33,7 +34,7 @@ std::vector<double> ramp_of(const StartWishes& wishes) {
   return ramp;
 }
 
-/// With the Phi(f) of the wishes, and no value above 100 but for what that takes.
+/// Scales the values so that their Phi(f) is that of the wishes. A value may end above 100.
 std::vector<double> scaled(std::vector<double> values, const StartWishes& wishes) {
   const double factor = ControlCurve(wishes.values).total() / ControlCurve(values).total();
   for (double& value : values) value *= factor;
@@ -78,17 +79,14 @@ double seconds_of(std::span<const Reach> reaches, double pace) {
   return seconds;
 }
 
-/// The pace at which the reaches take that long; where that is too short even for the fastest, the fastest.
+/// The pace at which the reaches take `seconds`, or the fastest pace if even that takes longer.
 double pace_for(std::span<const Reach> reaches, double seconds) {
   double high = 1;
   double low = 1;
   for (int i = 0; i < bisections && seconds_of(reaches, high) > seconds; ++i) high *= 4;
   for (int i = 0; i < bisections && seconds_of(reaches, low) < seconds; ++i) low /= 4;
-  for (int i = 0; i < bisections; ++i) {
-    const double middle = low + (high - low) / 2;
-    (seconds_of(reaches, middle) > seconds ? low : high) = middle;
-  }
-  return high;
+  const auto is_too_slow = [&](double pace) { return seconds_of(reaches, pace) > seconds; };
+  return bisected<double>({low, high}, bisections, is_too_slow).high;
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Speed curves to begin a fit with, other than the drawn one.
+// Speed curves from which a fit may begin, beside the drawn one.
 #pragma once
 
 #include <span>
@@ -9,7 +9,7 @@
 
 namespace inbetween {
 
-/// What a start is made for.
+/// The properties that a start shall have.
 struct StartWishes {
   std::span<const double> values;  ///< the curve whose rests, number of values and Phi(f) are kept
   const std::vector<bool>& rests;  ///< one per value
@@ -19,11 +19,11 @@ struct StartWishes {
 /// Rises from every rest within two spans of the drawn curve and is constant elsewhere.
 std::vector<double> flat_start(const StartWishes& wishes);
 
-/// A speed along the path that makes the acceleration across it even, proportional to 1 / sqrt(curvature)
-/// (Mastin 1986, Parameterization in grid generation), nowhere above what max_velocity of the axes allows,
-/// and ramped as flat_start is. Where even that speed is too slow for the frames of the move, it is the one
-/// that max_velocity allows, scaled up. What falls between control values is smoothed. It does not know of
-/// locked keys.
+/// A speed along the path, proportional to 1 / sqrt(curvature), that makes the acceleration across the path
+/// even (Mastin 1986, Parameterization in grid generation). It is nowhere above the max_velocity of an axis,
+/// and is ramped as flat_start is. If that speed is too slow for the frames of the move, it is the fastest
+/// that max_velocity allows, scaled up. The curve smooths what falls between control values. It does not take
+/// locked keys into account.
 ///
 /// `axes` are those of the track. Cost: 64 points per segment of the path.
 std::vector<double> curvature_start(const Track<double>& track, std::span<const RigAxis> axes,

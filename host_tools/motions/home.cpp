@@ -18,12 +18,12 @@ constexpr double jitter_share = 0.1;
 void refuse_fast_homing(const RigFile& rig, const std::vector<std::size_t>& axes) {
   for (const std::size_t a : axes) {
     const RigAxis& axis = rig.axes[a];
-    const double most = jitter_share * axis.max_velocity;
-    if (axis.home->fast <= most) continue;
+    const double max_fast = jitter_share * axis.max_velocity;
+    if (axis.home->fast <= max_fast) continue;
     throw InputError(axis.home->place,
                      fmt::format("axis {} homes at {:g} {}/s, and with --allow-jitter at {:g} at most; lower "
                                  "`fast`, or give the program its real-time rights",
-                                 in_quotes(axis.name), axis.home->fast, to_string(axis.unit), most));
+                                 in_quotes(axis.name), axis.home->fast, to_string(axis.unit), max_fast));
   }
 }
 

@@ -10,7 +10,7 @@
 
 namespace inbetween {
 
-/// What a rig file says of an axis, as the core takes it.
+/// The limits that a rig file gives an axis, as the core takes them.
 AxisLimits<double> limits_of(const RigAxis& axis);
 
 /// A move that is moving at one end and has no roll there, and the limit in the way.
@@ -19,8 +19,8 @@ struct RollObstacle {
   RollBreach<double> breach;  ///< its axis counts through the tracks
 };
 
-/// Of every axis of all tracks, track after track; empty where the move is at rest, and where there is an
-/// obstacle.
+/// The rolls of every axis of all tracks, track after track. Empty if the move is at rest there, or if there
+/// is an obstacle.
 struct PlannedRolls {
   std::vector<RollAxis<double>> before, after;
   std::vector<RollObstacle> obstacles;

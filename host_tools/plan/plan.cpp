@@ -213,10 +213,8 @@ void Plan::put_together() {
     for (std::size_t d = 0; d < moving; ++d) limits_.push_back(limits_of(rig_->axes[axis_of(d)]));
     rolls_ = plan_rolls(track_views_, limits_);
   }
-  const Result<Move<double>> played =
-      Move<double>::make(track_views_, {.before = rolls_.before, .after = rolls_.after});
-  if (!played) throw SolverError(played.error());
-  played_ = *played;
+  played_ =
+      value_or_throw(Move<double>::make(track_views_, {.before = rolls_.before, .after = rolls_.after}));
 }
 
 const Place& Plan::place_of(std::size_t axis) const {

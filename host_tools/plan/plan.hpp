@@ -15,14 +15,14 @@
 
 namespace inbetween {
 
-/// Of a move on a rig: 46 days at 250 Hz, 14 hours at 20 kHz.
+/// The longest move on a rig in ticks: 46 days at 250 Hz, 14 hours at 20 kHz.
 inline constexpr std::int64_t max_ticks = 1'000'000'000;
 
 struct PlanOptions {
   Solver solver = Solver::closed_form;
 };
 
-/// Where an axis of the plan comes from.
+/// An axis of the plan, with its place in the rig, the tracks and the move.
 struct PlanAxis {
   std::string name;
   std::optional<AxisUnit> unit;      // known with a rig
@@ -52,10 +52,10 @@ class Plan {
   [[nodiscard]] const std::vector<RollObstacle>& roll_obstacles() const { return rolls_.obstacles; }
   /// The axis of axes() that is axis `move_axis` of played().
   [[nodiscard]] std::size_t axis_of(std::size_t move_axis) const;
-  /// Where the move names axis `axis` of axes(), which is in a track.
+  /// The place where the move names axis `axis` of axes(), which is in a track.
   [[nodiscard]] const Place& place_of(std::size_t axis) const;
 
-  /// Without the rolls.
+  /// The duration without the rolls.
   [[nodiscard]] double duration_s() const;
   /// "mm" where all axes of a track with a weight above 0 share it; "" where they do not or have none.
   [[nodiscard]] std::string length_unit(std::size_t track) const;

@@ -16,7 +16,8 @@
 namespace inbetween {
 namespace {
 
-/// Of everything that decides the motion: the same for two files that differ in comments or names only.
+/// The hash of everything that decides the motion. Two files that differ in comments or names only have the
+/// same hash.
 std::uint64_t hash_of(const MoveFile& move) {
   Fnv1a hash;
   for (const std::int32_t number : {move.fps.rate.numerator, move.fps.rate.denominator, move.frames}) {
@@ -90,7 +91,7 @@ void write_table(const SolvedTrack<double>& solved, JsonWriter& json) {
   json.end_array();
 }
 
-/// K is null where no single one holds for the whole move.
+/// K is null if no single K holds for the whole move.
 void write_speed(const MoveTrack& track, const SolvedTrack<double>& solved, JsonWriter& json) {
   const bool one_constant = solved.track().has_profile() && solved.track().portions().empty();
   json.key("K");

@@ -8,17 +8,17 @@
 
 namespace inbetween {
 
-/// Version 1 of the format. The axes' arrays have a value per row of `rows`; the tables of the tracks are
-/// always per frame. Axes in no track are left out, in the CSV and the picture as well. Memory does not grow
+/// Writes version 1 of the format. The axes' arrays have a value per row of `rows`; the tables of the tracks
+/// are always per frame. Axes in no track are left out, in the CSV and the picture too. Memory does not grow
 /// with the rows.
 void write_plan_json(const Plan& plan, PlanRows rows, std::FILE* file);
 
-/// One line of names with units, then one per row: frame or tick, time, and the position of every axis of the
-/// move. Numbers read back exactly, in the JSON too.
+/// Writes one line of names with units, then one line per row: frame or tick, time, and the position of every
+/// axis of the move. Numbers read back exactly, in the JSON too.
 void write_plan_csv(const Plan& plan, PlanRows rows, std::FILE* file);
 
-/// For people: a line for the pre-roll and one for the post-roll, "  pre-roll: ...", as far as there are
-/// such. Without a rig, that it would have one; where none keeps the limits, that `check` tells why.
+/// Prints a line for the pre-roll and one for the post-roll, if the move has them. Without a rig the line
+/// says that the move would have one. If no roll keeps the limits, it says that `check` tells why.
 void print_rolls(const Plan& plan, std::FILE* out);
 
 }  // namespace inbetween

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "host_tools/plan/plan_rows.hpp"
+#include "inbetween/base/bisection.hpp"
 
 namespace inbetween {
 namespace {
@@ -14,17 +15,14 @@ namespace {
 constexpr std::size_t samples_per_segment = 64;
 constexpr std::size_t samples_per_span = 32;
 
-/// The frame at which a distance is reached, between the rows of the table: by bisection on the drawn curve.
+/// The frame at which a distance is reached, between the rows of the table. Bisection on the drawn curve
+/// finds it.
 double frame_of_distance(const Track<double>& track, const TwoSum<double>& distance) {
-  double low = 0;
-  double high = track.frames();
-  for (int i = 0; i < 60; ++i) {
-    const double middle = (low + high) / 2;
-    const auto frame = static_cast<std::int32_t>(middle);
-    const bool before = track.distance({frame, middle - frame}).minus(distance) < 0;
-    (before ? low : high) = middle;
-  }
-  return high;
+  const auto is_before = [&](double time) {
+    const auto frame = static_cast<std::int32_t>(time);
+    return track.distance({frame, time - frame}).minus(distance) < 0;
+  };
+  return bisected<double>({0, static_cast<double>(track.frames())}, 60, is_before).high;
 }
 
 double frame_of_key(const Track<double>& track, std::int32_t key) {
@@ -54,7 +52,7 @@ void sample_curve(const SpeedProfile<double>& profile, PlotTrack& plot) {
   }
 }
 
-/// Everything of a track but where its axes stand in the plot.
+/// The data of a track, without the indexes of its axes in the plot.
 PlotTrack plot_of_track(const Plan& plan, std::size_t index) {
   const MoveTrack& written = plan.move().tracks[index];
   const SolvedTrack<double>& solved = plan.tracks()[index];

@@ -10,12 +10,6 @@ constexpr std::size_t usual_pieces_per_segment = 24;
 /// Locked keys and holds may refine a drawn curve up to this many control values.
 constexpr std::size_t max_control_values = 4097;
 
-template <class T>
-const T& value_or_throw(const Result<T>& result) {
-  if (!result) throw SolverError(result.error());
-  return *result;
-}
-
 }  // namespace
 
 SolverError::SolverError(const Error& error)

@@ -27,7 +27,7 @@ constexpr double section_gap = 26;
 // Beyond this, the width of a range overflows.
 constexpr double greatest_value = 1e300;
 
-// Where everything stands, from the top of the page down.
+// The places of all parts, from the top of the page down.
 struct TrackLayout {
   double title = 0;  // base line
   Box path;

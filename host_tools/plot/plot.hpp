@@ -1,5 +1,5 @@
-// The picture of a planned move, as `inbetween plan --plot` writes it. Plain data in: nothing here knows the
-// solver.
+// The picture of a planned move, as `inbetween plan --plot` writes it. It takes plain data and knows nothing
+// of the solver.
 #pragma once
 
 #include <cstddef>

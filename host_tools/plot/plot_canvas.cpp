@@ -179,7 +179,7 @@ Canvas::Canvas(const std::filesystem::path& file, double width, double height)
   if (page_->format == PictureFormat::pdf) {
     cairo_scale(context, pdf_scale(width, height), pdf_scale(width, height));
   }
-  // Without hinting, text has the same width in every format and the layout is the same.
+  // Hinting is off, so that text has the same width and the page the same layout in every format.
   const FontOptions options{cairo_font_options_create()};
   cairo_font_options_set_hint_style(options.get(), CAIRO_HINT_STYLE_NONE);
   cairo_font_options_set_hint_metrics(options.get(), CAIRO_HINT_METRICS_OFF);

@@ -32,7 +32,7 @@ Range range_in_frames(const LimitsPlot& plot) {
   return {static_cast<double>(plot.first_frame), static_cast<double>(plot.last_frame)};
 }
 
-/// What a row shows of its quantity, up and down.
+/// The range of values that a row shows.
 double shown_magnitude(const LimitsRow& row) {
   if (!row.limit) {
     double largest = 0;
@@ -111,7 +111,7 @@ std::string limit_words(const LimitsRow& row) {
                     : fmt::format("limit {:g}, {:.3g} times it", *row.limit, share);
 }
 
-/// What the line does not show, or what stands in the way beside the peak.
+/// The label of a row: the peak, and what the line cannot show.
 std::string remark(const LimitsRow& row) {
   std::string words;
   if (!row.steps.empty())

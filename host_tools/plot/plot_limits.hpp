@@ -1,5 +1,5 @@
-// The picture of a move against the limits of its rig, as `inbetween check --plot` writes it. Plain data in:
-// nothing here knows the solver.
+// The picture of a move against the limits of its rig, as `inbetween check --plot` writes it. It takes plain
+// data and knows nothing of the solver.
 #pragma once
 
 #include <cstdint>
@@ -38,8 +38,8 @@ struct LimitsPlot {
 
 /// Draws one page, 1400 pixels wide, and writes it as SVG, PNG or PDF by the ending of the file's name: a row
 /// for each quantity with its limits as dashed lines and its peak as a dot, both orange where the peak is
-/// beyond the limit, and an orange line where the value steps and may not. What is far beyond is cut off at
-/// the edge of the row, and the label says so.
+/// beyond the limit, and an orange line where the value steps and may not. A curve far beyond its limit is
+/// cut off at the edge of the row, and the label says so.
 ///
 /// Throws std::invalid_argument where a row has no two samples or one that is not finite (a mistake of the
 /// caller), std::runtime_error, one line that starts with the file's name, where no picture can be written.

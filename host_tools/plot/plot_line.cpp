@@ -75,10 +75,10 @@ std::vector<Point> simplified(std::span<const Point> points, double tolerance) {
   return kept;
 }
 
-std::vector<Point> simplified_to(std::span<const Point> points, std::size_t at_most) {
+std::vector<Point> simplified_to(std::span<const Point> points, std::size_t max_points) {
   double tolerance = 0.1;
   std::vector<Point> kept = simplified(points, tolerance);
-  while (kept.size() > at_most) kept = simplified(points, tolerance *= 2);
+  while (kept.size() > max_points) kept = simplified(points, tolerance *= 2);
   return kept;
 }
 

@@ -108,7 +108,7 @@ bool LabelPlacer::place(Canvas& canvas, Point anchor, std::string_view words, co
   constexpr std::array<double, 4> distances{9, 16, 26, 38};
   const double width = canvas.text_width(words, style);
   const double height = 0.75 * style.size;  // of a digit: labels have no descenders worth keeping free
-  double least = std::numeric_limits<double>::infinity();
+  double lowest_total = std::numeric_limits<double>::infinity();
   Box best;
   for (std::size_t ring = 0; ring < distances.size(); ++ring) {
     for (int i = 0; i < directions; ++i) {
@@ -122,13 +122,13 @@ bool LabelPlacer::place(Canvas& canvas, Point anchor, std::string_view words, co
       const Box box{center.x - width / 2 - 2, center.y - height / 2 - 2, width + 4, height + 4};
       // A label two steps away is as bad as one that covers three points of the path.
       const double total = cost(box) + 1.5 * static_cast<double>(ring);
-      if (total < least) {
-        least = total;
+      if (total < lowest_total) {
+        lowest_total = total;
         best = box;
       }
     }
   }
-  if (!std::isfinite(least)) return false;
+  if (!std::isfinite(lowest_total)) return false;
   taken_.push_back(best);
   const Point nearest{std::clamp(anchor.x, best.x, best.right()),
                       std::clamp(anchor.y, best.y, best.bottom())};

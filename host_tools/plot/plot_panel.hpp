@@ -1,5 +1,5 @@
-// What the panels of a plot share: colours, headings, grids with tick numbers, and key numbers that do not
-// collide.
+// The shared part of the panels of a plot: colours, headings, grids with tick numbers, and key numbers that
+// do not collide.
 #pragma once
 
 #include <span>
@@ -26,8 +26,8 @@ constexpr Color limit{0.58, 0.58, 0.61};
 /// The colour of track `index`; they repeat after four.
 [[nodiscard]] Color track_color(std::size_t index);
 
-/// A bold name and, behind it, quiet remarks, on the base line through `at`. What does not fit into `width`
-/// is elided.
+/// A bold name and, behind it, quiet remarks, on the base line through `at`. An ellipsis replaces what does
+/// not fit into `width`.
 void draw_heading(Canvas& canvas, Point at, std::string_view name, std::string_view remarks, double width);
 
 /// How many tick numbers stand comfortably along so many pixels, horizontally and vertically.
@@ -45,8 +45,8 @@ TickLabels draw_bottom_ticks(Canvas& canvas, const Box& area, const Scale& x);
 /// A grey ground for what `x` shows outside `inside`: the rolls of a move.
 void shade_outside(Canvas& canvas, const Box& area, const Scale& x, const Range& inside);
 
-/// Places small labels beside points so that they overlap neither each other nor, where it can be helped, the
-/// drawing.
+/// Places small labels beside points. Labels never overlap each other, and overlap the drawing only if there
+/// is no other place.
 class LabelPlacer {
  public:
   explicit LabelPlacer(const Box& inside) : inside_(inside) {}

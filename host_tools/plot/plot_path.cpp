@@ -38,7 +38,7 @@ struct KeyMark {
   bool end = false;
 };
 
-// On the frames 0..N, without the rolls, which are not on the path.
+// The range of an axis on the frames 0..N, without the rolls, which are not on the path.
 std::span<const double> on_the_path(const PlotMove& move, const PlotTrack& track, std::size_t axis) {
   return std::span(move.axes[track.axes[axis]].positions)
       .subspan(static_cast<std::size_t>(-move.first_frame), static_cast<std::size_t>(move.frames) + 1);
@@ -110,8 +110,8 @@ std::vector<Point> path_on_page(const PlotTrack& track, PlotPlane plane, const S
 }
 
 std::size_t tick_every(const PlotMove& move, double length) {
-  const double most = std::clamp(length / min_tick_gap, 1.0, max_ticks);
-  return static_cast<std::size_t>(round_step(move.frames / most));
+  const double max_shown = std::clamp(length / min_tick_gap, 1.0, max_ticks);
+  return static_cast<std::size_t>(round_step(move.frames / max_shown));
 }
 
 std::string tick_remark(std::size_t every, bool any, std::string_view meaning) {
@@ -137,7 +137,7 @@ std::vector<Segment> plane_ticks(const PlotMove& move, const PlotTrack& track, P
   for (std::size_t j = 0; j < across.size(); j += every) {
     const auto here = normal_of(track.tangents[plane.across][j] * scales.x.pixels_per_unit(),
                                 track.tangents[plane.up][j] * scales.y.pixels_per_unit());
-    // Where the direction is undefined, as on a cusp, the one before it tells the eye more than a gap.
+    // On a cusp the direction is undefined. The direction before it tells the eye more than a gap.
     if (here) normal = here;
     if (!normal) continue;
     const Point at{scales.x(across[j]), scales.y(up[j])};
@@ -157,8 +157,8 @@ KeyMark& mark_at(std::vector<KeyMark>& marks, Point at) {
 
 // More numbers than this hide the path.
 std::size_t number_every(std::size_t keys) {
-  constexpr double most = 30;
-  return static_cast<std::size_t>(round_step(static_cast<double>(keys) / most));
+  constexpr double max_numbers = 30;
+  return static_cast<std::size_t>(round_step(static_cast<double>(keys) / max_numbers));
 }
 
 // Keys that fall on one place of the page share a mark. The start is the first key; the end is where the path
@@ -186,8 +186,8 @@ std::vector<KeyMark> key_marks(const std::vector<Point>& keys, Point path_end, b
 }
 
 std::string words_of(const KeyMark& mark) {
-  constexpr std::size_t most = 4;
-  if (mark.words.size() > most) return fmt::format("{} … {}", mark.words.front(), mark.words.back());
+  constexpr std::size_t max_words = 4;
+  if (mark.words.size() > max_words) return fmt::format("{} … {}", mark.words.front(), mark.words.back());
   return fmt::format("{}", fmt::join(mark.words, ", "));
 }
 
@@ -204,7 +204,7 @@ void draw_mark(Canvas& canvas, const KeyMark& mark, double radius) {
   if (!mark.start && !mark.end) canvas.disc(mark.at, radius, plot_color::key);
 }
 
-// Returns what the heading has to admit: "" or that numbers are missing.
+// Returns a remark for the heading if numbers are missing, otherwise "".
 std::string draw_marks(Canvas& canvas, const Box& area, const std::vector<KeyMark>& marks, std::size_t keys,
                        std::span<const Point> drawing) {
   const double radius = keys > 60 ? 2.5 : 4.5;
@@ -263,15 +263,15 @@ std::vector<Point> spots_along(std::span<const Point> line) {
 }  // namespace
 
 double path_panel_height(const PlotMove& move, const PlotTrack& track, PlotPlane plane, double width) {
-  constexpr double least = 270;
-  constexpr double most = 470;
+  constexpr double min_height = 270;
+  constexpr double max_height = 470;
   const Range across = path_range(move, track, plane.across);
   const Range up = path_range(move, track, plane.up);
   if (!equal_scales(move, track, plane)) return 380;
-  if (across.size() <= 0) return up.size() > 0 ? most : least;
+  if (across.size() <= 0) return up.size() > 0 ? max_height : min_height;
   const Box area = plane_area({0, 0, width, 0});
   const double wanted = (area.width - 2 * edge) * (up.size() / across.size()) + 2 * edge;
-  return std::clamp(wanted - area.height, least, most);
+  return std::clamp(wanted - area.height, min_height, max_height);
 }
 
 void draw_path_panel(Canvas& canvas, const Box& panel, const PlotMove& move, const PlotTrack& track,

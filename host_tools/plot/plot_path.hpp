@@ -8,7 +8,7 @@
 
 namespace inbetween {
 
-/// Which axes of the track (indexes into PlotTrack::axes) a plane shows.
+/// The axes of the track (indexes into PlotTrack::axes) that a plane shows.
 struct PlotPlane {
   std::size_t across = 0;
   std::size_t up = 1;

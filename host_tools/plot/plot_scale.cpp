@@ -67,10 +67,10 @@ Range widened(Range range, double share) {
   return {middle - half, middle + half};
 }
 
-std::vector<double> round_ticks(const Range& range, int at_most, double smallest_step) {
-  Step step{1, static_cast<int>(std::floor(std::log10(range.size() / at_most))) - 1};
+std::vector<double> round_ticks(const Range& range, int max_count, double smallest_step) {
+  Step step{1, static_cast<int>(std::floor(std::log10(range.size() / max_count))) - 1};
   Multiples inside = multiples_inside(range, step);
-  while (step.value() < smallest_step * (1 - 1e-9) || inside.last - inside.first + 1 > at_most) {
+  while (step.value() < smallest_step * (1 - 1e-9) || inside.last - inside.first + 1 > max_count) {
     step = step.next();
     inside = multiples_inside(range, step);
   }
@@ -121,9 +121,9 @@ std::string axis_title(std::string_view name, std::string_view unit, const TickL
   return title;
 }
 
-double round_step(double least) {
+double round_step(double min_step) {
   Step step;
-  while (step.value() < least) step = step.next();
+  while (step.value() < min_step) step = step.next();
   return step.value();
 }
 

@@ -1,4 +1,4 @@
-// From values to pixels: ranges, scales and round tick numbers.
+// Ranges, scales and round tick numbers: they lead from values to pixels.
 #pragma once
 
 #include <span>
@@ -16,7 +16,7 @@ struct Range {
   [[nodiscard]] bool contains(double value) const { return low <= value && value <= high; }
 };
 
-/// Least and greatest of finite values; 0..0 of none.
+/// The lowest and the highest of finite values; 0..0 without values.
 [[nodiscard]] Range range_of(std::span<const double> values);
 
 /// `range` made wider by `share` of its size at both ends. A range that is a point, or that is narrower than
@@ -43,8 +43,8 @@ class Scale {
 };
 
 /// Every multiple of the finest step 1, 2 or 5 times a power of ten, not finer than `smallest_step`, that
-/// gives at most `at_most` numbers inside `range`. The range is finite and not empty; at_most >= 1.
-[[nodiscard]] std::vector<double> round_ticks(const Range& range, int at_most, double smallest_step = 0);
+/// gives at most `max_count` numbers inside `range`. The range is finite and not empty; max_count >= 1.
+[[nodiscard]] std::vector<double> round_ticks(const Range& range, int max_count, double smallest_step = 0);
 
 /// The numbers of round_ticks() as they stand at an axis: two or more of them in at most 8 characters each.
 /// A label L means offset + L * factor; both are told in the title of the axis.
@@ -59,7 +59,7 @@ struct TickLabels {
 /// factor.
 [[nodiscard]] std::string axis_title(std::string_view name, std::string_view unit, const TickLabels& labels);
 
-/// The least of 1, 2, 5, 10, 20, ... that is not less than `least`.
-[[nodiscard]] double round_step(double least);
+/// The smallest of 1, 2, 5, 10, 20, ... that is not below `min_step`.
+[[nodiscard]] double round_step(double min_step);
 
 }  // namespace inbetween

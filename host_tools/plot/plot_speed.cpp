@@ -65,8 +65,8 @@ void draw_frames_below(Canvas& canvas, const Box& area, const PlotMove& move) {
 
 void draw_key_lines(Canvas& canvas, const Box& area, const PlotMove& move, const PlotTrack& track) {
   const Scale frame({0, static_cast<double>(move.frames)}, area.x, area.right());
-  constexpr std::size_t most = 60;  // more lines would hide the curve
-  if (track.key_frames.size() > most) return;
+  constexpr std::size_t max_lines = 60;  // more lines would hide the curve
+  if (track.key_frames.size() > max_lines) return;
   for (const double at : track.key_frames) {
     canvas.line({frame(at), area.y}, {frame(at), area.bottom()}, {plot_color::key.faded(0.45), 1, true});
   }

@@ -1,4 +1,4 @@
-// What a plot shows over time: the speed curve, the time bar and the axes' positions.
+// The parts of a plot that show time: the speed curve, the time bar and the axes' positions.
 #pragma once
 
 #include <cstddef>

@@ -69,9 +69,9 @@ class Identity {
 
 /// Letters and digits of a name for people; what is left out is in the hash.
 std::string plain_name(std::string_view name) {
-  constexpr std::size_t most = 40;
+  constexpr std::size_t max_length = 40;
   std::string plain;
-  for (const char c : name.substr(0, most)) {
+  for (const char c : name.substr(0, max_length)) {
     const bool is_plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
     plain += is_plain ? c : '_';
   }

@@ -110,8 +110,8 @@ can::Cia402Settings settings_of(const RigAxis& axis, std::int32_t rate_hz) {
           .host_timeout_ms = static_cast<std::uint16_t>(std::min<std::int64_t>(timeout_ms, 65'535)),
           .setpoint_timeout_ms = static_cast<std::uint16_t>(std::min<std::int64_t>(setpoint_ms, 65'535)),
           .position_limits =
-              can::CountRange{.least = static_cast<std::int32_t>(std::floor(std::min(ends[0], ends[1]))),
-                              .most = static_cast<std::int32_t>(std::ceil(std::max(ends[0], ends[1])))}}};
+              can::CountRange{.min = static_cast<std::int32_t>(std::floor(std::min(ends[0], ends[1]))),
+                              .max = static_cast<std::int32_t>(std::ceil(std::max(ends[0], ends[1])))}}};
   // The ramp of the drive is not known; that of the axis, twice, is long enough.
   settings.disable_timeout_ns += static_cast<std::int64_t>(2 * axis.max_velocity / axis.max_acceleration *
                                                            static_cast<double>(ns_per_s));

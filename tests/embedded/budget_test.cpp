@@ -55,11 +55,11 @@ void expect_all_kept(const std::string& kind, std::span<const FunctionBudget> li
     for (const FunctionBudget& function : limits) {
       const BudgetLimit& limit = target == "cortex-m7" ? function.cortex_m7 : function.cortex_m4f;
       SCOPED_TRACE(kind + " on " + target);
-      for (const auto& [precision, most] :
+      for (const auto& [precision, max] :
            {std::pair("/double", limit.in_double), {"/float", limit.in_float}}) {
         const std::string name = std::string(function.name) + precision;
         limited.insert(name);
-        expect_kept(numbers, name, most, min_share, negligible);
+        expect_kept(numbers, name, max, min_share, negligible);
       }
     }
     for (const auto& [name, number] : numbers) {

@@ -20,8 +20,8 @@ namespace homing_property_test {
 constexpr int many_homings = 1000;
 constexpr double counts_per_unit = 100;
 
-double any_between(double least, double most) {
-  return least + (most - least) * *rc::gen::inRange(0, 1001) / 1000;
+double any_between(double min, double max) {
+  return min + (max - min) * *rc::gen::inRange(0, 1001) / 1000;
 }
 
 /// A spike that comes right before the edge makes it early, by less than 4 ms, which at 0.6 units a second is

@@ -61,16 +61,16 @@ bool is_on_a_line(const RandomMove& move) {
   return true;
 }
 
-/// true <= bound <= most * true, apart from what is rounding of the quickest axis; on a line of several axes
-/// the upper half of it.
+/// true <= bound <= max_ratio * true, apart from what is rounding of the quickest axis; on a line of several
+/// axes the upper half of it.
 void expect_tight(const char* what, double bound, const oracle::Extreme& found, long double quickest,
-                  long double most, bool on_a_line) {
+                  long double max_ratio, bool on_a_line) {
   RC_LOG() << what << ": bound " << bound << ", found " << static_cast<double>(found.value) << " at frame "
            << static_cast<double>(found.place) << ", of all axes " << static_cast<double>(quickest) << '\n';
   if (!on_a_line) {
     RC_ASSERT(bound >= found.value - (bound == 0 ? 1e-9L : 1e-12L) * quickest);
   }
-  RC_ASSERT(bound <= most * found.value + 1e-9L * quickest);
+  RC_ASSERT(bound <= max_ratio * found.value + 1e-9L * quickest);
 }
 
 TEST(MotionBoundsProperty, NoPeakIsAboveItsBoundAndNoBoundIsOnePercentAboveItsPeak) {
@@ -97,11 +97,11 @@ TEST(MotionBoundsProperty, NoPeakIsAboveItsBoundAndNoBoundIsOnePercentAboveItsPe
     const long double rate =
         static_cast<long double>(std::max<std::size_t>(move.speed.size(), 2) - 1) * fps / move.frames;
     const auto quickest = [&](oracle::Extreme oracle::AxisExtremes::*quantity, long double power) {
-      long double most = 0;
+      long double largest = 0;
       for (const oracle::AxisExtremes& axis : extremes.axes) {
-        most = std::max({most, (axis.*quantity).value, axis.velocity.value * power});
+        largest = std::max({largest, (axis.*quantity).value, axis.velocity.value * power});
       }
-      return most;
+      return largest;
     };
     // A peak that lasts less than 1e-10 of the move is passed in a few ticks of a double's time.
     const long double peak_seconds =
@@ -109,7 +109,7 @@ TEST(MotionBoundsProperty, NoPeakIsAboveItsBoundAndNoBoundIsOnePercentAboveItsPe
     const bool resolved = !(peak_seconds < 1e-10L * move.frames / fps);
     ++compared;
     if (!resolved) ++unresolved;
-    const long double most = resolved ? 1.01L : 1e6L;
+    const long double max_ratio = resolved ? 1.01L : 1e6L;
     const bool line = is_on_a_line(move);
     for (std::size_t d = 0; d < peaks.size(); ++d) {
       const oracle::AxisExtremes& axis = extremes.axes[d];
@@ -119,11 +119,11 @@ TEST(MotionBoundsProperty, NoPeakIsAboveItsBoundAndNoBoundIsOnePercentAboveItsPe
       RC_ASSERT(std::fabs(peaks[d].highest.value - axis.highest.value) <= 1e-13L * scale);
       const long double v = axis.velocity.value;
       expect_tight("velocity", peaks[d].velocity.value, axis.velocity,
-                   quickest(&oracle::AxisExtremes::velocity, 1), most, false);
+                   quickest(&oracle::AxisExtremes::velocity, 1), max_ratio, false);
       expect_tight("acceleration", peaks[d].acceleration.value, axis.acceleration,
-                   quickest(&oracle::AxisExtremes::acceleration, rate), most, line);
+                   quickest(&oracle::AxisExtremes::acceleration, rate), max_ratio, line);
       expect_tight("jerk", peaks[d].jerk.value, axis.jerk, quickest(&oracle::AxisExtremes::jerk, rate * rate),
-                   most, line);
+                   max_ratio, line);
       if (v > 0) worst = std::max(worst, peaks[d].velocity.value / v);
     }
   });

@@ -347,7 +347,7 @@ TEST(SpeedFitProperty, WhatIsFoundKeepsEveryLimit) {
       RC_ASSERT(fit.tracks.empty());
       return;
     }
-    RC_ASSERT(fit.least.frames <= plan.move().frames);
+    RC_ASSERT(fit.fewest.frames <= plan.move().frames);
     ++found;
     ++refinements[static_cast<std::size_t>(fit.tracks[0].refinements)];
     const std::vector<double>& played = plan.tracks()[0].control_values();

@@ -260,7 +260,7 @@ TEST(BusLoad, AFrameHasAtWorstTheBitsOfTheStandard) {
 
 TEST(BusLoad, IsThatOfTheTable) {
   struct Row {
-    std::int64_t bitrate, rate_hz, most;
+    std::int64_t bitrate, rate_hz, max;
     std::vector<int> percent;
   };
   const std::array<std::int64_t, 6> drives{1, 2, 3, 4, 6, 8};
@@ -273,10 +273,10 @@ TEST(BusLoad, IsThatOfTheTable) {
       use.drives = drives.at(i);
       EXPECT_NEAR(static_cast<double>(bus_load_per_mille(use)) / 10, row.percent[i], 0.6);
     }
-    EXPECT_EQ(max_drives(use), row.most) << row.bitrate << " at " << row.rate_hz;
-    use.drives = row.most;
+    EXPECT_EQ(max_drives(use), row.max) << row.bitrate << " at " << row.rate_hz;
+    use.drives = row.max;
     EXPECT_TRUE(check_bus_load(use));
-    use.drives = row.most + 1;
+    use.drives = row.max + 1;
     const Status refused = check_bus_load(use);
     ASSERT_FALSE(refused);
     EXPECT_EQ(refused.error().code, ErrorCode::capacity);

@@ -153,7 +153,7 @@ TEST(SetupRunner, EveryStateTimesEveryEvent) {
 TEST_F(SetupOfNode5, WritesWhatTheDriveNeedsAndReadsItBack) {
   setup.following_error_window = 1500;
   setup.following_error_timeout_ms = 10;
-  setup.position_limits = CountRange{.least = -100, .most = 200000};
+  setup.position_limits = CountRange{.min = -100, .max = 200000};
   setup.quick_stop_option = 6;
   setup.vendor = 0x1234;
   setup.product = 0x5678;
@@ -374,7 +374,7 @@ TEST_F(SetupOfNode5, SettingsThatLeaveADriveUnwatchedAreRefused) {
   EXPECT_TRUE(refuses([](Cia402Setup& bad) { bad.communication_lost_option = 0; }));
   EXPECT_TRUE(refuses([](Cia402Setup& bad) { bad.sync_overflow = 1; }));
   EXPECT_TRUE(refuses([](Cia402Setup& bad) { bad.following_error_window = 0xFFFFFFFF; }));
-  EXPECT_TRUE(refuses([](Cia402Setup& bad) { bad.position_limits = CountRange{.least = 1, .most = 1}; }));
+  EXPECT_TRUE(refuses([](Cia402Setup& bad) { bad.position_limits = CountRange{.min = 1, .max = 1}; }));
   EXPECT_TRUE(refuses([](Cia402Setup& bad) { bad.rate_hz = 240; }));
 }
 

@@ -24,22 +24,22 @@ TEST(ControlCurve, IsTheCurveOfTheSpeedProfile) {
     const CurveValues at = curve.at(place_at(a, 5));
     EXPECT_NEAR(at.area, profile->integral(a), 1e-13) << a;
     EXPECT_NEAR(at.value, profile->value(a), 1e-13) << a;
-    EXPECT_NEAR(at.slope, profile->derivative(a), 1e-12) << a;
-    EXPECT_NEAR(at.bend, profile->second(a), 1e-12) << a;
+    EXPECT_NEAR(at.first, profile->derivative(a), 1e-12) << a;
+    EXPECT_NEAR(at.second, profile->second(a), 1e-12) << a;
   }
-  EXPECT_NEAR(curve.at({1, 0.5}).twist, curve.at({1, 0.75}).bend / 0.25 - curve.at({1, 0.5}).bend / 0.25,
+  EXPECT_NEAR(curve.at({1, 0.5}).third, curve.at({1, 0.75}).second / 0.25 - curve.at({1, 0.5}).second / 0.25,
               1e-11);
 }
 
 TEST(ControlCurve, ARowTellsHowTheCurveDependsOnItsValues) {
-  const CurveWeights weights{.area = 2, .value = -3, .slope = 0.5, .bend = 0.25};
+  const CurveWeights weights{.area = 2, .value = -3, .first = 0.5, .second = 0.25};
   for (const double a : {0.0, 0.4, 1.5, 3.2, 5.0}) {
     std::vector<double> row(drawn.size());
     add_row(place_at(a, 5), weights, row);
     double sum = 0;
     for (std::size_t i = 0; i < row.size(); ++i) sum += row[i] * drawn[i];
     const CurveValues at = ControlCurve(drawn).at(place_at(a, 5));
-    EXPECT_NEAR(sum, 2 * at.area - 3 * at.value + 0.5 * at.slope + 0.25 * at.bend, 1e-12) << a;
+    EXPECT_NEAR(sum, 2 * at.area - 3 * at.value + 0.5 * at.first + 0.25 * at.second, 1e-12) << a;
   }
 }
 

@@ -50,8 +50,8 @@ TEST(RigDrives, AnAxisTellsItsDriveItsRangeAndItsStep) {
   const RigFile rig = rig_of(1, 250, 1'000'000);
   const can::Cia402Settings settings = settings_of(rig.axes[0], rig.rate_hz);
   ASSERT_TRUE(settings.setup.position_limits);
-  EXPECT_EQ(settings.setup.position_limits->least, -200'000) << "the scale turns the direction round";
-  EXPECT_EQ(settings.setup.position_limits->most, 10'500);
+  EXPECT_EQ(settings.setup.position_limits->min, -200'000) << "the scale turns the direction round";
+  EXPECT_EQ(settings.setup.position_limits->max, 10'500);
   EXPECT_EQ(settings.max_step_counts, 1'201) << "1.2 times 250 mm/s in 4 ms, and a count for rounding";
   EXPECT_GE(settings.setup.host_timeout_ms, 90);
 }

@@ -77,7 +77,7 @@ TEST(SpeedFit, AMoveThatFitsIsLeftAsItIs) {
   EXPECT_TRUE(fit.found);
   EXPECT_THAT(fit.tracks, IsEmpty());
   EXPECT_EQ(fit.reason, "");
-  EXPECT_GT(fit.least.frames, 0);
+  EXPECT_GT(fit.fewest.frames, 0);
 }
 
 TEST(SpeedFit, APeakIsFlattenedAndTheRestRaisedUntilTheVelocityFits) {
@@ -196,15 +196,15 @@ TEST(SpeedFit, FewerFramesThanAnyCurveNeedsAreRefusedAtOnce) {
   const SpeedFit fit = fit_of(plan_of(move_of(bends + peaked, 24), {}));
   EXPECT_FALSE(fit.found);
   EXPECT_THAT(fit.tracks, IsEmpty());
-  EXPECT_GT(fit.least.frames, 24);
-  EXPECT_THAT(fit.reason, HasSubstr(fmt::format("at least {} frames", fit.least.frames)));
+  EXPECT_GT(fit.fewest.frames, 24);
+  EXPECT_THAT(fit.reason, HasSubstr(fmt::format("at least {} frames", fit.fewest.frames)));
 }
 
 TEST(SpeedFit, WhereNoneIsFoundTheNearestTellsWhatIsInTheWay) {
   const Plan plan = plan_of(move_of(bends + peaked, 72), {.velocity = 150, .acceleration = 182});
   const SpeedFit fit = fit_of(plan);
   ASSERT_FALSE(fit.found);
-  ASSERT_LE(fit.least.frames, 72) << "the bound alone does not refuse it";
+  ASSERT_LE(fit.fewest.frames, 72) << "the bound alone does not refuse it";
   EXPECT_THAT(fit.reason,
               AllOf(HasSubstr("no speed curve was found"), HasSubstr("and max_acceleration is 182")));
 }

@@ -6,8 +6,8 @@
 
 namespace inbetween {
 
-/// Of x >= 0: not below the root and at most 4 roundings above it. Newton's method, from above; the core uses
-/// nothing of libm but what is exact on every target.
+/// The cube root of x >= 0: not below the root, and at most 4 roundings above it. Newton's method from above:
+/// of libm the core uses only functions that are exact on every target.
 template <Precise Real>
 Real cube_root(Real x) {
   if (!(x > 0) || !std::isfinite(x)) return x;

@@ -8,7 +8,7 @@
 
 #include "inbetween/base/precision.hpp"
 
-/// Interval arithmetic, rounded to nearest: whoever proves with it adds the rounding at the end.
+/// Interval arithmetic, rounded to nearest: a proof that uses it adds the rounding at the end.
 
 namespace inbetween {
 
@@ -30,7 +30,7 @@ struct Interval {
   friend constexpr Interval operator*(Real a, const Interval& b) {
     return a >= 0 ? Interval{a * b.low, a * b.high} : Interval{a * b.high, a * b.low};
   }
-  /// Not a number where either end is none (0 times infinity).
+  /// The product is not a number if an end is none (0 times infinity).
   [[nodiscard]] Real magnitude() const {
     const Real a = std::fabs(low);
     const Real b = std::fabs(high);

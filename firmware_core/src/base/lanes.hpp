@@ -12,7 +12,7 @@ namespace inbetween {
 
 inline constexpr std::size_t lane_count = 4;
 
-/// What SSE2 and NEON hold in a register.
+/// The width of a register of SSE2 and NEON.
 inline constexpr std::size_t register_bytes = 16;
 template <Precise Real>
 struct Register;
@@ -79,7 +79,7 @@ class Lanes {
     return result;
   }
 
-  /// Of what is below 0, as rounding may leave it, the root is 0.
+  /// Rounding may leave a value below 0. Its root is 0.
   [[nodiscard]] Lanes square_root() const {
     Lanes result;
     for (std::size_t i = 0; i < part_count; ++i) {

@@ -15,16 +15,17 @@ struct Sample {
   Real y = 0;
 };
 
-/// Dekker and Brent's ZEROIN (Brent 1973, Algorithms for Minimization without Derivatives, ch. 4):
-/// bisection made safe and fast by the secant and inverse quadratic interpolation. `a` and `b`
-/// bracket a zero. Ends when the bracket is within 4 eps |x| + tolerance, or after `most` evaluations.
-/// The best sample is returned; its y says how good it is.
+/// Dekker and Brent's ZEROIN (Brent 1973, Algorithms for Minimization without Derivatives, ch. 4): bisection
+/// made safe and fast by the secant and inverse quadratic interpolation. `a` and `b` bracket a zero. Ends
+/// when the bracket is within 4 eps |x| + tolerance, or after `max_evaluations` evaluations. It returns the
+/// best sample, whose y says how good it is.
 template <Precise Real, class Function>
-Sample<Real> zeroin(Function function, Sample<Real> a, Sample<Real> b, Real tolerance, std::int32_t most) {
+Sample<Real> zeroin(Function function, Sample<Real> a, Sample<Real> b, Real tolerance,
+                    std::int32_t max_evaluations) {
   Sample<Real> c = a;  // b is the best so far, a the one before, c on the other side of the zero from b
   Real step = b.x - a.x;
   Real step_before = step;
-  for (std::int32_t evaluations = 0; evaluations < most; ++evaluations) {
+  for (std::int32_t evaluations = 0; evaluations < max_evaluations; ++evaluations) {
     if ((b.y > 0) == (c.y > 0)) {
       c = a;
       step = step_before = b.x - a.x;

@@ -117,8 +117,8 @@ void set_motion(ScriptWriter& writer, const Cia402Setup& setup) {
               .finding = DriveFinding::window_disabled,
               .value = 0xFFFFFFFF});
   if (setup.position_limits) {
-    writer.write({.index = 0x607D, .sub = 1}, 4, static_cast<std::uint32_t>(setup.position_limits->least));
-    writer.write({.index = 0x607D, .sub = 2}, 4, static_cast<std::uint32_t>(setup.position_limits->most));
+    writer.write({.index = 0x607D, .sub = 1}, 4, static_cast<std::uint32_t>(setup.position_limits->min));
+    writer.write({.index = 0x607D, .sub = 2}, 4, static_cast<std::uint32_t>(setup.position_limits->max));
   }
   if (setup.quick_stop_option) {
     writer.write({.index = 0x605A}, 2, static_cast<std::uint16_t>(*setup.quick_stop_option));
@@ -160,7 +160,7 @@ Status check(const Cia402Setup& setup) {
   if (setup.following_error_window == 0xFFFFFFFFU) {
     return refuse("a following error window of FFFFFFFF watches nothing", "give it in counts");
   }
-  if (setup.position_limits && setup.position_limits->least >= setup.position_limits->most) {
+  if (setup.position_limits && setup.position_limits->min >= setup.position_limits->max) {
     return refuse("the range of positions is empty", "give the least position first");
   }
   return Done{};

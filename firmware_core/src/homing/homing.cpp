@@ -51,7 +51,7 @@ Result<AxisHoming<Real>> AxisHoming<Real>::make(const HomingSpec<Real>& spec, Fr
   return AxisHoming(spec, *input, axis);
 }
 
-/// As far as any phase may bring it from its start.
+/// The furthest that any phase may bring the axis from its start.
 template <Precise Real>
 Real AxisHoming<Real>::reach() const {
   const FreeAxisLimits<Real>& limits = axis_->limits();
@@ -59,7 +59,7 @@ Real AxisHoming<Real>::reach() const {
   return spec_.search + spec_.leave + 4 * (spec_.back_off + spike_way() + stop);
 }
 
-/// A spike and a bounce that were taken for the first edge of the fast search made it early by no more.
+/// A spike or a bounce that counted as the first edge of the fast search makes it early by at most this way.
 template <Precise Real>
 Real AxisHoming<Real>::spike_way() const {
   constexpr Real second = 1'000'000'000;
@@ -131,7 +131,7 @@ HomingFailure AxisHoming<Real>::fault(const HomingInput& input) const {
   return HomingFailure::none;
 }
 
-/// As soon as its time is known, because the trail is short.
+/// Looks up the position of an edge as soon as its time is known, because the trail is short.
 template <Precise Real>
 void AxisHoming<Real>::locate_edge() {
   if (is_located_ && switch_.edge_ns() == located_ns_) return;
@@ -186,7 +186,7 @@ void AxisHoming<Real>::act(HomingAction action) {
   }
 }
 
-/// The slow approach is worth what the time of its edge is worth.
+/// The slow approach is only as good as the time of its edge.
 template <Precise Real>
 void AxisHoming<Real>::mark() {
   mark_ = edge_;

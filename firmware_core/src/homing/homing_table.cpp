@@ -18,7 +18,7 @@ constexpr std::size_t index_of(HomingSignal signal) {
   return static_cast<std::size_t>(signal);
 }
 
-/// Where nothing else is said, nothing follows but that what moves can be stopped.
+/// Every other signal changes nothing, except that a moving axis can be stopped.
 constexpr Row usual(HomingPhase phase) {
   Row row;
   row.fill({.phase = phase});

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "base/quintic.hpp"
+
 namespace inbetween {
 
 template <Precise Real>
@@ -26,22 +28,18 @@ std::optional<Real> SetpointTrail<Real>::position_at(std::int64_t at_ns) const {
   return std::nullopt;
 }
 
-/// The quintic by its values, first and second derivatives at both ends, as distances from the start: what
-/// the duration makes of a velocity and half of an acceleration.
+/// Positions count from the start, and derivatives are by the share of the duration.
 template <Precise Real>
 Real SetpointTrail<Real>::between(const Step& from, const Step& to, std::int64_t at_ns) {
   constexpr Real second = 1'000'000'000;
   const Real duration = static_cast<Real>(to.at_ns - from.at_ns) / second;
   const Real u = static_cast<Real>(at_ns - from.at_ns) / static_cast<Real>(to.at_ns - from.at_ns);
   const Real way = to.setpoint.position - from.setpoint.position;
-  const Real v0 = from.setpoint.velocity * duration;
-  const Real v1 = to.setpoint.velocity * duration;
-  const Real a0 = from.setpoint.acceleration * duration * duration / 2;
-  const Real a1 = to.setpoint.acceleration * duration * duration / 2;
-  const Real c3 = 10 * way - 6 * v0 - 4 * v1 - 3 * a0 + a1;
-  const Real c4 = -15 * way + 8 * v0 + 7 * v1 + 3 * a0 - 2 * a1;
-  const Real c5 = 6 * way - 3 * v0 - 3 * v1 - a0 + a1;
-  return from.setpoint.position + u * (v0 + u * (a0 + u * (c3 + u * (c4 + u * c5))));
+  const auto end_of = [&](const Step& step, Real position) {
+    return QuinticEnd<Real>{position, step.setpoint.velocity * duration,
+                            step.setpoint.acceleration * duration * duration};
+  };
+  return from.setpoint.position + value_at(joining(end_of(from, 0), end_of(to, way)), u);
 }
 
 template class SetpointTrail<double>;

@@ -5,8 +5,8 @@
 namespace inbetween {
 namespace {
 
-/// So long at most after its time a tick reads its lines. An edge that comes before the level is read and
-/// after the events were has a level now and its event on the next tick.
+/// A tick reads its lines at most this long after its time. An edge that comes after the events were read and
+/// before the level is read shows its level now and its event on the next tick.
 constexpr std::int64_t max_reading_ns = 500'000;
 
 }  // namespace
@@ -58,7 +58,7 @@ void SwitchInput::take_edge(std::int64_t at_ns, bool is_active, bool is_timed) {
     is_timed_ = true;
     return;
   }
-  // A spike that was over long before this edge, although no tick came in between.
+  // The edge before was a spike that ended long before this edge, although no tick came in between.
   const bool was_quiet = at_ns - last_edge_ns_ >= settings_.quiet_ns;
   if (is_changing_ && was_quiet && was_active_ == is_active_) settle(is_active_);
   if (!is_changing_) {

@@ -179,8 +179,8 @@ class TrackCells {
                                  const MotionBox<Real>& box) const {
     const MotionTriple<Real> floor = enclosure_.range(d, enclosure_.around(time, box.middle())).bound;
     for (std::size_t i = 0; i < motion_quantities; ++i) {
-      const Real most = allowed(d, i, proven);
-      if (!(bound[i] <= most) && !(bound[i] <= 2 * floor[i] && floor[i] > most)) return false;
+      const Real max_bound = allowed(d, i, proven);
+      if (!(bound[i] <= max_bound) && !(bound[i] <= 2 * floor[i] && floor[i] > max_bound)) return false;
     }
     return true;
   }

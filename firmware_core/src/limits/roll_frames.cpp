@@ -105,9 +105,9 @@ bool longer_may_help(const RollRequest<Real>& request, const RollBreach<Real>& b
   const bool pushed_along = joint.velocity != 0 && (joint.acceleration < 0) != from_below;  // r > 0 or a = 0
   const bool broken_below = breach.value < breach.limit;
   if (!pushed_along || joint.acceleration == 0 || broken_below != from_below) return false;
-  const Real least =
+  const Real min_way =
       std::fabs(joint.velocity) * (std::fabs(joint.velocity) / std::fabs(2 * joint.acceleration));
-  return least <= std::fabs(joint.position - breach.limit) * (1 + generous<Real>);
+  return min_way <= std::fabs(joint.position - breach.limit) * (1 + generous<Real>);
 }
 
 /// No roll of fewer frames changes a velocity so far within the limits of acceleration and jerk.

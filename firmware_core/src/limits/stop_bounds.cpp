@@ -81,11 +81,12 @@ void widen(const MotionCells<Real>& motion, std::size_t axes) {
   for (std::size_t d = 0; d < axes; ++d) {
     MotionTriple<Real> before{};
     for (std::size_t cell = 0; cell < motion.cells; ++cell) {
-      MotionTriple<Real>& most = motion.suprema[cell * axes + d];
-      const MotionTriple<Real> own = most;
+      MotionTriple<Real>& supremum = motion.suprema[cell * axes + d];
+      const MotionTriple<Real> own = supremum;
       for (std::size_t i = 0; i < motion_quantities; ++i) {
-        most[i] = std::max(most[i], before[i]);
-        if (cell + 1 < motion.cells) most[i] = std::max(most[i], motion.suprema[(cell + 1) * axes + d][i]);
+        supremum[i] = std::max(supremum[i], before[i]);
+        if (cell + 1 < motion.cells)
+          supremum[i] = std::max(supremum[i], motion.suprema[(cell + 1) * axes + d][i]);
       }
       before = own;
     }
@@ -231,8 +232,8 @@ void StopBounds<Real>::make_continuous() {
 
 template <Precise Real>
 void StopBounds<Real>::limit_rate_change(std::size_t from, std::size_t to, std::size_t cell) {
-  const Real most = cells_[from].rate_change + cells_[cell].rate_jerk * (cell_seconds_ / rate_);
-  cells_[to].rate_change = std::min(cells_[to].rate_change, most);
+  const Real max_rate_change = cells_[from].rate_change + cells_[cell].rate_jerk * (cell_seconds_ / rate_);
+  cells_[to].rate_change = std::min(cells_[to].rate_change, max_rate_change);
 }
 
 /// From Q to Q' in one cell: Q' - Q <= c Q (R2 - Q') keeps (S) at every Q between them.
@@ -274,37 +275,38 @@ StopBound<Real> StopBounds<Real>::at(const FrameTime<Real>& time) const {
 }
 
 template <Precise Real>
-StopBound<Real> StopBounds<Real>::least(const FrameTime<Real>& from, const FrameTime<Real>& to) const {
-  StopBound<Real> least = at(from);
-  const auto lower = [&least](const StopBound<Real>& other) {
-    least.rate_change = std::min(least.rate_change, other.rate_change);
-    least.rate_jerk = std::min(least.rate_jerk, other.rate_jerk);
-    least.release_jerk = std::min(least.release_jerk, other.release_jerk);
+StopBound<Real> StopBounds<Real>::min_between(const FrameTime<Real>& from, const FrameTime<Real>& to) const {
+  StopBound<Real> lowest = at(from);
+  const auto lower = [&lowest](const StopBound<Real>& other) {
+    lowest.rate_change = std::min(lowest.rate_change, other.rate_change);
+    lowest.rate_jerk = std::min(lowest.rate_jerk, other.rate_jerk);
+    lowest.release_jerk = std::min(lowest.release_jerk, other.release_jerk);
   };
   for (std::size_t i = place(from).cell + 1; i <= place(to).cell; ++i) {
     lower({cells_[i].rate_change, cells_[i].rate_jerk, cells_[i].release_jerk});
   }
   lower(at(to));
-  return least;
+  return lowest;
 }
 
 template <Precise Real>
 StopLength<Real> StopBounds<Real>::stop_from_cell(std::size_t cell, bool forward) const {
-  StopPair<Real> least{cells_[cell].rate_change, cells_[cell].release_jerk};
+  StopPair<Real> lowest{cells_[cell].rate_change, cells_[cell].release_jerk};
   const auto pass = [&](const StopCell<Real>& border) {
-    least = {std::min(least.rate_change, border.rate_change), std::min(least.rate_jerk, border.release_jerk)};
+    lowest = {std::min(lowest.rate_change, border.rate_change),
+              std::min(lowest.rate_jerk, border.release_jerk)};
   };
   pass(cells_[cell]);
   pass(cells_[cell + 1]);
   const Real rising = std::max(cells_[cell].rate_change, cells_[cell + 1].rate_change);
-  ConstantStop<Real> stop(rate_, rising, least);
+  ConstantStop<Real> stop(rate_, rising, lowest);
   std::size_t border = forward ? cell + 1 : cell;
   Real passed = 0;
   while (stop.distance > passed && border != (forward ? cell_count() : 0)) {
     border = forward ? border + 1 : border - 1;
     passed += cell_seconds_;
     pass(cells_[border]);
-    stop = ConstantStop<Real>(rate_, rising, least);
+    stop = ConstantStop<Real>(rate_, rising, lowest);
   }
   return {stop.seconds, stop.distance / cell_seconds_ * cell_frames_};
 }

@@ -78,26 +78,26 @@ class PairSearch {
     return motion_.suprema[cell_ * axes_ + d];
   }
   [[nodiscard]] Real max_change() const {
-    Real most = request_.max_rate_change();
+    Real change = request_.max_rate_change();
     for (std::size_t d = 0; d < axes_; ++d) {
       const auto [p1, p2, p3] = suprema(d);
       const Real left = request_.limits[d].stop_acceleration() - p2 * request_.rate * request_.rate;
-      if (p1 * most > left) most = left / p1;
+      if (p1 * change > left) change = left / p1;
     }
-    return most;
+    return change;
   }
   [[nodiscard]] MaxJerk max_jerk(Real change) const {
     const Real r = request_.rate;
-    MaxJerk most{request_.max_rate_jerk(), request_.max_rate_jerk()};
+    MaxJerk jerk{request_.max_rate_jerk(), request_.max_rate_jerk()};
     for (std::size_t d = 0; d < axes_; ++d) {
       const std::optional<Real> limit = request_.limits[d].stop_jerk();
       if (!limit) continue;
       const auto [p1, p2, p3] = suprema(d);
       const Real at_rest = *limit - p3 * r * r * r;
       const Real left = at_rest - 3 * p2 * r * change;
-      if (p1 * most.value > left) most = {left > 0 ? left / p1 : Real(0), at_rest / p1};
+      if (p1 * jerk.value > left) jerk = {left > 0 ? left / p1 : Real(0), at_rest / p1};
     }
-    return most;
+    return jerk;
   }
   [[nodiscard]] bool falls_at(Real change) const {
     const MaxJerk jerk = max_jerk(change);

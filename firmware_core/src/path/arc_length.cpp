@@ -95,7 +95,7 @@ class Stride {
   [[nodiscard]] std::size_t divide(Lanes<Real>& ends) const {
     constexpr auto lanes = static_cast<Real>(lane_count);
     const Real rest = extent_ - begin_;
-    Real length = std::max(length_, least());
+    Real length = std::max(length_, min_length());
     std::size_t count = lane_count;
     if (rest <= lanes * length) {
       count = 1;
@@ -111,7 +111,7 @@ class Stride {
     return count;
   }
   /// Whether the stretch to `end` can be made shorter.
-  [[nodiscard]] bool is_divisible(Real end) const { return end - begin_ > 2 * least(); }
+  [[nodiscard]] bool is_divisible(Real end) const { return end - begin_ > 2 * min_length(); }
   /// Goes on behind the first `done` stretches, of which a later one was refused. The error grows with the
   /// fifth power of the length (quintic Hermite interpolation); 0.7 of what is allowed is aimed at.
   void shorten(const Lanes<Real>& ends, std::size_t done, Real worst) {
@@ -142,7 +142,7 @@ class Stride {
   }
   /// So short that the piece is below the negligible share for every curve that floating point can tell
   /// from a cusp, and long enough that `end` is behind `begin`.
-  [[nodiscard]] Real least() const {
+  [[nodiscard]] Real min_length() const {
     return std::max(extent_ * Real(1e-18), begin_ * (4 * std::numeric_limits<Real>::epsilon()));
   }
 

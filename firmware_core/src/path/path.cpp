@@ -57,10 +57,10 @@ class Construction {
   /// little weight goes far between keys that are near to each other as weighted.
   [[nodiscard]] Status check_range() const {
     // An ordinary path overshoots a few times; the square of this is still finite for every axis.
-    const Real most = 1000 * Precision<Real>::largest;
+    const Real max_magnitude = 1000 * Precision<Real>::largest;
     for (std::size_t i = 0; i < segments_ * axes_; ++i) {
       const Cubic<Real>& c = cubics_[i];
-      const auto inside = [&](Real x) { return std::fabs(x) <= most; };  // false for a NaN
+      const auto inside = [&](Real x) { return std::fabs(x) <= max_magnitude; };  // false for a NaN
       if (inside(c.c1) && inside(c.c2) && inside(c.c3)) continue;
       return Error{.code = ErrorCode::out_of_range,
                    .what = "the path swings beyond the range of numbers after this key",

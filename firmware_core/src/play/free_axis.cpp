@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "inbetween/base/bisection.hpp"
+
 namespace inbetween {
 namespace {
 
@@ -53,35 +55,30 @@ SpeedRamp<Real> FreeAxis<Real>::stop_ramp() const {
   return SpeedRamp<Real>::between(state_.velocity, state_.acceleration, 0, ramp());
 }
 
-/// From here to a velocity, and from that at once to rest.
+/// The way of a ramp to a velocity and of the stop that follows at once.
 template <Precise Real>
 Real FreeAxis<Real>::way_over(Real velocity) const {
   return SpeedRamp<Real>::between(state_.velocity, state_.acceleration, velocity, ramp()).way() +
          SpeedRamp<Real>::between(velocity, 0, 0, ramp()).way();
 }
 
-/// The highest speed up to `speed`, or nearly, over which the way is no longer than `room`, which the way of
-/// a stop is not. Above the speed that remains when the acceleration is released the way grows with the
-/// speed. Below it the slowing down is interrupted and the way may be longer than over that speed itself;
-/// there the root that is found need not be the only one, and any is good. While the speed rises, the way
-/// over the released speed is that of the stop, so that only rounding can say that there is not the room;
-/// then it stops.
+/// The highest speed up to `speed`, or nearly, whose way is at most `room`; the way of a stop fits into
+/// `room`. Call the speed that remains when the acceleration is released the released speed. Above it the way
+/// grows with the speed. Below it the ramp interrupts a slowing down, and the way may be longer than that of
+/// the released speed; there may be several roots, and any of them is good. While the speed rises, the way of
+/// the released speed is that of the stop, so that only rounding can make it longer than `room`; then the
+/// axis stops.
 template <Precise Real>
 Real FreeAxis<Real>::top_speed(Real direction, Real speed, Real room) const {
   const auto fits = [&](Real tried) { return direction * way_over(direction * tried) <= room; };
   if (fits(speed)) return speed;
-  Real low = 0;
-  Real high = speed;
+  Bracket<Real> bracket{0, speed};
   const Real released =
       direction * SpeedRamp<Real>::released(state_.velocity, state_.acceleration, limits_.jerk);
   if (0 < released && released < speed) {
-    (direction * state_.acceleration >= 0 || fits(released) ? low : high) = released;
+    (direction * state_.acceleration >= 0 || fits(released) ? bracket.low : bracket.high) = released;
   }
-  for (int i = 0; i < 2 * std::numeric_limits<Real>::digits; ++i) {
-    const Real middle = low + (high - low) / 2;
-    if (!(low < middle && middle < high)) break;
-    (fits(middle) ? low : high) = middle;
-  }
+  const Real low = bisected(bracket, 2 * std::numeric_limits<Real>::digits, fits).low;
   return low == 0 || fits(low) ? low : Real{0};
 }
 
@@ -95,7 +92,8 @@ void FreeAxis<Real>::head_for(Real position, Real speed, Activity activity) {
   fall_ = SpeedRamp<Real>::between(direction * top, 0, 0, ramp());
   even_s_ = 0;
   if (top > 0) even_s_ = left / top;
-  // What the last bit of a speed leaves open is a moment at that speed, or, where it is slow, nothing.
+  // The last bit of the speed leaves a short rest of the way, which takes a moment at that speed. At a slow
+  // speed that rest is rounding, so it gets at most a tick.
   if (top < speed) even_s_ = std::min(even_s_, tick_s_);
   from_ = state_.position;
   end_ = position;
@@ -226,27 +224,27 @@ Setpoint<Real> FreeAxis<Real>::at(Real seconds) const {
   return along(fall_, end_ - fall_.way(), end_, even - even_s_);
 }
 
-/// Rounding alone would pass a soft limit, by the last bits of a position; an axis that began outside is not
-/// put inside by this.
+/// Rounding alone could pass a soft limit, by the last bits of a position. This does not put an axis inside
+/// that began outside.
 template <Precise Real>
 Real FreeAxis<Real>::inside(Real position) const {
   return std::clamp(position, std::min(limits_.min, from_), std::max(limits_.max, from_));
 }
 
-/// The stop is longest where the acceleration is at its greatest and the speed will be v once that is
-/// released: a / jerk seconds, and then from v to rest. Between -v and v the acceleration reaches
-/// sqrt(2 jerk v), if the limit allows it; on the way to rest sqrt(jerk v).
+/// The stop is longest where the acceleration is largest and the speed is v once the acceleration is
+/// released: it takes a / jerk seconds, and then the time from v to rest. Between -v and v the acceleration
+/// reaches sqrt(2 jerk v), if the limit allows it; on the way to rest it reaches sqrt(jerk v).
 template <Precise Real>
 Real FreeAxis<Real>::velocity_that_stops_within(Real seconds) const {
   if (!(seconds > 0)) return 0;
   const Real jerk = limits_.jerk;
   const Real acceleration = limits_.acceleration;
-  const Real bend_s = acceleration / jerk;
+  const Real jerk_s = acceleration / jerk;
   const Real share = seconds / (2 + std::sqrt(Real{2}));
   Real velocity = jerk * share * share;
-  if (velocity > acceleration * bend_s / 2) {
-    const Real half = (seconds - bend_s) / 2;
-    velocity = half <= bend_s ? jerk * half * half : acceleration * (seconds - 2 * bend_s);
+  if (velocity > acceleration * jerk_s / 2) {
+    const Real half = (seconds - jerk_s) / 2;
+    velocity = half <= jerk_s ? jerk * half * half : acceleration * (seconds - 2 * jerk_s);
   }
   return std::min(velocity, limits_.velocity);
 }

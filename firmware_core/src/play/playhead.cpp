@@ -8,19 +8,19 @@
 namespace inbetween {
 namespace {
 
-/// By how much rounding may make a bend down steeper than it was begun.
+/// Rounding may make the last jerk phase steeper than it began by this share.
 template <Precise Real>
-inline constexpr Real bend_rounding = std::numeric_limits<Real>::digits > 30 ? Real(1e-9) : Real(1e-4);
+inline constexpr Real jerk_rounding = std::numeric_limits<Real>::digits > 30 ? Real(1e-9) : Real(1e-4);
 /// The ends of a loop are in one place where they are within this share of the position.
 template <Precise Real>
 inline constexpr Real loop_rounding = std::numeric_limits<Real>::digits > 30 ? Real(1e-12) : Real(1e-6);
 /// The seconds of an exposure are a whole number of ticks within this share of a tick.
 template <Precise Real>
 inline constexpr Real tick_rounding = std::numeric_limits<Real>::digits > 30 ? Real(1e-9) : Real(1e-4);
-/// How often the bounds of an exposure may turn out lower because its run-up reaches further. Two or three
-/// are usual: each time it reaches further by less.
+/// The bounds of an exposure may prove to be lower this often, because its run-up reaches further. Two or
+/// three times are usual: each time it reaches further by less.
 inline constexpr int max_narrowings = 64;
-/// So near its target scrubbing comes to rest, and travels the rest of the way.
+/// Scrubbing comes to rest this near its target, and travels the rest of the way.
 inline constexpr double scrub_rest_frames = 0.05;
 
 constexpr Direction opposite(Direction direction) {
@@ -64,7 +64,7 @@ Status Playhead<Real>::play(Direction direction) {
     if (repeat_ == Repeat::loop) time_ = end_towards(opposite(direction));
     if (repeat_ == Repeat::ping_pong) direction = opposite(direction);
   }
-  // At its own end nothing moves.
+  // The rate means nothing at the end from which the move starts, because nothing moves there.
   if (is_resting() && time_ == end_towards(opposite(direction))) {
     rate_ = sign_of<Real>(direction) * override_;
     anchor_here();
@@ -215,7 +215,7 @@ PlayheadEvent Playhead<Real>::tick_ramp(Real target) {
   return PlayheadEvent::none;
 }
 
-/// At rest where it was told to slow down.
+/// Comes to rest after a slowing down.
 template <Precise Real>
 PlayheadEvent Playhead<Real>::settle() {
   rest();
@@ -277,28 +277,29 @@ void Playhead<Real>::anchor_here() {
   cruise_phase_ = 0;
 }
 
-/// The quickest way to a rate, for one tick: the rate change a1 at its end is the largest that the bounds
-/// allow and from which the bend down, with r'' = Q, still meets the rate:
+/// One tick of the quickest way to a rate. The rate change a1 at its end is the largest that the bounds allow
+/// and from which the last phase, with r'' = Q, still meets the rate:
 ///     a1^2 <= 2 Q (gap - (a + a1) / 2 tick).
 template <Precise Real>
 void Playhead<Real>::follow_to(Real target) {
-  // As far as the tick may reach at most.
-  const Real bend_rate = bounds_->rate_jerk(time_) * tick_s_ * tick_s_ / 6;
-  const Real reach = std::fabs(rate_) + std::fabs(change_) * tick_s_ / 2 + bend_rate;
+  // The furthest place that the tick may reach.
+  const Real last_rate = bounds_->rate_jerk(time_) * tick_s_ * tick_s_ / 6;
+  const Real reach = std::fabs(rate_) + std::fabs(change_) * tick_s_ / 2 + last_rate;
   const Real gap = target - rate_;
   const FrameTime<Real> ahead =
       moved_by(time_, std::copysign(reach * tick_s_ * fps_, rate_ != 0 ? rate_ : gap));
   const bool is_forward = time_ < ahead;
-  const StopBound<Real> bound = bounds_->least(is_forward ? time_ : ahead, is_forward ? ahead : time_);
-  // Either holds within a cell of its place, so on both sides of a border that this tick may cross.
+  const StopBound<Real> bound = bounds_->min_between(is_forward ? time_ : ahead, is_forward ? ahead : time_);
+  // Each bound holds within a cell of its place, so on both sides of a border that this tick may cross.
   const Real jerk = std::max(bounds_->rate_jerk(time_), bounds_->rate_jerk(ahead));
   if (lands_within_tick(target, jerk)) return land(target);
   const Real side = gap != 0 ? std::copysign(Real{1}, gap) : std::copysign(Real{1}, -change_);
   const Real change = side * change_;
-  const Real bend = bound.release_jerk * tick_s_ / 2;
-  const Real under_root = bend * bend + 4 * bend / tick_s_ * (side * gap - change * tick_s_ / 2);
+  const Real last_change = bound.release_jerk * tick_s_ / 2;
+  const Real under_root =
+      last_change * last_change + 4 * last_change / tick_s_ * (side * gap - change * tick_s_ / 2);
   const Real step = jerk * tick_s_;
-  Real next = under_root > 0 ? std::sqrt(under_root) - bend : change - step;
+  Real next = under_root > 0 ? std::sqrt(under_root) - last_change : change - step;
   next = std::min(next, bound.rate_change);
   next = std::clamp(next, change - step, change + step);
   move_on(side * (next - change) / tick_s_, tick_s_);
@@ -309,7 +310,7 @@ template <Precise Real>
 bool Playhead<Real>::lands_within_tick(Real target, Real jerk) const {
   const Real gap = target - rate_;
   if (!(change_ * gap > 0) || 2 * gap / change_ > tick_s_) return false;
-  return change_ * change_ <= 2 * jerk * std::fabs(gap) * (1 + bend_rounding<Real>);
+  return change_ * change_ <= 2 * jerk * std::fabs(gap) * (1 + jerk_rounding<Real>);
 }
 template <Precise Real>
 void Playhead<Real>::land(Real target) {
@@ -321,7 +322,7 @@ void Playhead<Real>::land(Real target) {
   advance_by(target * (tick_s_ - seconds));
 }
 
-/// So many seconds with one r''.
+/// Moves on for so many seconds at a constant r''.
 template <Precise Real>
 void Playhead<Real>::move_on(Real jerk, Real seconds) {
   advance_by(seconds * (rate_ + seconds * (change_ / 2 + seconds * jerk / 6)));
@@ -345,9 +346,9 @@ Real Playhead<Real>::seconds_between(const FrameTime<Real>& from, const FrameTim
 /// certify.
 template <Precise Real>
 StopBound<Real> Playhead<Real>::travel_bound(const FrameTime<Real>& from, const FrameTime<Real>& to) const {
-  const StopBound<Real> stops = bounds_->least(from, to);
+  const StopBound<Real> stops = bounds_->min_between(from, to);
   if (travels_ == nullptr) return stops;
-  const StopBound<Real> own = travels_->least(from, to);
+  const StopBound<Real> own = travels_->min_between(from, to);
   return {std::min(stops.rate_change, own.rate_change), std::min(stops.rate_jerk, own.rate_jerk),
           std::min(stops.release_jerk, own.release_jerk)};
 }
@@ -417,9 +418,10 @@ Result<typename Playhead<Real>::Journey> Playhead<Real>::journey_of(const Exposu
                     .course = Travel<Real>::even(rate, (rise_ticks + open_ticks) * tick_s_ - rise_s, bounds),
                     .opening_tick = static_cast<std::int64_t>(rise_ticks),
                     .closing_tick = static_cast<std::int64_t>(rise_ticks + open_ticks)};
-    const StopBound<Real> least = travel_bound(journey.from, journey.to);
-    if (least.rate_change >= bounds.rate_change && least.release_jerk >= bounds.release_jerk) return journey;
-    bounds = least;
+    const StopBound<Real> on_the_way = travel_bound(journey.from, journey.to);
+    if (on_the_way.rate_change >= bounds.rate_change && on_the_way.release_jerk >= bounds.release_jerk)
+      return journey;
+    bounds = on_the_way;
   }
   return Error{.code = ErrorCode::not_converged,
                .what = "no run-up to an exposure was found",
@@ -453,7 +455,8 @@ Status Playhead<Real>::expose(const Exposure<Real>& exposure) {
 
 // --- after a target
 
-/// Slower the nearer it is, so that it can be followed: from the override rate it takes as long as a stop.
+/// The rate falls as the target comes near, so that the playhead can follow: from the override rate it takes
+/// as long as a stop.
 template <Precise Real>
 Real Playhead<Real>::scrub_rate() const {
   const Real way = seconds_between(time_, scrub_target_);

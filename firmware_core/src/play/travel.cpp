@@ -7,13 +7,13 @@
 
 namespace inbetween {
 
-/// With bends of t seconds and a straight stretch it takes rate / change + change / jerk seconds, or, if the
-/// rate is reached before the bend ends, 2 sqrt(rate / jerk).
+/// The rise takes rate / change + change / jerk seconds if r' reaches `change`, otherwise 2 sqrt(rate /
+/// jerk).
 template <Precise Real>
 Real Travel<Real>::rise_to(Real rate, const StopBound<Real>& bounds) {
-  const Real bend_s = bounds.rate_change / bounds.release_jerk;
-  if (rate <= bounds.rate_change * bend_s) return 2 * std::sqrt(rate / bounds.release_jerk);
-  return rate / bounds.rate_change + bend_s;
+  const Real jerk_s = bounds.rate_change / bounds.release_jerk;
+  if (rate <= bounds.rate_change * jerk_s) return 2 * std::sqrt(rate / bounds.release_jerk);
+  return rate / bounds.rate_change + jerk_s;
 }
 
 template <Precise Real>
@@ -22,7 +22,7 @@ Travel<Real> Travel<Real>::even(Real rate, Real even_s, const StopBound<Real>& b
   travel.jerk_ = bounds.release_jerk;
   travel.rate_ = rate;
   travel.rise_s_ = rise_to(rate, bounds);
-  travel.bend_s_ = std::min(bounds.rate_change / bounds.release_jerk, travel.rise_s_ / 2);
+  travel.jerk_s_ = std::min(bounds.rate_change / bounds.release_jerk, travel.rise_s_ / 2);
   travel.even_s_ = even_s;
   return travel;
 }
@@ -31,14 +31,14 @@ template <Precise Real>
 Travel<Real> Travel<Real>::shortest(Real way_s, Real top_rate, const StopBound<Real>& bounds) {
   const Real change = bounds.rate_change;
   const Real jerk = bounds.release_jerk;
-  const Real bend_s = change / jerk;
+  const Real jerk_s = change / jerk;
   Real rate = top_rate;
   if (rate * rise_to(rate, bounds) > way_s) {
     const Real t = cube_root(way_s / (2 * jerk));
     rate = jerk * t * t;
-    if (rate > change * bend_s) {
-      const Real root = std::sqrt(bend_s * bend_s + 4 * way_s / change);
-      rate = change / 2 * (root - bend_s);
+    if (rate > change * jerk_s) {
+      const Real root = std::sqrt(jerk_s * jerk_s + 4 * way_s / change);
+      rate = change / 2 * (root - jerk_s);
     }
   }
   Travel travel = even(rate, 0, bounds);
@@ -57,11 +57,11 @@ TravelState<Real> Travel<Real>::at(Real seconds) const {
   return state;
 }
 
-/// So long after rest, while the rate rises.
+/// The state at so many seconds after rest, while the rate rises.
 template <Precise Real>
 TravelState<Real> Travel<Real>::rise_at(Real seconds) const {
   const Real j = jerk_;
-  const Real b = bend_s_;
+  const Real b = jerk_s_;
   const Real t = seconds;
   if (t <= b) return {j * t * t * t / 6, false, j * t * t / 2, j * t};
   const Real left = rise_s_ - t;

@@ -5,12 +5,15 @@
 #include <cmath>
 #include <limits>
 
+#include "base/quintic.hpp"
+#include "inbetween/base/bisection.hpp"
+
 namespace inbetween {
 namespace {
 
-/// A tick of a second is halved to less than a nanosecond by 30.
+/// 30 halvings cut a tick of a second to less than a nanosecond.
 constexpr int halvings = 40;
-/// An end that is reached with the tick, but for rounding.
+/// A playhead reaches an end together with the tick if the rest is below this share, which is rounding.
 constexpr double share_rounding = 1e-3;
 
 Error wrong_pulse(std::size_t pulse, const char* what, const char* remedy) {
@@ -26,33 +29,28 @@ std::uint64_t bit_of(std::int32_t line) {
 
 }  // namespace
 
-/// The share 0..1 of the tick is the variable. Forward on the unfolded way is positive.
+/// The variable is the share 0..1 of the tick. Forward on the unfolded way is positive.
 template <Precise Real>
 struct CueTimer<Real>::Way {
   Real frames = 0;      ///< of the whole tick
-  Real c1 = 0, c2 = 0;  ///< frames(u) = c1 u + c2 u^2 + ...
-  Real c3 = 0, c4 = 0, c5 = 0;
-  bool is_cut = false;  ///< it came to an end: c1 and c2 alone, until there
+  Quintic<Real> c{};    ///< frames(u) = c[1] u + c[2] u^2 + ...
+  bool is_cut = false;  ///< the playhead comes to an end: only c[1] and c[2] count, until there
   std::int64_t start_ns = 0;
   std::int64_t tick_ns = 0;
 
-  [[nodiscard]] Real at(Real u) const { return u * (c1 + u * (c2 + u * (c3 + u * (c4 + u * c5)))); }
-  /// The share at which c1 and c2 alone have come so far, above 1 if they do not within the tick.
+  /// The share at which c[1] and c[2] alone have come so far, above 1 if they do not within the tick.
   [[nodiscard]] Real cut_share(Real way) const {
-    const Real under_root = c1 * c1 + 4 * c2 * way;
-    if (!(c1 > 0) || under_root < 0) return 2;
-    return 2 * way / (c1 + std::sqrt(under_root));
+    const Real under_root = c[1] * c[1] + 4 * c[2] * way;
+    if (!(c[1] > 0) || under_root < 0) return 2;
+    return 2 * way / (c[1] + std::sqrt(under_root));
   }
   /// 0 <= way <= frames.
   [[nodiscard]] std::int64_t time_ns(Real way) const {
     Real share = cut_share(way);
     if (!is_cut) {
-      Real before = 0;
-      share = 1;
-      if (way <= 0) share = 0;
-      for (int i = 0; i < halvings && way < frames; ++i) {
-        const Real middle = (before + share) / 2;
-        (at(middle) < way ? before : share) = middle;
+      share = way <= 0 ? Real{0} : Real{1};
+      if (way > 0 && way < frames) {
+        share = bisected<Real>({0, 1}, halvings, [&](Real u) { return value_at(c, u) < way; }).high;
       }
     }
     const auto length = static_cast<Real>(tick_ns);
@@ -60,7 +58,7 @@ struct CueTimer<Real>::Way {
   }
 };
 
-/// Between two turns, or within one tick.
+/// The way between two turns, or within one tick.
 template <Precise Real>
 struct CueTimer<Real>::Leg {
   FrameTime<Real> from, to;
@@ -74,7 +72,7 @@ struct CueTimer<Real>::Output {
   CueCount count;
   std::int64_t start_ns = 0;
   std::int64_t end_ns = 0;
-  std::int64_t latest_ns = 0;  ///< of what was put out
+  std::int64_t latest_ns = 0;  ///< time of the latest instant put out
 
   /// Changes at one time are one instant. A line that goes off and on in it stays on.
   void put(std::int64_t at_ns, std::uint64_t line, bool on) {
@@ -168,7 +166,7 @@ void CueTimer<Real>::go_through(const CueTick<Real>& tick, Output& out) {
   const FrameTime<Real> from = tick.from.time;
   const FrameTime<Real> to = tick.to.time;
   const bool turns = tick.repeated == Repeat::ping_pong;
-  // In which direction it set out: after a turn it goes the other way.
+  // The direction at the start of the tick; after a turn it is the other one.
   bool is_forward = from < to;
   if (tick.repeated != Repeat::none) is_forward = (tick.to.rate > 0) != turns;
   const FrameTime<Real> end = is_forward ? last_ : first_;
@@ -187,17 +185,9 @@ void CueTimer<Real>::go_through(const CueTick<Real>& tick, Output& out) {
   const Real end_rate = sign_after * tick.to.rate * fps_ * tick_s;
   const Real begin_change = sign * tick.from.rate_change * fps_ * tick_s * tick_s;
   const Real end_change = sign_after * tick.to.rate_change * fps_ * tick_s * tick_s;
-  way.c1 = begin_rate;
-  way.c2 = begin_change / 2;
+  way.c = joining<Real>({0, begin_rate, begin_change}, {way.frames, end_rate, end_change});
   const bool rests_at_end = tick.repeated == Repeat::none && to == end && end_rate == 0 && end_change == 0;
   way.is_cut = rests_at_end && way.cut_share(way.frames) <= 1 + Real(share_rounding);
-  // What is missing of place, rate and rate change at the end of the tick.
-  const Real place = way.frames - way.c1 - way.c2;
-  const Real rate = end_rate - way.c1 - 2 * way.c2;
-  const Real change = end_change - 2 * way.c2;
-  way.c3 = 10 * place - 4 * rate + change / 2;
-  way.c4 = -15 * place + 7 * rate - change;
-  way.c5 = 6 * place - 3 * rate + change / 2;
   if (tick.repeated == Repeat::none) {
     go({from, to, 0, is_forward}, way, out);
     return;
@@ -220,11 +210,11 @@ void CueTimer<Real>::go(const Leg& leg, const Way& way, Output& out) {
     begin(due.first, std::max(at_ns, out.latest_ns), out);
   }
   next_ = std::max(next_, due.last);
-  // Not more than one range for each side of an end of the time line.
+  // Each side of an end of the time line has at most one range.
   if (due.first < due.last) static_cast<void>(due_.push_back(due));
 }
 
-/// What was passed exactly at the end of the tick before.
+/// Begins the pulses that were passed exactly at the end of the tick before.
 template <Precise Real>
 void CueTimer<Real>::begin_due(Output& out) {
   for (const Range& range : due_) {

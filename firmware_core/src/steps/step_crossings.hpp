@@ -6,10 +6,12 @@
 #include <cstdint>
 #include <limits>
 
+#include "base/quintic.hpp"
+#include "inbetween/base/bisection.hpp"
 #include "inbetween/base/fixed_vector.hpp"
 #include "inbetween/base/precision.hpp"
 
-/// Where the motion of a tick crosses the half steps.
+/// Finds where the motion of a tick crosses the half steps.
 
 namespace inbetween {
 
@@ -66,20 +68,13 @@ class StepCrossings {
 
  private:
   static constexpr std::size_t degree = 5;
-  /// Coefficients of u^0, u^1, ...
-  using Polynomial = std::array<Real, degree + 1>;
-  struct Bracket {
-    Real low, high;
-  };
-  /// From the end of the last piece, or 0, the motion does not turn until `end`.
+  using Polynomial = Quintic<Real>;
+  /// A piece on which the motion does not turn: from the end of the piece before, or 0, to `end`.
   struct Piece {
     Real end = 0;
     std::int32_t end_count = 0;
   };
 
-  static Real value(const Polynomial& p, Real u) {
-    return ((((p[5] * u + p[4]) * u + p[3]) * u + p[2]) * u + p[1]) * u + p[0];
-  }
   static Real slope(const Polynomial& p, Real u) {
     return (((5 * p[5] * u + 4 * p[4]) * u + 3 * p[3]) * u + 2 * p[2]) * u + p[1];
   }
@@ -87,16 +82,17 @@ class StepCrossings {
     return {p[1], 2 * p[2], 3 * p[3], 4 * p[4], 5 * p[5], 0};
   }
 
-  /// Where p - level becomes positive, or negative if not `up`, by Newton's method inside a bracket in which
-  /// p is monotone. A step that leaves the bracket or does not halve the last but one is a bisection, so 2
-  /// log2(1 / tolerance) turns suffice. Rounding may have moved the zero out of the bracket: then it is its
-  /// nearer end.
-  static Real zero(const Polynomial& p, Real level, bool up, Bracket bracket, Real tolerance, Real first) {
+  /// Finds where p - level becomes positive, or negative if not `up`, by Newton's method inside a bracket in
+  /// which p is monotone. A step that leaves the bracket or does not halve the last but one is a bisection,
+  /// so 2 log2(1 / tolerance) turns suffice. If rounding has moved the zero out of the bracket, the result is
+  /// the nearer end of the bracket.
+  static Real zero(const Polynomial& p, Real level, bool up, Bracket<Real> bracket, Real tolerance,
+                   Real first) {
     Real u = first;
     Real last_step = bracket.high - bracket.low;
     Real step_before = last_step;
     for (int turn = 0; turn < 2 * std::numeric_limits<Real>::digits; ++turn) {
-      const Real over = value(p, u) - level;
+      const Real over = value_at(p, u) - level;
       if (over == 0) return u;
       ((over > 0) == up ? bracket.high : bracket.low) = u;
       const Real tangent = slope(p, u);
@@ -111,12 +107,12 @@ class StepCrossings {
     }
     return u;
   }
-  [[nodiscard]] Real crossing(Real level, bool up, const Bracket& bracket, Real tolerance) const {
-    const auto is_past = [&](Real u) { return up ? value(x_, u) >= level : value(x_, u) <= level; };
+  [[nodiscard]] Real crossing(Real level, bool up, const Bracket<Real>& bracket, Real tolerance) const {
+    const auto is_past = [&](Real u) { return up ? value_at(x_, u) >= level : value_at(x_, u) <= level; };
     if (!is_past(bracket.high)) return bracket.high;
     if (is_past(bracket.low)) return bracket.low;
     const Real tangent = slope(x_, bracket.low);
-    Real first = tangent != 0 ? bracket.low + (level - value(x_, bracket.low)) / tangent : bracket.low;
+    Real first = tangent != 0 ? bracket.low + (level - value_at(x_, bracket.low)) / tangent : bracket.low;
     if (!(first > bracket.low && first < bracket.high))
       first = bracket.low + (bracket.high - bracket.low) / 2;
     return zero(x_, level, up, bracket, tolerance, first);
@@ -126,18 +122,18 @@ class StepCrossings {
   using Zeros = FixedVector<Real, degree>;
   static Zeros zeros_between(const Polynomial& p, const Zeros& turns) {
     Zeros zeros;
-    Bracket bracket{0, 0};
+    Bracket<Real> bracket{0, 0};
     for (std::size_t i = 0; i <= turns.size(); ++i) {
       bracket = {bracket.high, i < turns.size() ? turns[i] : Real(1)};
-      const bool from_below = value(p, bracket.low) < 0;
-      if (from_below == (value(p, bracket.high) < 0)) continue;
+      const bool from_below = value_at(p, bracket.low) < 0;
+      if (from_below == (value_at(p, bracket.high) < 0)) continue;
       const Real middle = bracket.low + (bracket.high - bracket.low) / 2;
       static_cast<void>(
           zeros.push_back(zero(p, 0, from_below, bracket, 2 * std::numeric_limits<Real>::epsilon(), middle)));
     }
     return zeros;
   }
-  /// Where the motion turns: the zeros of the derivatives, from the fourth down to the first.
+  /// Finds where the motion turns: the zeros of the derivatives, from the fourth down to the first.
   [[nodiscard]] Zeros turns() const {
     std::array<Polynomial, degree - 1> derivatives;
     derivatives[0] = derivative(x_);
@@ -162,25 +158,21 @@ template <Precise Real>
 StepCrossings<Real>::StepCrossings(const StepMotion<Real>& start, const StepMotion<Real>& end,
                                    std::int32_t end_count) {
   const Real way = end.x - start.x;
-  // Bernstein's coefficients of the speed: it lies between the least and the greatest of them. Their mean is
-  // the way.
+  // The speed lies between the lowest and the highest of its Bernstein coefficients. Their mean is the way.
   const std::array<Real, 4> outer{start.v, start.v + start.a / 4, end.v - end.a / 4, end.v};
   const Real middle = 5 * way - ((outer[0] + outer[1]) + (outer[2] + outer[3]));
-  const auto [least, greatest] = std::minmax_element(outer.begin(), outer.end());
-  const Real low = std::min(*least, middle);
-  const Real high = std::max(*greatest, middle);
-  const Real most = Real(1 << 24);
-  if (!(low > -most && high < most)) {
+  const auto [lowest, highest] = std::minmax_element(outer.begin(), outer.end());
+  const Real low = std::min(*lowest, middle);
+  const Real high = std::max(*highest, middle);
+  const Real max_speed = Real(1 << 24);
+  if (!(low > -max_speed && high < max_speed)) {
     count_ = -1;
     return;
   }
-  const Real d = way - start.v - start.a / 2;
-  const Real e = end.v - start.v - start.a;
-  const Real f = end.a - start.a;
-  x_ = {start.x, start.v, start.a / 2, 10 * d - 4 * e + f / 2, -15 * d + 7 * e - f, 6 * d - 3 * e + f / 2};
+  x_ = joining<Real>({start.x, start.v, start.a}, {end.x, end.v, end.a});
   if (low < 0 && high > 0) {
     for (const Real turn : turns()) {
-      const Real x = value(x_, turn);
+      const Real x = value_at(x_, turn);
       const Real below = std::floor(x);
       add_piece(turn, static_cast<std::int32_t>(below) + (x - below >= Real(0.5) ? 1 : 0));
     }

@@ -15,7 +15,8 @@ namespace {
 
 constexpr std::int64_t second_ns = 1'000'000'000;
 constexpr std::int64_t max_steps_per_tick = std::int64_t{1} << 20;
-/// More turns than a quintic has, with that of what waits from before and that towards the next tick.
+/// More turns than a quintic has, together with the turn of a step that waits from before and the turn
+/// towards the next tick.
 constexpr std::size_t max_dir_edges = 8;
 
 /// Whole numbers beyond this are as good as any.
@@ -85,7 +86,7 @@ Status check_position(Real position, Real steps_per_unit) {
   return Done{};
 }
 
-/// Where the motion leaves a tick to: 1, -1, or 0 at rest.
+/// The direction in which the motion leaves a tick: 1, -1, or 0 at rest.
 template <Precise Real>
 int heading(const Setpoint<Real>& at, Real steps_per_unit) {
   const Real towards = at.velocity != 0 ? at.velocity : at.acceleration;

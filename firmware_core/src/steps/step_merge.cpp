@@ -11,7 +11,7 @@ namespace inbetween {
 namespace {
 
 constexpr std::int64_t never_ns = std::numeric_limits<std::int64_t>::max();
-/// Two steps and a turn between them: more room than a grain asks for is found within.
+/// Two steps and a turn between them: within these edges there is more room than a grain asks for.
 constexpr std::size_t edges_ahead = 8;
 
 bool is_rise(const StepEdge& edge) {
@@ -21,7 +21,7 @@ bool is_fall(const StepEdge& edge) {
   return edge.line == StepLine::step && !edge.level;
 }
 
-/// What the timing asks for between two edges, of which the second comes later.
+/// The time that the timing asks for between an edge and a later one.
 std::int64_t min_gap_ns(const StepTiming& timing, const StepEdge& first, const StepEdge& second) {
   if (first.line == StepLine::dir) return timing.dir_setup_ns;
   if (is_rise(first)) return timing.pulse_ns;
@@ -37,7 +37,7 @@ class EdgeCursor {
     look();
   }
 
-  /// When its next edge may be, at the earliest and at the latest; never_ns: there is none.
+  /// The earliest and the latest time of its next edge; never_ns: it has no next edge.
   [[nodiscard]] std::int64_t earliest_ns() const { return earliest_ns_; }
   [[nodiscard]] std::int64_t latest_ns() const { return latest_ns_; }
 
@@ -73,10 +73,10 @@ class EdgeCursor {
     latest_ns_ = edge.at_ns + room_ns();
   }
 
-  /// How far the next edge can be delayed so that those behind it, delayed as little as need be, are at most
-  /// a grain late, and the last edge and the last fall are not. From the back: the one `edges_ahead` away is
-  /// taken as immovable. What follows a fall is not only the next edge but also, behind a change of DIR, the
-  /// next rise.
+  /// The longest delay of the next edge after which the edges behind it, delayed as little as possible, are
+  /// at most a grain late, and the last edge and the last fall are not late. It is computed from the back;
+  /// the edge `edges_ahead` away counts as immovable. A fall is followed by the next edge and also, behind a
+  /// change of DIR, by the next rise.
   [[nodiscard]] std::int64_t room_ns() const {
     const std::size_t last = std::min(edges_.size() - 1, next_ + edges_ahead);
     std::int64_t room = 0;
@@ -181,7 +181,8 @@ Result<std::size_t> StepMerge::merge(std::int64_t start_ns, std::span<const std:
   for (;;) {
     std::int64_t at_ns = std::ranges::min_element(cursors, is_earlier)->earliest_ns();
     if (at_ns == never_ns) return size;
-    // Whoever can wait for the others does: all that begin before the first of them must go.
+    // An edge that can wait for others waits. All edges that may come before the first of them must go are
+    // taken together.
     std::int64_t latest_ns = never_ns;
     std::int64_t first_ns = at_ns;
     for (;;) {

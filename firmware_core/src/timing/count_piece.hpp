@@ -109,10 +109,10 @@ Cubic<double> cut_cubic(const Cubic<Source>& source, const Stretch& stretch, dou
 /// Splits off the integer base. False if a position does not fit; the Bezier ordinates enclose them all.
 template <Precise Real>
 bool set_base(const Cubic<double>& c, CountCubic<Real>& result) {
-  const auto [least, largest] = std::minmax({0.0, c.c1 / 3, (2 * c.c1 + c.c2) / 3, c.c1 + c.c2 + c.c3});
-  const bool offset_fits = std::max(-least, largest) + 1 <= largest_offset<Real>;
+  const auto [smallest, largest] = std::minmax({0.0, c.c1 / 3, (2 * c.c1 + c.c2) / 3, c.c1 + c.c2 + c.c3});
+  const bool offset_fits = std::max(-smallest, largest) + 1 <= largest_offset<Real>;
   // A NaN, which coordinates near the largest number can make, fits nowhere.
-  if (!offset_fits || !(c.c0 + least - 1 >= std::numeric_limits<std::int32_t>::min()) ||
+  if (!offset_fits || !(c.c0 + smallest - 1 >= std::numeric_limits<std::int32_t>::min()) ||
       !(c.c0 + largest + 1 <= std::numeric_limits<std::int32_t>::max())) {
     return false;
   }

@@ -11,43 +11,11 @@
 namespace inbetween {
 namespace {
 
-/// The exact curve on twice as many spans, natural ends kept (Lane and Riesenfeld 1980). In place.
-template <Precise Real>
-void refine(std::span<Real> values, std::int32_t f) {
-  const auto v = [&](std::int32_t i) -> Real& { return values[static_cast<std::size_t>(i)]; };
-  // From the right: 2 i and 2 i + 1 stand at or behind i, and the coarse values left of i are still there.
-  Real right = v(f);  // coarse value i + 1
-  Real here = v(f);   // coarse value i
-  for (std::int32_t i = f; i >= 0; --i) {
-    const Real left = i > 0 ? v(i - 1) : here;
-    v(2 * i) = i == 0 || i == f ? here : (left + 6 * here + right) / 8;
-    if (i < f) v(2 * i + 1) = (here + right) / 2;
-    right = here;
-    here = left;
-  }
-}
-
 /// Rises from 0 to 1 with two derivatives 0 at both ends.
 template <Precise Real>
 Real smooth_step(Real x) {
   const Real u = std::clamp(x, Real(0), Real(1));
   return u * u * u * (10 - u * (15 - 6 * u));
-}
-
-/// Whether the curve stands still at a value: two zeros at an end of it, three elsewhere.
-template <Precise Real>
-bool is_rest(std::span<const Real> values, std::size_t index) {
-  const auto zeros = [&](std::size_t first, std::size_t last) {
-    const auto part = values.subspan(first, last - first + 1);
-    return std::ranges::all_of(part, [](Real value) { return value == 0; });
-  };
-  const std::size_t f = values.size() - 1;
-  if (index <= 1 && zeros(0, 1)) return true;
-  if (index + 1 >= f && zeros(f - 1, f)) return true;
-  for (std::size_t middle = std::max<std::size_t>(index, 2) - 1; middle <= index + 1; ++middle) {
-    if (middle + 1 <= f && zeros(middle - 1, middle + 1)) return true;
-  }
-  return false;
 }
 
 template <Precise Real>
@@ -69,7 +37,7 @@ class Adjustment {
       if (refinements == 0) {
         std::ranges::copy(spec_.control_values, memory_.drawn.begin());
       } else {
-        refine(memory_.drawn, f / 2);
+        refine_control_values(memory_.drawn, static_cast<std::size_t>(f) / 2);
       }
       if (spec_.key_distances.back() <= 0) return as_drawn();
       if (!is_fine_enough(f)) continue;
@@ -190,7 +158,8 @@ class Adjustment {
 
   void restore_drawn(std::int32_t refinements) {
     std::ranges::copy(spec_.control_values, memory_.drawn.begin());
-    for (std::int32_t i = 0; i < refinements; ++i) refine(memory_.drawn, drawn_f_ << i);
+    for (std::int32_t i = 0; i < refinements; ++i)
+      refine_control_values(memory_.drawn, static_cast<std::size_t>(drawn_f_) << i);
   }
 
   [[nodiscard]] KeyTiming<Real> timing(std::int32_t f, std::int32_t refinements) {

@@ -44,16 +44,13 @@ Result<SpeedProfile<Real>> SpeedProfile<Real>::make(std::span<const Real> contro
                  .remedy = "give it a larger capacity",
                  .needed = static_cast<std::int64_t>(f) + 1};
   }
-  const auto v = [&](std::size_t i) { return control_values[i < control_values.size() ? i : 0]; };
-  const auto knot = [&](std::size_t i) {  // phi at a = i; the natural ends give the value itself
-    return i == 0 || i == f ? v(i) : (v(i - 1) + 4 * v(i) + v(i + 1)) / 6;
-  };
-
+  const std::array<Real, 2> constant{control_values.front(), control_values.front()};
+  if (control_values.size() == 1) control_values = constant;
   TwoSum<Real> integral;
   memory.integrals[0] = integral;
   for (std::size_t i = 0; i < f; ++i) {
     SpeedSpan<Real>& span = memory.spans[i];
-    span = {knot(i), (2 * v(i) + v(i + 1)) / 3, (v(i) + 2 * v(i + 1)) / 3, knot(i + 1)};
+    span = speed_span(control_values, i);
     integral.add(span.integral());
     integral.renormalize();
     memory.integrals[i + 1] = integral;

@@ -20,20 +20,20 @@ void print_bounds(const PlayedMove<Real>& played) {
     for (const Real bound : {cell.rate_change, cell.rate_jerk, cell.release_jerk}) cells.add(bound);
   }
   print_hash("cells", cells.value());
-  Fnv1a most;
+  Fnv1a longest;
   for (const LongestStop<Real>& stop :
        {played.bounds().longest_in_time(), played.bounds().longest_in_frames()}) {
-    for (const Real number : {stop.length.seconds, stop.length.frames, stop.from_frame}) most.add(number);
-    most.add(static_cast<std::int32_t>(stop.forward));
+    for (const Real number : {stop.length.seconds, stop.length.frames, stop.from_frame}) longest.add(number);
+    longest.add(static_cast<std::int32_t>(stop.forward));
   }
   for (const AxisPeaks<Real>& axis : played.stop_peaks()) {
     for (const Peak<Real>& peak : {axis.velocity, axis.acceleration, axis.jerk}) {
-      most.add(peak.value);
-      most.add(peak.frame);
+      longest.add(peak.value);
+      longest.add(peak.frame);
     }
   }
-  most.add(highest_rate<Real>(played.played(), played.limits()));
-  print_hash("longest", most.value());
+  longest.add(highest_rate<Real>(played.played(), played.limits()));
+  print_hash("longest", longest.value());
 }
 
 /// What somebody does with a move, and where that brings it on every tick.

@@ -13,9 +13,9 @@
 namespace inbetween {
 namespace {
 
-void require_numbers(const std::vector<double>& numbers, double least, double most) {
+void require_numbers(const std::vector<double>& numbers, double min, double max) {
   for (const double number : numbers) {
-    fuzz_require(std::isfinite(number) && number >= least && number <= most, "a number is in its range");
+    fuzz_require(std::isfinite(number) && number >= min && number <= max, "a number is in its range");
   }
 }
 

@@ -19,10 +19,10 @@ void require_positive(const std::optional<double>& limit) {
 }
 
 /// A scale and the positions that it takes the ends of the axis to.
-void require_scale(const RigAxis& axis, double scale, double most) {
+void require_scale(const RigAxis& axis, double scale, double max_count) {
   fuzz_require(std::isfinite(scale) && scale != 0, "a scale is a number that is not 0");
-  fuzz_require(std::fabs(std::round(axis.min * scale)) <= most, "a drive can count to min");
-  fuzz_require(std::fabs(std::round(axis.max * scale)) <= most, "a drive can count to max");
+  fuzz_require(std::fabs(std::round(axis.min * scale)) <= max_count, "a drive can count to min");
+  fuzz_require(std::fabs(std::round(axis.max * scale)) <= max_count, "a drive can count to max");
 }
 
 void require_step_times(const RigAxis& axis, const StepDirDrive& drive) {

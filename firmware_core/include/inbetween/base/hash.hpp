@@ -10,7 +10,7 @@
 namespace inbetween {
 
 /// FNV-1a, 64 bits (Fowler, Noll and Vo), over the bits of numbers, lowest byte first on every target. It
-/// tells whether two tables are the same; it is no protection against somebody who wants them to seem so.
+/// tells whether two tables are the same. It does not protect against somebody who forges a table.
 class Fnv1a {
  public:
   constexpr void add(std::uint64_t bits, int bytes) {
@@ -28,8 +28,9 @@ class Fnv1a {
   std::uint64_t state_ = 0xCBF29CE484222325U;
 };
 
-/// Of every (segment, t) of a table. Equal on x86-64, arm64 and Cortex-M7 for the same move in double: the
-/// core uses only operations that IEEE 754 rounds exactly, and no compiler may fuse them (-ffp-contract=off).
+/// The hash of every (segment, t) of a table. It is equal on x86-64, arm64 and Cortex-M7 for the same move in
+/// double: the core uses only operations that IEEE 754 rounds exactly, and no compiler may fuse them
+/// (-ffp-contract=off).
 template <Precise Real>
 constexpr std::uint64_t hash_of(std::span<const PathPoint<Real>> points) {
   Fnv1a hash;

@@ -5,9 +5,9 @@
 
 namespace inbetween {
 
-/// Precision is one template parameter of the whole core, named Real. Every class is compiled once
-/// for double (Linux, Cortex-M7) and once for float (Cortex-M4F, whose hardware knows nothing wider)
-/// from the same source. What differs between the two stands here and nowhere else.
+/// Precision is one template parameter of the whole core, named Real. Every class is compiled once for double
+/// (Linux, Cortex-M7) and once for float (Cortex-M4F, whose hardware knows nothing wider) from the same
+/// source. All differences between the two stand here.
 template <class Real>
 struct Precision;
 
@@ -84,8 +84,8 @@ constexpr TwoSum<Real> two_product(Real a, Real b) {
   return {high, ((a_high * b_high - high) + a_high * b_low + a_low * b_high) + a_low * b_low};
 }
 
-/// (segment, t) on a path: s = segment + t. Two numbers, because s = 99.x in one number loses the
-/// digits that t has. The end of an open path of n segments is {n, 0}.
+/// (segment, t) on a path: s = segment + t. Two numbers, because s = 99.x in one number loses the digits of
+/// t. The end of an open path of n segments is {n, 0}.
 template <Precise Real>
 struct PathPoint {
   int segment = 0;

@@ -21,8 +21,8 @@ enum class ErrorCode : std::uint8_t {
   singular,       ///< the path stands still at a point where the method must divide by its speed
 };
 
-/// What went wrong and where. Plain data: the texts are string literals, nothing is owned.
-/// A place that does not apply is -1.
+/// The mistake and its place. An error is plain data: the texts are string literals, and it owns nothing. A
+/// place without meaning is -1.
 struct Error {
   ErrorCode code{};
   const char* what = "";    ///< one clause, no full stop: "a control value is negative"

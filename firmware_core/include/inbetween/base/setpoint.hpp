@@ -2,12 +2,12 @@
 
 #include "inbetween/base/precision.hpp"
 
-/// What an axis is to do at a tick.
+/// The command to an axis at a tick.
 
 namespace inbetween {
 
-/// Where an axis shall be, and how it moves there: in axis units, per second, per second squared. Between
-/// two ticks it moves as the polynomial of lowest degree that joins both.
+/// The commanded position of an axis with its velocity and acceleration, in axis units and seconds. Between
+/// two ticks the axis moves on the polynomial of lowest degree that joins both setpoints.
 template <Precise Real>
 struct Setpoint {
   Real position = 0;

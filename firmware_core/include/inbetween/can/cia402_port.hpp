@@ -255,8 +255,8 @@ class Cia402Port {
     for (std::size_t i = 0; i < axes_.size(); ++i) {
       const Real counts = std::floor(setpoints[i].position * axes_[i].counts_per_unit + Real(0.5)) +
                           static_cast<Real>(axes_[i].zero_counts);
-      constexpr auto most = static_cast<Real>(std::numeric_limits<std::int32_t>::max() - 128);
-      if (!(std::fabs(counts) <= most)) {
+      constexpr auto max_counts = static_cast<Real>(std::numeric_limits<std::int32_t>::max() - 128);
+      if (!(std::fabs(counts) <= max_counts)) {
         is_out_of_range_ = true;
         return false;
       }

@@ -18,8 +18,8 @@ namespace inbetween::can {
 
 /// The range of positions that a drive itself shall keep, in counts (object 607D).
 struct CountRange {
-  std::int32_t least = 0;
-  std::int32_t most = 0;
+  std::int32_t min = 0;
+  std::int32_t max = 0;
 };
 
 /// What a drive is told before it is switched on. What is left empty stays as it is in the drive.

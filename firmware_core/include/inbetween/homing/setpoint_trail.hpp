@@ -8,7 +8,7 @@
 #include "inbetween/base/precision.hpp"
 #include "inbetween/base/setpoint.hpp"
 
-/// Where an axis was at a moment that is told afterwards.
+/// Tells where an axis was at a moment in the past.
 
 namespace inbetween {
 
@@ -16,14 +16,14 @@ namespace inbetween {
 template <Precise Real>
 class SetpointTrail {
  public:
-  /// Some ticks: an edge is told on the first or second tick after it.
+  /// A few ticks suffice: an edge is reported on the first or second tick after it.
   static constexpr std::size_t capacity = 16;
 
   void clear() { count_ = 0; }
-  /// `at_ns` is later than that of the setpoint before; the oldest is forgotten.
+  /// Adds a setpoint; `at_ns` is later than that of the setpoint before. A full trail drops the oldest.
   void push(std::int64_t at_ns, const Setpoint<Real>& setpoint);
-  /// The commanded position, on the polynomial of lowest degree between the two setpoints around it. None
-  /// outside of the trail. O(capacity).
+  /// The commanded position, on the polynomial of lowest degree that joins the two setpoints around it. None
+  /// outside the trail. O(capacity).
   [[nodiscard]] std::optional<Real> position_at(std::int64_t at_ns) const;
 
  private:

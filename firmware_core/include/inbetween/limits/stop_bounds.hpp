@@ -23,11 +23,11 @@
 
 namespace inbetween {
 
-/// Nothing stops quicker, whatever its axes could bear, than in so many ticks, a bend of the rate in so many:
-/// in less a playhead that advances tick by tick could not follow the bounds. At 250 Hz a stop takes 96 ms at
-/// least.
+/// Nothing stops quicker, whatever its axes could bear, than in so many ticks, and no jerk phase of the rate
+/// is shorter than so many: in less a playhead that advances tick by tick could not follow the bounds. At 250
+/// Hz a stop takes 96 ms at least.
 inline constexpr int min_stop_ticks = 16;
-inline constexpr int min_bend_ticks = 8;
+inline constexpr int min_jerk_ticks = 8;
 
 /// One cell of the time line. `rate_change` and `release_jerk` are those of its beginning, linear from there
 /// to the next.
@@ -102,7 +102,7 @@ struct StopRequest {
 
   /// The caps of |a| and |j|, where the axes could bear more.
   [[nodiscard]] Real max_rate_change() const { return rate / (min_stop_ticks * tick_seconds); }
-  [[nodiscard]] Real max_rate_jerk() const { return max_rate_change() / (min_bend_ticks * tick_seconds); }
+  [[nodiscard]] Real max_rate_jerk() const { return max_rate_change() / (min_jerk_ticks * tick_seconds); }
 };
 
 /// Bounds R1, R2 and Q as functions of u such that for |r| <= rate, |a| <= R1(u), |j| <= R2(u) every axis
@@ -149,8 +149,8 @@ class StopBounds {
   [[nodiscard]] Real rate() const { return rate_; }
   /// O(1).
   [[nodiscard]] StopBound<Real> at(const FrameTime<Real>& time) const;
-  /// The least of each bound between two places, `from` not after `to`. O(cells between them).
-  [[nodiscard]] StopBound<Real> least(const FrameTime<Real>& from, const FrameTime<Real>& to) const;
+  /// The smallest value of each bound between two places, `from` not after `to`. O(cells between them).
+  [[nodiscard]] StopBound<Real> min_between(const FrameTime<Real>& from, const FrameTime<Real>& to) const;
   [[nodiscard]] Real rate_change(const FrameTime<Real>& time) const { return at(time).rate_change; }
   [[nodiscard]] Real rate_jerk(const FrameTime<Real>& time) const { return at(time).rate_jerk; }
   [[nodiscard]] Real release_jerk(const FrameTime<Real>& time) const { return at(time).release_jerk; }

@@ -7,15 +7,15 @@
 #include "inbetween/base/result.hpp"
 #include "inbetween/play/playhead.hpp"
 
-/// A move shot frame by frame (stop motion), or with the rig in motion while each frame is exposed
-/// (go-motion).
+/// Shoots a move frame by frame: the rig rests on each frame (stop motion), or moves while each frame is
+/// exposed (go-motion).
 
 namespace inbetween {
 
 enum class ShootPhase : std::uint8_t {
   idle,        ///< nothing has begun, or it was interrupted
-  travelling,  ///< to the frame, or to where the run-up to its exposure starts
-  settling,    ///< rests, until nothing swings any more
+  travelling,  ///< moves to the frame, or to the start of the run-up to its exposure
+  settling,    ///< rests until the rig has stopped swinging
   standing,    ///< rests on a frame that somebody looks at; a trigger shoots it
   exposing,    ///< the camera has its signal, or the rig runs up to its exposure or out of it
   waiting,     ///< the frame is shot; a trigger goes on to the next
@@ -34,18 +34,18 @@ struct Shutter {
 template <Precise Real>
 struct ShootSpec {
   std::int64_t settle_ticks = 0;
-  std::int64_t exposure_ticks = 1;       ///< of the camera's signal where the rig rests meanwhile; at least 1
+  std::int64_t exposure_ticks = 1;  ///< length of the camera's signal if the rig rests meanwhile; at least 1
   std::optional<Shutter<Real>> shutter;  ///< the rig moves while it is open
   Real exposure_s = 0;                   ///< with a shutter: how long it is open
 };
 
-/// Decides what the playheads of a rig do, frame by frame, and when the camera has its signal. Goes to a
+/// Decides what the playheads of a rig do, frame by frame, and when the camera has its signal. It goes to a
 /// frame, settles, signals the camera, waits for a trigger, and so on over frames 0..N. Nothing moves while
-/// the camera has its signal, unless it is told to.
+/// the camera has its signal, unless a shutter is given.
 ///
-/// With a shutter the axes of `moving` pass each exposure at an even rate (Playhead::expose); those of
-/// `still`, if there are any, rest on the frame meanwhile. Exposures of frames 0 and N may reach beyond the
-/// ends of the time line, where nothing moves.
+/// If there is a shutter, the axes of `moving` pass each exposure at a constant rate (Playhead::expose), and
+/// the axes of `still` rest on the frame meanwhile. Exposures of frames 0 and N may reach beyond the ends of
+/// the time line, where nothing moves.
 ///
 /// Refers to the playheads; the motion loop ticks them. O(1) a tick, no allocation.
 template <Precise Real>
@@ -55,7 +55,7 @@ class FrameShoot {
   FrameShoot(const ShootSpec<Real>& spec, std::int32_t frames, Playhead<Real>& moving, Playhead<Real>* still)
       : spec_(spec), frames_(frames), moving_(&moving), still_(still) {}
 
-  /// Whether every frame can be exposed as it is wanted. Errors: those of Playhead::go_to_run_up, with frame.
+  /// Checks that every frame can be exposed as wanted. Errors: those of Playhead::go_to_run_up, with frame.
   /// O(N times the cells that a run-up passes).
   [[nodiscard]] Status check() const;
   /// Goes to a frame and shoots it. The playheads rest. Errors: out_of_range (no such frame; the camera
@@ -64,20 +64,20 @@ class FrameShoot {
   /// Goes to a frame and stands there. Errors: out_of_range (no such frame; the rig moves or the camera
   /// exposes).
   Status look_at(std::int32_t frame);
-  /// A key or the line of a camera. While the rig runs out of an exposure it is remembered until it rests.
-  /// Errors: out_of_range where nobody waits for it.
+  /// Takes a trigger from a key or from the line of a camera. A trigger during the run-out of an exposure is
+  /// kept until the rig rests. Errors: out_of_range if nothing waits for it.
   Status trigger();
-  /// The rig was stopped: the camera loses its signal, the frame is not shot.
+  /// Tells that the rig was stopped: the camera loses its signal, and the frame is not shot.
   void interrupt();
-  /// After every tick of the motion loop, with what happened to `moving`.
+  /// The caller calls this after every tick of the motion loop, with the event of `moving`.
   void tick(PlayheadEvent event);
 
   /// The camera's signal.
   [[nodiscard]] bool camera() const { return camera_; }
   [[nodiscard]] ShootPhase phase() const { return phase_; }
-  /// The one that it goes to, stands on or shoots.
+  /// The frame that it goes to, stands on or shoots.
   [[nodiscard]] std::int32_t frame() const { return frame_; }
-  /// Frames that were shot, each time that they were.
+  /// The number of exposures; a frame that is shot twice counts twice.
   [[nodiscard]] std::int64_t exposures() const { return exposures_; }
 
  private:
@@ -97,13 +97,13 @@ class FrameShoot {
   bool only_looks_ = false;
   bool camera_ = false;
   bool is_exposed_ = false;  ///< the shutter has closed, and the rig runs out
-  bool goes_on_ = false;     ///< was triggered meanwhile
+  bool goes_on_ = false;     ///< a trigger came meanwhile
   std::int32_t frame_ = 0;
   std::int64_t ticks_left_ = 0;  ///< of settling or of the camera's signal
   std::int64_t exposures_ = 0;
 };
 
-/// In words, for people: "waiting".
+/// The phase in words for people: "waiting".
 const char* name_of(ShootPhase phase);
 
 extern template class FrameShoot<double>;

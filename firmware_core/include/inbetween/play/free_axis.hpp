@@ -9,13 +9,13 @@
 #include "inbetween/base/setpoint.hpp"
 #include "inbetween/play/speed_ramp.hpp"
 
-/// An axis that moves without a drawn move: to set up, to look for its switch, to go to a place.
+/// Moves an axis without a drawn move: to set it up, to look for its switch, to go to a place.
 
 namespace inbetween {
 
-/// What a free axis may do, in axis units and seconds: magnitudes, except for min and max. Where the rig
-/// limits no jerk the caller says how soon the acceleration may be there (jerk = acceleration / seconds):
-/// without any limit a stop would be a step of the force.
+/// The limits of a free axis in axis units and seconds. They are magnitudes, except min and max. If the rig
+/// limits no jerk, the caller chooses the seconds in which the acceleration builds up (jerk = acceleration /
+/// seconds): without any limit a stop would be a step of the force.
 template <Precise Real>
 struct FreeAxisLimits {
   Real velocity = 0;      ///< unit/s
@@ -27,42 +27,42 @@ struct FreeAxisLimits {
 
 /// One axis, moved by velocity or to a position, with bounded velocity, acceleration and jerk.
 ///
-/// Method: every command makes the whole motion until rest at once: the quickest ramp to a speed, that speed
-/// for a while, the quickest ramp to rest (seven phases of even jerk at most). What is driven ends at the
-/// soft limit ahead, so that no tick has to notice it. Ticks evaluate this in closed form from where it
-/// begins or, in the last bend, from where it ends: nothing accumulates, jerk may change anywhere within a
-/// tick, and it rests on its target to the last bit. From rest to rest this is the quickest motion within the
-/// limits. Where there is not the way for the speed, the highest that fits is found by bisection, on the
-/// command, not on the tick.
+/// Method: every command plans the whole motion until rest at once: the quickest ramp to a speed, that speed
+/// for a while, the quickest ramp to rest (at most seven phases of constant jerk). A driven motion ends at
+/// the soft limit ahead, so that no tick has to watch for it. Ticks evaluate the plan in closed form, from
+/// its start or, in the last jerk phase, from its end. Therefore no error accumulates, the jerk may change
+/// anywhere within a tick, and the axis rests on its target to the last bit. From rest to rest this is the
+/// quickest motion within the limits. If the way is too short for the speed, the command (not the tick) finds
+/// the highest speed that fits by bisection.
 ///
-/// From any state on the way the stop rests no further than the motion that it breaks off, so that the soft
-/// limits hold whatever is commanded when. An axis outside of them (unreferenced, or moved by hand) can only
-/// be moved towards the inside, and is never further outside than it was.
+/// A stop never rests further than the motion that it interrupts, so that the soft limits hold for every
+/// command at every moment. An axis outside its soft limits (unreferenced, or moved by hand) moves only
+/// towards the inside, and is never further outside than it was.
 template <Precise Real>
 class FreeAxis {
  public:
-  /// At rest at `position`, which may be outside the soft limits; ticks are `tick_seconds` apart.
-  /// Errors: not_finite, out_of_range (a limit or tick_seconds that is not above 0, min >= max, a stop from
-  /// full speed that is longer than Precision<Real>::largest).
+  /// Makes an axis at rest at `position`, which may be outside the soft limits. Ticks are `tick_seconds`
+  /// apart. Errors: not_finite, out_of_range (a limit or tick_seconds that is not above 0, min >= max, a stop
+  /// from full speed that is longer than Precision<Real>::largest).
   static Result<FreeAxis> make(const FreeAxisLimits<Real>& limits, Real position, Real tick_seconds);
 
-  /// To a velocity, signed, which it keeps until the soft limit ahead makes it stop; 0 is stop(). The
-  /// velocity that it has been told already changes nothing. Errors: not_finite; out_of_range (faster than
-  /// the limit; at or beyond the soft limit in that direction).
+  /// Drives at a signed velocity until the soft limit ahead stops the axis; 0 is stop(). The velocity that is
+  /// commanded already changes nothing. Errors: not_finite; out_of_range (faster than the limit; at or beyond
+  /// the soft limit in that direction).
   Status drive(Real velocity);
-  /// To a position, exactly, at no more than the velocity of the limits. From any state: where it is too fast
-  /// to rest there it comes back. Errors: not_finite; out_of_range (outside the soft limits).
+  /// Goes exactly to a position, at most at the velocity of the limits, from any state. An axis that is too
+  /// fast to rest there comes back. Errors: not_finite; out_of_range (outside the soft limits).
   Status go_to(Real position) { return go_to(position, limits_.velocity); }
-  /// At no more than `speed` > 0, once it has slowed down to it. Errors: also out_of_range (faster than the
-  /// limit, not above 0).
+  /// Goes to a position at most at `speed` > 0, once it has slowed down to it. Errors: also out_of_range
+  /// (faster than the limit, not above 0).
   Status go_to(Real position, Real speed);
-  /// To rest, as soon as the limits allow. Always possible.
+  /// Stops as soon as the limits allow. This is always possible.
   void stop();
-  /// At rest at once, where it is. Only for an axis that is not sent its setpoints any more.
+  /// Puts the axis at rest at once, where it is. Use it only for an axis whose setpoints are no longer sent.
   void halt();
-  /// At rest at a position without having moved there. Errors: not_finite, out_of_range (not resting).
+  /// Sets the position of an axis at rest without a motion. Errors: not_finite, out_of_range (not resting).
   Status place(Real position);
-  /// Other soft limits. Errors: not_finite, out_of_range (not resting; min >= max).
+  /// Sets other soft limits. Errors: not_finite, out_of_range (not resting; min >= max).
   Status set_range(Real min, Real max);
 
   /// One tick later. O(1).
@@ -71,14 +71,14 @@ class FreeAxis {
   [[nodiscard]] const Setpoint<Real>& state() const { return state_; }
   [[nodiscard]] Real position() const { return state_.position; }
   [[nodiscard]] bool is_resting() const { return activity_ == Activity::resting; }
-  /// Where it comes to rest if nothing else is commanded.
+  /// The position where it comes to rest if no other command follows.
   [[nodiscard]] Real end() const { return end_; }
-  /// What a stop would take from here, signed and in seconds.
+  /// The way (signed) and the seconds that a stop from here takes.
   [[nodiscard]] Real stop_distance() const { return stop_ramp().way(); }
   [[nodiscard]] Real stop_seconds() const { return stop_ramp().seconds(); }
-  /// The highest velocity v within the limits for which a stop takes no longer, at whatever moment between
-  /// commands to drive at up to v in either direction it comes: also while the speed still rises. 0 where
-  /// `seconds` is not above 0.
+  /// The highest velocity v within the limits from which a stop takes at most `seconds`. This holds at every
+  /// moment while drive commands of at most v in either direction follow each other, also while the speed
+  /// still rises. 0 if `seconds` is not above 0.
   [[nodiscard]] Real velocity_that_stops_within(Real seconds) const;
   [[nodiscard]] const FreeAxisLimits<Real>& limits() const { return limits_; }
 
@@ -106,7 +106,7 @@ class FreeAxis {
   Real driven_ = 0;  ///< the velocity commanded, while driving
 
   // The motion under way.
-  SpeedRamp<Real> rise_;  ///< to the even speed, which may be slower than that at the start
+  SpeedRamp<Real> rise_;  ///< to the constant speed, which may be below the speed at the start
   SpeedRamp<Real> fall_;  ///< to rest
   Real even_s_ = 0;
   Real from_;  ///< where it began ...
@@ -123,7 +123,7 @@ class FreeMotion {
 
   /// One tick later. `out` has room for every axis; otherwise the program ends.
   void tick(std::span<Setpoint<Real>> out);
-  /// Each axis by itself: they are on no common path.
+  /// Stops each axis by itself, because they are on no common path.
   void stop();
   void halt();
   [[nodiscard]] bool is_resting() const;

@@ -6,7 +6,7 @@
 #include "inbetween/base/precision.hpp"
 #include "inbetween/base/setpoint.hpp"
 
-/// What a motion loop plays when there is no drawn move.
+/// The source of setpoints for a motion loop without a drawn move.
 
 namespace inbetween {
 
@@ -19,12 +19,12 @@ struct FreeSource {
   void (*tick)(void*, std::int64_t now_ns, std::span<Setpoint<Real>> out) = nullptr;
   /// Every axis slows down.
   void (*stop)(void*) = nullptr;
-  /// Every axis is at rest at once, where it is: they are not sent their setpoints any more.
+  /// Every axis is at rest at once, where it is, because its setpoints are no longer sent.
   void (*halt)(void*) = nullptr;
   bool (*is_resting)(const void*) = nullptr;
 };
 
-/// For anything with these functions.
+/// Makes a source of any motion that has these functions.
 template <Precise Real, class Motion>
 FreeSource<Real> source_of(Motion& motion) {
   return {.of = &motion,

@@ -9,13 +9,13 @@
 #include "inbetween/play/travel.hpp"
 #include "inbetween/timing/frame_time.hpp"
 
-/// Time as an axis: where on the time line the move is, and how fast time runs there.
+/// Time as an axis: the place of the move on the time line, and the rate at which time runs there.
 
 namespace inbetween {
 
-/// What the playhead does at an end of the time line.
+/// The action of the playhead at an end of the time line.
 enum class Repeat : std::uint8_t {
-  none,       ///< rests there
+  none,       ///< rests at the end
   loop,       ///< goes on at the other end
   ping_pong,  ///< goes back
 };
@@ -28,14 +28,14 @@ enum class PlayheadState : std::uint8_t {
   scrubbing,   ///< after a target that somebody moves
 };
 
-/// What a tick brought about.
+/// The event of a tick.
 enum class PlayheadEvent : std::uint8_t {
   none,
   finished,  ///< rests at the end of the time line that it was playing towards
   stopped,   ///< rests where it was told to slow down
   arrived,   ///< rests exactly on the frame that it travelled to
   repeated,  ///< passed an end and goes on
-  opened,    ///< is where an exposure in motion begins, at its even rate
+  opened,    ///< an exposure in motion begins, at its constant rate
   closed,    ///< the exposure is over, and the rate falls
 };
 
@@ -50,63 +50,64 @@ struct Exposure {
   Real seconds = 0;
 };
 
-/// A place on the time line and the rate at which time runs, forward or backward. Nothing but the rate is
-/// ever changed, so that the rig never leaves the path; and the rate changes within the bounds of
-/// StopBounds, so that no axis leaves its stop limits, what was begun can be finished, and every stop is no
-/// longer than StopBounds foretells. What is meant to rest again keeps lower bounds if there are any: a
-/// travel to a frame and an exposure keep those of the motion limits, and a stop on the way those of the stop
-/// limits.
+/// A place on the time line and the rate at which time runs, forward or backward. Commands change nothing but
+/// the rate, so that the rig never leaves the path. The rate changes within the bounds of StopBounds, so that
+/// no axis leaves its stop limits, every change can be completed, and no stop is longer than StopBounds
+/// states. A travel to a frame and an exposure keep the bounds of the motion limits, if there are any; a stop
+/// on the way keeps those of the stop limits.
 ///
-/// Method: to a rate in the quickest way, a bend up (|r''| = R2), a straight stretch (|r'| = R1) and a bend
-/// down (|r''| = Q) that meets the rate exactly. On every tick r'' is the one that keeps the state within the
+/// Method: the rate goes to its target in the quickest way, in three phases: |r''| = R2 until |r'| = R1, then
+/// r'' = 0, then |r''| = Q until r' = 0 exactly at the target. On every tick r'' keeps the state within the
 /// bounds of the place. A turn is a stop and a start. To a frame the playhead travels from rest to rest with
-/// the least bounds of the stretch, in closed form from its start, so that it rests on the frame exactly.
+/// the smallest bounds on the way, in closed form from its start, so that it rests on the frame exactly.
 ///
-/// At an end of the time line nothing moves, the rate is of no consequence: a move that is played from there
-/// runs at its rate from the first tick on, and needs exactly its frames.
+/// At an end of the time line nothing moves at any rate. Therefore a move that is played from there runs at
+/// its full rate from the first tick on, and takes exactly its frames.
 template <Precise Real>
 class Playhead {
  public:
-  /// At rest on the first frame. Refers to all of them. Ticks come `rate_hz` times a second. `travels` are
-  /// bounds, made for lower limits, that what goes from rest to rest keeps as well, and their rate.
+  /// Makes a playhead at rest on the first frame. It refers to the move and the bounds. Ticks come `rate_hz`
+  /// times a second. `travels` are bounds made for lower limits. A travel and an exposure keep them as well,
+  /// and their rate.
   Playhead(const Move<Real>& move, const StopBounds<Real>& bounds, std::int32_t rate_hz,
            const StopBounds<Real>* travels = nullptr);
 
-  /// Plays towards an end at the override rate. If it runs the other way it turns.
-  /// Errors: out_of_range (it is at that end already, and does not repeat).
+  /// Plays towards an end at the override rate. A playhead that runs the other way turns. Errors:
+  /// out_of_range (it is at that end already, and does not repeat).
   Status play(Direction direction);
-  /// The controlled stop: rest as soon as the bounds allow. Always possible; while resting nothing changes.
+  /// Makes a controlled stop: the playhead rests as soon as the bounds allow. This is always possible; a
+  /// playhead at rest stays at rest.
   void stop();
-  /// Time stands still at once, where it is. Only for a rig that is not sent its positions any more: it does
-  /// not follow, and has to be where the playhead is before it goes on.
+  /// Lets time stand still at once. Use it only for a rig whose positions are no longer sent: such a rig does
+  /// not follow, and must be where the playhead is before it goes on.
   void halt();
-  /// To a frame, and to rest there; where time runs it is stopped first.
-  /// Errors: out_of_range (not on the time line).
+  /// Travels to a frame and rests there. A running playhead stops first. Errors: out_of_range (not on the
+  /// time line).
   Status go_to(std::int32_t frame);
-  /// To the next whole frame in a direction, counted from the frame that it is travelling to.
-  /// Errors: out_of_range (beyond the end).
+  /// Travels to the next whole frame in a direction, counted from the frame that it is travelling to. Errors:
+  /// out_of_range (beyond the end).
   Status step(Direction direction);
-  /// Travels to where the run-up to an exposure starts, and to rest there (`arrived`).
+  /// Travels to the start of the run-up to an exposure, and rests there (`arrived`).
   /// Errors: out_of_range (not resting; the exposure covers no time, or needs a rate above that of the
   /// bounds), not_converged (no run-up within the bounds was found).
   /// O(cells of the stop bounds that it passes).
   Status go_to_run_up(const Exposure<Real>& exposure);
-  /// From there: a run-up, then from open to close at the even rate (close - open) / seconds, then a run-out
-  /// to rest behind it (`arrived`). Opens on a tick (`opened`), and keeps the rate until the first tick at or
-  /// after the end of the exposure (`closed`). Errors: those of go_to_run_up; out_of_range (not at its
-  /// start).
+  /// Exposes from there: a run-up, then the constant rate (close - open) / seconds from open to close, then a
+  /// run-out to rest behind it (`arrived`). The shutter opens on a tick (`opened`), and the rate stays until
+  /// the first tick at or after the end of the exposure (`closed`). Errors: those of go_to_run_up;
+  /// out_of_range (not at its start).
   Status expose(const Exposure<Real>& exposure);
   /// Follows a target, which may be moved at any time, as fast as the override rate allows; rests there.
   /// Errors: out_of_range (not on the time line).
   Status scrub_to(const FrameTime<Real>& target);
-  /// The rate of playing, as a share of the drawn speed; what is running changes to it.
-  /// Errors: out_of_range (not in 0 < rate <= StopBounds::rate()).
+  /// Sets the rate of playing, as a share of the drawn speed. A running playhead changes to it. Errors:
+  /// out_of_range (not in 0 < rate <= StopBounds::rate()).
   Status set_override(Real rate);
-  /// Errors: no_solution, with axis, where a loop would step: the positions of an axis at both ends of the
-  /// time line differ.
+  /// Errors: no_solution, with axis, if a loop would step because an axis has different positions at the two
+  /// ends of the time line.
   Status set_repeat(Repeat repeat);
-  /// At rest on a frame of the time line without having moved there: for a rig that has been moved otherwise.
-  /// Errors: out_of_range (not on the time line; not resting).
+  /// Puts a playhead at rest on a frame without a travel, for a rig that was moved otherwise. Errors:
+  /// out_of_range (not on the time line; not resting).
   Status place_on(std::int32_t frame);
 
   /// One tick later. O(1), no allocation.
@@ -115,7 +116,7 @@ class Playhead {
   [[nodiscard]] const FrameTime<Real>& time() const { return time_; }
   /// Seconds of the time line a second, negative backward.
   [[nodiscard]] Real rate() const { return rate_; }
-  /// Of the rate, per second.
+  /// The change of the rate, per second.
   [[nodiscard]] Real rate_change() const { return change_; }
   [[nodiscard]] Real override_rate() const { return override_; }
   [[nodiscard]] Repeat repeat() const { return repeat_; }
@@ -123,7 +124,7 @@ class Playhead {
   [[nodiscard]] bool is_resting() const { return state_ == PlayheadState::resting; }
 
  private:
-  /// From rest to rest.
+  /// A travel from rest to rest.
   struct Journey {
     FrameTime<Real> from, to;
     Real sign = 1;  ///< of the rate
@@ -170,7 +171,7 @@ class Playhead {
   PlayheadState state_ = PlayheadState::resting;
   bool has_next_frame_ = false;
   std::int32_t next_frame_ = 0;  ///< to travel to once at rest
-  FrameTime<Real> anchor_;       ///< where the rate became even ...
+  FrameTime<Real> anchor_;       ///< the place where the rate became constant ...
   std::int32_t cruise_frames_ = 0;
   std::int64_t cruise_phase_ = 0;  ///< ... and how far it has come since, in unit_ths of a frame
   Journey travel_;

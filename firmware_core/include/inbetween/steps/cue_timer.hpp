@@ -12,7 +12,7 @@
 #include "inbetween/steps/edge_instant.hpp"
 #include "inbetween/timing/frame_time.hpp"
 
-/// Pulses on lines at places of the time line, at the time at which the playhead passes them.
+/// Times the pulses on lines: a pulse begins when the playhead passes its place on the time line.
 
 namespace inbetween {
 
@@ -24,7 +24,7 @@ struct TimedPulse {
   std::int32_t line = 0;
 };
 
-/// Where a playhead is and how fast time runs there.
+/// The place of a playhead, and the rate at which time runs there.
 template <Precise Real>
 struct PlayheadPlace {
   FrameTime<Real> time;
@@ -36,23 +36,23 @@ PlayheadPlace<Real> place_of(const Playhead<Real>& playhead) {
   return {playhead.time(), playhead.rate(), playhead.rate_change()};
 }
 
-/// What the playhead did from one place to another, and when.
+/// The motion of the playhead in a tick, with its times.
 template <Precise Real>
 struct CueTick {
   PlayheadPlace<Real> from, to;
-  Repeat repeated = Repeat::none;  ///< how it went on at an end of the time line, if it passed one
+  Repeat repeated = Repeat::none;  ///< its action at an end of the time line, if it passed one
   std::int64_t start_ns = 0;
   std::int64_t end_ns = 0;
 };
 
 /// A pulse that begins.
 struct BegunPulse {
-  std::size_t pulse = 0;  ///< of those that CueTimer::make was given
+  std::size_t pulse = 0;  ///< index in the pulses of CueTimer::make
   std::int64_t at_ns = 0;
   bool is_merged = false;  ///< its line was still on
 };
 
-/// Room for what a tick brings about, owned by the caller.
+/// Memory for the results of a tick, owned by the caller.
 struct CueRoom {
   std::span<BegunPulse> begun;
   std::span<EdgeInstant> instants;  ///< instants_for(begun.size())
@@ -61,13 +61,13 @@ constexpr std::size_t instants_for(std::size_t begun) {
   return 2 * begun + 64;
 }
 
-/// How much of a CueRoom holds something.
+/// The number of entries of a CueRoom that are filled.
 struct CueCount {
   std::size_t begun = 0;
   std::size_t instants = 0;
 };
 
-/// Since construction.
+/// Counts since construction.
 struct CueCounters {
   std::uint64_t merged = 0;     ///< pulses that began while their line was on
   std::uint64_t lost = 0;       ///< pulses for which a tick had no room
@@ -76,19 +76,19 @@ struct CueCounters {
 
 /// Decides when lines go on and off while a playhead moves.
 ///
-/// A pulse begins when the playhead comes to its place, or leaves it, forward; once, even if it rests there.
-/// Backward it begins none, but all that were passed are armed again, that at the turn included. So are those
-/// that a loop or a turn at an end comes to, and all where the playhead is put down elsewhere. What is passed
-/// exactly at the end of a tick begins with the next.
+/// A pulse begins when the playhead comes to its place, or leaves it, in forward direction. It begins once,
+/// even if the playhead rests there. In backward direction no pulse begins, but the playhead arms every pulse
+/// that it passes again, that at the turn included. A loop, a turn at an end, or a playhead that is put down
+/// elsewhere arms the pulses ahead too. A pulse that is passed exactly at the end of a tick begins with the
+/// next tick.
 ///
-/// A line is on until the last of its pulses is over. Pulses that overlap, as they may where time runs faster
-/// than drawn, or touch, are one on the line, and counted.
+/// A line is on until the last of its pulses is over. Pulses may overlap or touch if time runs faster than
+/// drawn. They are then one pulse on the line, and are counted.
 ///
-/// Method: between two ticks the playhead moves as axes between two setpoints do, on the polynomial of lowest
-/// degree, 5, that has place, rate and rate change at both; bisection finds the time. That is how the
-/// playhead moves if the rate change does not bend within the tick; if it does, it is off by less than
-/// |r''| tick^3 / 100 seconds of the time line. Where it comes to an end of the time line it keeps its rate
-/// change until there.
+/// Method: between two ticks the playhead moves on the quintic that has its place, rate and rate change at
+/// both ticks, as axes do between two setpoints; bisection finds the time. This is exact if r'' is constant
+/// within the tick; if r'' steps, it is off by less than |r''| tick^3 / 100 seconds of the time line. A
+/// playhead that comes to an end of the time line keeps its rate change until there.
 ///
 /// Refers to the pulses. No allocation.
 template <Precise Real>
@@ -102,13 +102,13 @@ class CueTimer {
   static Result<CueTimer> make(std::span<const TimedPulse<Real>> pulses, std::int32_t first_frame,
                                std::int32_t last_frame, FrameRate fps);
 
-  /// Pulses that begin in the tick and the instants at which lines change, all in [start, end), in the order
-  /// of time. In `levels` on is 1. Errors, with which nothing happens: out_of_range (the tick takes no time,
-  /// or begins before the last one ended), capacity (the instants of the room).
-  /// O(log pulses + 40 a pulse that begins + lines a pulse that ends).
+  /// Writes the pulses that begin in the tick and the instants at which lines change, all in [start, end), in
+  /// the order of time. In `levels` on is 1. Errors, after which nothing has changed: out_of_range (the tick
+  /// takes no time, or begins before the last one ended), capacity (the instants of the room). O(log pulses +
+  /// 40 a pulse that begins + lines a pulse that ends).
   Result<CueCount> advance(const CueTick<Real>& tick, CueRoom room);
-  /// For when no tick follows: what was passed exactly at the end of the last tick begins then, and all
-  /// pulses that have begun end, however much later. Errors: capacity.
+  /// Ends everything when no tick follows: a pulse that was passed exactly at the end of the last tick
+  /// begins, and all pulses that have begun end, however much later. Errors: capacity.
   Result<CueCount> end_all(CueRoom room);
 
   [[nodiscard]] const CueCounters& counters() const { return counters_; }
@@ -141,9 +141,9 @@ class CueTimer {
   Real fps_;
   bool has_place_ = false;
   FrameTime<Real> here_;
-  std::size_t next_ = 0;        ///< the first pulse that the playhead comes to on its way forward
-  FixedVector<Range, 2> due_;   ///< passed exactly at the end of the last tick: of both sides of an end
-  std::int64_t ended_ns_ = 0;   ///< the last tick
+  std::size_t next_ = 0;       ///< the first pulse that the playhead comes to on its way forward
+  FixedVector<Range, 2> due_;  ///< pulses passed exactly at the end of the last tick, on both sides of an end
+  std::int64_t ended_ns_ = 0;  ///< the last tick
   std::uint64_t lines_on_ = 0;  ///< bit i: line i
   std::array<std::int64_t, max_lines> off_at_ns_{};
   CueCounters counters_;

@@ -14,8 +14,8 @@
 
 namespace inbetween {
 
-/// What the input of a stepper driver needs, from its data sheet; each from 1 ns to 1 s. Both times of DIR
-/// are kept on the far side of the pulse, so that they hold whichever edge of STEP the driver acts on.
+/// The minimum times of a stepper driver's input, from its data sheet, each from 1 ns to 1 s. Both times of
+/// DIR are kept on the far side of the pulse, so that they hold whichever edge of STEP the driver acts on.
 struct StepTiming {
   std::int64_t pulse_ns = 0;      ///< STEP high at least so long
   std::int64_t pause_ns = 0;      ///< STEP low at least so long
@@ -45,10 +45,10 @@ template <Precise Real>
 inline constexpr Real max_step_position = std::same_as<Real, float> ? Real(1048576.0F)
                                                                     : Real(140737488355328.0);
 
-/// Whether the timing permits a step rate, and a step rate a velocity, in units/s: what is asked before a
-/// move is planned. In the error `needed` is the other figure of the comparison, in whole steps/s: what the
-/// timing permits at most, rounded down, or what max_velocity needs, rounded up.
-/// Errors: not_finite, out_of_range.
+/// Checks that the timing permits the step rate, and that the step rate permits a velocity (unit/s). Planning
+/// calls it. In the error `needed` is the other number of the comparison, in whole steps/s: the highest rate
+/// that the timing permits, rounded down, or the rate that max_velocity needs, rounded up. Errors:
+/// not_finite, out_of_range.
 template <Precise Real>
 Status check_step_rate(const StepSpec<Real>& spec, Real max_velocity);
 
@@ -63,10 +63,10 @@ struct StepEdge {
   friend bool operator==(const StepEdge&, const StepEdge&) = default;
 };
 
-/// What the minima of the timing have cost so far.
+/// The delays that the minimum times have caused so far.
 struct StepDelays {
   std::int64_t late_steps = 0;       ///< steps that came later than their crossing
-  std::int64_t longest_ns = 0;       ///< the latest of them, so much
+  std::int64_t longest_ns = 0;       ///< the longest delay of them
   std::int64_t cancelled_pairs = 0;  ///< steps that waited until the motion came back, and their returns
 
   friend bool operator==(const StepDelays&, const StepDelays&) = default;
@@ -74,22 +74,21 @@ struct StepDelays {
 
 /// Follows the motion of one axis and counts its steps.
 ///
-/// Between two ticks the axis moves as the quintic that joins their setpoints. Its count at any time is
-/// floor(x + 1/2), x the position in steps, so exactly half a step counts up: the count becomes k + 1 when x
-/// reaches k + 1/2 and k again when x falls below it. Every such crossing, on either side of a turning point
-/// too, is a step at its time, rounded to a nanosecond. (A mere touch of k + 1/2 at a turning point may be
-/// two steps or none.)
+/// Between two ticks the axis moves on the quintic that joins their setpoints. Its count is floor(x + 1/2),
+/// where x is the position in steps: the count becomes k + 1 when x reaches k + 1/2, and k again when x falls
+/// below it. Every such crossing, also on both sides of a turning point, is a step at its time, rounded to a
+/// nanosecond. (A mere touch of k + 1/2 at a turning point may be two steps or none.)
 ///
-/// The count at a tick is that of its setpoint, from the exact product of position and steps_per_unit; what
-/// is between the ticks adds up to it. So no error ever accumulates: after any run, count() + waiting() is
-/// the rounded position of the last setpoint.
+/// The count at a tick is that of its setpoint, from the exact product of position and steps_per_unit, and
+/// the steps between two ticks add up to it. So no error ever accumulates: after any run, count() + waiting()
+/// is the rounded position of the last setpoint.
 ///
-/// The minima of the timing are always kept. A step that comes too early for them is delayed until they are
-/// met, over the end of the tick if need be; it then waits for the next call. A step that still waits when
-/// the motion crosses back is cancelled, and its return with it. DIR changes as soon as the next step is
-/// known to need it: after the hold of the last step, in the tick in which that next step or the turn before
-/// it lies. So a step behind a turn is late only if it follows the last one, or the start of its tick, more
-/// closely than the timing permits.
+/// The minimum times are always kept. A step that comes too early is delayed until they are met, if need be
+/// beyond the end of the tick; it then waits for the next call. A step that still waits when the motion
+/// crosses back is cancelled together with its return. DIR changes as soon as the next step is known to need
+/// it: after the hold of the last step, in the tick of that next step or of the turn before it. So a step
+/// behind a turn is late only if it follows the last step, or the start of its tick, more closely than the
+/// timing permits.
 ///
 /// Accuracy of a crossing: rounding in Real of the position, over the speed there. In double with positions
 /// below 2^31 steps that is 1 us at 0.25 steps/s; in float with positions below 2^12 steps, 1 us at 250
@@ -100,34 +99,35 @@ struct StepDelays {
 template <Precise Real>
 class StepGenerator {
  public:
-  /// Steps that may wait at once. More means that the motion turns faster than the timing of DIR permits.
+  /// The number of steps that may wait at once. More wait only if the motion turns faster than the timing of
+  /// DIR permits.
   static constexpr std::size_t max_waiting = 32;
 
-  /// At rest at position 0, both lines low.
-  /// Errors: not_finite; out_of_range (a figure of the spec outside its domain, a max_step_rate that
-  /// check_step_rate refuses, or above 2^20 steps a tick).
+  /// Makes a generator at rest at position 0, with both lines low. Errors: not_finite; out_of_range (a figure
+  /// of the spec outside its domain, a max_step_rate that check_step_rate refuses, or above 2^20 steps a
+  /// tick).
   static Result<StepGenerator> make(const StepSpec<Real>& spec);
 
-  /// The axis rests at `position`, in units: the count becomes that of it without a step. What waited waits
-  /// no more; the lines stay as they are, and the minima count on. Only while it stands still.
-  /// Errors: not_finite, out_of_range (beyond max_step_position).
+  /// Tells that the axis rests at `position`, in units: the count becomes that of the position without a
+  /// step. Waiting steps are dropped; the lines stay as they are, and the minimum times run on. Call it only
+  /// while the axis stands still. Errors: not_finite, out_of_range (beyond max_step_position).
   Status place(Real position);
 
-  /// What a tick's edges may be at most: `out` of advance() has that size or more.
+  /// The largest number of edges in a tick: `out` of advance() has that size or more.
   [[nodiscard]] std::size_t max_edges() const;
 
-  /// One tick further, to `end`: writes the edges of the tick in the order of time and returns how many.
-  /// Errors: not_finite; out_of_range (a position beyond max_step_position, or more steps than
+  /// Advances by one tick, to `end`: writes the edges of the tick in the order of time and returns their
+  /// number. Errors: not_finite; out_of_range (a position beyond max_step_position, or more steps than
   /// max_step_rate permits in a tick: `needed` is how many); capacity (`out`, or more steps wait than
-  /// max_waiting). Then nothing has changed and `out` means nothing: count() is still where the motor
-  /// stands. Planning keeps moves from it (check_step_rate), so it is a fault. The caller makes a controlled
-  /// stop of the rig; this axis gets no more steps, and since it may have been fast, it is unreferenced until
-  /// it is homed.
+  /// max_waiting). Then nothing has changed and `out` means nothing: count() is still where the motor stands.
+  /// Planning prevents this (check_step_rate), so it is a fault. The caller makes a controlled stop of the
+  /// rig; this axis gets no more steps, and since it may have been fast, it is unreferenced until it is
+  /// homed.
   Result<std::size_t> advance(const Setpoint<Real>& end, std::span<StepEdge> out);
 
-  /// Steps put out, with sign: rising edges of STEP, those of the last call included.
+  /// The steps put out so far, with sign: rising edges of STEP, those of the last call included.
   [[nodiscard]] std::int64_t count() const { return state_.count; }
-  /// Steps that the motion has made and STEP has not, with sign.
+  /// The steps that the motion has made and STEP has not, with sign.
   [[nodiscard]] std::int64_t waiting() const {
     const auto steps = static_cast<std::int64_t>(state_.waiting_since_ns.size());
     return state_.waiting_up ? steps : -steps;
@@ -151,13 +151,13 @@ class StepGenerator {
     bool is_high = false;
     bool direction = false;
     bool waiting_up = false;
-    /// When the crossings were, oldest first, all in one direction.
+    /// The times of the crossings, oldest first, all in one direction.
     FixedVector<std::int64_t, max_waiting> waiting_since_ns;
   };
   class Writer;
 
   StepSpec<Real> spec_;
-  std::int32_t max_steps_;  ///< that max_step_rate permits in a tick
+  std::int32_t max_steps_;  ///< the steps that max_step_rate permits in a tick
   State state_;
 };
 

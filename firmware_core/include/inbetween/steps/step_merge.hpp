@@ -9,7 +9,8 @@
 #include "inbetween/steps/edge_instant.hpp"
 #include "inbetween/steps/step_generator.hpp"
 
-/// The edges of all axes of one chip as instants, at each of which one call sets all lines that change.
+/// Merges the edges of all axes of one chip into instants. At each instant one call sets all lines that
+/// change.
 
 namespace inbetween {
 
@@ -22,13 +23,13 @@ struct StepLines {
 
 /// Puts the edges of the axes of a chip in order.
 ///
-/// Edges at the same time share an instant. With a grain, so do edges that are up to so much apart, as far as
-/// the minima of every axis permit: earlier edges are delayed until the later ones, none by more than the
+/// Edges at the same time share an instant. Edges that are at most a grain apart share one too, if the
+/// minimum times of every axis permit it: an earlier edge is delayed until the later one, by at most the
 /// grain. The last edge of an axis in a tick, and the last fall of its STEP, are never delayed, because the
-/// first of the next tick may come just as early as the minima permit after them. So every tick stands by
-/// itself, and nothing is kept in between. With a grain of 0 no edge is moved.
+/// first edge of the next tick may follow them as closely as the minimum times permit. So every tick stands
+/// by itself, and nothing is kept between ticks. A grain of 0 moves no edge.
 ///
-/// A greedy choice: the earliest edge takes with it all that it can wait for. No allocation.
+/// The choice is greedy: the earliest edge waits for all that it can wait for. No allocation.
 class StepMerge {
  public:
   static constexpr std::size_t max_axes = 32;  ///< two lines each of the 64 of a request

@@ -23,9 +23,9 @@ namespace inbetween {
 /// Plays the instants of one chip at their times, on hardware or in simulation. Nothing waits.
 template <class Sink>
 concept StepSink = requires(Sink& sink, const Sink& seen, const EdgeInstant& instant) {
-  /// False: it will not be played.
+  /// False: the sink will not play the instant.
   { sink.push(instant) } -> std::convertible_to<bool>;
-  /// What has not been played is not played any more.
+  /// Drops every instant that has not been played.
   sink.discard();
   { seen.waiting() } -> std::convertible_to<std::uint64_t>;
   /// An instant was later than the rig allows.
@@ -57,24 +57,25 @@ struct StepChip {
 
 struct StepPortTiming {
   std::int32_t rate_hz = 0;  ///< of the loop
-  /// From a tick of the loop to the first moment of the motion that it has written. One tick: the axes are
-  /// then in step with CAN drives that interpolate over a tick (CiA 402, cyclic synchronous position).
+  /// The time from a tick of the loop to the first moment of the motion that it has written. A lead of one
+  /// tick keeps the axes in step with CAN drives that interpolate over a tick (CiA 402, cyclic synchronous
+  /// position).
   std::int64_t lead_ns = 0;
-  /// A tick of the loop that comes so much later than that leaves a gap in the steps that no motor follows.
+  /// A tick of the loop that is later than this leaves a gap in the steps that no motor follows.
   std::int64_t max_late_ns = 0;
 };
 
-/// What went wrong for good with a lane's steps, until it is placed anew.
+/// The lasting faults of a lane's steps. They end when the lane is placed anew.
 struct StepLaneState {
-  bool has_failed = false;      ///< more steps than the rate permits: it gets none any more
-  bool has_lost_steps = false;  ///< steps were counted that the motor was not given: it stands elsewhere
+  bool has_failed = false;      ///< more steps than the rate permits: the lane gets no more steps
+  bool has_lost_steps = false;  ///< the motor did not get steps that were counted: it stands elsewhere
 };
 
-/// A DrivePort: axis i is lane i. It counts open loop: what a drive tells is what was put out.
+/// A DrivePort: axis i is lane i. It counts open loop: the position of a drive is that of the steps put out.
 ///
 /// The motion from a setpoint to the next begins `lead_ns` after the tick in which it is written, tick after
-/// tick without a gap. Without setpoints whatever waits is discarded at once, within a pulse; if there was
-/// any, the position is lost with it. There is no ramp in such a drive: quick_stop() does the same.
+/// tick without a gap. Without setpoints all waiting edges are dropped at once, even within a pulse; if any
+/// waited, the position is lost too. Such a drive has no ramp: quick_stop() does the same.
 template <Precise Real, StepSink Sink>
 class StepPort {
  public:
@@ -145,7 +146,8 @@ class StepPort {
     for (const StepChip<Sink>& chip : chips_) {
       const Result<std::size_t> count =
           chip.merge.merge(chain_.start_ns(), lists_.subspan(chip.first_lane, chip.lanes), chip.instants);
-      // The generators keep to what the merge asks of edges, and the room is enough: it does not refuse.
+      // The generators keep the order and the times that the merge asks for, and the room is enough: it does
+      // not refuse.
       if (!count) has_refused_ = true;
       for (std::size_t i = 0; count && i < *count; ++i) push(chip, chip.instants[i]);
     }
@@ -153,7 +155,7 @@ class StepPort {
 
   void enable() {
     for (std::size_t i = 0; i < lanes_.size(); ++i) {
-      // Where a lane stands is a setpoint of it, to the step.
+      // The present place of a lane is a valid setpoint for it, to the step.
       static_cast<void>(lanes_[i].generator.place(position(i)));
       states_[i].has_failed = false;
     }
@@ -172,8 +174,8 @@ class StepPort {
   }
   void quick_stop() { cease(); }
 
-  /// In axis units, as the steps that were put out say: the last setpoint where they are at it, which is
-  /// within half a step of them.
+  /// The position in axis units by the steps that were put out. If they are at the last setpoint, within half
+  /// a step, it is that setpoint.
   [[nodiscard]] Real position(std::size_t lane) const {
     const StepGenerator<Real>& generator = lanes_[lane].generator;
     const Real told = lanes_[lane].told;
@@ -181,8 +183,8 @@ class StepPort {
     if (told_steps == static_cast<Real>(generator.count())) return told;
     return static_cast<Real>(generator.count()) / generator.spec().steps_per_unit;
   }
-  /// The axis is at `position`, whatever was counted: it was homed, or somebody said so. Only while it rests.
-  /// Errors: those of StepGenerator::place.
+  /// Tells that the axis is at `position`, whatever was counted, because it was homed or somebody said so.
+  /// Call it only while the axis rests. Errors: those of StepGenerator::place.
   Status place(std::size_t lane, Real position) {
     if (const Status placed = lanes_[lane].generator.place(position); !placed) return placed;
     lanes_[lane].told = position;
@@ -190,9 +192,9 @@ class StepPort {
     return Done{};
   }
   [[nodiscard]] std::span<const StepLaneState> lane_states() const { return states_; }
-  /// When the motion of the last setpoints is played; not running without any.
+  /// The times at which the motion of the last setpoints is played. It does not run without setpoints.
   [[nodiscard]] const TickChain& chain() const { return chain_; }
-  /// Ticks of the loop that came so late that steps were missing at their time.
+  /// The number of ticks of the loop that came too late for the steps at their start.
   [[nodiscard]] std::uint64_t gaps() const { return gaps_; }
 
  private:
@@ -236,7 +238,7 @@ class StepPort {
     if (!chip.sink->push(instant)) has_refused_ = true;
   }
 
-  /// No step from now on; those that waited were counted.
+  /// Puts out no more steps; those that waited were counted.
   void cease() {
     if (!chain_.is_running()) return;
     for (const StepChip<Sink>& chip : chips_) {
@@ -254,8 +256,7 @@ class StepPort {
     set_lines(true);
   }
 
-  /// ENABLE, and the other lines as their generators have them: what was discarded may have left a pulse that
-  /// had begun.
+  /// Sets ENABLE, and the other lines as their generators have them: a dropped edge may have left a pulse on.
   void set_lines(bool on) {
     for (const StepChip<Sink>& chip : chips_) {
       EdgeInstant instant{.at_ns = now_ns_ + chain_.lead_ns(),

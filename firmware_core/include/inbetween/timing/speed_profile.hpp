@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -33,6 +34,7 @@ struct SpeedSpan {
   [[nodiscard]] constexpr Real second(Real t) const {
     return 6 * ((1 - t) * ((b2 - b1) - (b1 - b0)) + t * ((b3 - b2) - (b2 - b1)));
   }
+  [[nodiscard]] constexpr Real third() const { return 6 * ((b3 - b0) - 3 * (b2 - b1)); }
   /// Integral from 0 to t: the quartic with Bezier ordinates 0, b0/4, (b0+b1)/4, ...
   [[nodiscard]] constexpr Real integral(Real t) const {
     const Real r = 1 - t;
@@ -42,6 +44,51 @@ struct SpeedSpan {
   }
   [[nodiscard]] constexpr Real integral() const { return ((b0 + b1) + (b2 + b3)) / 4; }
 };
+
+/// Span `index` of the curve that SpeedProfile describes, for f + 1 >= 2 control values of any sign and size.
+template <Precise Real>
+constexpr SpeedSpan<Real> speed_span(std::span<const Real> values, std::size_t index) {
+  const auto knot = [&](std::size_t i) {  // phi at a = i; the natural ends give the value itself
+    const bool is_end = i == 0 || i + 1 == values.size();
+    return is_end ? values[i] : (values[i - 1] + 4 * values[i] + values[i + 1]) / 6;
+  };
+  const Real here = values[index];
+  const Real next = values[index + 1];
+  return {knot(index), (2 * here + next) / 3, (here + 2 * next) / 3, knot(index + 1)};
+}
+
+/// Doubles the number of spans and leaves the curve as it is, natural ends included (Lane and Riesenfeld
+/// 1980): phi(a) of the coarse curve is phi(2 a) of the fine one. In place: `values` begins with the f + 1
+/// coarse values and has room for 2 f + 1.
+template <Precise Real>
+constexpr void refine_control_values(std::span<Real> values, std::size_t f) {
+  // From the right: 2 i and 2 i + 1 stand at or behind i, and the coarse values left of i are still there.
+  Real right = values[f];  // coarse value i + 1
+  Real here = values[f];   // coarse value i
+  for (std::size_t i = f + 1; i-- > 0;) {
+    const Real left = i > 0 ? values[i - 1] : here;
+    values[2 * i] = i == 0 || i == f ? here : (left + 6 * here + right) / 8;
+    if (i < f) values[2 * i + 1] = (here + right) / 2;
+    right = here;
+    here = left;
+  }
+}
+
+/// Whether the curve stands still at a control value: two zeros at an end of it, three in a row elsewhere.
+template <Precise Real>
+constexpr bool is_rest(std::span<const Real> values, std::size_t index) {
+  const auto zeros = [&](std::size_t first, std::size_t last) {
+    const auto part = values.subspan(first, last - first + 1);
+    return std::ranges::all_of(part, [](Real value) { return value == 0; });
+  };
+  const std::size_t f = values.size() - 1;
+  if (index <= 1 && zeros(0, 1)) return true;
+  if (index + 1 >= f && zeros(f - 1, f)) return true;
+  for (std::size_t middle = std::max<std::size_t>(index, 2) - 1; middle <= index + 1; ++middle) {
+    if (middle + 1 <= f && zeros(middle - 1, middle + 1)) return true;
+  }
+  return false;
+}
 
 /// The memory of a speed profile, owned by the caller.
 template <Precise Real>
