@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "host_tools/check/checked_peaks.hpp"
+#include "host_tools/files/diagnostics.hpp"
 #include "host_tools/plan/plan_output.hpp"
 
 namespace inbetween {
@@ -31,7 +31,7 @@ Table table_of(const CheckReport& report, std::FILE* out) {
 
 void print_row(const Table& table, std::string_view axis, std::string_view quantity, const std::string& peak,
                const std::string& frame, const std::string& limit, const std::string& share) {
-  std::string line = fmt::format("  {:<{}}  {:<14}{:>24}{:>12}{:>14}{:>10}", axis, table.names, quantity,
+  std::string line = fmt::format("  {:<{}}  {:<14}{:>24}{:>12}{:>20}{:>10}", axis, table.names, quantity,
                                  peak, frame, limit, share);
   line.erase(line.find_last_not_of(' ') + 1);
   fmt::print(table.out, "{}\n", line);
@@ -46,7 +46,8 @@ void print_range(const CheckedAxis& axis, const Table& table) {
                              double limit) {
     const bool outside = end.value < axis.limit_min || end.value > axis.limit_max;
     print_row(table, name, quantity, fmt::format("{:.6g} {}", end.value, axis.unit),
-              fmt::format("{:.2f}", end.frame), fmt::format("{:g}", limit), outside ? "outside" : "");
+              fmt::format("{:.2f}", end.frame), fmt::format("{:g} {}", limit, axis.unit),
+              outside ? "outside" : "");
   };
   print_end(axis.name, "lowest", axis.range->lowest, axis.limit_min);
   print_end("", "highest", axis.range->highest, axis.limit_max);
@@ -68,7 +69,7 @@ void print_axis(const CheckedAxis& axis, const Table& table) {
                                   ? fmt::format("{:.6g} {}{}", peak.value, axis.unit, per)
                                   : std::string("no bound");
     print_row(table, "", name, value, fmt::format("{:.2f}", peak.frame),
-              peak.limit ? fmt::format("{:g}", *peak.limit) : "none", share_of(peak));
+              peak.limit ? fmt::format("{:g} {}{}", *peak.limit, axis.unit, per) : "none", share_of(peak));
   }
 }
 
@@ -120,15 +121,15 @@ void print_verdict(const Plan& plan, const CheckReport& report, const SmallestFr
                    std::FILE* out) {
   const std::int32_t frames = plan.move().frames;
   if (report.fits()) {
-    fmt::print(out, "fits in {} frames", frames);
+    fmt::print(out, "fits in {}", counted(frames, "frame"));
     if (smallest.frames && *smallest.frames < frames)
-      fmt::print(out, "; {} frames would do", *smallest.frames);
+      fmt::print(out, "; {} would do", counted(*smallest.frames, "frame"));
     fmt::print(out, "\n");
     return;
   }
-  fmt::print(out, "does not fit in {} frames; ", frames);
+  fmt::print(out, "does not fit in {}; ", counted(frames, "frame"));
   if (smallest.frames) {
-    fmt::print(out, "{} frames would do\n", *smallest.frames);
+    fmt::print(out, "{} would do\n", counted(*smallest.frames, "frame"));
   } else {
     fmt::print(out, "no number of frames would do: {}\n", smallest.reason);
   }
@@ -136,17 +137,13 @@ void print_verdict(const Plan& plan, const CheckReport& report, const SmallestFr
 
 // --- JSON
 
-void write_optional(JsonWriter& json, std::string_view name, const std::optional<double>& number) {
-  json.member(name, number.value_or(std::numeric_limits<double>::infinity()));
-}
-
 void write_peak(JsonWriter& json, const char* name, const CheckedPeak& peak) {
   json.line();
   json.key(name);
   json.begin_object();
   json.member("peak", peak.value);
   json.member("frame", peak.frame);
-  write_optional(json, "limit", peak.limit);
+  json.member("limit", peak.limit);
   json.end_object();
 }
 
@@ -156,8 +153,8 @@ void write_axis(JsonWriter& json, const CheckedAxis& axis) {
   json.member("name", axis.name);
   json.key("position");
   json.begin_object();
-  write_optional(json, "min", axis.range ? std::optional(axis.range->lowest.value) : std::nullopt);
-  write_optional(json, "max", axis.range ? std::optional(axis.range->highest.value) : std::nullopt);
+  json.member("min", axis.range ? std::optional(axis.range->lowest.value) : std::nullopt);
+  json.member("max", axis.range ? std::optional(axis.range->highest.value) : std::nullopt);
   json.member("limit_min", axis.limit_min);
   json.member("limit_max", axis.limit_max);
   json.end_object();
@@ -190,18 +187,8 @@ void write_stops(JsonWriter& json, const CheckReport& report) {
 }
 
 void write_smallest(JsonWriter& json, const SmallestFrames& smallest) {
-  json.key("smallest_frames");
-  if (smallest.frames) {
-    json.value(*smallest.frames);
-  } else {
-    json.null();
-  }
-  json.key("reason");
-  if (smallest.frames) {
-    json.null();
-  } else {
-    json.value(smallest.reason);
-  }
+  json.member("smallest_frames", smallest.frames);
+  json.member("reason", smallest.frames ? std::nullopt : std::optional(smallest.reason));
 }
 
 }  // namespace
@@ -209,8 +196,8 @@ void write_smallest(JsonWriter& json, const SmallestFrames& smallest) {
 void print_check(const Plan& plan, const CheckReport& report, const SmallestFrames& smallest,
                  std::FILE* out) {
   const MoveFile& move = plan.move();
-  fmt::print(out, "{} on {}: {} frames at {} fps, {:.3f} s\n", move.name, plan.rig()->name, move.frames,
-             move.fps.as_written, plan.duration_s());
+  fmt::print(out, "{} on {}: {} at {} fps, {:.3f} s\n", move.name, plan.rig()->name,
+             counted(move.frames, "frame"), move.fps.as_written, plan.duration_s());
   print_rolls(plan, out);
   const Table table = table_of(report, out);
   print_row(table, "axis", "quantity", "peak", "frame", "limit", "share");
@@ -238,12 +225,7 @@ void write_check(JsonWriter& json, const CheckReport& report, const SmallestFram
   for (const CheckedStep& step : report.steps) {
     json.line();
     json.begin_object();
-    json.key("key");
-    if (step.key) {
-      json.value(*step.key);
-    } else {
-      json.null();
-    }
+    json.member("key", step.key);
     json.member("frame", step.frame);
     json.member("axis", report.axes[step.axis].name);
     json.member("velocity_step", step.velocity);

@@ -27,6 +27,7 @@ std::vector<double> sample_frames(const LimitsPlot& plot, const CheckedAxis& axi
       at.push_back(peak.frame + 2 * even * i / samples_near_peak);
     }
   }
+  // A peak at an end has half of its samples outside the move.
   std::erase_if(at, [&](double frame) { return !(frame >= first && frame <= last); });
   std::ranges::sort(at);
   return at;

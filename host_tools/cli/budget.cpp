@@ -7,6 +7,7 @@
 #include <cmath>
 #include <string>
 
+#include "host_tools/files/diagnostics.hpp"
 #include "inbetween/limits/roll.hpp"
 #include "inbetween/limits/stop_bounds.hpp"
 #include "inbetween/play/playhead.hpp"
@@ -209,8 +210,10 @@ std::array<BudgetObject, budget_object_count> budget_objects(const BudgetCapacit
 void print_budget(const BudgetCapacity& capacity, std::FILE* out) {
   const double wide = delta_of<double>(capacity);
   const double single = delta_of<float>(capacity);
-  fmt::print(out, "Memory in bytes for {} keys, {} axes, {} control values, {} frames, {} locked keys:\n",
-             capacity.keys, capacity.axes, capacity.control_values, capacity.frames, capacity.locks);
+  fmt::print(out, "Memory in bytes for {}, {} {}, {}, {}, {}:\n", counted(capacity.keys, "key"),
+             capacity.axes, capacity.axes == 1 ? "axis" : "axes",
+             counted(capacity.control_values, "control value"), counted(capacity.frames, "frame"),
+             counted(capacity.locks, "locked key"));
   fmt::print(out, "  {:<40}{:>12}{:>12}\n", "", "double", "float");
   fmt::print(out, "  {:<40}{:>12g}{:>12g}\n", "with a speed error (delta) of", wide, single);
   fmt::print(out, "  {:<40}{:>12}{:>12}\n", "and as many pieces a segment, as a rule",

@@ -46,14 +46,15 @@ SpeedFit fit_command(const CheckArguments& arguments, const Plan& plan, const Ch
 
 void complain_of_no_fit(const Plan& plan, const SpeedFit& fit, const SmallestFrames& smallest) {
   const std::string place = to_string(plan.move().frames_place);
-  complain(fmt::format("{}: error: no speed curve was found for {} frames: {}", place, plan.move().frames,
-                       fit.reason));
+  complain(fmt::format("{}: error: no speed curve was found for {}: {}", place,
+                       counted(plan.move().frames, "frame"), fit.reason));
   if (smallest.frames) {
-    complain(fmt::format("{}: note: the curve as it is fits in {} frames", place, *smallest.frames));
+    complain(
+        fmt::format("{}: note: the curve as it is fits in {}", place, counted(*smallest.frames, "frame")));
   }
   if (plan.move().frames < fit.fewest.frames) return;  // the reason says so already
-  complain(fmt::format("{}: note: in fewer than {} frames there is none, because of {} of axis {}", place,
-                       fit.fewest.frames,
+  complain(fmt::format("{}: note: in fewer than {} there is none, because of {} of axis {}", place,
+                       counted(fit.fewest.frames, "frame"),
                        fit.fewest.by_acceleration ? "max_velocity and max_acceleration" : "max_velocity",
                        in_quotes(plan.rig()->axes[fit.fewest.axis].name)));
 }
@@ -71,7 +72,7 @@ int check_command(const CheckArguments& arguments) {
   {
     ProgressBar bar;
     smallest = smallest_frames(plan, report, [&](double share, std::int32_t frames) {
-      bar.show(share, fmt::format("trying {} frames", frames));
+      bar.show(share, fmt::format("trying {}", counted(frames, "frame")));
     });
   }
   std::optional<SpeedFit> fit;

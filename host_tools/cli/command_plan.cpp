@@ -29,7 +29,7 @@ void print_key_timing(const SolvedTrack<double>& solved, std::FILE* out) {
         lock.hold == 0 && (lock.key == 0 || lock.key == solved.track().path().segment_count());
     if (end_of_move) continue;
     fmt::print(out, "    key {} on frame {}", lock.key, lock.frame);
-    if (lock.hold > 0) fmt::print(out, ", at rest for {} frames", lock.hold);
+    if (lock.hold > 0) fmt::print(out, ", at rest for {}", counted(lock.hold, "frame"));
     fmt::print(out, "{}\n", lock.breaks ? ", with a break in the speed" : "");
   }
   for (const Portion<double>& portion : solved.track().portions()) {
@@ -44,8 +44,8 @@ void print_key_timing(const SolvedTrack<double>& solved, std::FILE* out) {
 
 void print_plan_summary(const Plan& plan, std::FILE* out) {
   const MoveFile& move = plan.move();
-  fmt::print(out, "{}: {} frames at {} fps, {:.3f} s\n", move.name, move.frames, move.fps.as_written,
-             plan.duration_s());
+  fmt::print(out, "{}: {} at {} fps, {:.3f} s\n", move.name, counted(move.frames, "frame"),
+             move.fps.as_written, plan.duration_s());
   for (std::size_t t = 0; t < plan.tracks().size(); ++t) {
     const SolvedTrack<double>& solved = plan.tracks()[t];
     const Provenance<double>& made = solved.table().provenance();

@@ -108,9 +108,9 @@ void print_log(const LoopLogEnd& log, const char* records, const std::string& fi
 
 void print_run_summary(const RunReport& report, const Plan& plan, const RunArguments& arguments,
                        std::FILE* out) {
-  fmt::print(out, "{}: {}; {} ticks at {} Hz{}\n", plan.move().name, report.reason, report.ticks,
+  fmt::print(out, "{}: {}; {} at {} Hz{}\n", plan.move().name, report.reason, counted(report.ticks, "tick"),
              plan.rig()->rate_hz, arguments.fast ? " on a virtual clock" : "");
-  if (report.exposures) fmt::print(out, "  {} frames exposed\n", *report.exposures);
+  if (report.exposures) fmt::print(out, "  {} exposed\n", counted(*report.exposures, "frame"));
   if (!arguments.fast) {
     print_wake_latency(report, out);
   }

@@ -49,4 +49,8 @@ std::string in_quotes(std::string_view text) {
   return '"' + one_line(text.substr(0, end)) + "...\"";
 }
 
+std::string counted(std::int64_t count, std::string_view what) {
+  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
+}
+
 }  // namespace inbetween

@@ -51,6 +51,9 @@ std::string to_string(const Warning& warning);
 /// rest as "..." (a character is never cut in two).
 std::string in_quotes(std::string_view text);
 
+/// "1 frame", "2 frames".
+std::string counted(std::int64_t count, std::string_view what);
+
 /// "a, b, c".
 template <typename Words>
 std::string comma_separated(const Words& words) {

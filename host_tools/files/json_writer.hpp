@@ -8,6 +8,7 @@
 #include <concepts>
 #include <cstdio>
 #include <iterator>
+#include <optional>
 #include <string_view>
 
 namespace inbetween {
@@ -62,6 +63,11 @@ class JsonWriter {
     quoted(text);
   }
   void value(const char* text) { value(std::string_view(text)); }
+  /// null without a value.
+  template <class Value>
+  void value(const std::optional<Value>& item) {
+    return item ? value(*item) : null();
+  }
   void null() {
     separate();
     append("null");

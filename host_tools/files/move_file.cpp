@@ -118,10 +118,6 @@ void read_lock(const TomlTable& table, const KeyContext& track, MoveKey& key) {
   }
 }
 
-std::string numbers(std::size_t count) {
-  return fmt::format("{} number{}", count, count == 1 ? "" : "s");
-}
-
 MoveKey read_key(const TomlValue& value, std::size_t index, const KeyContext& track) {
   const TomlTable table(value.table(), fmt::format("key {}", index), key_fields);
   MoveKey key;
@@ -129,9 +125,9 @@ MoveKey read_key(const TomlValue& value, std::size_t index, const KeyContext& tr
   const TomlValue at = table.required("at", "at = [...], a number for each axis");
   const std::vector<TomlValue> coordinates = at.list(max_track_axes);
   if (coordinates.size() != track.axes.size()) {
-    throw InputError(
-        at.place(), fmt::format("key {} has {}; write {}, one for each of its axes ({})", index,
-                                numbers(coordinates.size()), track.axes.size(), comma_separated(track.axes)));
+    throw InputError(at.place(), fmt::format("key {} has {}; write {}, one for each of its axes ({})", index,
+                                             counted(static_cast<std::int64_t>(coordinates.size()), "number"),
+                                             track.axes.size(), comma_separated(track.axes)));
   }
   for (const TomlValue& coordinate : coordinates) {
     key.at.push_back(coordinate.number());
@@ -180,8 +176,8 @@ void read_weights(const TomlTable& table, MoveTrack& track) {
   }
   if (track.weights.size() != track.axes.size()) {
     weights->refuse(fmt::format("has {}; write {}, one for each of its axes ({})",
-                                numbers(track.weights.size()), track.axes.size(),
-                                comma_separated(track.axes)));
+                                counted(static_cast<std::int64_t>(track.weights.size()), "number"),
+                                track.axes.size(), comma_separated(track.axes)));
   }
   if (std::all_of(track.weights.begin(), track.weights.end(), [](double weight) { return weight == 0; })) {
     weights->refuse("are all 0, so that nothing has a length; make at least one positive");

@@ -87,6 +87,7 @@ double quickest(double distance, const RigAxis& limits, int ends_at_rest) {
   const double a = limits.max_acceleration;
   const double ramp = v * v / (2 * a);
   if (ends_at_rest == 0) return distance / v;
+  // The way is too short to reach full velocity.
   if (distance <= ends_at_rest * ramp) {
     return ends_at_rest == 1 ? std::sqrt(2 * distance / a) : 2 * std::sqrt(distance / a);
   }
@@ -140,6 +141,7 @@ class TrackTime {
         for (std::size_t d = 0; d < axes_.size(); ++d) {
           const double time =
               way_between(cubics[d].value(begin), cubics[d].value(end)) / axes_[d].limits->max_velocity;
+          // All axes move together, so the slowest axis decides. Its share tells which axis to name.
           if (time > longest) slowest = d;
           longest = std::max(longest, time);
         }

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
 #include "host_tools/files/diagnostics.hpp"
 
@@ -14,12 +15,7 @@ void write_fit(JsonWriter& json, const SpeedFit& fit) {
   json.key("fit");
   json.begin_object();
   json.member("found", fit.found);
-  json.key("reason");
-  if (fit.found) {
-    json.null();
-  } else {
-    json.value(fit.reason);
-  }
+  json.member("reason", fit.found ? std::nullopt : std::optional(fit.reason));
   json.member("least_frames", fit.fewest.frames);
   json.key("tracks");
   json.begin_array();
@@ -58,7 +54,7 @@ void print_fit(const Plan& plan, const SpeedFit& fit, const std::string& file, s
         track.change, 100 * track.change_share, track.largest_change, track.largest_change_at,
         track.largest_change_frame);
   }
-  fmt::print(out, "with it the move fits in its {} frames: {}\n", plan.move().frames, name);
+  fmt::print(out, "with it the move fits in its {}: {}\n", counted(plan.move().frames, "frame"), name);
 }
 
 }  // namespace inbetween

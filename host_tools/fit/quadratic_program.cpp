@@ -61,6 +61,7 @@ QuadraticProgram::QuadraticProgram(std::span<const double> gram, std::span<const
 }
 
 void QuadraticProgram::find_directions(std::span<const double> row) {
+  // A row of a local condition is mostly zeros: only its part from `begin` to `end` is multiplied.
   const std::size_t q = in_force_.size();
   std::size_t begin = 0;  // most rows speak of few values
   std::size_t end = n_;
@@ -149,6 +150,7 @@ bool QuadraticProgram::add_equality(std::span<const double> row, double bound) {
     all += d_[i] * d_[i];
     if (i >= in_force_.size()) free += d_[i] * d_[i];
   }
+  // The equation follows from the earlier ones. It holds already, or it contradicts them.
   if (free <= dependent_share * dependent_share * all) {
     return std::fabs(residual) <= equation_rounding * (1 + std::fabs(bound));
   }
@@ -172,6 +174,7 @@ bool QuadraticProgram::add(std::span<const double> row, double bound) {
       if (i >= in_force_.size()) free += d_[i] * d_[i];
     }
     const bool is_dependent = free <= dependent_share * dependent_share * all;
+    // A dependent row leaves x where it is: only the multipliers move, until a condition leaves.
     const double full = is_dependent ? std::numeric_limits<double>::infinity() : residual / free;
     double step = full;
     const std::size_t leaving = first_to_leave(step);

@@ -125,6 +125,7 @@ void MotionSamples::add_turning(std::int32_t segment, double begin, double end, 
   for (std::size_t d = 0; d < before.axes.size(); ++d) {
     angle = std::hypot(angle, track_.path().weights()[d] * (after.axes[d][0] - before.axes[d][0]));
   }
+  // A cusp turns within any stretch, so the depth bounds the halvings.
   if (angle <= turn_between_moments || depth >= max_turn_halvings) return;
   const double middle = begin + (end - begin) / 2;
   add_turning(segment, begin, middle, depth + 1);
@@ -197,6 +198,8 @@ void MotionSamples::add_values(const Pace& pace, const PathMoment& moment, bool 
                       .value = rate.by_speed * pace.by[0],
                       .first = rate.by_speed_1 * pace.by[1],
                       .second = rate.by_speed_2 * pace.by[2]};
+      // The moment keeps its place on the path while the curve changes: its place on the curve moves by -dPhi
+      // / phi.
       if (stays_on_path) {
         const CurveValues& curve = pace.curve;
         by.area = -(by.value * curve.first + by.first * curve.second + by.second * curve.third) / curve.value;

@@ -48,6 +48,8 @@ class Programme {
   bool solve() {
     row_.back() = 1;
     if (!programme_.add(row_, 0)) return false;
+    // There are thousands of limits, of which few are active. Each round adds only those that are broken
+    // most.
     for (int i = 0; i < max_searches; ++i) {
       bool added = false;
       if (!add_box(added) || !add_limits(added)) return false;
@@ -154,6 +156,7 @@ QuadraticProgram SpeedDescent::programme(std::span<const double> target, double 
       matrix[i * n + k] = gram[i * count + k] / static_cast<double>(count - 1);
     }
   }
+  // The last variable is the slack, the excess that the penalty allows.
   matrix.back() = quadratic_share * price;
   std::vector<double> goal;
   for (const double value : target) goal.push_back(value / unit_);
@@ -172,6 +175,8 @@ QuadraticProgram SpeedDescent::programme(std::span<const double> target, double 
   }
   const ControlCurve wanted(frame_.wanted);
   CurvePlace<double> before;
+  // Differences of neighbouring areas are independent of each other; the areas themselves would nearly not
+  // be.
   for (const double a : frame_.fixed_areas) {
     const CurvePlace<double> place = place_at(a, count - 1);
     add_row(place, {.area = 1}, std::span(row).first(count));
@@ -235,6 +240,7 @@ Descent SpeedDescent::run(std::span<const double> start, MotionSamples& samples,
     }
     std::vector<double> values = valid(linear.values());
     const double promised = cost(here) - change_squared(values) - price * linear.slack();
+    // Nothing is left to gain at this price. If a limit is still exceeded, the price was too low.
     if (promised <= min_gain * (cost(here) + smallest_cost)) {
       if (here.excess.share <= descent_tolerance || price >= highest_price) break;
       price *= price_factor;
@@ -248,11 +254,13 @@ Descent SpeedDescent::run(std::span<const double> start, MotionSamples& samples,
     }
     Descent next = at(std::move(values), samples, allowances);
     const double gained = cost(here) - cost(next);
+    // The usual rule of trust regions: shrink after a poor step, grow after a good one.
     if (gained < promised / 4) radius = std::min(radius, length) / 3;
     if (gained > 3 * promised / 4) radius = std::max(radius, 2 * length);
     if (gained > promised / 100) {
       here = std::move(next);
     } else {
+      // The step is rejected, so the samples must go back to the curve that stays.
       samples.evaluate(ControlCurve(here.values));
     }
   }

@@ -302,11 +302,12 @@ SpeedFit fit_speed(const Plan& plan, const CheckReport& report, FitStart start,
     if (fitted.report().fits()) continue;
     if (std::string reason = hopeless(fitted); !reason.empty()) return give_up(std::move(reason));
     if (const FewestFrames fewest = fewest_frames(fitted.played()); fewest.frames > fitted.frames()) {
-      return give_up(fmt::format(
-          "the way takes at least {} frames, whatever the speed curve, because of {} of axis {}; "
-          "give the move more frames",
-          fewest.frames, fewest.by_acceleration ? "max_velocity and max_acceleration" : "max_velocity",
-          in_quotes(plan.rig()->axes[fewest.axis].name)));
+      return give_up(
+          fmt::format("the way takes at least {}, whatever the speed curve, because of {} of axis {}; "
+                      "give the move more frames",
+                      counted(fewest.frames, "frame"),
+                      fewest.by_acceleration ? "max_velocity and max_acceleration" : "max_velocity",
+                      in_quotes(plan.rig()->axes[fewest.axis].name)));
     }
     TrackSearch search(fitted, start, [&](double share) {
       if (progress) progress((static_cast<double>(t) + share) / count);

@@ -12,7 +12,7 @@ const char* hint_at_rest(SupervisorState state) {
       return "slowing down on the path";
     case SupervisorState::latched:
     case SupervisorState::cut_off:
-      return "stopped; a acknowledges, q leaves";
+      return "a acknowledges, q leaves";
     case SupervisorState::faulted:
       return "setpoints have ceased; remove the cause, or q leaves";
     case SupervisorState::ready:
@@ -40,8 +40,9 @@ std::string line_of_shoot(const RunSnapshot& snapshot, const ShootSnapshot& shoo
 std::string line_of_jog(const RunSnapshot& snapshot, const JogSnapshot& jog) {
   const char* hint = "hold left or right, up and down choose the axis, q leaves";
   if (snapshot.state != SupervisorState::running) hint = hint_at_rest(snapshot.state);
-  return fmt::format("{}  {:.3f} {}  {:+.2f}/s{} | {}", jog.axis, jog.position, jog.unit, jog.velocity,
-                     jog.is_referenced ? "" : "  UNREFERENCED", *snapshot.words != 0 ? snapshot.words : hint);
+  return fmt::format("{}  {:.3f} {}  {:+.2f} {}/s{} | {}", jog.axis, jog.position, jog.unit, jog.velocity,
+                     jog.unit, jog.is_referenced ? "" : "  UNREFERENCED",
+                     *snapshot.words != 0 ? snapshot.words : hint);
 }
 
 }  // namespace

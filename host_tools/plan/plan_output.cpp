@@ -5,10 +5,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "host_tools/files/csv_field.hpp"
+#include "host_tools/files/diagnostics.hpp"
 #include "host_tools/files/json_writer.hpp"
 #include "inbetween/base/hash.hpp"
 #include "inbetween/timing/frame_time.hpp"
@@ -94,12 +96,7 @@ void write_table(const SolvedTrack<double>& solved, JsonWriter& json) {
 /// K is null if no single K holds for the whole move.
 void write_speed(const MoveTrack& track, const SolvedTrack<double>& solved, JsonWriter& json) {
   const bool one_constant = solved.track().has_profile() && solved.track().portions().empty();
-  json.key("K");
-  if (one_constant) {
-    json.value(solved.table().provenance().constant);
-  } else {
-    json.null();
-  }
+  json.member("K", one_constant ? std::optional(solved.table().provenance().constant) : std::nullopt);
   json.member("f", solved.track().profile().span_count());
   json.line();
   json.numbers("speed", solved.control_values());
@@ -157,12 +154,7 @@ void write_axis(const Plan& plan, const PlanAxis& axis, PlanRows rows, JsonWrite
   json.line();
   json.begin_object();
   json.member("name", axis.name);
-  json.key("unit");
-  if (axis.unit) {
-    json.value(to_string(*axis.unit));
-  } else {
-    json.null();
-  }
+  json.member("unit", axis.unit ? std::optional(to_string(*axis.unit)) : std::nullopt);
   const bool by_tick = rows == PlanRows::tick;
   write_motion(column, {0, by_tick ? column.line().last() : plan.move().frames}, json);
   json.end_object();
@@ -271,8 +263,8 @@ void print_roll(const Plan& plan, RollEnd end, std::FILE* out) {
       before ? plan.played().rolls().before : plan.played().rolls().after;
   if (!roll.empty()) {
     const std::int32_t frames = roll.front().span().frames;
-    fmt::print(out, "  {}: {} frame{}, {} rest at {}\n", before ? "pre-roll" : "post-roll", frames,
-               frames == 1 ? "" : "s", before ? "from" : "to", resting_places(plan, roll));
+    fmt::print(out, "  {}: {}, {} rest at {}\n", before ? "pre-roll" : "post-roll", counted(frames, "frame"),
+               before ? "from" : "to", resting_places(plan, roll));
     return;
   }
   const bool is_needed = std::ranges::any_of(

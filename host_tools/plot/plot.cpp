@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "host_tools/files/diagnostics.hpp"
 #include "host_tools/plot/plot_canvas.hpp"
 #include "host_tools/plot/plot_panel.hpp"
 #include "host_tools/plot/plot_path.hpp"
@@ -75,12 +76,9 @@ Layout layout_of(const PlotMove& move) {
 }
 
 std::string summary(const PlotMove& move) {
-  const auto counted = [](std::size_t n, std::string_view what) {
-    return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s");
-  };
   const double milliseconds = std::round(1000 * (move.frames / move.frames_per_second));
-  return fmt::format("{}  ·  {} fps  ·  {} s  ·  {}", counted(static_cast<std::size_t>(move.frames), "frame"),
-                     move.frame_rate, milliseconds / 1000, counted(move.tracks.size(), "track"));
+  return fmt::format("{}  ·  {} fps  ·  {} s  ·  {}", counted(move.frames, "frame"), move.frame_rate,
+                     milliseconds / 1000, counted(static_cast<std::int64_t>(move.tracks.size()), "track"));
 }
 
 std::string names_of(const PlotMove& move, std::span<const std::size_t> axes) {

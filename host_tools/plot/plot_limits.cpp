@@ -6,6 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "host_tools/files/diagnostics.hpp"
 #include "host_tools/plot/plot_line.hpp"
 #include "host_tools/plot/plot_panel.hpp"
 #include "host_tools/plot/plot_scale.hpp"
@@ -114,8 +115,7 @@ std::string limit_words(const LimitsRow& row) {
 /// The label of a row: the peak, and what the line cannot show.
 std::string remark(const LimitsRow& row) {
   std::string words;
-  if (!row.steps.empty())
-    words = fmt::format("{} step{}", row.steps.size(), row.steps.size() == 1 ? "" : "s");
+  if (!row.steps.empty()) words = counted(static_cast<std::int64_t>(row.steps.size()), "step");
   if (row.limit && row.peak > max_shown * *row.limit) words += words.empty() ? "cut off" : ", cut off";
   return words;
 }
@@ -173,8 +173,8 @@ void draw_limits_plot(const LimitsPlot& plot, const std::filesystem::path& file)
                 std::ceil(margin + title_height + above_rows + height + below_rows + margin / 2));
   const TextStyle title{.size = 24, .color = plot_color::ink, .bold = true};
   const TextStyle quiet{.size = 13, .color = plot_color::quiet};
-  const std::string summary = fmt::format("{} frames  ·  {} fps  ·  {:.6g} s", plot.frames, plot.frame_rate,
-                                          plot.frames / plot.frames_per_second);
+  const std::string summary = fmt::format("{}  ·  {} fps  ·  {:.6g} s", counted(plot.frames, "frame"),
+                                          plot.frame_rate, plot.frames / plot.frames_per_second);
   canvas.text({margin, margin + 18}, elided(canvas, plot.name, title, content_width), title);
   canvas.text({margin, margin + 42}, summary, quiet);
   Box area{margin + left_room, margin + title_height + above_rows, content_width - left_room - right_room,

@@ -21,7 +21,7 @@ TEST(StatusLine, TellsStateFrameAndRateAndWhatToPress) {
   now.backward = true;
   EXPECT_THAT(status_line(now), HasSubstr(", backward"));
   now.state = SupervisorState::latched;
-  EXPECT_THAT(status_line(now), AllOf(StartsWith("latched"), HasSubstr("a acknowledges")));
+  EXPECT_THAT(status_line(now), AllOf(StartsWith("must be acknowledged"), HasSubstr("a acknowledges")));
   now.state = SupervisorState::faulted;
   EXPECT_THAT(status_line(now), HasSubstr("remove the cause"));
 }
@@ -43,7 +43,7 @@ TEST(StatusLine, OfAMoveThatIsShotTellsTheFrameAndTheCamera) {
   now.shoot->phase = ShootPhase::standing;
   EXPECT_THAT(status_line(now), HasSubstr("space shoots it"));
   now.state = SupervisorState::latched;
-  EXPECT_THAT(status_line(now), AllOf(StartsWith("latched"), HasSubstr("a acknowledges")));
+  EXPECT_THAT(status_line(now), AllOf(StartsWith("must be acknowledged"), HasSubstr("a acknowledges")));
 }
 
 }  // namespace run_snapshot_test

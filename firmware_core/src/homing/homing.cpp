@@ -55,6 +55,7 @@ Result<AxisHoming<Real>> AxisHoming<Real>::make(const HomingSpec<Real>& spec, Fr
 template <Precise Real>
 Real AxisHoming<Real>::reach() const {
   const FreeAxisLimits<Real>& limits = axis_->limits();
+  // A stop from `fast` takes at most velocity / acceleration + acceleration / jerk seconds.
   const Real stop = spec_.fast * (spec_.fast / limits.acceleration + limits.acceleration / limits.jerk);
   return spec_.search + spec_.leave + 4 * (spec_.back_off + spike_way() + stop);
 }
@@ -75,6 +76,7 @@ Status AxisHoming<Real>::can_begin(const HomingInput& input) const {
   }
   if (input.drive_fault) return refusal("the drive of an axis has a fault", "see what the drive tells");
   const Real here = axis_->position();
+  // A position far from 0 resolves no short way: the axis would back off by nothing, for ever.
   if (!(std::fabs(here) + reach() <= Precision<Real>::largest && here - spec_.back_off < here &&
         here + spec_.back_off > here)) {
     return refusal("the ways of the homing are too far to be computed",
@@ -96,8 +98,11 @@ void AxisHoming<Real>::begin(std::int64_t now_ns, const HomingInput& input) {
   is_located_ = false;
   shift_ = 0;
   trail_.clear();
+  // The trail must have a setpoint before the first tick: an edge may come at once.
   trail_.push(now_ns, axis_->state());
   switch_.start(now_ns, input.level);
+  // The soft limits of the rig mean nothing yet, because nobody knows where the axis is. The longest way
+  // bounds it.
   if (!axis_->set_range(start_ - reach(), start_ + reach())) __builtin_trap();
   apply(HomingSignal::begin);
 }
@@ -107,16 +112,19 @@ void AxisHoming<Real>::observe(std::int64_t now_ns, const HomingInput& input,
                                std::span<const LineEvent> events) {
   if (!is_moving()) return;
   const SwitchChange change = switch_.update(now_ns, input.level, events);
+  // This comes before the phases, because a stop may begin in this tick and the trail forgets.
   if (change != SwitchChange::none || switch_.is_changing()) locate_edge();
   if (phase_ == HomingPhase::stopping) {
     if (axis_->is_resting()) apply(HomingSignal::rested_off);
     return;
   }
+  // A fault comes before the switch: the edge of a chattering switch must not become the reference.
   if (const HomingFailure found = fault(input); found != HomingFailure::none) {
     fail(found);
     return;
   }
   if (change != SwitchChange::none) apply(signal_of(change));
+  // An axis at rest tells nothing while its switch bounces: the level may still be either.
   if (axis_->is_resting() && !switch_.is_changing()) {
     apply(switch_.is_active() ? HomingSignal::rested_on : HomingSignal::rested_off);
   }
@@ -239,6 +247,8 @@ HomingState Homing<Real>::tick(std::int64_t now_ns, std::span<const HomingInput>
                                std::span<const LineEvent> events, std::span<Setpoint<Real>> out) {
   if (inputs.size() < axes_.size() || out.size() < axes_.size()) __builtin_trap();
   for (std::size_t i = 0; i < axes_.size(); ++i) axes_[i].observe(now_ns, inputs[i], events);
+  // The first failure stops the others. Their own failure is then `other_axis`, so the operator sees the
+  // cause.
   for (std::size_t i = 0; i < axes_.size() && failed_axis_ < 0; ++i) {
     const HomingFailure failure = axes_[i].failure();
     if (failure == HomingFailure::none || failure == HomingFailure::stopped) continue;

@@ -43,16 +43,19 @@ constexpr std::array<Row, homing_phases> make_table() {
   on(sensing, rested_off, searching, Action::search);
   on(sensing, rested_on, leaving, Action::leave);
 
+  // An axis on its switch never searches: it would run against the end behind the switch.
   on(leaving, released, clearing, Action::clear);
   fail(leaving, rested_on, Failure::stuck);
 
   on(clearing, rested_off, approaching, Action::approach);
+  // A switch that closes while the axis moves away from it has bounced for too long.
   fail(clearing, activated, Failure::chattering);
 
   on(searching, edge, overrunning, Action::stop);
   on(searching, activated, turning, Action::mark_stop);
   fail(searching, rested_off, Failure::never_reached);
 
+  // The way to search counts from the start, so a spike does not lengthen the search.
   on(overrunning, noise, searching, Action::search);
   on(overrunning, activated, turning, Action::mark);
 
@@ -73,6 +76,7 @@ constexpr std::array<Row, homing_phases> make_table() {
   on(latching, rested_on, referenced, Action::refer);
   fail(latching, released, Failure::chattering);
 
+  // A second reason to stop changes nothing: the first one is reported.
   on(stopping, abort, stopping, Action::none);
   on(stopping, rested_off, failed, Action::none);
   on(stopping, rested_on, failed, Action::none);

@@ -74,7 +74,7 @@ constexpr std::array<Row, supervisor_states> make_table() {
 constexpr std::array<Row, supervisor_states> table = make_table();
 
 constexpr std::array<const char*, supervisor_states> state_names{
-    "disarmed", "enabling", "ready", "running", "stopping", "latched", "faulted", "cut off"};
+    "disarmed", "enabling", "ready", "running", "stopping", "must be acknowledged", "faulted", "cut off"};
 constexpr std::array<const char*, supervisor_events> event_names{
     "arm",         "enabled",    "start",   "finished",    "stop",  "rested",
     "drive fault", "power lost", "cleared", "acknowledge", "disarm"};

@@ -23,8 +23,10 @@ Exposure<Real> FrameShoot<Real>::exposure_of(std::int32_t frame) const {
 template <Precise Real>
 Status FrameShoot<Real>::check() const {
   if (!spec_.shutter) return Done{};
+  // The trial works on a copy, so that a check moves nothing and leaves no event behind.
   Playhead<Real> trial = *moving_;
   for (std::int32_t frame = 0; frame <= frames_; ++frame) {
+    // The run-up to each frame starts at rest, wherever the trial before left the playhead.
     trial.halt();
     const Status possible = trial.go_to_run_up(exposure_of(frame));
     if (possible) continue;
@@ -53,6 +55,7 @@ Status FrameShoot<Real>::shoot(std::int32_t frame) {
   if (const Status possible = can_leave(frame); !possible) return possible;
   const Status goes = spec_.shutter ? moving_->go_to_run_up(exposure_of(frame)) : moving_->go_to(frame);
   if (!goes) return goes;
+  // Axes that rest during the exposure go to the frame itself, not to the start of the run-up.
   if (still_ != nullptr) {
     if (const Status follows = still_->go_to(frame); !follows) return follows;
   }
@@ -86,6 +89,7 @@ Status FrameShoot<Real>::trigger() {
       return Done{};
     case ShootPhase::exposing:
       if (!is_exposed_) return not_now("the camera is exposing");
+      // The shutter has closed already, so this trigger can only mean the next frame.
       goes_on_ = true;
       return Done{};
     case ShootPhase::travelling:
@@ -109,6 +113,7 @@ void FrameShoot<Real>::tick(PlayheadEvent event) {
   switch (phase_) {
     case ShootPhase::travelling:
       if (!rests()) return;
+      // Both playheads rest. A time of 0 ticks exposes in this very tick, without a tick of waiting.
       ticks_left_ = spec_.settle_ticks;
       phase_ = ShootPhase::settling;
       [[fallthrough]];
@@ -125,6 +130,7 @@ void FrameShoot<Real>::tick(PlayheadEvent event) {
         if (--ticks_left_ == 0) end_exposure();
         return;
       }
+      // The playhead tells the exact ticks. This class only passes them on to the camera.
       if (event == PlayheadEvent::opened) camera_ = true;
       if (event == PlayheadEvent::closed) {
         camera_ = false;

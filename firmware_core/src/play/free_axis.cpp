@@ -85,6 +85,7 @@ Real FreeAxis<Real>::top_speed(Real direction, Real speed, Real room) const {
 template <Precise Real>
 void FreeAxis<Real>::head_for(Real position, Real speed, Activity activity) {
   const Real room = position - state_.position;
+  // An axis that would stop beyond the place has to come back: it moves in the other direction in the end.
   const Real direction = room >= stop_distance() ? Real{1} : Real{-1};
   const Real top = top_speed(direction, speed, direction * room);
   const Real left = std::max(direction * (room - way_over(direction * top)), Real{0});
@@ -114,6 +115,7 @@ Status FreeAxis<Real>::drive(Real velocity) {
     stop();
     return Done{};
   }
+  // A key that is held repeats its command. Planning anew each time would restart the ramp.
   if (activity_ == Activity::driving && velocity == driven_) return Done{};
   const Real direction = velocity > 0 ? Real{1} : Real{-1};
   const Real limit = velocity > 0 ? limits_.max : limits_.min;
@@ -123,6 +125,7 @@ Status FreeAxis<Real>::drive(Real velocity) {
                  .what = "the axis is at its soft limit or beyond it",
                  .remedy = "drive it the other way"};
   }
+  // The soft limit is the target, so that the axis rests there even if no other command comes.
   head_for(limit, std::fabs(velocity), Activity::driving);
   driven_ = velocity;
   return Done{};

@@ -129,6 +129,8 @@ class StepGenerator<Real>::Writer {
     put_steps_before(at_ns);
     auto& waiting = state_.waiting_since_ns;
     if (!waiting.empty() && state_.waiting_up != up) {
+      // The step that came last returns first. The motor never makes either of them, and the count stays
+      // right.
       ++state_.delays.cancelled_pairs;
       return waiting.erase(waiting.size() - 1).has_value();
     }
@@ -140,8 +142,10 @@ class StepGenerator<Real>::Writer {
   std::size_t finish(int heading) {
     put_steps_before(tick_ns_);
     const bool is_waiting = !state_.waiting_since_ns.empty();
+    // DIR turns in this tick if the next step needs it, so that its set-up time does not delay that step.
     const bool next_up = is_waiting ? state_.waiting_up : heading > 0;
     if ((is_waiting || heading != 0) && next_up != state_.direction && state_.may_turn_ns < tick_ns_) turn();
+    // The times count from the start of a tick. A time that has passed need not be told apart from 0.
     state_.may_rise_ns = std::max<std::int64_t>(0, state_.may_rise_ns - tick_ns_);
     state_.may_turn_ns = std::max<std::int64_t>(0, state_.may_turn_ns - tick_ns_);
     state_.falls_at_ns -= tick_ns_;
@@ -157,6 +161,7 @@ class StepGenerator<Real>::Writer {
       const std::int64_t may_rise_ns =
           turns ? std::max(state_.may_rise_ns, state_.may_turn_ns + timing_.dir_setup_ns)
                 : state_.may_rise_ns;
+      // A step waits until the next crossing is known: that crossing may cancel it.
       if (std::max(waiting[0], may_rise_ns) >= until_ns) return;
       if (turns) turn();
       step(waiting[0]);
@@ -227,6 +232,7 @@ Status StepGenerator<Real>::place(Real position) {
 template <Precise Real>
 std::size_t StepGenerator<Real>::max_edges() const {
   const auto pulses = static_cast<std::size_t>(spec_.tick_ns / min_period_ns(spec_.timing)) + 1;
+  // Pulses that fit into a tick bound its edges, and so do the steps of its motion with those that waited.
   const std::size_t steps = static_cast<std::size_t>(max_steps_) + max_waiting;
   return 2 * std::min(pulses, steps) + 1 + max_dir_edges;
 }
@@ -266,10 +272,12 @@ Result<std::size_t> StepGenerator<Real>::advance(const Setpoint<Real>& end, std:
   if (crossings.count() < 0) return too_many(-1);
   if (crossings.count() > max_steps_) return too_many(crossings.count());
 
+  // The writer works on a copy, so that a refusal leaves the generator as it was.
   State next = state_;
   next.at = end;
   Writer writer(spec_, next, out);
   const auto tick = static_cast<Real>(spec_.tick_ns);
+  // An edge is rounded to a nanosecond, so a sixteenth of one suffices; Real may not resolve even that.
   const Real sixteenth_ns = 1 / (16 * tick);
   const Real tolerance = std::max(sixteenth_ns, 2 * std::numeric_limits<Real>::epsilon());
   bool fits = true;

@@ -58,7 +58,7 @@ struct SupervisorStep {
 /// from latched, faulted or cut_off to running but acknowledge, enabled and start, in this order. O(1).
 SupervisorStep supervise(SupervisorState state, SupervisorEvent event);
 
-/// In words, for people: "latched".
+/// The state in words for people: "must be acknowledged".
 const char* name_of(SupervisorState state);
 const char* name_of(SupervisorEvent event);
 
