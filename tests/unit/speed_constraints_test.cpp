@@ -81,7 +81,8 @@ TEST(MotionSamples, TellHowTheSharesFollowTheCurve) {
       if (std::abs(a - std::round(a)) < 1e-5) continue;  // phi''' steps at knots
       for (std::size_t i = moments[m].first; i < moments[m].end; ++i) {
         const CurveWeights& w = values[i].weights;
-        const double expected = w.area * at.area + w.value * at.value + w.slope * at.slope + w.bend * at.bend;
+        const double expected =
+            w.area * at.area + w.value * at.value + w.first * at.first + w.second * at.second;
         const double seen = (samples.values()[i].share - values[i].share) / step;
         EXPECT_NEAR(seen, expected, 1e-2 * (1 + std::abs(expected)))
             << spline << ' ' << a << ' ' << static_cast<int>(values[i].quantity);
