@@ -66,7 +66,7 @@ struct Exposure {
 template <Precise Real>
 class Playhead {
  public:
-  /// Makes a playhead at rest on the first frame. It refers to the move and the bounds. Ticks come `rate_hz`
+  /// Makes a playhead at rest on the first frame. It refers to all of them. Ticks come `rate_hz`
   /// times a second. `travels` are bounds made for lower limits. A travel and an exposure keep them as well,
   /// and their rate.
   Playhead(const Move<Real>& move, const StopBounds<Real>& bounds, std::int32_t rate_hz,
