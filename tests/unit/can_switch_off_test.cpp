@@ -198,7 +198,7 @@ TEST(CanSwitchOff, AfterAnEmergencyStopNothingIsMissedAnyMore) {
 TEST(CanSwitchOff, ADriveThatHoldsItsAxisAfterItsOwnQuickStopIsSwitchedOffBySdo) {
   Crane crane;
   for (SimulatedCia402Drive& drive : crane.drives) {
-    drive.add_object({.index = 0x605A}, {.size = 2, .value = 6, .most = 8});
+    drive.add_object({.index = 0x605A}, {.size = 2, .value = 6, .max = 8});
   }
   stop_by_emergency(crane);
   for (const SimulatedCia402Drive& drive : crane.drives) {
@@ -313,8 +313,8 @@ TEST(CanSwitchOff, AQuickStopIsNotCutShort) {
   Crane crane;
   crane.start();
   crane.tick(400);
-  crane.drives[1].add_object({.index = 0x6085}, {.size = 4, .value = 200'000, .least = 1});
-  crane.drives[1].add_object({.index = 0x605A}, {.size = 2, .value = 6, .most = 8});
+  crane.drives[1].add_object({.index = 0x6085}, {.size = 4, .value = 200'000, .min = 1});
+  crane.drives[1].add_object({.index = 0x605A}, {.size = 2, .value = 6, .max = 8});
   ASSERT_GT(std::fabs(crane.drives[1].velocity()), 10'000);
   crane.port.front().quick_stop();
   crane.tick(3);
