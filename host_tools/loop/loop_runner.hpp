@@ -91,7 +91,7 @@ class FastRunner {
 enum class Lateness {
   time_stands_still,  ///< those after it are as much later, also for the drives, which are simulated
   falls_behind,       ///< those after it are as much later: steps that were not made cannot be made up for
-  catches_up,         ///< the loop is told how many ticks have passed (MotionLoop, faults.md 36)
+  catches_up,         ///< the loop is told how many ticks have passed (MotionLoop, docs/faults.md 36)
 };
 
 /// On the machine's clock, in a thread of its own, which ticks from construction on, between acts as well,

@@ -6,16 +6,6 @@
 #include "host_tools/plan/solved_track.hpp"
 
 namespace inbetween {
-namespace {
-
-template <class T>
-const T& value_or_throw(const Result<T>& result) {
-  if (!result) throw SolverError(result.error());
-  return *result;
-}
-
-}  // namespace
-
 AxisLimits<double> limits_of(const RigAxis& axis) {
   return value_or_throw(AxisLimits<double>::make({.min = axis.min,
                                                   .max = axis.max,

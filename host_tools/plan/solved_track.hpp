@@ -27,6 +27,13 @@ class SolverError : public std::runtime_error {
   Error error_;
 };
 
+/// The value of a result; throws SolverError where it is an error.
+template <class T>
+const T& value_or_throw(const Result<T>& result) {
+  if (!result) throw SolverError(result.error());
+  return *result;
+}
+
 template <Precise Real>
 struct TrackSpec {
   PathSpec<Real> path;

@@ -10,6 +10,8 @@
 #include <string>
 #include <utility>
 
+#include "tests/support/places.hpp"
+
 /// What scripts/measure-budget has measured against the limits that `inbetween budget` prints.
 
 namespace inbetween {
@@ -19,7 +21,7 @@ using Measured = std::map<std::string, double>;
 
 /// Of one kind ("instructions", "stack") on one target, by name.
 Measured measured(const std::string& kind, const std::string& target) {
-  std::ifstream file(INBETWEEN_MEASURED_BUDGET);
+  std::ifstream file(in_build("tests/embedded/budget.txt"));
   Measured result;
   std::string line;
   while (std::getline(file, line)) {
