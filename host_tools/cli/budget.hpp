@@ -69,7 +69,7 @@ struct FunctionBudget {
   BudgetLimit cortex_m4f;
 };
 
-/// Worst stack of every public function in bytes, with all that it calls.
+/// Worst stack in bytes, with all that is called: of what every tick calls and of what solves a move.
 std::span<const FunctionBudget> stack_limits();
 /// Instructions for three axes: of a tick and of a time from a tick's number; and, once per move of 8 keys
 /// and 7 control values, of solving it (solve: path to track), of cutting it into counts and of bounding its

@@ -24,7 +24,7 @@ bool asks_for_virtual_time(int count, char** arguments) {
 }
 
 [[noreturn]] void start_again_in_bench(int count, char** arguments) {
-  std::vector<std::string> words = {in_checkout("sim/bench/run"),
+  std::vector<std::string> words = {inbetween::in_checkout("sim/bench/run"),
                                     "--kernel",
                                     "--timeout",
                                     "240",
