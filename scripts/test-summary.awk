@@ -1,7 +1,7 @@
 #!/usr/bin/awk -f
-# Lets the output of ctest pass, and puts before its last lines the slowest tests and why tests were skipped.
+# The slowest tests of a run of ctest, and why tests were skipped.
 #
-#   ctest ... | test-summary.awk log=BUILD/Testing/Temporary/LastTest.log -
+#   test-summary.awk OUTPUT LOG      what ctest printed, and BUILD/Testing/Temporary/LastTest.log
 
 # "12/1100 Test  #34: Suite.Name ........   Passed    1.23 sec"
 /^ *[0-9]+\/[0-9]+ +Test +#[0-9]+: .* sec *$/ {
@@ -11,9 +11,10 @@
   seconds[name] = $(NF - 1)
 }
 
-/% tests passed/ { closing = 1 }
-closing { last[++lines] = $0; next }
-{ print; fflush() }
+# The log: "12/1100 Test: Suite.Name"; GoogleTest's "FILE:LINE: Skipped", and the reason in the line after it.
+/^[0-9]+\/[0-9]+ Test: / { running = $3 }
+is_skipped { skipped[++skips] = running ": " $0 }
+{ is_skipped = /: Skipped$/ }
 
 END {
   print "The slowest tests:"
@@ -24,12 +25,6 @@ END {
     printf "%8.1f s  %s\n", seconds[slowest], slowest
     delete seconds[slowest]
   }
-  # GoogleTest: "FILE:LINE: Skipped", and the reason in the line after it.
-  while (log != "" && (getline line < log) > 0) {
-    if (line ~ /^[0-9]+\/[0-9]+ Test: /) { name = line; sub(/^[^:]*: /, "", name) }
-    if (skipped) { printf "Skipped: %s: %s\n", name, line; skipped = 0 }
-    if (line ~ /: Skipped$/) skipped = 1
-  }
+  for (i = 1; i <= skips; ++i) print "Skipped: " skipped[i]
   print ""
-  for (i = 1; i <= lines; ++i) print last[i]
 }
