@@ -212,7 +212,10 @@ TEST(CanSwitchOff, ADriveThatHoldsItsAxisAfterItsOwnQuickStopIsSwitchedOffBySdo)
 
 // 6007 of 1: the drive is in fault because this program was silent. A fault of its own stays.
 TEST(CanSwitchOff, AFaultOfCommunicationIsResetAndOneOfTheDriveIsNot) {
-  Crane crane(10'000, [](can::Cia402Settings& settings) { settings.setup.communication_lost_option = 1; });
+  Crane crane;
+  for (SimulatedCia402Drive& drive : crane.drives) {
+    drive.add_object({.index = 0x6007}, {.size = 2, .value = 1, .max = 1});
+  }
   crane.start();
   crane.tick(400);
   trouble(crane, 1, {.kind = Kind::emergency, .value = 0x2310});
