@@ -154,14 +154,16 @@ void SimulatedCia402Drive::hear_host(const can::Frame& frame) {
 void SimulatedCia402Drive::serve(const can::Frame& frame) {
   const auto request = can::read_sdo_request(frame);
   if (!request || request->kind == can::SdoKind::abort) return;
+  const ObjectDictionary::Object* const asked = objects_.find(request->object);
+  if (asked != nullptr && asked->access == ObjectDictionary::Access::silent) return;
   can::SdoMessage answer{
       .kind = can::SdoKind::abort, .object = request->object, .value = can::abort_unknown_command};
   if (request->kind == can::SdoKind::upload) {
     show();
-    if (const ObjectDictionary::Object* const object = objects_.find(request->object)) {
+    if (asked != nullptr) {
       answer.kind = can::SdoKind::upload_value;
-      answer.size = object->size;
-      answer.value = object->value;
+      answer.size = asked->size;
+      answer.value = asked->value;
     } else {
       answer.value = *objects_.refuses_read(request->object);
     }

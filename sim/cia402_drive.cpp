@@ -167,7 +167,8 @@ void SimulatedCia402Drive::slow_down(double seconds) {
 
 void SimulatedCia402Drive::stop_quickly() {
   if (state_ == Cia402State::operation_enabled) {
-    enter(Cia402State::quick_stop_active);
+    const bool coasts = objects_.value(0x605A) == 0;
+    enter(coasts ? Cia402State::switch_on_disabled : Cia402State::quick_stop_active);
   } else if (state_ == Cia402State::ready_to_switch_on || state_ == Cia402State::switched_on) {
     enter(Cia402State::switch_on_disabled);
   }
@@ -176,8 +177,9 @@ void SimulatedCia402Drive::stop_quickly() {
 void SimulatedCia402Drive::fail(std::uint16_t code) {
   if (state_ == Cia402State::fault || state_ == Cia402State::fault_reaction_active) return;
   raise_error(code, error_of_profile);
-  enter(is_in_operation() || state_ == Cia402State::quick_stop_active ? Cia402State::fault_reaction_active
-                                                                      : Cia402State::fault);
+  const bool is_powered = is_in_operation() || state_ == Cia402State::quick_stop_active;
+  const bool brakes = is_powered && objects_.value(0x605E) != 0;
+  enter(brakes ? Cia402State::fault_reaction_active : Cia402State::fault);
 }
 
 void SimulatedCia402Drive::enter(Cia402State state) {
@@ -239,7 +241,9 @@ void SimulatedCia402Drive::react_to_lost_communication() {
   if (state_ == Cia402State::switch_on_disabled) return;
   switch (objects_.value(0x6007)) {
     case 1:
-      if (is_in_operation()) enter(Cia402State::fault_reaction_active);
+      if (is_in_operation()) {
+        enter(objects_.value(0x605E) != 0 ? Cia402State::fault_reaction_active : Cia402State::fault);
+      }
       break;
     case 2:
       enter(Cia402State::switch_on_disabled);

@@ -41,6 +41,9 @@ struct DriveTrouble {
     sink,            ///< without power the axis moves by `value` counts/s
     no_window,       ///< at `at_ns`: it is one that does not watch its following error
     no_watchdog,     ///< at `at_ns`: it is one with neither heartbeat consumer nor setpoint timer
+    no_object,       ///< at `at_ns`: it is one without `object`
+    fixed_object,    ///< at `at_ns`: it is one whose `object` is `value` and can only be read
+    silent_object,   ///< at `at_ns`: it is one that does not answer for `object`
   };
   Kind kind = Kind::lose_feedback;
   std::int64_t at_ns = 0;
@@ -48,6 +51,7 @@ struct DriveTrouble {
   std::int32_t value = 0;
   /// How many frames are lost, shortened or doubled at most; of those meant for it, where it hears nothing.
   std::int32_t frames = std::numeric_limits<std::int32_t>::max();
+  can::ObjectAddress object{};
 };
 
 struct SimulatedCia402Settings {

@@ -63,6 +63,10 @@ ObjectDictionary factory_objects(can::NodeId node) {
   objects.add({.index = 0x6040}, {.size = u16});
   shown(0x6041, u16, 0);
   objects.add({.index = 0x605A}, {.size = u16, .value = 2, .max = 8});
+  objects.add({.index = 0x605B}, {.size = u16, .value = 0, .max = 1});
+  objects.add({.index = 0x605C}, {.size = u16, .value = 1, .max = 1});
+  objects.add({.index = 0x605D}, {.size = u16, .value = 1, .max = 4});
+  objects.add({.index = 0x605E}, {.size = u16, .value = 2, .max = 4});
   objects.add({.index = 0x6060}, {.size = u8, .value = 1});
   shown(0x6061, u8, 1);
   shown(0x6064, u32, 0);

@@ -78,6 +78,16 @@ void SimulatedCia402Drive::meet(const DriveTrouble& trouble) {
     case Kind::no_watchdog:
       remove_object({.index = 0x1016, .sub = 1});
       return remove_object({.index = 0x1400, .sub = can::pdo_sub_event_timer});
+    case Kind::no_object:
+      return remove_object(trouble.object);
+    case Kind::fixed_object: {
+      ObjectDictionary::Object fixed = *objects_.find(trouble.object);
+      fixed.access = ObjectDictionary::Access::read_only;
+      fixed.value = static_cast<std::uint32_t>(trouble.value);
+      return add_object(trouble.object, fixed);
+    }
+    case Kind::silent_object:
+      return change_access(trouble.object, ObjectDictionary::Access::silent);
     case Kind::lose_feedback:
     case Kind::lose_heartbeat:
     case Kind::stick:

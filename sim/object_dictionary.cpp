@@ -50,6 +50,7 @@ std::optional<std::uint32_t> ObjectDictionary::refuses_write(can::ObjectAddress 
   if (found == nullptr) return refuses_read(address);
   const Object& object = *found;
   if (object.access == Access::read_only) return can::abort_read_only;
+  if (object.access == Access::write_refused) return can::abort_device_state;
   if (size != 0 && size != object.size) return can::abort_wrong_length;
   if (value > object.max) return can::abort_too_high;
   if (value < object.min) return can::abort_too_low;

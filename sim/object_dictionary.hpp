@@ -13,8 +13,9 @@ namespace inbetween {
 /// What is refused, is refused with the abort code of CiA 301.
 class ObjectDictionary {
  public:
-  /// write_ignored: a broken device, which says yes and keeps what it has.
-  enum class Access : std::uint8_t { read_only, read_write, write_ignored };
+  /// write_refused: not in the state of the device. write_ignored: a broken device, which says yes and keeps
+  /// what it has. silent: one that does not answer at all.
+  enum class Access : std::uint8_t { read_only, read_write, write_refused, write_ignored, silent };
   struct Object {
     std::uint8_t size = 4;
     Access access = Access::read_write;

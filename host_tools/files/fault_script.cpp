@@ -10,6 +10,7 @@
 
 #include "host_tools/files/toml_source.hpp"
 #include "host_tools/files/toml_value.hpp"
+#include "sim/cia402_objects.hpp"
 
 namespace inbetween {
 namespace {
@@ -17,8 +18,9 @@ namespace {
 using Kind = DriveTrouble::Kind;
 
 constexpr std::array<std::string_view, 1> script_fields = {"fault"};
-constexpr std::array<std::string_view, 11> fault_fields = {
-    "axis", "what", "at", "after_motion", "for", "count", "direction", "code", "to", "mode", "frames_per_s"};
+constexpr std::array<std::string_view, 14> fault_fields = {
+    "axis", "what", "at",   "after_motion", "for",    "count", "direction",
+    "code", "to",   "mode", "frames_per_s", "object", "sub",   "value"};
 
 /// A fault by its word, and which fields it has besides axis and what.
 struct FaultKind {
@@ -27,6 +29,7 @@ struct FaultKind {
   bool has_time = true;    ///< at or after_motion; without, the drive is like that
   bool lasts = false;      ///< for
   bool counts = false;     ///< count, instead of for
+  bool of_object = false;  ///< object and sub
   std::string_view own{};  ///< the field that it has alone
 };
 
@@ -47,6 +50,13 @@ constexpr std::array kinds{
     FaultKind{.word = "stay-on", .kind = Kind::stay_on, .lasts = true},
     FaultKind{.word = "no-window", .kind = Kind::no_window, .has_time = false},
     FaultKind{.word = "no-watchdog", .kind = Kind::no_watchdog, .has_time = false},
+    FaultKind{.word = "no-object", .kind = Kind::no_object, .has_time = false, .of_object = true},
+    FaultKind{.word = "fixed-object",
+              .kind = Kind::fixed_object,
+              .has_time = false,
+              .of_object = true,
+              .own = "value"},
+    FaultKind{.word = "silent-object", .kind = Kind::silent_object, .has_time = false, .of_object = true},
 };
 
 const FaultKind& read_kind(const TomlTable& table) {
@@ -66,7 +76,9 @@ void refuse_foreign_fields(const TomlTable& table, const FaultKind& kind) {
   refuse("after_motion", kind.has_time);
   refuse("for", kind.lasts);
   refuse("count", kind.counts);
-  for (const std::string_view own : {"direction", "code", "to", "mode", "frames_per_s"}) {
+  refuse("object", kind.of_object);
+  refuse("sub", kind.of_object);
+  for (const std::string_view own : {"direction", "code", "to", "mode", "frames_per_s", "value"}) {
     refuse(own, kind.own == own);
   }
 }
@@ -127,6 +139,26 @@ std::int32_t read_counts(const TomlValue& value, const RigAxis& axis) {
   return static_cast<std::int32_t>(counts);
 }
 
+/// An object that the simulated drive has. `value` must fit into it.
+void read_object(const TomlTable& table, const RigAxis& axis, DriveTrouble& trouble) {
+  const TomlValue index = table.required("object", "the index of the object, object = 0x605E");
+  trouble.object.index = static_cast<std::uint16_t>(index.integer(0x1000, 0xFFFF));
+  if (const auto sub = table.optional("sub"))
+    trouble.object.sub = static_cast<std::uint8_t>(sub->integer(0, 255));
+  const ObjectDictionary objects =
+      factory_objects(can::NodeId::make(std::get<Cia402Drive>(axis.drive).node).value());
+  const ObjectDictionary::Object* const object = objects.find(trouble.object);
+  if (object == nullptr) {
+    index.refuse(
+        fmt::format("is {:04X}h, which the simulated drive does not have with sub {}; write one that it has",
+                    trouble.object.index, trouble.object.sub));
+  }
+  if (trouble.kind != Kind::fixed_object) return;
+  const std::int64_t max = (std::int64_t{1} << (8 * object->size)) - 1;
+  const std::int64_t value = table.required("value", "what it has, value = 0").integer(0, max);
+  trouble.value = static_cast<std::int32_t>(static_cast<std::uint32_t>(value));
+}
+
 void read_own(const TomlTable& table, const FaultKind& kind, const RigFile& rig, ScriptedFault& fault) {
   DriveTrouble& trouble = fault.trouble;
   const auto whole = [&](const TomlValue& value, std::int64_t min, std::int64_t max) {
@@ -148,6 +180,10 @@ void read_own(const TomlTable& table, const FaultKind& kind, const RigFile& rig,
       return;
     case Kind::wrong_mode:
       return whole(table.required("mode", "the mode that the drive shows, mode = 1"), -128, 127);
+    case Kind::no_object:
+    case Kind::fixed_object:
+    case Kind::silent_object:
+      return read_object(table, rig.axes[fault.axis], trouble);
     case Kind::flood:
       return whole(table.required("frames_per_s", "frames_per_s = 5000, say"), 1, max_flood_per_s);
     default:

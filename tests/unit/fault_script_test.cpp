@@ -77,6 +77,9 @@ TEST(FaultScript, EveryWordIsATroubleOfTheDrive) {
       {"stay-on", {"at = 1", Kind::stay_on}},
       {"no-window", {"", Kind::no_window}},
       {"no-watchdog", {"", Kind::no_watchdog}},
+      {"no-object", {"object = 0x6007", Kind::no_object}},
+      {"fixed-object", {"object = 0x6007\nvalue = 0", Kind::fixed_object}},
+      {"silent-object", {"object = 0x6007", Kind::silent_object}},
   };
   for (const auto& [word, of] : words) {
     const ScriptedFault fault = only(word, of.first);
@@ -84,7 +87,7 @@ TEST(FaultScript, EveryWordIsATroubleOfTheDrive) {
     EXPECT_EQ(fault.what, word);
     EXPECT_EQ(fault.axis, 1U);
     EXPECT_FALSE(fault.is_after_motion);
-    EXPECT_EQ(fault.trouble.at_ns, of.first.empty() ? 0 : 1'000'000'000);
+    EXPECT_EQ(fault.trouble.at_ns, of.first.starts_with("at") ? 1'000'000'000 : 0);
   }
   const std::string from = "at = 1\ndirection = \"from-drive\"";
   EXPECT_EQ(only("lose-frames", from).trouble.kind, Kind::lose_sent);
@@ -133,7 +136,7 @@ TEST(FaultScript, AnUnknownField) {
 
 TEST(FaultScript, AnUnknownWord) {
   expect_refused(parse, "[[fault]]\naxis = \"pan\"\nwhat = @\"sticks\"\nat = 1",
-                 {"what is \"sticks\"", "\"stick\"", "or \"no-watchdog\""});
+                 {"what is \"sticks\"", "\"stick\"", "or \"silent-object\""});
   expect_refused(parse, "@[[fault]]\naxis = \"pan\"\nat = 1", {"a fault has no what"});
 }
 
@@ -214,6 +217,20 @@ TEST(FaultScript, APositionThatTheDriveCannotCountTo) {
 
 TEST(FaultScript, AModeOutOfRange) {
   refused("wrong-mode", "at = 0\nmode = @128", {"mode is 128"});
+}
+
+TEST(FaultScript, AnObjectHasItsAddressAndAValueThatFitsIntoIt) {
+  const DriveTrouble trouble = only("fixed-object", "object = 0x1016\nsub = 1\nvalue = 0xFFFFFFFF").trouble;
+  EXPECT_EQ(trouble.object, (can::ObjectAddress{.index = 0x1016, .sub = 1}));
+  EXPECT_EQ(static_cast<std::uint32_t>(trouble.value), 0xFFFFFFFF);
+  EXPECT_EQ(only("no-object", "object = 0x6007").trouble.object, (can::ObjectAddress{.index = 0x6007}));
+  refused("no-object", "object = @0x6008", {"6008h, which the simulated drive does not have with sub 0"});
+  refused("no-object", "object = @0x6007\nsub = 1", {"6007h", "with sub 1"});
+  refused("fixed-object", "object = 0x6007\nvalue = @65536", {"value is 65536", "from 0 to 65535"});
+  refused("no-object", "object = 0x6007\nvalue = @1", {"value does not belong to what = \"no-object\""});
+  refused("stick", "at = 0\nobject = @0x6007", {"object does not belong"});
+  expect_refused(parse, "@" + fault("silent-object", ""), {"a fault has no object; add"});
+  expect_refused(parse, "@" + fault("fixed-object", "object = 0x6007"), {"a fault has no value; add"});
 }
 
 TEST(FaultScript, AFloodOutOfRange) {

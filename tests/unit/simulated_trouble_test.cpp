@@ -113,6 +113,19 @@ TEST_F(Trouble, ADriveWithoutItsWatchdogsHasNoSuchObjectsAfterAResetEither) {
   EXPECT_EQ(objects.value(0x6065), std::numeric_limits<std::uint32_t>::max());
 }
 
+TEST_F(Trouble, ADriveWithOtherObjectsHasThemAfterAResetToo) {
+  add({.kind = Kind::no_object, .object = {.index = 0x6007}});
+  add({.kind = Kind::fixed_object, .value = -1, .object = {.index = 0x1016, .sub = 1}});
+  add({.kind = Kind::silent_object, .object = {.index = 0x605A}});
+  add({.kind = Kind::reboot});
+  sent_in(2);
+  const ObjectDictionary& objects = rig.drive(0).objects();
+  EXPECT_EQ(objects.find({.index = 0x6007}), nullptr);
+  EXPECT_EQ(objects.value(0x1016, 1), 0xFFFFFFFF);
+  EXPECT_EQ(objects.refuses_write({.index = 0x1016, .sub = 1}, 4, 0), can::abort_read_only);
+  EXPECT_EQ(objects.find({.index = 0x605A})->access, ObjectDictionary::Access::silent);
+}
+
 TEST_F(Trouble, ATargetThatIsIgnoredLetsTheDriveComeToRestByItsRamp) {
   std::vector<std::int32_t> targets{rig.host_of(0).target(), rig.host_of(1).target()};
   const auto move = [&](int ticks) {

@@ -50,8 +50,7 @@ void require_fault(const ScriptedFault& fault) {
   fuzz_require(trouble.for_ns > 0, "a fault lasts");
   fuzz_require(trouble.for_ns <= max_ns || trouble.for_ns == DriveTrouble{}.for_ns, "a while, or for good");
   fuzz_require(trouble.frames > 0, "a fault takes frames");
-  const bool is_device =
-      trouble.kind == DriveTrouble::Kind::no_window || trouble.kind == DriveTrouble::Kind::no_watchdog;
+  const bool is_device = trouble.kind >= DriveTrouble::Kind::no_window;  // these are the last
   fuzz_require(!is_device || (trouble.at_ns == 0 && !fault.is_after_motion), "what a drive is has no time");
   const bool is_flood = trouble.kind == DriveTrouble::Kind::flood;
   fuzz_require(!is_flood || (trouble.value >= 1 && trouble.value <= max_flood_per_s), "a flood has its rate");
