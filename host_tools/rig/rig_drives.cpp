@@ -135,6 +135,19 @@ SimulatedCia402Settings simulated_settings_of(const RigAxis& axis, double positi
   return settings;
 }
 
+std::string words_of(const can::SetupRefusal& refusal) {
+  std::string text = fmt::format("object {:04X}h:{}", refusal.object.index, refusal.object.sub);
+  if (refusal.found) {
+    text += fmt::format(" is {} ({:X}h), not {} ({:X}h)", *refusal.found, *refusal.found, refusal.expected,
+                        refusal.expected);
+  }
+  if (refusal.abort_code != 0) {
+    text += fmt::format("; {:04X} {:04X}h: {}", refusal.abort_code >> 16, refusal.abort_code & 0xFFFF,
+                        can::words_of_abort(refusal.abort_code));
+  }
+  return text;
+}
+
 void refuse_overloaded_buses(const RigFile& rig) {
   for (const Bus& bus : rig.buses) {
     can::BusUse use{.bitrate = bus.bitrate, .rate_hz = rig.rate_hz, .drives = 0};
@@ -358,9 +371,9 @@ std::string RigDrives::trouble() const {
       text += fmt::format(" (EMCY {:04X}, {})", drive.last_emergency().code,
                           can::words_of_emergency(drive.last_emergency().code));
     }
-    if (drive.phase() == can::DrivePhase::refused) {
-      text += fmt::format(" (object {:04X}:{}, expected {:X}, found {:X})", drive.refusal().object.index,
-                          drive.refusal().object.sub, drive.refusal().expected, drive.refusal().found);
+    const bool is_of_setup = drive.setup().state() == can::SetupState::refused;
+    if (is_of_setup && *finding == drive.refusal().finding) {
+      text += fmt::format(" ({})", words_of(drive.refusal()));
     }
     return text + "; " + words.remedy;
   }

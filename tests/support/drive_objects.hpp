@@ -2,9 +2,11 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <utility>
 #include <vector>
 
+#include "inbetween/can/cia402_setup.hpp"
 #include "inbetween/can/sdo.hpp"
 
 namespace inbetween::can {
@@ -38,12 +40,17 @@ class DriveObjects {
       }
     }
     set(0x605A, 0, 2, 2);
+    set(0x605B, 0, 2, 0);
+    set(0x605C, 0, 2, 1);
+    set(0x605D, 0, 2, 1);
+    set(0x605E, 0, 2, 2);
     set(0x6007, 0, 2, 1);
     set(0x6060, 0, 1, 1);
     set(0x6065, 0, 4, 2000);
     set(0x6066, 0, 2, 0);
     set(0x607D, 1, 4, 0);
     set(0x607D, 2, 4, 0);
+    set(0x6085, 0, 4, 1000);
     set(0x60C2, 1, 1, 20);
     set(0x60C2, 2, 1, 0xFD);
   }
@@ -53,6 +60,8 @@ class DriveObjects {
   /// The object takes writes, but keeps what it has.
   void freeze(int index, int sub) { frozen_ = {index, sub}; }
 
+  /// It is neither read nor written.
+  void silence(int index, int sub) { silent_ = {index, sub}; }
   /// Writing it is refused for this reason.
   void refuse(int index, int sub, std::uint32_t abort_code) { refused_[{index, sub}] = abort_code; }
 
@@ -79,11 +88,25 @@ class DriveObjects {
     return {.kind = SdoKind::download_done, .object = request.object};
   }
 
+  /// Works a script off, a request a millisecond.
+  void work_off(SetupRunner& runner, const SetupScript& script) {
+    runner.begin(script);
+    for (std::int64_t now_ns = 0; now_ns < 2'000'000'000; now_ns += 1'000'000) {
+      if (runner.state() == SetupState::done || runner.state() == SetupState::refused) return;
+      const std::optional<Frame> frame = runner.poll(script, now_ns);
+      if (!frame) continue;
+      const SdoMessage request = *read_sdo_request(*frame);
+      if (Key{request.object.index, request.object.sub} == silent_) continue;
+      runner.receive(sdo_frame(sdo_answer_id(*NodeId::make(5)), answer(request)));
+    }
+  }
+
   std::vector<std::pair<Key, std::uint32_t>> written;
 
  private:
   std::map<Key, std::pair<int, std::uint32_t>> values_;
   Key frozen_{-1, -1};
+  Key silent_{-1, -1};
   std::map<Key, std::uint32_t> refused_;
 };
 

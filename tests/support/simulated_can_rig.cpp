@@ -12,7 +12,7 @@ can::NodeId node(std::size_t number) {
 }  // namespace
 
 can::Cia402Setup SimulatedCanRig::default_setup() {
-  return {.node = node(1), .host = node(127), .quick_stop_option = std::int16_t{6}};
+  return {.node = node(1), .host = node(127), .quick_stop_option = 6};
 }
 
 SimulatedCanRig::SimulatedCanRig(std::size_t axes, const can::Cia402Setup& common) {

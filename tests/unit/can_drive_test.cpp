@@ -259,6 +259,30 @@ TEST_F(DriveOfNode5, WhatIsFoundOnTheWayKeepsItOff) {
   EXPECT_EQ(drive->phase(), DrivePhase::idle);
 }
 
+TEST_F(DriveOfNode5, AnEmergencyThatIsRepeatedWhenItIsStartedDoesNotKeepItOff) {
+  configure();
+  drive->receive(emergency_frame(node(5), {.code = 0x8130}), now);
+  drive->note_host_heartbeat();
+  silent_tick();
+  tick(disabled, 700);
+  ASSERT_EQ(drive->phase(), DrivePhase::idle);
+  drive->receive(emergency_frame(node(5), {.code = 0x8130}), now);
+  EXPECT_TRUE(drive->enable(now)) << "its fault is over";
+  EXPECT_EQ(drive->counters().emergencies, 2U);
+  EXPECT_EQ(drive->last_emergency().code, 0x8130);
+  for (const std::uint16_t word : {disabled, ready, switched_on, enabled, following}) tick(word, 700);
+  EXPECT_EQ(drive->phase(), DrivePhase::following);
+}
+
+TEST_F(DriveOfNode5, AnEmergencyWhoseFaultStaysKeepsItOff) {
+  bring_to_idle();
+  drive->receive(emergency_frame(node(5), {.code = 0x4210}), now);
+  ASSERT_TRUE(drive->enable(now));
+  for (int i = 0; i <= 250; ++i) tick(in_fault, 700);
+  EXPECT_EQ(drive->first_finding(), DriveFinding::fault_stays);
+  EXPECT_EQ(drive->last_emergency().code, 0x4210);
+}
+
 TEST_F(DriveOfNode5, AnAxisThatMovesAwayFromItsFirstSetpointIsRefused) {  // faults.md 27
   bring_to_idle();
   drive->enable(now);

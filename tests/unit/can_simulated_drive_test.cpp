@@ -354,6 +354,44 @@ TEST_F(CanRig, Fault29WithoutAWatchdogTheDriveIsRefused) {
   expect_refused(1, DriveFinding::watchdog_unset);
 }
 
+TEST_F(CanRig, AnEmergencyOfTheLastRunThatIsRepeatedAtTheStartIsNoReasonToStayOff) {
+  rig->connect();
+  ASSERT_TRUE(rig->tick_until([&] { return rig->host_of(1).phase() == DrivePhase::starting; }));
+  rig->wire.inject(can::emergency_frame(rig->host_of(1).node(), {.code = 0x8130, .error_register = 0x11}));
+  ASSERT_TRUE(rig->tick_until([&] { return rig->all_are(DrivePhase::idle); }));
+  EXPECT_EQ(rig->host_of(1).last_emergency().code, 0x8130);
+  ASSERT_TRUE(rig->enable());
+  EXPECT_TRUE(rig->tick_until([&] { return rig->all_are(DrivePhase::following); }));
+}
+
+TEST_F(CanRig, ADriveThatRefusesItsRampIsRefusedWithWhatItSays) {
+  rig->drive(1).add_object({.index = 0x605E}, {.size = 2, .access = ObjectDictionary::Access::write_refused});
+  expect_refused(1, DriveFinding::would_coast);
+  EXPECT_EQ(rig->host_of(1).refusal().found, 0U);
+  EXPECT_EQ(rig->host_of(1).refusal().abort_code, can::abort_device_state);
+}
+
+TEST_F(CanRig, ADriveThatFallsSilentWhileItIsSetUpIsSaidToBeSilent) {
+  rig->drive(1).change_access({.index = 0x6007}, ObjectDictionary::Access::silent);
+  expect_refused(1, DriveFinding::sdo_silent);
+  EXPECT_FALSE(rig->host_of(1).refusal().found);
+}
+
+TEST_F(CanRig, ADriveThatCoastsInAFaultRollsOut) {
+  can::Cia402Setup setup = SimulatedCanRig::default_setup();
+  setup.coasts = true;
+  rig = std::make_unique<SimulatedCanRig>(3, setup);
+  rig->drive(1).add_object({.index = 0x605E}, {.size = 2, .access = ObjectDictionary::Access::read_only});
+  bring_to_following();
+  move(250);
+  trouble(0, {.kind = Kind::emergency, .value = 0x4210});
+  trouble(1, {.kind = Kind::emergency, .value = 0x4210});
+  const double speed = rig->drive(1).velocity();
+  hold(10);
+  EXPECT_GT(rig->drive(1).velocity(), speed / 5);
+  EXPECT_LT(rig->drive(0).velocity(), rig->drive(1).velocity() / 4) << "by its ramp";
+}
+
 /// How long the motor moves on after the host is dead.
 std::int64_t time_to_rest(SimulatedCanRig& rig, std::size_t axis) {
   const std::int64_t dead_ns = rig.now_ns;

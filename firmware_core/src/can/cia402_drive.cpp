@@ -195,7 +195,9 @@ void Cia402Drive::take_emergency(const Frame& frame, std::int64_t now_ns) {
   if (emergency->code == 0) return;
   last_emergency_ = *emergency;
   ++counters_.emergencies;
-  if (phase_ == starting || is_supervised()) find(DriveFinding::emergency);
+  // A drive without power may tell of an error that is over: many repeat the last one when they are started.
+  // If it is not over, the fault stays when it is to be cleared.
+  if (phase_ == enabling || phase_ == following || phase_ == stopping) find(DriveFinding::emergency);
   if (has_lost_touch_ || !is_of_communication(emergency->code)) return;
   has_lost_touch_ = true;
   if (phase_ == leaving) enter_leaving(now_ns);

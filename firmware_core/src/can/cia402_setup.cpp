@@ -42,6 +42,9 @@ constexpr ObjectAddress cob_id_of(const Pdo& pdo) {
   return {.index = pdo.communication, .sub = pdo_sub_cob_id};
 }
 constexpr std::uint8_t every_sync = 1;
+constexpr std::uint32_t bit_of(unsigned code) {
+  return std::uint32_t{1} << code;
+}
 
 void switch_off(ScriptWriter& writer, const Pdo& pdo, bool may_be_absent) {
   writer.add({.action = SetupAction::switch_off, .object = cob_id_of(pdo), .may_be_absent = may_be_absent});
@@ -89,6 +92,7 @@ void set_pdos(ScriptWriter& writer, const Cia402Setup& setup) {
   writer.add({.action = SetupAction::watchdog,
               .object = {.index = rpdo(1).communication, .sub = pdo_sub_event_timer},
               .size = 2,
+              .may_be_absent = true,
               .value = setup.setpoint_timeout_ms});
   switch_on(writer, rpdo(1), rpdo1_id(setup.node));
 
@@ -100,7 +104,7 @@ void set_pdos(ScriptWriter& writer, const Cia402Setup& setup) {
 
 void set_period(ScriptWriter& writer, const Cia402Setup& setup, const InterpolationPeriod& period) {
   // The counter may be changed while the period is 0 only.
-  writer.write_if_there({.index = 0x1006}, 4, 0);
+  writer.add({.action = SetupAction::write_anything, .object = {.index = 0x1006}, .may_be_absent = true});
   writer.add({.object = {.index = 0x1019},
               .size = 1,
               .may_be_absent = setup.sync_overflow == 0,
@@ -120,17 +124,52 @@ void set_motion(ScriptWriter& writer, const Cia402Setup& setup) {
     writer.write({.index = 0x607D, .sub = 1}, 4, static_cast<std::uint32_t>(setup.position_limits->min));
     writer.write({.index = 0x607D, .sub = 2}, 4, static_cast<std::uint32_t>(setup.position_limits->max));
   }
-  if (setup.quick_stop_option) {
-    writer.write({.index = 0x605A}, 2, static_cast<std::uint16_t>(*setup.quick_stop_option));
-  }
+}
+
+/// How it leaves operation, each time by a ramp. The profile does not ask for these objects, and a drive that
+/// has one may know fewer codes: any that brakes is right.
+void set_ramps(ScriptWriter& writer, const Cia402Setup& setup) {
+  const auto choose = [&](std::uint16_t index, std::int16_t code, std::uint32_t codes) {
+    writer.add({.action = SetupAction::write_code,
+                .object = {.index = index},
+                .size = 2,
+                .may_be_absent = true,
+                .finding = DriveFinding::would_coast,
+                .value = static_cast<std::uint16_t>(code),
+                .mask = setup.coasts ? codes | bit_of(0) : codes});
+  };
+  constexpr std::uint32_t one_ramp = bit_of(1);
+  constexpr std::uint32_t four_ramps = bit_of(1) | bit_of(2) | bit_of(3) | bit_of(4);
+  choose(0x605A, setup.quick_stop_option, four_ramps | (four_ramps << 4));  // quick stop
+  choose(0x605B, 1, one_ramp);                                              // shutdown
+  choose(0x605C, 1, one_ramp);                                              // disable operation
+  choose(0x605D, 2, four_ramps);                                            // halt
+  choose(fault_reaction_index, 2, four_ramps);
+  if (!setup.quick_stop_deceleration) return;
+  writer.add({.action = SetupAction::write_near,
+              .object = {.index = 0x6085},
+              .may_be_absent = true,
+              .finding = DriveFinding::stop_differs,
+              .value = *setup.quick_stop_deceleration});
 }
 
 void set_watch(ScriptWriter& writer, const Cia402Setup& setup, const InterpolationPeriod& period) {
   // A drive that has no 1029 goes to pre-operational, which is what 0 asks for.
   writer.write_if_there({.index = 0x1029, .sub = 1}, 1, 0);
-  writer.write({.index = 0x6007}, 2, static_cast<std::uint16_t>(setup.communication_lost_option));
+  // 3 is a quick stop; 1 a fault, with its reaction; 2 takes the power away.
+  constexpr std::uint32_t brakes = bit_of(3) | bit_of(1);
+  writer.add({.action = SetupAction::write_code,
+              .object = {.index = host_loss_index},
+              .size = 2,
+              .may_be_absent = setup.stops_without_host,
+              .finding = DriveFinding::host_loss_unbraked,
+              .value = 3,
+              .mask = setup.coasts ? brakes | bit_of(2) : brakes});
+  // It makes the drive notice a dead host. A setpoint timeout stands in where it does not exist.
   writer.add({.action = SetupAction::watchdog,
-              .object = {.index = 0x1016, .sub = 1},
+              .object = heartbeat_consumer,
+              .may_be_absent = true,
+              .finding = DriveFinding::watchdog_unset,
               .value = (std::uint32_t{setup.host.value()} << 16) | setup.host_timeout_ms});
   // The period of SYNC is exactly that or 0: drives tune their clocks by it. With it many drives are in fault
   // when SYNC is half a period late, which one late tick brings about; without, they watch SYNC no more, and
@@ -151,8 +190,11 @@ Status check(const Cia402Setup& setup) {
   if (setup.drive_heartbeat_ms == 0 || setup.host_timeout_ms == 0 || setup.setpoint_timeout_ms == 0) {
     return refuse("a heartbeat or timeout of 0 ms watches nothing", "give it in milliseconds");
   }
-  if (setup.communication_lost_option < 1 || setup.communication_lost_option > 3) {
-    return refuse("the drive would not stop when the host is gone", "use 1, 2 or 3 for object 6007");
+  if (setup.quick_stop_option < 1 || setup.quick_stop_option > 8) {
+    return refuse("the drive would not brake in a quick stop", "use 1 to 8 for object 605A");
+  }
+  if (setup.quick_stop_deceleration == 0U) {
+    return refuse("a deceleration of 0 stops nothing", "give it in units of the drive");
   }
   if (setup.sync_overflow == 1 || setup.sync_overflow > 240) {
     return refuse("the counter of SYNC cannot end at this number", "use 0 for no counter, or 2 to 240");
@@ -178,6 +220,7 @@ Result<SetupScript> make_setup_script(const Cia402Setup& setup) {
   set_pdos(writer, setup);
   set_period(writer, setup, *period);
   set_motion(writer, setup);
+  set_ramps(writer, setup);
   set_watch(writer, setup, *period);
   writer.write({.index = 0x6060}, 1, static_cast<std::uint8_t>(mode_cyclic_position));
   if (!writer.status()) return writer.status().error();

@@ -43,6 +43,8 @@ bool SdoClient::begin(const SdoMessage& request, std::uint8_t size) {
   state_ = next_state(state_, SdoEvent::begin);
   request_ = request;
   size_ = size;
+  value_ = 0;
+  abort_code_ = 0;
   return true;
 }
 

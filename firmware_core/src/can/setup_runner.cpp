@@ -19,7 +19,8 @@ constexpr std::array<std::array<SetupState, setup_events>, setup_states> table{{
 }};
 
 constexpr bool reads_first(SetupAction action) {
-  return action != SetupAction::write && action != SetupAction::watchdog && action != SetupAction::sync_watch;
+  return action == SetupAction::expect || action == SetupAction::forbid ||
+         action == SetupAction::switch_off || action == SetupAction::switch_on;
 }
 /// The reasons that the client itself gives: no answer, or a senseless one.
 constexpr bool is_of_host(std::uint32_t abort_code) {
@@ -28,7 +29,12 @@ constexpr bool is_of_host(std::uint32_t abort_code) {
 constexpr std::uint32_t mask_of(std::uint8_t size) {
   return 0xFFFFFFFFU >> (8U * (4U - size));
 }
-constexpr std::uint16_t setpoint_timer_index = 0x1400;
+/// Drives count in units of their own, in which a value becomes a whole number: within two percent it is the
+/// same one.
+constexpr bool is_near(std::uint32_t found, std::uint32_t value) {
+  const std::uint64_t off = found > value ? found - value : value - found;
+  return 50 * off <= value;
+}
 
 }  // namespace
 
@@ -42,6 +48,7 @@ void SetupRunner::begin(const SetupScript& script) {
   step_ = 0;
   host_timeout_ms_ = 0;
   setpoint_timeout_ms_ = 0;
+  fault_may_coast_ = false;
   begin_step(script);
 }
 
@@ -58,6 +65,8 @@ void SetupRunner::begin_step(const SetupScript& script) {
     return;
   }
   const SetupStep& step = script[step_];
+  found_.reset();
+  abort_code_ = 0;
   const bool is_needless = step.action == SetupAction::sync_watch && host_timeout_ms_ != 0;
   if (!reads_first(step.action)) return write(step, is_needless ? 0 : step.value);
   state_ = next_state(state_, SetupEvent::begin_reading);
@@ -66,8 +75,6 @@ void SetupRunner::begin_step(const SetupScript& script) {
 
 void SetupRunner::next_step(const SetupScript& script) {
   ++step_;
-  const bool is_watched = host_timeout_ms_ != 0 || setpoint_timeout_ms_ != 0;
-  if (step_ == script.size() && !is_watched) return refuse(script[step_ - 1], DriveFinding::watchdog_unset);
   begin_step(script);
 }
 
@@ -77,63 +84,94 @@ void SetupRunner::write(const SetupStep& step, std::uint32_t value) {
   client_.begin_download(step.object, step.size, value);
 }
 
-void SetupRunner::answered(const SetupScript& script) {
-  const SetupStep& step = script[step_];
-  if (state_ == reading) return has_read(script, step);
-  if (state_ == verifying) return has_verified(script, step);
+void SetupRunner::read_back(const SetupStep& step) {
   state_ = next_state(state_, SetupEvent::written);
   client_.begin_upload(step.object, step.size);
 }
 
+void SetupRunner::answered(const SetupScript& script) {
+  const SetupStep& step = script[step_];
+  if (state_ == writing) return read_back(step);
+  found_ = client_.value();
+  if (state_ == reading) return has_read(script, step);
+  is_right(step) ? next_step(script) : refuse(step, step.finding);
+}
+
 void SetupRunner::has_read(const SetupScript& script, const SetupStep& step) {
-  const std::uint32_t found = client_.value();
-  const bool is_equal = (found & step.mask) == step.value;
+  const bool is_equal = (*found_ & step.mask) == step.value;
   switch (step.action) {
     case SetupAction::expect:
       return is_equal ? next_step(script) : refuse(step, step.finding);
     case SetupAction::forbid:
       return is_equal ? refuse(step, step.finding) : next_step(script);
     case SetupAction::switch_off:
-      return write(step, found | cob_id_is_invalid);
+      return write(step, *found_ | cob_id_is_invalid);
     case SetupAction::switch_on:
-      return write(step, step.value | (found & cob_id_without_rtr));
-    case SetupAction::write:
-    case SetupAction::watchdog:
-    case SetupAction::sync_watch:
-      return;  // these do not read first
+      return write(step, step.value | (*found_ & cob_id_without_rtr));
+    default:
+      return;  // the others do not read first
   }
 }
 
-void SetupRunner::has_verified(const SetupScript& script, const SetupStep& step) {
-  if (step.action == SetupAction::watchdog) {
-    note_watchdog(step);
-  } else if (client_.value() != (written_ & mask_of(step.size))) {
-    return refuse(step, step.finding);
+/// What the drive has in an object, after it was written or after it has refused that.
+bool SetupRunner::is_right(const SetupStep& step) {
+  switch (step.action) {
+    case SetupAction::write_near:
+      return is_near(*found_, step.value);
+    case SetupAction::sync_watch:
+      return *found_ == step.value || *found_ == 0;
+    case SetupAction::write_code:
+      return is_right_code(step);
+    case SetupAction::write_anything:
+      return true;
+    case SetupAction::watchdog:
+      return note_watchdog(step) || step.object != heartbeat_consumer;
+    default:
+      return *found_ == (written_ & mask_of(step.size));
   }
-  next_step(script);
+}
+
+bool SetupRunner::is_right_code(const SetupStep& step) const {
+  constexpr std::uint32_t fault = 1;
+  if (step.object.index == host_loss_index && *found_ == fault && fault_may_coast_) return false;
+  return *found_ < 32 && ((step.mask >> *found_) & 1) != 0;
 }
 
 void SetupRunner::has_failed(const SetupScript& script, const SetupStep& step) {
-  const std::uint32_t code = client_.abort_code();
-  const bool is_absent = code == abort_no_object || code == abort_no_sub_index;
-  const bool is_no_watchdog = step.action == SetupAction::watchdog && !is_of_host(code);
-  if (is_no_watchdog || (step.may_be_absent && is_absent)) return next_step(script);
-  refuse(step, DriveFinding::sdo_failed);
-  refusal_.abort_code = code;
+  abort_code_ = client_.abort_code();
+  const bool has_none = abort_code_ == abort_no_object || abort_code_ == abort_no_sub_index;
+  if (has_none && step.may_be_absent) return is_absent(script, step);
+  if (has_none && step.object.index == host_loss_index) return refuse(step, DriveFinding::host_loss_unsaid);
+  // A drive may refuse to be written and have what is wanted: set by somebody, or so from the factory.
+  if (state_ == writing && !has_none && !is_of_host(abort_code_)) return read_back(step);
+  refuse(step, abort_code_ == abort_timeout ? DriveFinding::sdo_silent : DriveFinding::sdo_failed);
+}
+
+void SetupRunner::is_absent(const SetupScript& script, const SetupStep& step) {
+  const bool may_coast = (step.mask & 1) != 0;
+  if (step.object.index == fault_reaction_index) fault_may_coast_ = !may_coast;
+  if (step.object == heartbeat_consumer && setpoint_timeout_ms_ == 0) return refuse(step, step.finding);
+  next_step(script);
 }
 
 void SetupRunner::refuse(const SetupStep& step, DriveFinding finding) {
+  const bool has_refused_value = abort_code_ != 0 && finding == DriveFinding::read_back_differs;
+  refusal_ = {.finding = has_refused_value ? DriveFinding::sdo_failed : finding,
+              .object = step.object,
+              .expected = state_ == reading ? step.value : written_,
+              .found = found_,
+              .abort_code = abort_code_};
   state_ = next_state(state_, SetupEvent::differs);
-  refusal_ = {.finding = finding, .object = step.object, .expected = step.value, .found = client_.value()};
 }
 
 /// A drive may round a time up; one of more than twice what was asked is as good as none.
-void SetupRunner::note_watchdog(const SetupStep& step) {
+bool SetupRunner::note_watchdog(const SetupStep& step) {
   const auto asked_ms = static_cast<std::uint16_t>(step.value);
-  const auto found_ms = static_cast<std::uint16_t>(client_.value());
-  const bool is_same_node = (client_.value() >> 16) == (step.value >> 16);
-  if (!is_same_node || found_ms == 0 || found_ms > 2 * asked_ms) return;
-  (step.object.index == setpoint_timer_index ? setpoint_timeout_ms_ : host_timeout_ms_) = found_ms;
+  const auto found_ms = static_cast<std::uint16_t>(*found_);
+  const bool is_same_node = (*found_ >> 16) == (step.value >> 16);
+  if (!is_same_node || found_ms == 0 || found_ms > 2 * asked_ms) return false;
+  (step.object == heartbeat_consumer ? host_timeout_ms_ : setpoint_timeout_ms_) = found_ms;
+  return true;
 }
 
 }  // namespace inbetween::can

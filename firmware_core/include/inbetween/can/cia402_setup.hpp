@@ -31,23 +31,38 @@ struct Cia402Setup {
   std::uint16_t drive_heartbeat_ms = 50;                  ///< how often the drive tells that it lives (1017)
   std::uint16_t host_timeout_ms = 100;                    ///< how long it believes that the host lives (1016)
   std::uint16_t setpoint_timeout_ms = 50;                 ///< how long it waits for setpoints (1400:5)
-  std::int16_t communication_lost_option = 3;             ///< object 6007: 1 fault, 2 no power, 3 quick stop
   std::optional<std::uint32_t> following_error_window{};  ///< 6065, counts
   std::optional<std::uint16_t> following_error_timeout_ms{};  ///< 6066
   std::optional<CountRange> position_limits{};                ///< 607D
-  std::optional<std::int16_t> quick_stop_option{};            ///< 605A
-  std::optional<std::uint32_t> vendor{};                      ///< 1018:1, must be so
-  std::optional<std::uint32_t> product{};                     ///< 1018:2, must be so
+  /// How it brakes in a quick stop (605A), 1 to 8: 2 by the ramp of 6085 and then without power, 6 by the
+  /// same ramp and then held.
+  std::int16_t quick_stop_option = 2;
+  std::optional<std::uint32_t> quick_stop_deceleration{};  ///< 6085, in units of the drive
+  /// The axis may roll out: the drive may switch its power off where it could brake (605A to 605E, 6007).
+  bool coasts = false;
+  /// Somebody has read that the drive brakes when the host is lost, though it has no object 6007.
+  bool stops_without_host = false;
+  std::optional<std::uint32_t> vendor{};   ///< 1018:1, must be so
+  std::optional<std::uint32_t> product{};  ///< 1018:2, must be so
 };
 
+/// Objects of which the steps depend on each other.
+inline constexpr ObjectAddress heartbeat_consumer{.index = 0x1016, .sub = 1};
+inline constexpr std::uint16_t fault_reaction_index = 0x605E;
+inline constexpr std::uint16_t host_loss_index = 0x6007;
+
 enum class SetupAction : std::uint8_t {
-  expect,      ///< (object & mask) must be `value`, or `finding`
-  forbid,      ///< (object & mask) must not be `value`, or `finding`
-  write,       ///< write, read back
-  switch_off,  ///< COB-ID of a PDO: bit 31 set, all others kept, read back
-  switch_on,   ///< COB-ID of a PDO: `value` with bit 30 as it is in the drive, read back
-  watchdog,    ///< write where the drive has the object; what it reads back decides at the end
-  sync_watch,  ///< write `value` where the drive does not watch the host's heartbeat, and 0 where it does
+  expect,  ///< (object & mask) must be `value`, or `finding`
+  forbid,  ///< (object & mask) must not be `value`, or `finding`
+  // All of these write. What the drive has then, is read and judged; also where it has refused to be written.
+  write,           ///< it must be `value`
+  write_near,      ///< it must be `value`, or off by no more than a drive rounds
+  sync_watch,      ///< `value`, or 0 where the drive watches the host's heartbeat: it must be one of the two
+  write_code,      ///< it must be a number of which `mask` has the bit
+  write_anything,  ///< it may be anything
+  switch_off,      ///< COB-ID of a PDO: bit 31 set, all others kept
+  switch_on,       ///< COB-ID of a PDO: `value` with bit 30 as it is in the drive
+  watchdog,        ///< heartbeat consumer or setpoint timeout: it must be as long, or up to twice
 };
 
 struct SetupStep {
@@ -73,15 +88,15 @@ struct SetupRefusal {
   DriveFinding finding = DriveFinding::sdo_failed;
   ObjectAddress object{};
   std::uint32_t expected = 0;
-  std::uint32_t found = 0;
-  std::uint32_t abort_code = 0;  ///< for sdo_failed
+  std::optional<std::uint32_t> found{};  ///< what the drive has in the object; nothing where it did not say
+  std::uint32_t abort_code = 0;          ///< its reason not to be read or written; 0 where it gave none
 };
 
 enum class SetupState : std::uint8_t {
   idle,
   reading,  ///< before a write, or to check
   writing,
-  verifying,  ///< reading back what was written
+  verifying,  ///< reading what it has after a write
   done,
   refused,
 };
@@ -90,9 +105,9 @@ inline constexpr std::size_t setup_states = 6;
 enum class SetupEvent : std::uint8_t {
   begin_reading,  ///< a step that reads first
   begin_writing,  ///< a step that writes at once, or has read what it had to know
-  written,        ///< the drive has taken the value
+  written,        ///< the drive has taken the value, or keeps what it has
   finished,       ///< no step is left
-  differs,        ///< the drive refused, did not answer, or has another value
+  differs,        ///< the drive does not answer, or has another value
 };
 inline constexpr std::size_t setup_events = 5;
 
@@ -123,18 +138,24 @@ class SetupRunner {
   void begin_step(const SetupScript& script);
   void next_step(const SetupScript& script);
   void write(const SetupStep& step, std::uint32_t value);
+  void read_back(const SetupStep& step);
   void answered(const SetupScript& script);
   void has_read(const SetupScript& script, const SetupStep& step);
-  void has_verified(const SetupScript& script, const SetupStep& step);
   void has_failed(const SetupScript& script, const SetupStep& step);
+  void is_absent(const SetupScript& script, const SetupStep& step);
   void refuse(const SetupStep& step, DriveFinding finding);
-  void note_watchdog(const SetupStep& step);
+  bool is_right(const SetupStep& step);
+  [[nodiscard]] bool is_right_code(const SetupStep& step) const;
+  bool note_watchdog(const SetupStep& step);
 
   SdoClient client_;
   SetupState state_ = SetupState::idle;
   SetupRefusal refusal_;
   std::size_t step_ = 0;
   std::uint32_t written_ = 0;
+  std::optional<std::uint32_t> found_;  ///< of this step
+  std::uint32_t abort_code_ = 0;        ///< of this step
+  bool fault_may_coast_ = false;        ///< nobody knows what it does in a fault
   std::uint16_t host_timeout_ms_ = 0;
   std::uint16_t setpoint_timeout_ms_ = 0;
 };

@@ -13,8 +13,13 @@ enum class DriveFinding : std::uint8_t {
   wrong_device,
   no_cyclic_position,
   sync_of_another,
+  sdo_silent,
   sdo_failed,
   read_back_differs,
+  would_coast,
+  stop_differs,
+  host_loss_unbraked,
+  host_loss_unsaid,
   window_disabled,
   watchdog_unset,
   first_heartbeat_missing,
@@ -44,7 +49,7 @@ enum class DriveFinding : std::uint8_t {
   moves_while_off,
   watchdog_stays,
 };
-inline constexpr std::size_t drive_findings = 31;
+inline constexpr std::size_t drive_findings = 36;
 
 /// What the loop has to do with the whole rig (a drive decides nothing for the others).
 enum class DriveReaction : std::uint8_t {
