@@ -9,10 +9,13 @@
 #include <limits>
 #include <utility>
 
+#include "inbetween/limits/limits.hpp"
+
 namespace inbetween {
 namespace {
 
-constexpr std::array<std::string_view, 4> cia402_fields = {"type", "bus", "node", "counts_per_unit"};
+constexpr std::array<std::string_view, 5> cia402_fields = {"type", "bus", "node", "counts_per_unit",
+                                                           "deceleration_per_unit"};
 constexpr std::array<std::string_view, 4> turns_fields = {"type", "bus", "node", "turns_per_unit"};
 constexpr std::array<std::string_view, 13> step_dir_fields = {
     "type",     "chip",     "step",         "dir",         "enable",        "steps_per_unit", "max_step_rate",
@@ -63,6 +66,23 @@ double read_scale(const TomlTable& table, std::string_view field, const RigAxis&
 
 double read_count_scale(const TomlTable& table, std::string_view field, const RigAxis& axis) {
   return read_scale(table, field, axis, std::numeric_limits<std::int32_t>::max());
+}
+
+/// What the drive is to brake by in a quick stop, in its own units.
+std::uint32_t read_stop_deceleration(const TomlTable& table, double counts_per_unit, const RigAxis& axis) {
+  const auto field = table.optional("deceleration_per_unit");
+  const double scale = field ? field->positive_number() : std::abs(counts_per_unit);
+  const double stop = axis.stop_acceleration.value_or(default_stop_ratio * axis.max_acceleration);
+  const double deceleration = std::round(stop * scale);
+  if (deceleration >= 1 && deceleration <= std::numeric_limits<std::uint32_t>::max()) {
+    return static_cast<std::uint32_t>(deceleration);
+  }
+  field.value_or(*table.optional("counts_per_unit"))
+      .refuse(fmt::format(
+          "is {}, so that a stop by {:.15g} {}/s^2 is {:.15g} units of the drive; its object 6085 "
+          "takes 1 to {}",
+          field ? scale : counts_per_unit, stop, to_string(axis.unit), deceleration,
+          std::numeric_limits<std::uint32_t>::max()));
 }
 
 /// `field` in microseconds, rounded up to nanoseconds; `time_ns` stays as it is without it.
@@ -146,7 +166,8 @@ Drive read_drive(const TomlValue& value, const RigAxis& axis, const RigContext& 
     case 0: {
       const TomlTable table(fields, "a cia402 drive", cia402_fields);
       const auto [bus, node] = read_can_address(table, {1, 127}, rig);
-      return Cia402Drive{bus, node, read_count_scale(table, "counts_per_unit", axis)};
+      const double counts_per_unit = read_count_scale(table, "counts_per_unit", axis);
+      return Cia402Drive{bus, node, counts_per_unit, read_stop_deceleration(table, counts_per_unit, axis)};
     }
     case 1: {
       const TomlTable table(fields, "an odrive drive", turns_fields);

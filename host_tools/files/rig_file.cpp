@@ -20,7 +20,7 @@ namespace {
 constexpr std::array<std::string_view, 8> rig_fields = {
     "name", "rate_hz", "bus", "axis", "emergency_stop", "start_trigger", "camera", "output"};
 constexpr std::array<std::string_view, 1> bus_fields = {"bitrate"};
-constexpr std::array<std::string_view, 15> axis_fields = {"name",
+constexpr std::array<std::string_view, 18> axis_fields = {"name",
                                                           "unit",
                                                           "min",
                                                           "max",
@@ -31,6 +31,9 @@ constexpr std::array<std::string_view, 15> axis_fields = {"name",
                                                           "stop_acceleration",
                                                           "stop_jerk",
                                                           "drive",
+                                                          "unpowered",
+                                                          "coasts",
+                                                          "on_host_lost",
                                                           "reference",
                                                           "home",
                                                           "limit_min",
@@ -167,6 +170,20 @@ void read_reference(const TomlTable& table, RigAxis& axis) {
   axis.reference = reference;
 }
 
+void read_loss_of_power(const TomlTable& table, RigAxis& axis) {
+  if (const auto value = table.optional("unpowered")) {
+    axis.unpowered = Unpowered{.holds = value->choice({"holds", "falls"}) == 0, .place = value->place()};
+  }
+  const bool is_cia402 = std::holds_alternative<Cia402Drive>(axis.drive);
+  const auto of_cia402 = [&](std::string_view field) {
+    auto value = table.optional(field);
+    if (value && !is_cia402) value->refuse("belongs to a cia402 drive only; leave it out");
+    return value;
+  };
+  if (const auto value = of_cia402("coasts")) axis.coasts = value->boolean();
+  if (const auto value = of_cia402("on_host_lost")) axis.stops_without_host = value->choice({"stops"}) == 0;
+}
+
 std::optional<InputLine> read_switch(const TomlTable& parent, std::string_view field, BrokenWire broken,
                                      TakenLines& lines) {
   const auto value = parent.optional(field);
@@ -187,6 +204,7 @@ RigAxis read_axis(const TomlValue& value, const RigContext& rig) {
                                          unit_names[4], unit_names[5]}));
   read_limits(table, axis);
   axis.drive = read_drive(table.required("drive", R"(drive = { type = ... })"), axis, rig);
+  read_loss_of_power(table, axis);
   if (const auto home = table.optional("home")) axis.home = read_home(*home, axis, rig.lines);
   read_reference(table, axis);
   axis.limit_min = read_switch(table, "limit_min", BrokenWire::preferably_active, rig.lines);

@@ -43,6 +43,7 @@ struct Cia402Drive {
   std::string bus;
   int node = 0;  // 1..127
   double counts_per_unit = 0;
+  std::uint32_t stop_deceleration = 0;  // of a quick stop, in units of the drive (object 6085), above 0
 };
 struct OdriveDrive {
   std::string bus;
@@ -101,6 +102,13 @@ struct Home {
   Place place;
 };
 
+/// What an axis does when its drive has no power: it keeps its place by a brake, a self-locking gear or
+/// because it is balanced, or its load falls.
+struct Unpowered {
+  bool holds = false;
+  Place place;
+};
+
 /// Limits are magnitudes in unit, unit/s, unit/s^2, unit/s^3, all above 0.
 struct RigAxis {
   std::string name;
@@ -114,6 +122,9 @@ struct RigAxis {
   std::optional<double> stop_acceleration;      // absent: 1.5 * max_acceleration
   std::optional<double> stop_jerk;              // absent: 1.5 * max_jerk
   Drive drive;
+  std::optional<Unpowered> unpowered = {};       // nothing: the file does not say
+  bool coasts = false;                           // CiA 402: it may roll out where a drive could brake it
+  bool stops_without_host = false;               // CiA 402: the manual of a drive without object 6007 says so
   Reference reference = Reference::by_operator;  // by_home exactly if there is a `home`
   std::optional<Home> home;                      // of open-loop axes only
   std::optional<InputLine> limit_min;            // switches at the ends of travel; they stop the rig

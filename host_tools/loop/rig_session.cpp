@@ -52,6 +52,7 @@ std::vector<double> standing(const RigFile& rig, const RigReference& reference,
 std::unique_ptr<RigInputs> opened_lines(const RigFile& rig, const SessionOptions& options,
                                         const std::vector<double>& standing) {
   if (options.simulated) return RigInputs::simulated(rig, standing);
+  refuse_falling_axes(rig);
   refuse_unavailable_lines(rig);
   return RigInputs::on_chips(rig);
 }

@@ -111,7 +111,10 @@ can::Cia402Settings settings_of(const RigAxis& axis, std::int32_t rate_hz) {
           .setpoint_timeout_ms = static_cast<std::uint16_t>(std::min<std::int64_t>(setpoint_ms, 65'535)),
           .position_limits =
               can::CountRange{.min = static_cast<std::int32_t>(std::floor(std::min(ends[0], ends[1]))),
-                              .max = static_cast<std::int32_t>(std::ceil(std::max(ends[0], ends[1])))}}};
+                              .max = static_cast<std::int32_t>(std::ceil(std::max(ends[0], ends[1])))},
+          .quick_stop_deceleration = drive.stop_deceleration,
+          .coasts = axis.coasts,
+          .stops_without_host = axis.stops_without_host}};
   // The ramp of the drive is not known; that of the axis, twice, is long enough.
   settings.disable_timeout_ns += static_cast<std::int64_t>(2 * axis.max_velocity / axis.max_acceleration *
                                                            static_cast<double>(ns_per_s));
@@ -133,6 +136,26 @@ SimulatedCia402Settings simulated_settings_of(const RigAxis& axis, double positi
   settings.motor.max_acceleration =
       std::max(settings.motor.max_acceleration, 4 * std::fabs(drive.counts_per_unit) * axis.max_acceleration);
   return settings;
+}
+
+void refuse_falling_axes(const RigFile& rig) {
+  for (const RigAxis& axis : rig.axes) {
+    if (!axis.unpowered) {
+      throw InputError(
+          axis.place,
+          fmt::format("axis {} does not say what it does without power; write unpowered = \"holds\" if "
+                      "it keeps its place (a brake, a self-locking gear, a balanced load), otherwise "
+                      "unpowered = \"falls\"",
+                      in_quotes(axis.name)));
+    }
+    if (axis.unpowered->holds) continue;
+    throw InputError(
+        axis.unpowered->place,
+        fmt::format("axis {} falls without power, so no drive is switched on; fit a brake on the brake "
+                    "output of its drive, a self-locking gear or a counterweight, then write unpowered = "
+                    "\"holds\"",
+                    in_quotes(axis.name)));
+  }
 }
 
 std::string words_of(const can::SetupRefusal& refusal) {

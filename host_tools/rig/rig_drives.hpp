@@ -55,6 +55,9 @@ class HostLink {
 can::Cia402Settings settings_of(const RigAxis& axis, std::int32_t rate_hz);
 /// A simulated drive for it that stands at `position`, with a motor that was chosen for its axis.
 SimulatedCia402Settings simulated_settings_of(const RigAxis& axis, double position);
+/// Throws InputError at the place of an axis that falls without power, or does not say what it does then. Not
+/// for a simulated rig, which nothing pulls down.
+void refuse_falling_axes(const RigFile& rig);
 /// Why a drive could not be set up: the object, what it has, and the words of the drive.
 std::string words_of(const can::SetupRefusal& refusal);
 /// Throws InputError at the place of a bus whose load would be above bus_load_limit_percent, or of an axis

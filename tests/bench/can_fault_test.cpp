@@ -163,7 +163,7 @@ TEST(CanFault, ADriveThatIgnoresItsTargetMakesTimeStandStillForAll) {
 
 // faults.md 26. Bit 12 comes back, and nothing catches up.
 TEST(CanFault, ADriveThatIgnoredItsTargetForAWhileDoesNotCatchUp) {
-  const BusScene scene = scene_with(fault("slide", "ignore-target", "after_motion = 4\nfor = 0.1"));
+  const BusScene scene = scene_with(fault("slide", "ignore-target", "after_motion = 4\nfor = 0.04"));
   expect_told(scene, "slide", "the drive does not follow its target (statusword bit 12)");
   scene.expect_stop_on_path(all);
 }
@@ -229,6 +229,63 @@ TEST(CanFault, ADriveThatDoesNotSwitchOffIsNamedAndKeepsItsWatchdogs) {
 TEST(CanFault, ADriveThatWouldRunOnAloneIsRefused) {
   expect_refused_at_arming(scene_with(fault("slide", "no-watchdog", "")), "slide",
                            "the drive would run on if this program died");
+}
+
+/// A drive whose object has this value and cannot be told another.
+std::string fixed(std::string_view axis, unsigned index, unsigned sub, unsigned value) {
+  return fault(axis, "fixed-object", fmt::format("object = {}\nsub = {}\nvalue = {}", index, sub, value));
+}
+
+// faults.md 29. Its setpoint timeout is in order; that does not notice a host that hangs while it sends.
+TEST(CanFault, ADriveWhoseHeartbeatConsumerCannotBeSetIsRefused) {
+  const BusScene scene = scene_with(fixed("slide", 0x1016, 1, 0));
+  expect_refused_at_arming(scene, "slide", "the drive would run on if this program died");
+  EXPECT_THAT(scene.run.out,
+              HasSubstr("(object 1016h:1 is 0 (0h), not 8323192 (7F0078h); 0601 0002h: the object "
+                        "can only be read)"));
+}
+
+// faults.md 29
+TEST(CanFault, ADriveThatDoesNothingWithoutThisProgramIsRefused) {
+  const BusScene scene = scene_with(fixed("pan", 0x6007, 0, 0));
+  expect_refused_at_arming(scene, "pan", "the drive would not brake if this program died");
+}
+
+// faults.md 29
+TEST(CanFault, ADriveThatDoesNotSayWhatItDoesWithoutThisProgramIsRefused) {
+  const BusScene scene = scene_with(fault("pan", "no-object", "object = 0x6007"));
+  expect_refused_at_arming(scene, "pan", "the drive does not say what it does if this program dies");
+  EXPECT_THAT(scene.run.out, HasSubstr("write on_host_lost = \"stops\" for the axis"));
+}
+
+TEST(CanFault, ADriveThatWouldCoastIsRefused) {
+  const BusScene scene = scene_with(fixed("tilt", 0x605E, 0, 0));
+  expect_refused_at_arming(scene, "tilt", "the drive would switch its motor off at once where it must brake");
+  EXPECT_THAT(scene.run.out, HasSubstr("write coasts = true"));
+}
+
+TEST(CanFault, ADriveThatBrakesByAnotherRampThanTheRigIsRefused) {
+  const BusScene scene = scene_with(fixed("slide", 0x6085, 0, 500'000));
+  expect_refused_at_arming(scene, "slide",
+                           "the drive brakes by another deceleration than the axis has in the rig");
+  EXPECT_THAT(scene.run.out, HasSubstr("is 500000 (7A120h), not 1200000 (124F80h)"));
+}
+
+TEST(CanFault, ADriveThatFallsSilentWhileItIsSetUpIsSaidToBeSilent) {
+  const BusScene scene = scene_with(fault("pan", "silent-object", "object = 0x605C"));
+  expect_refused_at_arming(scene, "pan", "the drive did not answer while it was set up");
+  EXPECT_THAT(scene.run.out, HasSubstr("(object 605Ch:0; 0504 0000h: no answer in time)"));
+}
+
+// What the profile does not ask for may be missing, and what is right already need not be written.
+TEST(CanFault, ADriveWithFewerObjectsPlaysTheWholeMove) {
+  std::string faults = fixed("slide", 0x6085, 0, 1'200'000) + fixed("pan", 0x1006, 0, 0) +
+                       fixed("tilt", 0x605A, 0, 6) + fixed("pan", 0x6007, 0, 1);
+  for (const int index : {0x605A, 0x605B, 0x605C, 0x605D}) {
+    faults += fault("pan", "no-object", fmt::format("object = {}", index));
+  }
+  const BusScene scene = scene_with(faults);
+  EXPECT_EQ(scene.run.status, 0) << scene.run.out << scene.run.err;
 }
 
 }  // namespace

@@ -49,6 +49,7 @@ min = -1
 max = 60
 max_velocity = 33
 max_acceleration = 100
+unpowered = "holds"
 drive = { type = "step-dir", chip = "head", step = 0, dir = 1, enable = 4, enable_active = "high", steps_per_unit = 10, max_step_rate = 333, pulse_us = 1000, pause_us = 1000 }
 )" + of_x;
   for (unsigned i = 0; i < contacts; ++i) {
@@ -59,6 +60,7 @@ min = -1
 max = 60
 max_velocity = 33
 max_acceleration = 100
+unpowered = "holds"
 drive = {{ type = "step-dir", chip = "head", step = {}, dir = {}, steps_per_unit = 10 }}
 home = {{ chip = "head", line = {}, direction = "positive", fast = 10, slow = 1, back_off = 1, bias = "none" }}
 )",
@@ -154,6 +156,7 @@ min = -1
 max = 60
 max_velocity = 33
 max_acceleration = 100
+unpowered = "holds"
 drive = { type = "step-dir", chip = "head", step = 0, dir = 1, enable = 4, steps_per_unit = 10, max_step_rate = 333, pulse_us = 1000, pause_us = 1000 }
 limit_max = { chip = "head", line = 7, active = "high", bias = "pull-up" }
 [[axis]]
@@ -163,6 +166,7 @@ min = -60
 max = 1
 max_velocity = 33
 max_acceleration = 100
+unpowered = "holds"
 drive = { type = "step-dir", chip = "far", step = 0, dir = 1, steps_per_unit = 10 }
 limit_min = { chip = "far", line = 3, active = "high", bias = "none" }
 )";
@@ -257,6 +261,7 @@ min = -1
 max = 60
 max_velocity = 33
 max_acceleration = 100
+unpowered = "holds"
 drive = { type = "step-dir", chip = "head", step = 0, dir = 1, steps_per_unit = 10, max_step_rate = 333, pulse_us = 1000, pause_us = 1000 }
 )",
                          .move = R"(name = "there"

@@ -32,6 +32,7 @@ min = 0
 max = 100
 max_velocity = 33
 max_acceleration = 100
+unpowered = "holds"
 drive = { type = "step-dir", chip = "head", step = 0, dir = 1, enable = 4, enable_active = "high", steps_per_unit = 10, max_step_rate = 333, pulse_us = 1000, pause_us = 1000 }
 home = { chip = "head", line = 6, bias = "none", direction = "negative", fast = 20, slow = 2, back_off = 2 }
 [[axis]]
@@ -41,6 +42,7 @@ min = 0
 max = 100
 max_velocity = 33
 max_acceleration = 100
+unpowered = "holds"
 drive = { type = "step-dir", chip = "head", step = 2, dir = 3, enable = 5, enable_active = "high", steps_per_unit = 10, max_step_rate = 333, pulse_us = 1000, pause_us = 1000 }
 home = { chip = "head", line = 7, bias = "none", direction = "negative", fast = 20, slow = 2, back_off = 2 }
 )";

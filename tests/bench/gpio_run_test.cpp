@@ -42,6 +42,7 @@ min = -1
 max = 60
 max_velocity = 33
 max_acceleration = 100
+unpowered = "holds"
 drive = { type = "step-dir", chip = "head", step = 0, dir = 1, enable = 4, enable_active = "high", steps_per_unit = 10, max_step_rate = 333, pulse_us = 1000, pause_us = 1000 }
 limit_max = { chip = "head", line = 7, active = "high", bias = "none" }
 [[axis]]
@@ -51,6 +52,7 @@ min = -60
 max = 1
 max_velocity = 33
 max_acceleration = 100
+unpowered = "holds"
 drive = { type = "step-dir", chip = "head", step = 2, dir = 3, enable = 5, enable_active = "high", steps_per_unit = 10, max_step_rate = 333, pulse_us = 1000, pause_us = 1000 }
 )";
 constexpr unsigned step_x = 0, dir_x = 1, step_y = 2, dir_y = 3, enable_x = 4, enable_y = 5;

@@ -215,6 +215,7 @@ TEST(FormatsDocument, HasEveryWordThatAFieldMayBe) {
       {"start", words_after(parse_move, with(move, "\"trigger\"", "\"?\""))},
       {"unit", words_after(parse_rig, with(rig, "\"unit\"", "\"?\""))},
       {"reference", words_after(parse_rig, with(rig, "reference = \"drive\"", "reference = \"?\""))},
+      {"unpowered", words_after(parse_rig, with(rig, "unpowered = \"falls\"", "unpowered = \"?\""))},
       {"direction", words_after(parse_rig, with(rig, "\"negative\"", "\"?\""))},
       {"stops_at", words_after(parse_rig, with(rig, "stops_at = \"high\"", "stops_at = \"?\""))},
       {"enable_active",

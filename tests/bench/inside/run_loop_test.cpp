@@ -49,6 +49,7 @@ min = -1
 max = 60
 max_velocity = 100
 max_acceleration = 1000
+unpowered = "holds"
 drive = { type = "cia402", bus = "can0", node = 1, counts_per_unit = 1000 }
 [[axis]]
 name = "y"
@@ -57,6 +58,7 @@ min = -1
 max = 60
 max_velocity = 100
 max_acceleration = 1000
+unpowered = "holds"
 drive = { type = "cia402", bus = "can0", node = 2, counts_per_unit = 1000 }
 )";
 
