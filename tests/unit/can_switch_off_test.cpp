@@ -190,7 +190,8 @@ TEST(CanSwitchOff, AfterAnEmergencyStopNothingIsMissedAnyMore) {
   for (std::size_t i = 0; i < 2; ++i) {
     expect_left_well(crane.drives[i]);
     EXPECT_EQ(crane.hosts[i].phase(), DrivePhase::off);
-    EXPECT_THAT(emergencies_of(crane.drives[i]), testing::SizeIs(at_the_stop[i])) << "none but those of the stop";
+    EXPECT_THAT(emergencies_of(crane.drives[i]), testing::SizeIs(at_the_stop[i]))
+        << "none but those of the stop";
   }
 }
 
