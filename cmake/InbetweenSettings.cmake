@@ -10,7 +10,8 @@ endif()
 
 find_program(INBETWEEN_CCACHE ccache)
 if(INBETWEEN_CCACHE)
-  set(CMAKE_CXX_COMPILER_LAUNCHER "${INBETWEEN_CCACHE}")
+  # Without the paths of this checkout in a command another checkout finds what was compiled here.
+  set(CMAKE_CXX_COMPILER_LAUNCHER "${CMAKE_COMMAND}" -E env "CCACHE_BASEDIR=${PROJECT_SOURCE_DIR}" "${INBETWEEN_CCACHE}")
 endif()
 
 add_library(inbetween_settings INTERFACE)

@@ -11,15 +11,13 @@
 #include "host_tools/cli/command.hpp"
 #include "host_tools/cli/position_arguments.hpp"
 #include "host_tools/cli/setup_arguments.hpp"
+#include "host_tools/loop/jitter.hpp"
 #include "host_tools/motions/go_to.hpp"
 #include "host_tools/reference/axis_positions.hpp"
 #include "host_tools/rig/rig_watch.hpp"
 
 namespace inbetween {
 namespace {
-
-/// A loop without real-time rights could make an axis jump above this share of its speed.
-constexpr double jitter_share = 0.1;
 
 struct GotoArguments {
   SetupArguments setup;

@@ -30,7 +30,7 @@ struct FaultKind {
   std::string_view own{};  ///< the field that it has alone
 };
 
-constexpr std::array kinds{
+constexpr std::array fault_kinds{
     FaultKind{
         .word = "lose-frames", .kind = Kind::lose_sent, .lasts = true, .counts = true, .own = "direction"},
     FaultKind{.word = "short-frames", .kind = Kind::shorten, .lasts = true, .counts = true},
@@ -50,9 +50,9 @@ constexpr std::array kinds{
 };
 
 const FaultKind& read_kind(const TomlTable& table) {
-  std::array<std::string_view, kinds.size()> words;
-  std::ranges::transform(kinds, words.begin(), &FaultKind::word);
-  return kinds.at(table.required("what", R"(what = "lose-frames", say)").choice(words));
+  std::array<std::string_view, fault_kinds.size()> words;
+  std::ranges::transform(fault_kinds, words.begin(), &FaultKind::word);
+  return fault_kinds.at(table.required("what", R"(what = "lose-frames", say)").choice(words));
 }
 
 /// A field that a fault does not have is refused: its author would wait for something that never happens.

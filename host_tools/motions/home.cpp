@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "host_tools/files/diagnostics.hpp"
+#include "host_tools/loop/jitter.hpp"
 #include "host_tools/loop/manual_motion.hpp"
 #include "host_tools/motions/rig_homing.hpp"
 #include "host_tools/plan/move_rolls.hpp"
@@ -11,9 +12,6 @@
 
 namespace inbetween {
 namespace {
-
-/// Of max_velocity, without real-time rights.
-constexpr double jitter_share = 0.1;
 
 void refuse_fast_homing(const RigFile& rig, const std::vector<std::size_t>& axes) {
   for (const std::size_t a : axes) {

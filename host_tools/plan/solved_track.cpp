@@ -8,7 +8,7 @@ namespace {
 /// At the default delta a segment takes about 20 pieces; what is missing is told by the core.
 constexpr std::size_t usual_pieces_per_segment = 24;
 /// Locked keys and holds may refine a drawn curve up to this many control values.
-constexpr std::size_t max_control_values = 4097;
+constexpr std::size_t max_refined_values = 4097;
 
 }  // namespace
 
@@ -58,10 +58,10 @@ void SolvedTrack<Real>::apply_locks(const TrackSpec<Real>& spec, const ArcLength
     key_distances.push_back(arc_length.segment_begin(static_cast<std::int32_t>(i)).high);
   }
   const std::size_t rows = spec.locks.size() + 1;
-  std::vector<Real> adjusted(max_control_values);
-  std::vector<Real> drawn(max_control_values);
-  std::vector<Real> mobility(max_control_values);
-  std::vector<Real> ceiling(max_control_values);
+  std::vector<Real> adjusted(max_refined_values);
+  std::vector<Real> drawn(max_refined_values);
+  std::vector<Real> mobility(max_refined_values);
+  std::vector<Real> ceiling(max_refined_values);
   std::vector<Real> targets(rows);
   std::vector<Real> multipliers(4 * rows);
   std::vector<Real> matrix(rows * rows);

@@ -10,6 +10,7 @@
 
 #include "host_tools/files/diagnostics.hpp"
 #include "host_tools/plot/plot_canvas.hpp"
+#include "host_tools/plot/plot_page.hpp"
 #include "host_tools/plot/plot_panel.hpp"
 #include "host_tools/plot/plot_path.hpp"
 #include "host_tools/plot/plot_time.hpp"
@@ -17,12 +18,8 @@
 namespace inbetween {
 namespace {
 
-constexpr double page_width = 1400;
-constexpr double margin = 44;
-constexpr double content_width = page_width - 2 * margin;
 constexpr double gutter = 36;
 constexpr double left_width = 640;
-constexpr double title_height = 66;
 constexpr double track_title_height = 40;
 constexpr double section_gap = 26;
 // Beyond this, the width of a range overflows.
@@ -48,30 +45,30 @@ TrackLayout track_layout(const PlotMove& move, const PlotTrack& track, double y)
   constexpr double third_height = 270;
   constexpr double speed_beside_third = 230;
   const bool third = track.axes.size() > 2;
-  const double right = margin + left_width + gutter;
+  const double right = page_margin + left_width + gutter;
   const double right_width = content_width - left_width - gutter;
   const double height = third                    ? speed_beside_third + section_gap + third_height
                         : track.axes.size() == 1 ? ruler_height
                                                  : path_panel_height(move, track, {0, 1}, left_width);
   TrackLayout out;
-  out.path = {margin, y, left_width, height};
+  out.path = {page_margin, y, left_width, height};
   out.speed = {right, y, right_width, third ? speed_beside_third : height};
   if (third) out.third = Box{right, out.speed.bottom() + section_gap, right_width, third_height};
-  out.bar = {margin, y + height + section_gap, content_width, time_bar_height};
+  out.bar = {page_margin, y + height + section_gap, content_width, time_bar_height};
   return out;
 }
 
 Layout layout_of(const PlotMove& move) {
   Layout out;
-  double y = margin + title_height;
+  double y = page_margin + title_height;
   for (const PlotTrack& track : move.tracks) {
     TrackLayout next = track_layout(move, track, y + track_title_height);
     next.title = y + 18;
     y = next.bar.bottom() + section_gap;
     out.tracks.push_back(next);
   }
-  out.positions = {margin, y, content_width, positions_height(move)};
-  out.height = std::ceil(out.positions.bottom() + margin / 2);
+  out.positions = {page_margin, y, content_width, positions_height(move)};
+  out.height = std::ceil(out.positions.bottom() + page_margin / 2);
   return out;
 }
 
@@ -89,17 +86,17 @@ std::string names_of(const PlotMove& move, std::span<const std::size_t> axes) {
 
 void draw_page_title(Canvas& canvas, const PlotMove& move) {
   const TextStyle name{.size = 26, .color = plot_color::ink, .bold = true};
-  canvas.text({margin, margin + 16}, elided(canvas, move.name, name, content_width), name);
-  canvas.text({margin, margin + 40}, summary(move), {.size = 14, .color = plot_color::quiet});
+  canvas.text({page_margin, page_margin + 16}, elided(canvas, move.name, name, content_width), name);
+  canvas.text({page_margin, page_margin + 40}, summary(move), {.size = 14, .color = plot_color::quiet});
 }
 
 void draw_track(Canvas& canvas, const TrackLayout& layout, const PlotMove& move, std::size_t index) {
   const PlotTrack& track = move.tracks[index];
   const Color color = track_color(index);
   const TextStyle style{.size = 17, .color = plot_color::ink, .bold = true};
-  canvas.rectangle({margin, layout.title - 14, 5, 18}, color);
+  canvas.rectangle({page_margin, layout.title - 14, 5, 18}, color);
   const std::string title = fmt::format("Track {}: {}", index + 1, names_of(move, track.axes));
-  canvas.text({margin + 14, layout.title}, elided(canvas, title, style, content_width - 14), style);
+  canvas.text({page_margin + 14, layout.title}, elided(canvas, title, style, content_width - 14), style);
   if (track.axes.size() == 1) {
     draw_ruler(canvas, layout.path, move, track, color);
   } else {

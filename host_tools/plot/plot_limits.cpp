@@ -8,16 +8,13 @@
 
 #include "host_tools/files/diagnostics.hpp"
 #include "host_tools/plot/plot_line.hpp"
+#include "host_tools/plot/plot_page.hpp"
 #include "host_tools/plot/plot_panel.hpp"
 #include "host_tools/plot/plot_scale.hpp"
 
 namespace inbetween {
 namespace {
 
-constexpr double page_width = 1400;
-constexpr double margin = 44;
-constexpr double content_width = page_width - 2 * margin;
-constexpr double title_height = 66;
 constexpr double above_rows = 34;
 constexpr double below_rows = 40;
 constexpr double row_height = 104;
@@ -170,18 +167,18 @@ void draw_limits_plot(const LimitsPlot& plot, const std::filesystem::path& file)
   require_consistent(plot);
   const double height = rows_height(plot);
   Canvas canvas(file, page_width,
-                std::ceil(margin + title_height + above_rows + height + below_rows + margin / 2));
+                std::ceil(page_margin + title_height + above_rows + height + below_rows + page_margin / 2));
   const TextStyle title{.size = 24, .color = plot_color::ink, .bold = true};
   const TextStyle quiet{.size = 13, .color = plot_color::quiet};
   const std::string summary = fmt::format("{}  ·  {} fps  ·  {:.6g} s", counted(plot.frames, "frame"),
                                           plot.frame_rate, plot.frames / plot.frames_per_second);
-  canvas.text({margin, margin + 18}, elided(canvas, plot.name, title, content_width), title);
-  canvas.text({margin, margin + 42}, summary, quiet);
-  Box area{margin + left_room, margin + title_height + above_rows, content_width - left_room - right_room,
-           row_height};
+  canvas.text({page_margin, page_margin + 18}, elided(canvas, plot.name, title, content_width), title);
+  canvas.text({page_margin, page_margin + 42}, summary, quiet);
+  Box area{page_margin + left_room, page_margin + title_height + above_rows,
+           content_width - left_room - right_room, row_height};
   const bool rolls = plot.first_frame < 0 || plot.last_frame > plot.frames;
   const std::string remarks = "dashed: limits of the rig; dots: proven peaks; orange: what does not fit";
-  draw_heading(canvas, {margin, area.y - 14}, "Limits",
+  draw_heading(canvas, {page_margin, area.y - 14}, "Limits",
                rolls ? remarks + "; grey: pre-roll and post-roll" : remarks, content_width);
   draw_frames(canvas, {area.x, area.y, area.width, height}, plot);
   std::size_t axis = 0;

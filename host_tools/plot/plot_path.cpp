@@ -110,8 +110,8 @@ std::vector<Point> path_on_page(const PlotTrack& track, PlotPlane plane, const S
 }
 
 std::size_t tick_every(const PlotMove& move, double length) {
-  const double max_shown = std::clamp(length / min_tick_gap, 1.0, max_ticks);
-  return static_cast<std::size_t>(round_step(move.frames / max_shown));
+  const double max_ticks_shown = std::clamp(length / min_tick_gap, 1.0, max_ticks);
+  return static_cast<std::size_t>(round_step(move.frames / max_ticks_shown));
 }
 
 std::string tick_remark(std::size_t every, bool any, std::string_view meaning) {

@@ -1,0 +1,23 @@
+# in_batches(RESULT NAME SIZE SOURCE...): a batch is a source file that includes SIZE others, so that the headers they
+# share are read once, which is most of what compiling costs. RESULT is the list of batches. They name their files from
+# the root (those of CMake's UNITY_BUILD hold the path of the checkout), so that ccache serves every checkout.
+function(in_batches result name size)
+  set(batches "")
+  set(text "")
+  set(in_batch 0)
+  foreach(source IN LISTS ARGN ITEMS end)
+    if(in_batch EQUAL size OR (source STREQUAL "end" AND in_batch))
+      list(LENGTH batches number)
+      set(batch "${CMAKE_CURRENT_BINARY_DIR}/batches/${name}_${number}.cpp")
+      file(CONFIGURE OUTPUT "${batch}" CONTENT "${text}" @ONLY)
+      list(APPEND batches "${batch}")
+      set(text "")
+      set(in_batch 0)
+    endif()
+    cmake_path(ABSOLUTE_PATH source)
+    cmake_path(RELATIVE_PATH source BASE_DIRECTORY "${PROJECT_SOURCE_DIR}")
+    string(APPEND text "#include \"${source}\"  // NOLINT(bugprone-suspicious-include): this is a batch\n")
+    math(EXPR in_batch "${in_batch} + 1")
+  endforeach()
+  set(${result} "${batches}" PARENT_SCOPE)
+endfunction()
