@@ -4,11 +4,13 @@
 #
 #   bootstrap_test.sh BOOTSTRAP
 set -euo pipefail
-# shellcheck source=scripts/bootstrap
-source "$1"
-
 scratch=$(mktemp --directory)
 trap 'rm --recursive --force "$scratch"' EXIT
+# A machine of today, unless a test says otherwise.
+export OS_RELEASE=$scratch/os-release
+printf 'VERSION_CODENAME=trixie\n' >"$OS_RELEASE"
+# shellcheck source=scripts/bootstrap
+source "$1"
 failures=0
 
 expect() { # expect WHAT WANTED GOT
@@ -112,9 +114,6 @@ machine_with() { # machine_with PACKAGE..., as dpkg-query reports them
 
 run_bootstrap() { PATH=$stand_ins:$PATH bash "$bootstrap" "$@" 2>&1 || true; }
 bootstrap=$1
-# A machine of today, unless a test says otherwise.
-export OS_RELEASE=$scratch/os-release
-printf 'VERSION_CODENAME=trixie\n' >"$OS_RELEASE"
 
 machine_with "${test_packages[@]}"
 expect "a machine that has everything is left alone, in silence" "" "$(run_bootstrap test)$(cat "$scratch/calls")"
@@ -141,7 +140,7 @@ printf 'VERSION_CODENAME=bookworm\n' >"$OS_RELEASE"
 new_apt_machine
 printf 'deb http://mirror.example/debian bookworm main\n' >"$scratch/apt/etc/sources.list"
 downloaded mirror.example_debian bookworm "Debian"
-without=("${test_packages[@]}")
+without=("${test_packages[@]/linux-source-6.12/linux-source-6.1}")
 for i in "${!without[@]}"; do [[ ${without[i]} != libgpiod-dev ]] || unset 'without[i]'; done
 machine_with "${without[@]}"
 # The stand-in is asked where packages come from, too: the real one answers that.
@@ -157,6 +156,22 @@ apt-get --quiet --quiet --option DPkg::Lock::Timeout=300 --option Dpkg::Use-Pty=
 expect "which are added once" \
   "deb [$signed] http://mirror.example/debian/ bookworm-backports main" "$(added)"
 unset APT_CONFIG
+
+machine_with "${demo_packages[@]}"
+chatty() { # chatty STATUS: an apt-get as in a container
+  printf '#!/bin/sh\necho "invoke-rc.d: could not determine current runlevel"\necho "E: told" >&2\nexit %s\n' "$1" \
+    >"$stand_ins/apt-get"
+}
+printf 'VERSION_CODENAME=trixie\n' >"$OS_RELEASE"
+chatty 0
+expect "what packages warn of in a container is not shown" \
+  "scripts/bootstrap: installing ${test_packages[*]:${#demo_packages[@]}}" "$(run_bootstrap)"
+chatty 100
+expect "but it is where they cannot be installed" \
+  "scripts/bootstrap: installing ${test_packages[*]:${#demo_packages[@]}}
+invoke-rc.d: could not determine current runlevel
+E: told
+scripts/bootstrap: error: apt-get update failed; see above" "$(run_bootstrap)"
 
 expect "an unknown set is refused" \
   "scripts/bootstrap: error: unknown set of packages 'dmeo'; say demo or test" "$(run_bootstrap dmeo)"
