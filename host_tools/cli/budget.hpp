@@ -69,7 +69,7 @@ struct FunctionBudget {
   BudgetLimit cortex_m4f;
 };
 
-/// The worst stack of every public function in bytes, with all that it calls.
+/// Worst stack in bytes, with all that is called: of what every tick calls and of what solves a move.
 std::span<const FunctionBudget> stack_limits();
 /// Instructions for three axes: for a tick, and for the time of a tick's number. Once per move of 8 keys and
 /// 7 control values: for solving it (solve: path to track), for cutting it into counts, and for bounding its

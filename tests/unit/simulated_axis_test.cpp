@@ -1,9 +1,7 @@
-// The rig without hardware: axes and clock.
+// The rig without hardware: axes.
 #include "sim/simulated_axis.hpp"
 
 #include <gtest/gtest.h>
-
-#include "sim/virtual_clock.hpp"
 
 namespace inbetween {
 namespace simulated_axis_test {
@@ -30,20 +28,6 @@ TEST(SimulatedAxis, KeepsItsLargestFollowingErrorInEitherDirection) {
   for (const double setpoint : {1.0, 3.0, -4.0, -4.0, -3.0}) axis.tick(setpoint);
   EXPECT_EQ(axis.following_error_peak(), 7);
   EXPECT_EQ(axis.actual(), -4);
-}
-
-TEST(VirtualClock, StandsStillUntilSomebodyWaits) {
-  VirtualClock clock;
-  EXPECT_EQ(clock.now_ns(), 0);
-  clock.sleep_until_ns(4'000'000);
-  EXPECT_EQ(clock.now_ns(), 4'000'000);
-}
-
-TEST(VirtualClock, NeverGoesBack) {
-  VirtualClock clock;
-  clock.sleep_until_ns(4'000'000);
-  clock.sleep_until_ns(1'000'000);
-  EXPECT_EQ(clock.now_ns(), 4'000'000);
 }
 
 }  // namespace simulated_axis_test
