@@ -87,11 +87,11 @@ class FastRunner {
 
 /// What a late tick means for the rig. One that is late by a second or more, because the program or the
 /// machine was suspended, has every rig catch up, a simulated one with its drives too: whatever is played
-/// stops (faults.md 36), and nobody who comes back is surprised by what moves.
+/// stops (docs/faults.md 36), and nobody who comes back is surprised by what moves.
 enum class Lateness {
   time_stands_still,  ///< those after it are as much later, also for the drives, which are simulated
   falls_behind,       ///< those after it are as much later: steps that were not made cannot be made up for
-  catches_up,         ///< the loop is told how many ticks have passed (MotionLoop, faults.md 36)
+  catches_up,         ///< the loop is told how many ticks have passed (MotionLoop, docs/faults.md 36)
 };
 
 /// On the machine's clock, in a thread of its own, which ticks from construction on, between acts as well,

@@ -16,7 +16,7 @@
 
 namespace inbetween {
 
-/// An axis rests no later than this after its key has come for the last time (faults.md 41) ...
+/// An axis rests no later than this after its key has come for the last time (docs/faults.md 41) ...
 inline constexpr double jog_stops_within_s = 0.2;
 /// ... of which the key may be missed for so long: terminals repeat a key 11 to 30 times a second.
 inline constexpr double jog_key_missed_s = 0.1;

@@ -18,6 +18,7 @@
 #include <string_view>
 #include <vector>
 
+#include "tests/support/places.hpp"
 #include "tests/support/run_program.hpp"
 #include "tests/support/temporary_file.hpp"
 
@@ -27,7 +28,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-const std::string bench_run = INBETWEEN_SOURCE_DIR "/sim/bench/run";
+const std::string bench_run = in_checkout("sim/bench/run");
 
 /// Processes whose arguments hold a text.
 int processes_with(std::string_view text) {
@@ -54,9 +55,9 @@ std::size_t register_bytes() {
 }
 
 TEST(Bench, ItsKernelHasRoomForTheRegistersOfEveryProcessor) {
-  const ProgramRun run = run_command({"/bin/bash", "-euc",
-                                      "kernel=$(" INBETWEEN_SOURCE_DIR
-                                      "/sim/bench/kernel); cat \"${kernel%/*}/register_buffer_bytes\""});
+  const ProgramRun run = run_command(
+      {"/bin/bash", "-euc",
+       "kernel=$(" + in_checkout("sim/bench/kernel") + "); cat \"${kernel%/*}/register_buffer_bytes\""});
   ASSERT_EQ(run.status, 0) << run.err;
   const std::size_t room = std::stoul(run.out);
   EXPECT_GE(room, register_bytes()) << "write a larger register_buffer_bytes in sim/bench/kernel";
@@ -99,7 +100,7 @@ TEST(Bench, RunsInTheFolderAndWithTheEnvironmentOfItsCaller) {
 }
 
 TEST(Bench, TheCommandIsTheFileOfTheHost) {
-  const ProgramRun inside = in_bench({}, {INBETWEEN_PROGRAM, "--help"});
+  const ProgramRun inside = in_bench({}, {in_build("inbetween"), "--help"});
   const ProgramRun outside = run_program({"--help"});
   EXPECT_EQ(inside.status, 0) << inside.err;
   EXPECT_EQ(inside.out, outside.out);
@@ -341,28 +342,29 @@ TEST(Bench, NeedsNoSharedMemoryOfTheHost) {
   }
 }
 
-/// The kernel of the bench, where somebody without rights can read it.
+/// A bench and its kernel where somebody without rights can read them, wherever the checkout is.
 class BenchOfAnOrdinaryUser : public ::testing::Test {
  protected:
   static constexpr const char* nobody = "65534";
 
   void SetUp() override {
     if (::geteuid() != 0) GTEST_SKIP() << "every other test here is this test already";
-    const std::string script =
-        "kernel=$(" INBETWEEN_SOURCE_DIR "/sim/bench/kernel) && cp -r \"${kernel%/*}\" '" +
-        folder_.path().string() + "' && chmod -R a+rX '" + folder_.path().string() + "'";
+    const std::string script = "cd '" + folder_.path().string() + "'; kernel=$(" +
+                               in_checkout("sim/bench/kernel") + "); cp -r \"${kernel%/*}\" . ; cp -r '" +
+                               in_checkout("sim/bench") + "' bench; chmod -R a+rX .";
     ASSERT_EQ(run_command({"/bin/bash", "-euc", script}).status, 0);
     ::setenv("INBETWEEN_BENCH_CACHE", folder_.path().c_str(), 1);
-    if (run_command(as_nobody({bench_run, "--help"})).status != 0) {
-      GTEST_SKIP() << "an ordinary user cannot read " << bench_run;
-    }
   }
   void TearDown() override { ::unsetenv("INBETWEEN_BENCH_CACHE"); }
 
-  static std::vector<std::string> as_nobody(const std::vector<std::string>& command) {
-    std::vector<std::string> words = {"/usr/bin/setpriv", "--reuid", nobody, "--regid", nobody,
-                                      "--clear-groups",   "--"};
-    words.insert(words.end(), command.begin(), command.end());
+  std::vector<std::string> bench_of_nobody(const std::vector<std::string>& arguments) {
+    const std::string folder = folder_.path().string();
+    std::vector<std::string> words = {"/usr/bin/env", "--chdir=" + folder,
+                                      "setpriv",      "--reuid",
+                                      nobody,         "--regid",
+                                      nobody,         "--clear-groups",
+                                      "--",           folder + "/bench/run"};
+    words.insert(words.end(), arguments.begin(), arguments.end());
     return words;
   }
 
@@ -372,8 +374,8 @@ class BenchOfAnOrdinaryUser : public ::testing::Test {
 
 TEST_F(BenchOfAnOrdinaryUser, HasEverythingThatRootHas) {
   const ProgramRun run = run_command(
-      as_nobody({bench_run, "--vcan", "can0", "--gpio", "io:2", "--", "/bin/bash", "-euc",
-                 "id -u; cansend can0 123#00; gpioget --numeric --chip gpiochip0 0; chrt -f 80 true"}));
+      bench_of_nobody({"--vcan", "can0", "--gpio", "io:2", "--", "/bin/bash", "-euc",
+                       "id -u; cansend can0 123#00; gpioget --numeric --chip gpiochip0 0; chrt -f 80 true"}));
   EXPECT_EQ(run.status, 0) << run.err;
   EXPECT_EQ(run.out, "0\n0\n");
 }

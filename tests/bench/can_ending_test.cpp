@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "tests/support/bench.hpp"
+#include "tests/support/places.hpp"
 #include "tests/support/temporary_file.hpp"
 
 namespace inbetween {
@@ -139,7 +140,7 @@ class CanEnding : public testing::Test {
     write("rig.toml", rig);
     write("move.toml", move);
     std::string script = "echo -1 >/proc/sys/kernel/sched_rt_runtime_us\ncd " + folder.path().string() +
-                         "\nset +e\ninbetween=" INBETWEEN_PROGRAM
+                         "\nset +e\ninbetween=" + in_build("inbetween") +
                          "\nrun=\"$inbetween run move.toml --rig rig.toml --yes\"\nexport inbetween run\n"
                          "mkfifo hold; sleep 100000 >hold & export -f until_true\n";
     for (std::size_t round = 0; round < rounds; ++round) {

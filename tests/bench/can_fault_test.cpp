@@ -1,4 +1,5 @@
-// Faults of the drives and of the bus in a move over the kernel's CAN, and what all axes do then (faults.md).
+// Faults of the drives and of the bus in a move over the kernel's CAN, and what all axes do then
+// (docs/faults.md).
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -39,7 +40,7 @@ void expect_refused_at_arming(const BusScene& scene, std::string_view axis, std:
   scene.expect_quiet();
 }
 
-// faults.md 18. First more than a bus of 1 Mbit/s carries that is meant for nobody, then as much as it
+// docs/faults.md 18. First more than a bus of 1 Mbit/s carries that is meant for nobody, then as much as it
 // carries that is for us. Work takes no time on this clock: the loop waits for none of it, and what it takes
 // in a tick is bounded; can_loop_test counts.
 TEST(CanFault, AFloodDoesNotMakeTheLoopLate) {
@@ -52,7 +53,7 @@ TEST(CanFault, AFloodDoesNotMakeTheLoopLate) {
   EXPECT_THAT(babble.run.out, HasSubstr("late ticks 0;"));
 }
 
-// faults.md 18
+// docs/faults.md 18
 TEST(CanFault, AFloodInWhichFramesOfOursAreLostIsAStopAndTheLoopIsNotLate) {
   const BusScene scene =
       scene_with(fault("tilt", "flood", "after_motion = 4\nfor = 0.2\nframes_per_s = 60000"));
@@ -61,7 +62,7 @@ TEST(CanFault, AFloodInWhichFramesOfOursAreLostIsAStopAndTheLoopIsNotLate) {
   scene.expect_stop_on_path(all);
 }
 
-// faults.md 19
+// docs/faults.md 19
 TEST(CanFault, AFewShortOrDoubleFramesAreForgiven) {
   for (const char* what : {"short-frames", "duplicate-frames"}) {
     const BusScene scene = scene_with(fault("pan", what, "after_motion = 4\ncount = 2"));
@@ -70,7 +71,7 @@ TEST(CanFault, AFewShortOrDoubleFramesAreForgiven) {
   }
 }
 
-// faults.md 19
+// docs/faults.md 19
 TEST(CanFault, ShortFramesNowAndThenAreAStopOfAllOnThePath) {
   std::string faults;
   for (int i = 0; i < 10; ++i) {
@@ -81,7 +82,7 @@ TEST(CanFault, ShortFramesNowAndThenAreAStopOfAllOnThePath) {
   scene.expect_stop_on_path(all, 2);
 }
 
-// faults.md 19
+// docs/faults.md 19
 TEST(CanFault, DoubleFramesAreAStopOfAllOnThePath) {
   const BusScene scene = scene_with(fault("pan", "duplicate-frames"));
   expect_told(scene, "pan", "too many frames of the drive are short, unknown or come twice");
@@ -89,7 +90,7 @@ TEST(CanFault, DoubleFramesAreAStopOfAllOnThePath) {
   scene.expect_quiet();
 }
 
-// faults.md 20
+// docs/faults.md 20
 TEST(CanFault, WhenADriveIsNotHeardAllStopOnThePath) {
   const BusScene scene =
       scene_with(fault("tilt", "lose-frames", "after_motion = 4\ndirection = \"from-drive\""));
@@ -97,7 +98,7 @@ TEST(CanFault, WhenADriveIsNotHeardAllStopOnThePath) {
   scene.expect_stop_on_path(all);
 }
 
-// faults.md 20
+// docs/faults.md 20
 TEST(CanFault, WhenADriveDoesNotHearTheOthersStopOnThePath) {
   const BusScene scene =
       scene_with(fault("tilt", "lose-frames", "after_motion = 4\ndirection = \"to-drive\""));
@@ -106,7 +107,7 @@ TEST(CanFault, WhenADriveDoesNotHearTheOthersStopOnThePath) {
   EXPECT_NEAR(scene.last_velocity("tilt"), 0, 1) << "by its own watchdog";
 }
 
-// faults.md 21
+// docs/faults.md 21
 TEST(CanFault, ALostHeartbeatStopsAllOnThePath) {
   const BusScene scene = scene_with(fault("slide", "lose-heartbeat"));
   expect_told(scene, "slide", "the heartbeat of the drive has stopped");
@@ -114,13 +115,13 @@ TEST(CanFault, ALostHeartbeatStopsAllOnThePath) {
   scene.expect_quiet();
 }
 
-// faults.md 22
+// docs/faults.md 22
 TEST(CanFault, WithoutTheFirstHeartbeatNothingIsSwitchedOn) {
   const BusScene scene = scene_with(fault("pan", "lose-heartbeat", "at = 0"));
   expect_refused_at_arming(scene, "pan", "the first heartbeat of the drive never came");
 }
 
-// faults.md 23
+// docs/faults.md 23
 TEST(CanFault, AnEmergencyStopsTheOthersOnThePathAndIsSaidInWords) {
   const BusScene scene = scene_with(fault("tilt", "emergency", "after_motion = 4\ncode = 0x2310"));
   expect_told(scene, "tilt", "");
@@ -130,7 +131,7 @@ TEST(CanFault, AnEmergencyStopsTheOthersOnThePathAndIsSaidInWords) {
   scene.expect_let_go({"tilt"});
 }
 
-// faults.md 24
+// docs/faults.md 24
 TEST(CanFault, ADriveThatStartsAnewStopsTheOthersOnThePath) {
   const BusScene scene = scene_with(fault("tilt", "reboot"));
   expect_told(scene, "tilt", "the drive has started anew; look at its supply, then find its reference again");
@@ -138,7 +139,7 @@ TEST(CanFault, ADriveThatStartsAnewStopsTheOthersOnThePath) {
   scene.expect_quiet();
 }
 
-// faults.md 25
+// docs/faults.md 25
 TEST(CanFault, AnAxisThatSticksStopsTheOthersOnThePath) {
   const BusScene scene = scene_with(fault("tilt", "stick"));
   EXPECT_EQ(scene.run.status, 4) << scene.run.err;
@@ -147,13 +148,13 @@ TEST(CanFault, AnAxisThatSticksStopsTheOthersOnThePath) {
   EXPECT_NE(scene.last_state("tilt"), "operation enabled");
 }
 
-// faults.md 25
+// docs/faults.md 25
 TEST(CanFault, ADriveThatDoesNotWatchItsFollowingErrorIsRefused) {
   expect_refused_at_arming(scene_with(fault("pan", "no-window", "")), "pan",
                            "the drive does not watch its following error");
 }
 
-// faults.md 26
+// docs/faults.md 26
 TEST(CanFault, ADriveThatIgnoresItsTargetMakesTimeStandStillForAll) {
   const BusScene scene = scene_with(fault("slide", "ignore-target"));
   expect_told(scene, "slide", "the drive does not follow its target (statusword bit 12)");
@@ -161,14 +162,14 @@ TEST(CanFault, ADriveThatIgnoresItsTargetMakesTimeStandStillForAll) {
   scene.expect_quiet();
 }
 
-// faults.md 26. Bit 12 comes back, and nothing catches up.
+// docs/faults.md 26. Bit 12 comes back, and nothing catches up.
 TEST(CanFault, ADriveThatIgnoredItsTargetForAWhileDoesNotCatchUp) {
   const BusScene scene = scene_with(fault("slide", "ignore-target", "after_motion = 4\nfor = 0.1"));
   expect_told(scene, "slide", "the drive does not follow its target (statusword bit 12)");
   scene.expect_stop_on_path(all);
 }
 
-// faults.md 26
+// docs/faults.md 26
 TEST(CanFault, ADriveInAnotherModeStopsAllOnThePath) {
   const BusScene scene = scene_with(fault("pan", "wrong-mode", "after_motion = 4\nmode = 1"));
   expect_told(scene, "pan", "the drive is in another mode than cyclic synchronous position");
@@ -176,7 +177,7 @@ TEST(CanFault, ADriveInAnotherModeStopsAllOnThePath) {
   scene.expect_quiet();
 }
 
-// faults.md 27
+// docs/faults.md 27
 TEST(CanFault, AnAxisThatIsNotWhereTheMoveStartsIsAnErrorAndNothingMoves) {
   const BusScene scene(BusSceneOptions{.standing = {{"slide", 60}, {"pan", -50}, {"tilt", -4}}});
   EXPECT_EQ(scene.run.status, 1) << scene.run.out;
@@ -188,7 +189,7 @@ TEST(CanFault, AnAxisThatIsNotWhereTheMoveStartsIsAnErrorAndNothingMoves) {
   scene.expect_quiet();
 }
 
-// faults.md 28. Pressed in motion, moved while it is off, released: the next run sees where it is.
+// docs/faults.md 28. Pressed in motion, moved while it is off, released: the next run sees where it is.
 TEST(CanFault, AReleasedEmergencyStopResumesNothingAndPositionsAreReadAgain) {
   const BusScene scene(BusSceneOptions{
       .during = "sleep 5; kill -USR1 $run; sleep 3; kill -USR2 $run || true; sleep 1; wait $run || true; "
@@ -225,7 +226,7 @@ TEST(CanFault, ADriveThatDoesNotSwitchOffIsNamedAndKeepsItsWatchdogs) {
   }
 }
 
-// faults.md 29
+// docs/faults.md 29
 TEST(CanFault, ADriveThatWouldRunOnAloneIsRefused) {
   expect_refused_at_arming(scene_with(fault("slide", "no-watchdog", "")), "slide",
                            "the drive would run on if this program died");

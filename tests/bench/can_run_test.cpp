@@ -8,6 +8,7 @@
 
 #include "tests/support/bench.hpp"
 #include "tests/support/bus_scene.hpp"
+#include "tests/support/places.hpp"
 #include "tests/support/run_program.hpp"
 
 namespace inbetween {
@@ -70,7 +71,7 @@ TEST(CanRun, ALateTickIsNoFaultOfADriveThatWatchesSyncStrictly) {
   scene.expect_quiet();
 }
 
-// faults.md 29
+// docs/faults.md 29
 TEST(CanRun, KilledInMotionTheDrivesStopByTheirOwnWatchdogs) {
   const Scene scene("sleep 7; kill -KILL $run");
   EXPECT_EQ(scene.run.status, 128 + 9);
@@ -82,7 +83,7 @@ TEST(CanRun, KilledInMotionTheDrivesStopByTheirOwnWatchdogs) {
   scene.expect_rest();
 }
 
-// faults.md 14. Error frames as a controller would send them.
+// docs/faults.md 14. Error frames as a controller would send them.
 TEST(CanRun, BusOffCeasesSetpointsAndErrorPassiveDoesNot) {
   const Scene passive("sleep 7; cansend can0 20000004#0010000000000000");
   EXPECT_EQ(passive.run.status, 0) << passive.run.err;
@@ -92,16 +93,16 @@ TEST(CanRun, BusOffCeasesSetpointsAndErrorPassiveDoesNot) {
   off.expect_rest();
 }
 
-// faults.md 15
+// docs/faults.md 15
 TEST(CanRun, AfterAKilledRunTheNextOneSetsEverythingUpAnewAndGoesToTheStartSlowly) {
-  const Scene scene("sleep 7; kill -KILL $run; sleep 3; " + std::string(INBETWEEN_PROGRAM) + " run " + move +
+  const Scene scene("sleep 7; kill -KILL $run; sleep 3; " + in_build("inbetween") + " run " + move +
                     " --rig " + rig + " --yes && echo played again");
   EXPECT_THAT(scene.run.out, HasSubstr("played again")) << scene.run.err;
   EXPECT_THAT(scene.run.err, HasSubstr("the rig is not where the move starts"));
   EXPECT_THAT(scene.drives, HasSubstr(",1640000."));
 }
 
-// faults.md 16
+// docs/faults.md 16
 TEST(CanRun, ALinkThatGoesDownEndsTheRunAndTheDrivesStop) {
   for (const char* what : {"ip link set can0 down", "ip link del can0"}) {
     const Scene scene(std::string("sleep 7; ") + what);
@@ -111,7 +112,7 @@ TEST(CanRun, ALinkThatGoesDownEndsTheRunAndTheDrivesStop) {
   }
 }
 
-// faults.md 13
+// docs/faults.md 13
 TEST(CanRun, AQueueThatStaysFullIsAStop) {
   const Scene scene("sleep 7; tc qdisc add dev can0 root netem delay 1s limit 10", {"--echo"});
   EXPECT_EQ(scene.run.status, 4) << scene.run.err;
@@ -119,7 +120,7 @@ TEST(CanRun, AQueueThatStaysFullIsAStop) {
   scene.expect_rest();
 }
 
-// faults.md 17
+// docs/faults.md 17
 TEST(CanRun, AForeignSenderOnOurIdentifiersIsAStopOnThePath) {
   const Scene scene("sleep 7; cansend can0 202#0F0000000000");
   EXPECT_EQ(scene.run.status, 4) << scene.run.err;
@@ -127,7 +128,7 @@ TEST(CanRun, AForeignSenderOnOurIdentifiersIsAStopOnThePath) {
   scene.expect_quiet();
 }
 
-// faults.md 36
+// docs/faults.md 36
 TEST(CanRun, AStallOfTheLoopIsAControlledStopAndNeverABurst) {
   const Scene scene("sleep 7; kill -STOP $run; sleep 0.05; kill -CONT $run");
   EXPECT_EQ(scene.run.status, 4) << scene.run.err;
@@ -142,7 +143,7 @@ TEST(CanRun, AStallOfTheLoopIsAControlledStopAndNeverABurst) {
   scene.expect_let_go();
 }
 
-// faults.md 37
+// docs/faults.md 37
 TEST(CanRun, WithoutTheRightsOfARealTimeProgramNothingIsArmed) {
   const Scene scene("", {}, "setpriv --reuid 65534 --regid 65534 --clear-groups ");
   EXPECT_EQ(scene.run.status, 1) << scene.run.err;
@@ -150,28 +151,26 @@ TEST(CanRun, WithoutTheRightsOfARealTimeProgramNothingIsArmed) {
   EXPECT_THAT(scene.drives, testing::Not(HasSubstr("slide,1"))) << "no target was applied";
 }
 
-// faults.md 42
+// docs/faults.md 42
 TEST(CanRun, ASecondInstanceIsRefused) {
-  const std::string second =
-      std::string("sleep 5; ") + INBETWEEN_PROGRAM + " run " + move + " --rig " + rig + " && exit 99 || true";
+  const std::string second = std::string("sleep 5; ") + in_build("inbetween") + " run " + move + " --rig " +
+                             rig + " && exit 99 || true";
   const Scene scene(second);
   EXPECT_EQ(scene.run.status, 0) << scene.run.err;
   EXPECT_THAT(scene.run.err, HasSubstr("another inbetween uses bus can0; end it first"));
 }
 
-// faults.md 22
+// docs/faults.md 22
 TEST(CanRun, DrivesThatAreNotThereAreNamedAndNothingIsSwitchedOn) {
-  const ProgramRun run =
-      script_in_bench({"--vcan", "can0", "--virtual-time", "--timeout", "200"},
-                      "echo -1 >/proc/sys/kernel/sched_rt_runtime_us\n" + std::string(INBETWEEN_PROGRAM) +
-                          " run " + move + " --rig " + rig);
+  const ProgramRun run = script_in_bench({"--vcan", "can0", "--virtual-time", "--timeout", "200"},
+                                         "echo -1 >/proc/sys/kernel/sched_rt_runtime_us\n" +
+                                             in_build("inbetween") + " run " + move + " --rig " + rig);
   EXPECT_EQ(run.status, 4) << run.err;
   EXPECT_THAT(run.out, HasSubstr("axis \"slide\""));
 }
 
 TEST(CanRun, ABusThatIsNotThereIsSaidAtItsPlaceInTheRig) {
-  const ProgramRun run =
-      script_in_bench({}, std::string(INBETWEEN_PROGRAM) + " run " + move + " --rig " + rig);
+  const ProgramRun run = script_in_bench({}, in_build("inbetween") + " run " + move + " --rig " + rig);
   EXPECT_EQ(run.status, 1);
   EXPECT_THAT(run.err, HasSubstr("camera_rig.toml:"));
   EXPECT_THAT(run.err, HasSubstr("can0"));

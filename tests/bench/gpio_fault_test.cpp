@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tests/bench/gpio_scene.hpp"
+#include "tests/support/places.hpp"
 
 namespace inbetween {
 namespace {
@@ -84,7 +85,8 @@ struct LooseContacts : GpioScene {
                    .at_zero = {"x"},
                    .command = command,
                    .during = fmt::format("shake() {{ {} $chips/head {} {} & contacts=$!; }}\n{}",
-                                         INBETWEEN_SHAKE_LINES, first_contact, contacts, during),
+                                         in_build("tests/bench/inbetween_shake_lines"), first_contact,
+                                         contacts, during),
                    .bench = {"--gpio", "head:56"},
                    .lines = first_contact + 1}) {}
 
@@ -116,7 +118,7 @@ TEST(GpioFault, EdgesThatTheKernelLostOnTheChipOfTheEmergencyStopAreAnEmergencyS
   scene.expect_a_stop_when_edges_were_lost(3);
 }
 
-// faults.md 31
+// docs/faults.md 31
 TEST(GpioFault, EdgesThatTheKernelLostWhileAnAxisLooksForItsSwitchEndTheHoming) {
   const LooseContacts scene(rig_with_loose_contacts("", with_home),
                             "home --rig rig.toml --positions positions x", "shake");
@@ -208,7 +210,7 @@ TEST(GpioFault, ALineThatIsTakenIsSeenToBe) {
   EXPECT_THAT(scene.lines_of_head, HasSubstr("output"));
 }
 
-// faults.md 30
+// docs/faults.md 30
 TEST(GpioFault, ALineThatIsBusyOnASecondChipChangesNothingOnTheFirst) {
   const std::string goto_command = "goto --rig rig.toml --positions positions --yes x=10";
   const std::string run_command = GpioSceneOptions{}.command;

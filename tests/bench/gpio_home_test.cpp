@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "tests/bench/gpio_scene.hpp"
+#include "tests/support/places.hpp"
 
 namespace inbetween {
 namespace {
@@ -101,7 +102,7 @@ struct HomeScene : GpioScene {
 
 TEST(GpioHome, AxesThatFindTheirSwitchesKnowToTheStepWhereTheyAre) {
   constexpr int switch_x = -150, switch_y = -260;
-  const std::string turn = INBETWEEN_TURN_SWITCH;
+  const std::string turn = in_build("tests/bench/inbetween_turn_switch");
   const HomeScene scene(fmt::format("{0} $chips/head {1} {2} 6 {3} 4 & {0} $chips/head {4} {5} 7 {6} 4 &",
                                     turn, step_x, dir_x, switch_x, step_y, dir_y, switch_y),
                         "");
@@ -119,7 +120,7 @@ TEST(GpioHome, AxesThatFindTheirSwitchesKnowToTheStepWhereTheyAre) {
   }
 }
 
-// faults.md 33
+// docs/faults.md 33
 TEST(GpioHome, ASwitchThatIsActuatedFromTheBeginningAndStaysSoStopsAllAxes) {
   const HomeScene scene("pull 6 up", "");
   EXPECT_THAT(scene.run.out, HasSubstr("bench: axis \"x\": the switch stays actuated although the axis has "

@@ -14,6 +14,7 @@
 #include "tests/bench/gpio_scene.hpp"
 #include "tests/support/bench.hpp"
 #include "tests/support/bus_scene.hpp"
+#include "tests/support/places.hpp"
 #include "tests/support/run_program.hpp"
 #include "tests/support/temporary_file.hpp"
 
@@ -145,7 +146,7 @@ TEST(GpioRun, TheStepsOnTheLinesAreThePlanInNumberDirectionAndTime) {
   scene.expect_drives_off();
 }
 
-// faults.md 32
+// docs/faults.md 32
 TEST(GpioRun, TheEmergencyStopInMotionEndsTheStepsWithinATick) {
   const GpioRunScene scene(fmt::format("pull {} up", emergency_stop));
   EXPECT_EQ(scene.run.status, 4) << scene.run.err << scene.run.out;
@@ -187,7 +188,7 @@ TEST(GpioRun, ALimitSwitchInMotionIsAStopOnThePath) {
   scene.expect_drives_off();
 }
 
-// faults.md 34
+// docs/faults.md 34
 TEST(GpioRun, AChipThatIsUnpluggedInMotionEndsTheRun) {
   const GpioRunScene scene("echo 0 >/sys/kernel/config/gpio-sim/bench-head/live");
   EXPECT_EQ(scene.run.status, 4) << scene.run.err << scene.run.out;
@@ -195,7 +196,7 @@ TEST(GpioRun, AChipThatIsUnpluggedInMotionEndsTheRun) {
   scene.expect_a_part_of_the_move();
 }
 
-// faults.md 30
+// docs/faults.md 30
 TEST(GpioRun, ABusyLineNamesItsUserAndNothingIsSwitchedOn) {
   for (const unsigned line : {emergency_stop, limit_x, step_x, dir_y, enable_y}) {
     const GpioRunScene scene("", {"--hog", fmt::format("head:{}:lamp", line)});
@@ -206,8 +207,8 @@ TEST(GpioRun, ABusyLineNamesItsUserAndNothingIsSwitchedOn) {
   }
 }
 
-// faults.md 35. What is left of the lines when nobody holds them is the chip's affair: this one leaves them
-// to what pulls at them, as docs ask of the wiring of ENABLE.
+// docs/faults.md 35. What is left of the lines when nobody holds them is the chip's affair: this one leaves
+// them to what pulls at them, as docs ask of the wiring of ENABLE.
 TEST(GpioRun, KilledInMotionTheStepsEndAndWhatPullsAtEnableDecides) {
   const GpioRunScene scene("kill -KILL $run");
   EXPECT_EQ(scene.run.status, 128 + 9);
@@ -224,7 +225,7 @@ TEST(GpioRun, AStepRateBeyondTheDrivesIsRefusedAtItsPlaceInTheRig) {
   const TemporaryFile rig("rig.toml", text);
   const ProgramRun run = script_in_bench(
       {"--gpio", "head:8"},
-      fmt::format("{} run {} --rig {}", INBETWEEN_PROGRAM, move.path().string(), rig.path().string()));
+      fmt::format("{} run {} --rig {}", in_build("inbetween"), move.path().string(), rig.path().string()));
   EXPECT_EQ(run.status, 1);
   EXPECT_THAT(run.err, HasSubstr("rig.toml:"));
   EXPECT_THAT(run.err, HasSubstr("max_step_rate"));
@@ -236,12 +237,12 @@ TEST(GpioRun, AMixedRigPlaysOneMoveOnCanAndOnGpioTogether) {
   const std::string record = (folder.path() / "record.csv").string();
   const std::string err = (folder.path() / "err").string();
   // Nobody has closed the contacts of this chip: what its own resistors say would be "pressed".
-  std::string text = file_contents(INBETWEEN_SOURCE_DIR "/examples/mixed_rig.toml");
+  std::string text = file_contents(in_checkout("examples/mixed_rig.toml"));
   for (std::size_t at = 0; (at = text.find("\"pull-up\"", at)) != std::string::npos;) {
     text.replace(at, 9, "\"none\"");
   }
   std::ofstream(rig) << text;
-  const std::string program = INBETWEEN_PROGRAM;
+  const std::string program = in_build("inbetween");
   // Shorter than the example's: the kernel of the bench watches the clock before every step.
   const std::string move = (folder.path() / "move.toml").string();
   std::ofstream(move) << R"(name = "a little"

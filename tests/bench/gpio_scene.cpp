@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "tests/support/bench.hpp"
+#include "tests/support/places.hpp"
 
 namespace inbetween {
 
@@ -35,8 +36,9 @@ sleep 2
 {}
 status=0; wait $run || status=$?
 sleep 0.5; kill $watch 2>/dev/null || true; exit $status)",
-                         folder_.path().string(), options.watched, INBETWEEN_WATCH_LINES, options.watched,
-                         options.lines, options.before, INBETWEEN_PROGRAM, options.command, options.during));
+                         folder_.path().string(), options.watched,
+                         in_build("tests/bench/inbetween_watch_lines"), options.watched, options.lines,
+                         options.before, in_build("inbetween"), options.command, options.during));
   positions = file_contents(path("positions"));
   std::istringstream text(file_contents(path("record")));
   for (Levels at; text >> at.at_ns >> at.levels;) record.push_back(at);

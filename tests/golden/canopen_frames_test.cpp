@@ -16,6 +16,7 @@
 #include "inbetween/can/nmt.hpp"
 #include "inbetween/can/sdo.hpp"
 #include "inbetween/can/sync.hpp"
+#include "tests/support/places.hpp"
 
 namespace inbetween::can {
 namespace canopen_frames_test {
@@ -32,7 +33,7 @@ Frame frame_of(const nlohmann::json& entry) {
 }
 
 std::map<std::string, Frame> golden_frames() {
-  std::ifstream file(INBETWEEN_SOURCE_DIR "/tests/golden/canopen_frames.json");
+  std::ifstream file(in_checkout("tests/golden/canopen_frames.json"));
   std::map<std::string, Frame> frames;
   for (const nlohmann::json& entry : nlohmann::json::parse(file)) frames[entry.at("name")] = frame_of(entry);
   return frames;

@@ -10,17 +10,18 @@
 #include "host_tools/plan/plan.hpp"
 #include "tests/support/golden_table.hpp"
 #include "tests/support/oracle_table.hpp"
+#include "tests/support/places.hpp"
 #include "tests/support/solved_move.hpp"
 
 namespace inbetween {
 namespace golden_test {
 
 std::string example_file(const std::string& name) {
-  return INBETWEEN_SOURCE_DIR "/examples/" + name + ".toml";
+  return in_checkout("examples/") + name + ".toml";
 }
 
 std::vector<GoldenRow> committed(const std::string& name) {
-  return read_golden_csv(INBETWEEN_SOURCE_DIR "/tests/golden/" + name + ".csv");
+  return read_golden_csv(in_checkout("tests/golden/") + name + ".csv");
 }
 
 class GoldenTable : public testing::TestWithParam<std::string> {};

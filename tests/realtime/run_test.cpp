@@ -87,7 +87,7 @@ double end_after(std::int64_t for_ns, bool& has_lost_time) {
   return session.positions()[0];
 }
 
-// faults.md 36
+// docs/faults.md 36
 TEST(RealTimeRun, ASimulationThatWasSuspendedStopsOnItsPathAndDoesNotGoOn) {
   bool has_lost_time = false;
   const double end = end_after(1'200'000'000, has_lost_time);

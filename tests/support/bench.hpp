@@ -5,13 +5,14 @@
 #include <string_view>
 #include <vector>
 
+#include "tests/support/places.hpp"
 #include "tests/support/run_program.hpp"
 
 namespace inbetween {
 
 /// A command in the bench with these options.
 inline ProgramRun in_bench(const std::vector<std::string>& options, const std::vector<std::string>& command) {
-  std::vector<std::string> words = {INBETWEEN_SOURCE_DIR "/sim/bench/run"};
+  std::vector<std::string> words = {in_checkout("sim/bench/run")};
   words.insert(words.end(), options.begin(), options.end());
   words.emplace_back("--");
   words.insert(words.end(), command.begin(), command.end());

@@ -11,6 +11,7 @@
 #include <sstream>
 
 #include "tests/support/bench.hpp"
+#include "tests/support/places.hpp"
 
 namespace inbetween {
 namespace {
@@ -51,19 +52,19 @@ double between(const std::vector<double>& planned, double tick) {
 }  // namespace
 
 std::string BusScene::rig() {
-  return INBETWEEN_SOURCE_DIR "/examples/camera_rig.toml";
+  return in_checkout("examples/camera_rig.toml");
 }
 std::string BusScene::move() {
-  return INBETWEEN_SOURCE_DIR "/examples/reveal.toml";
+  return in_checkout("examples/reveal.toml");
 }
 std::string BusScene::run_command() {
-  return std::string(INBETWEEN_PROGRAM) + " run " + move() + " --rig " + rig();
+  return in_build("inbetween") + " run " + move() + " --rig " + rig();
 }
 
 BusScene::BusScene(const BusSceneOptions& options) {
   const std::string record = (folder_.path() / "record.csv").string();
   const std::string err = (folder_.path() / "drives.txt").string();
-  std::string drives_command = std::string(INBETWEEN_PROGRAM) + " sim-drives --rig " + rig();
+  std::string drives_command = in_build("inbetween") + " sim-drives --rig " + rig();
   for (const auto& [axis, position] : options.standing) {
     drives_command += fmt::format(" --from {}={}", axis, position);
   }

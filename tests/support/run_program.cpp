@@ -13,6 +13,7 @@
 #include <system_error>
 #include <utility>
 
+#include "tests/support/places.hpp"
 #include "tests/support/temporary_file.hpp"
 
 namespace inbetween {
@@ -77,7 +78,7 @@ std::string file_contents(const std::string& path) {
 }
 
 ProgramRun run_program(const std::vector<std::string>& arguments, const ProgramStreams& streams) {
-  std::vector<std::string> words = {INBETWEEN_PROGRAM};
+  std::vector<std::string> words = {in_build("inbetween")};
   words.insert(words.end(), arguments.begin(), arguments.end());
   return run_command(std::move(words), streams);
 }

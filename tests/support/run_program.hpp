@@ -24,7 +24,7 @@ struct ProgramRun {
 /// Throws std::system_error where no process can be made; the status is 126 where the program is not there.
 ProgramRun run_command(std::vector<std::string> words, const ProgramStreams& streams = {});
 
-/// Runs INBETWEEN_PROGRAM with these arguments.
+/// Runs the built program with these arguments.
 ProgramRun run_program(const std::vector<std::string>& arguments, const ProgramStreams& streams = {});
 
 /// All bytes of a file; "" where there is none.

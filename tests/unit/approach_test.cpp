@@ -9,6 +9,7 @@
 
 #include "host_tools/check/check.hpp"
 #include "host_tools/motions/run.hpp"
+#include "tests/support/places.hpp"
 #include "tests/support/run_program.hpp"
 
 namespace inbetween {
@@ -18,8 +19,8 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::StartsWith;
 
-const std::string reveal = INBETWEEN_SOURCE_DIR "/examples/reveal.toml";
-const std::string camera_rig = INBETWEEN_SOURCE_DIR "/examples/camera_rig.toml";
+const std::string reveal = in_checkout("examples/reveal.toml");
+const std::string camera_rig = in_checkout("examples/camera_rig.toml");
 
 Plan example() {
   return {read_move_file(reveal), read_rig_file(camera_rig), {}};
@@ -90,7 +91,7 @@ TEST(Approach, IsDescribedForSomebodyWhoHasToAgree) {
 const std::vector<std::string> from_elsewhere{"run",    reveal,   "--rig",  camera_rig, "--sim",
                                               "--fast", "--from", "pan=10", "--from",   "slide=0"};
 
-// faults.md 27
+// docs/faults.md 27
 TEST(Approach, WithoutSomebodyWhoAgreesNothingMoves) {
   const ProgramRun run = run_program(from_elsewhere);
   EXPECT_EQ(run.status, 1);

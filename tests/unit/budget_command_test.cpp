@@ -23,6 +23,7 @@
 #include "inbetween/timing/key_timing.hpp"
 #include "inbetween/timing/ode_frame_table.hpp"
 #include "inbetween/timing/track.hpp"
+#include "tests/support/places.hpp"
 #include "tests/support/run_program.hpp"
 
 namespace inbetween {
@@ -193,7 +194,7 @@ TEST(Budget, IsWhatPlayingTakes) {
 
 TEST(Budget, HasRoomForThePiecesOfEveryExample) {
   for (const char* name : {"reveal", "nod", "paper_figure_4", "paper_figure_5", "paper_figure_6"}) {
-    const Plan plan(read_move_file(std::string(INBETWEEN_SOURCE_DIR "/examples/") + name + ".toml"), {}, {});
+    const Plan plan(read_move_file(in_checkout("examples/") + name + ".toml"), {}, {});
     for (const SolvedTrack<double>& solved : plan.tracks()) {
       const Path<double>& path = solved.track().path();
       for (const double delta : {1e-3, 1e-4, 1e-6, 1e-8, 1e-9}) {
@@ -214,7 +215,7 @@ TEST(Budget, HasRoomForThePiecesOfEveryExample) {
 
 #ifndef INBETWEEN_SANITIZED  // a sanitizer has an allocator of its own, which mallinfo2() does not know
 TEST(Budget, CoversTheHeapThatTheExampleTakes) {
-  const Plan plan(read_move_file(INBETWEEN_SOURCE_DIR "/examples/reveal.toml"), {}, {});
+  const Plan plan(read_move_file(in_checkout("examples/reveal.toml")), {}, {});
   const MoveTrack& move = plan.move().tracks.front();
   const Track<double>& track = plan.tracks().front().track();
   std::vector<double> keys;

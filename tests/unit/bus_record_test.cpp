@@ -12,6 +12,7 @@
 
 #include "host_tools/rig/rig_drives.hpp"
 #include "sim/simulated_link.hpp"
+#include "tests/support/places.hpp"
 
 namespace inbetween {
 namespace bus_record_test {
@@ -86,7 +87,7 @@ std::vector<std::string> record_of_a_run() {
 
 std::vector<std::string> frames_of_document() {
   std::vector<std::string> frames;
-  std::ifstream file(INBETWEEN_SOURCE_DIR "/docs/bench.md");
+  std::ifstream file(in_checkout("docs/bench.md"));
   bool is_there = false;
   for (std::string line; std::getline(file, line);) {
     if (line.starts_with("## ")) is_there = line == "## A run, frame by frame";

@@ -158,7 +158,7 @@ TEST_F(BusOfTwo, TheHostTellsThatItLivesEvery30Milliseconds) {
   EXPECT_NEAR(heartbeats, 100, 1);
 }
 
-TEST_F(BusOfTwo, WhereSetpointsCeaseSoDoesTheHeartbeat) {  // faults.md: SS
+TEST_F(BusOfTwo, WhereSetpointsCeaseSoDoesTheHeartbeat) {  // docs/faults.md: SS
   enable();
   tick({100, 100});
   for (int i = 0; i < 100; ++i) {
@@ -167,7 +167,7 @@ TEST_F(BusOfTwo, WhereSetpointsCeaseSoDoesTheHeartbeat) {  // faults.md: SS
   }
 }
 
-TEST_F(BusOfTwo, WhatOnlyTheHostMaySendIsFoundOnTheDrivesThatItConcerns) {  // faults.md 17
+TEST_F(BusOfTwo, WhatOnlyTheHostMaySendIsFoundOnTheDrivesThatItConcerns) {  // docs/faults.md 17
   enable();
   bus.receive({.id = 0x205, .length = 6}, now);
   EXPECT_TRUE(drives[0].findings().has(DriveFinding::foreign_sender));
@@ -184,7 +184,7 @@ TEST_F(BusOfTwo, WhatOnlyTheHostMaySendIsFoundOnTheDrivesThatItConcerns) {  // f
   }
 }
 
-TEST_F(BusOfTwo, AForeignSenderAtBootKeepsTheDriveOff) {  // faults.md 17
+TEST_F(BusOfTwo, AForeignSenderAtBootKeepsTheDriveOff) {  // docs/faults.md 17
   connect();
   bus.receive({.id = 0x080}, now);
   EXPECT_FALSE(drives[0].enable(now));

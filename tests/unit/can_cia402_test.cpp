@@ -231,7 +231,7 @@ TEST_F(SetupOfNode5, RefusesADriveThatProducesSync) {
   objects.set(0x1005, 0, 4, 0x40000080);
   expect_refused(DriveFinding::sync_of_another, 0x1005);
 }
-TEST_F(SetupOfNode5, RefusesADisabledFollowingErrorWindow) {  // faults.md 25
+TEST_F(SetupOfNode5, RefusesADisabledFollowingErrorWindow) {  // docs/faults.md 25
   objects.set(0x6065, 0, 4, 0xFFFFFFFF);
   expect_refused(DriveFinding::window_disabled, 0x6065);
 }
@@ -306,7 +306,7 @@ TEST_F(SetupOfNode5, AWatchdogThatIsNotAnsweredForIsNotTakenForAbsent) {
   expect_refused(DriveFinding::sdo_failed, 0x1016);
 }
 
-TEST_F(SetupOfNode5, OneWatchdogOfTheDriveIsEnough) {  // faults.md 29
+TEST_F(SetupOfNode5, OneWatchdogOfTheDriveIsEnough) {  // docs/faults.md 29
   objects.remove(0x1016, 1);
   work();
   EXPECT_EQ(runner.state(), SetupState::done);
@@ -320,7 +320,7 @@ TEST_F(SetupOfNode5, OneWatchdogOfTheDriveIsEnough) {  // faults.md 29
   EXPECT_EQ(runner.setpoint_timeout_ms(), 0);
 }
 
-TEST_F(SetupOfNode5, WithoutAFiniteWatchdogTheDriveIsRefused) {  // faults.md 29
+TEST_F(SetupOfNode5, WithoutAFiniteWatchdogTheDriveIsRefused) {  // docs/faults.md 29
   objects.remove(0x1016, 1);
   objects.freeze(0x1400, 5);
   work();

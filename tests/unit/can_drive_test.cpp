@@ -259,7 +259,7 @@ TEST_F(DriveOfNode5, WhatIsFoundOnTheWayKeepsItOff) {
   EXPECT_EQ(drive->phase(), DrivePhase::idle);
 }
 
-TEST_F(DriveOfNode5, AnAxisThatMovesAwayFromItsFirstSetpointIsRefused) {  // faults.md 27
+TEST_F(DriveOfNode5, AnAxisThatMovesAwayFromItsFirstSetpointIsRefused) {  // docs/faults.md 27
   bring_to_idle();
   drive->enable(now);
   tick(disabled, 700);
@@ -369,14 +369,14 @@ TEST_F(DriveOfNode5, ASetpointThatJumpsIsNotSent) {
   EXPECT_EQ(words_of(DriveFinding::setpoint_jump).reaction, DriveReaction::quick_stop);
 }
 
-TEST_F(DriveOfNode5, AFirstSetpointThatIsNotWhereTheAxisIsIsNotSent) {  // faults.md 27
+TEST_F(DriveOfNode5, AFirstSetpointThatIsNotWhereTheAxisIsIsNotSent) {  // docs/faults.md 27
   bring_to_following();
   EXPECT_EQ(tick(following, 700, 801)->target, 700);
   EXPECT_EQ(drive->first_finding(), DriveFinding::moved_while_enabling);
   EXPECT_FALSE(drive->is_commanded());
 }
 
-TEST_F(DriveOfNode5, NeverBootsWithoutABootUpMessage) {  // faults.md 22
+TEST_F(DriveOfNode5, NeverBootsWithoutABootUpMessage) {  // docs/faults.md 22
   reset();
   heartbeat(NmtState::pre_operational);
   for (int i = 0; i < 1248; ++i) silent_tick();
@@ -396,7 +396,7 @@ TEST_F(DriveOfNode5, ABootUpMessageBeforeTheResetWasSentIsNoAnswerToIt) {
   EXPECT_EQ(drive->phase(), DrivePhase::configuring);
 }
 
-TEST_F(DriveOfNode5, TheFirstHeartbeatMustCome) {  // faults.md 22
+TEST_F(DriveOfNode5, TheFirstHeartbeatMustCome) {  // docs/faults.md 22
   configure();
   drive->note_host_heartbeat();
   for (int i = 0; i < 1252; ++i) {
@@ -439,7 +439,7 @@ TEST_F(DriveOfNode5, ADriveThatCannotBeSetUpIsRefusedWithTheReason) {
   EXPECT_EQ(drive->phase(), DrivePhase::starting);
 }
 
-TEST_F(DriveOfNode5, FeedbackThatIsMissingIsCountedAndThenAFinding) {  // faults.md 13, 20
+TEST_F(DriveOfNode5, FeedbackThatIsMissingIsCountedAndThenAFinding) {  // docs/faults.md 13, 20
   bring_to_following();
   heartbeat(NmtState::operational);
   EXPECT_TRUE(silent_tick(700));
@@ -470,7 +470,7 @@ TEST_F(DriveOfNode5, FeedbackThatComesLateIsNoDuplicate) {
   EXPECT_EQ(drive->counters().duplicates, 0U);
 }
 
-TEST_F(DriveOfNode5, ShortAndDuplicateFramesAreDiscardedCountedAndThenAFinding) {  // faults.md 19
+TEST_F(DriveOfNode5, ShortAndDuplicateFramesAreDiscardedCountedAndThenAFinding) {  // docs/faults.md 19
   bring_to_following();
   Frame too_short = feedback_frame(node(5), {.statusword = in_fault, .actual = 9, .mode = 8});
   too_short.length = 6;
@@ -502,14 +502,14 @@ TEST_F(DriveOfNode5, NowAndThenABadFrameIsForgiven) {
   EXPECT_EQ(drive->counters().bad_frames, 30U);
 }
 
-TEST_F(DriveOfNode5, AForeignCommandIsAFinding) {  // faults.md 17
+TEST_F(DriveOfNode5, AForeignCommandIsAFinding) {  // docs/faults.md 17
   bring_to_following();
   drive->note_foreign_frame();
   EXPECT_EQ(drive->first_finding(), DriveFinding::foreign_sender);
   EXPECT_EQ(drive->counters().foreign_frames, 1U);
 }
 
-TEST_F(DriveOfNode5, AHeartbeatThatStopsIsFoundWithinItsTimeout) {  // faults.md 21
+TEST_F(DriveOfNode5, AHeartbeatThatStopsIsFoundWithinItsTimeout) {  // docs/faults.md 21
   bring_to_following();
   const std::int64_t heard = now - 4 * ms;
   std::int64_t found = 0;
@@ -525,7 +525,7 @@ TEST_F(DriveOfNode5, AHeartbeatThatStopsIsFoundWithinItsTimeout) {  // faults.md
   EXPECT_TRUE(drive->lasting().empty());
 }
 
-TEST_F(DriveOfNode5, AnEmergencyInMotionIsAFindingWithItsCode) {  // faults.md 23
+TEST_F(DriveOfNode5, AnEmergencyInMotionIsAFindingWithItsCode) {  // docs/faults.md 23
   bring_to_following();
   drive->receive(emergency_frame(node(5), {.code = 0x2310, .error_register = 3}), now);
   EXPECT_EQ(drive->first_finding(), DriveFinding::emergency);
@@ -535,7 +535,7 @@ TEST_F(DriveOfNode5, AnEmergencyInMotionIsAFindingWithItsCode) {  // faults.md 2
   EXPECT_EQ(drive->counters().emergencies, 1U);
 }
 
-TEST_F(DriveOfNode5, AFaultInMotionIsAFinding) {  // faults.md 23
+TEST_F(DriveOfNode5, AFaultInMotionIsAFinding) {  // docs/faults.md 23
   bring_to_following();
   EXPECT_EQ(tick(0x021F, 700, 700)->controlword, 0x0000);
   EXPECT_EQ(drive->first_finding(), DriveFinding::drive_fault);
@@ -557,7 +557,7 @@ TEST_F(DriveOfNode5, ADriveThatSwitchesOffIsAFinding) {
   EXPECT_EQ(drive->phase(), DrivePhase::idle);
 }
 
-TEST_F(DriveOfNode5, AnUnexpectedBootUpMessageLosesTheReference) {  // faults.md 24
+TEST_F(DriveOfNode5, AnUnexpectedBootUpMessageLosesTheReference) {  // docs/faults.md 24
   bring_to_following();
   heartbeat(NmtState::boot_up);
   EXPECT_EQ(drive->first_finding(), DriveFinding::unexpected_boot);
@@ -578,7 +578,7 @@ TEST_F(DriveOfNode5, ADriveThatLeavesOperationalIsGone) {
   EXPECT_EQ(drive->phase(), DrivePhase::gone);
 }
 
-TEST_F(DriveOfNode5, AFollowingErrorAsksForAStopAndThenAQuickStop) {  // faults.md 25
+TEST_F(DriveOfNode5, AFollowingErrorAsksForAStopAndThenAQuickStop) {  // docs/faults.md 25
   bring_to_following();
   EXPECT_TRUE(tick(following | 0x2000, 700, 700));
   EXPECT_EQ(drive->first_finding(), DriveFinding::following_error);
@@ -592,7 +592,7 @@ TEST_F(DriveOfNode5, AnInternalLimitIsAFinding) {
   EXPECT_EQ(drive->first_finding(), DriveFinding::internal_limit);
 }
 
-TEST_F(DriveOfNode5, AnotherModeIsAFindingAtOnce) {  // faults.md 26
+TEST_F(DriveOfNode5, AnotherModeIsAFindingAtOnce) {  // docs/faults.md 26
   bring_to_following();
   heartbeat(NmtState::operational);
   feedback(following, 700, 1);
@@ -600,7 +600,7 @@ TEST_F(DriveOfNode5, AnotherModeIsAFindingAtOnce) {  // faults.md 26
   EXPECT_EQ(drive->first_finding(), DriveFinding::wrong_mode);
 }
 
-TEST_F(DriveOfNode5, Bit12MayBeClearForAMomentOnly) {  // faults.md 26
+TEST_F(DriveOfNode5, Bit12MayBeClearForAMomentOnly) {  // docs/faults.md 26
   bring_to_following();
   for (int i = 0; i < 4; ++i) tick(enabled, 700, 700);
   tick(following, 700, 700);

@@ -1,4 +1,5 @@
-// The motion loop over CiA 402 drives on a simulated bus: what each fault does to the whole rig (faults.md).
+// The motion loop over CiA 402 drives on a simulated bus: what each fault does to the whole rig
+// (docs/faults.md).
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -43,7 +44,7 @@ TEST(CanLoop, PlaysAMoveAndTheDrivesOwnRecordIsThePlan) {
   EXPECT_NEAR(crane.drives[1].position(), 260'000, 1.5);
 }
 
-// faults.md 13
+// docs/faults.md 13
 TEST(CanLoop, AFullQueueIsCountedAndSeveralInARowAreAControlledStop) {
   Crane crane;
   crane.start();
@@ -59,7 +60,7 @@ TEST(CanLoop, AFullQueueIsCountedAndSeveralInARowAreAControlledStop) {
   EXPECT_EQ(crane.loop().state(), State::stopping);
 }
 
-// faults.md 15
+// docs/faults.md 15
 TEST(CanLoop, FramesThatWaitedBeforeAreThrownAwayBeforeTheDrivesAreSwitchedOn) {
   Crane crane;
   const can::Frame stale =
@@ -70,7 +71,7 @@ TEST(CanLoop, FramesThatWaitedBeforeAreThrownAwayBeforeTheDrivesAreSwitchedOn) {
   EXPECT_EQ(crane.loop().state(), State::running);
 }
 
-// faults.md 16
+// docs/faults.md 16
 TEST(CanLoop, ALinkThatGoesDownCeasesSetpointsAndDoesNotReconnectAndGo) {
   Crane crane;
   crane.start();
@@ -86,7 +87,7 @@ TEST(CanLoop, ALinkThatGoesDownCeasesSetpointsAndDoesNotReconnectAndGo) {
   EXPECT_FALSE(crane.loop().start(Direction::forward)) << "it is not where the playhead is";
 }
 
-// faults.md 17
+// docs/faults.md 17
 TEST(CanLoop, AForeignSenderOnOurIdentifiersIsAControlledStop) {
   Crane crane;
   crane.start();
@@ -95,7 +96,7 @@ TEST(CanLoop, AForeignSenderOnOurIdentifiersIsAControlledStop) {
   crane.expect_controlled_stop(State::latched);
 }
 
-// faults.md 18
+// docs/faults.md 18
 TEST(CanLoop, AFloodOfFramesIsBoundedAndCountedAndTheMoveGoesOn) {
   Crane crane;
   crane.start();
@@ -110,7 +111,7 @@ TEST(CanLoop, AFloodOfFramesIsBoundedAndCountedAndTheMoveGoesOn) {
   EXPECT_GT(crane.port.front().counters(0).floods, 0U);
 }
 
-// faults.md 20
+// docs/faults.md 20
 TEST(CanLoop, LostFramesOfOneAxisStopAllOnThePath) {
   Crane crane;
   crane.start();
@@ -119,7 +120,7 @@ TEST(CanLoop, LostFramesOfOneAxisStopAllOnThePath) {
   crane.expect_controlled_stop(State::faulted);
 }
 
-// faults.md 21
+// docs/faults.md 21
 TEST(CanLoop, ALostHeartbeatStopsAllWithinItsTimeout) {
   Crane crane;
   crane.start();
@@ -130,7 +131,7 @@ TEST(CanLoop, ALostHeartbeatStopsAllWithinItsTimeout) {
   EXPECT_LE(crane.now_ns - from_ns, 150'000'000 + 2 * tick_ns);
 }
 
-// faults.md 23
+// docs/faults.md 23
 TEST(CanLoop, AnEmergencyInMotionSlowsTheOthersDownAndIsThere) {
   Crane crane;
   crane.start();
@@ -141,7 +142,7 @@ TEST(CanLoop, AnEmergencyInMotionSlowsTheOthersDownAndIsThere) {
   EXPECT_GE(crane.hosts[0].counters().emergencies, 1U);
 }
 
-// faults.md 24
+// docs/faults.md 24
 TEST(CanLoop, AnUnexpectedBootUpIsAControlledStopAndLosesTheReference) {
   Crane crane;
   crane.start();
@@ -154,7 +155,7 @@ TEST(CanLoop, AnUnexpectedBootUpIsAControlledStopAndLosesTheReference) {
   EXPECT_TRUE(can::words_of(can::DriveFinding::unexpected_boot).loses_reference);
 }
 
-// faults.md 25
+// docs/faults.md 25
 TEST(CanLoop, AFollowingErrorStopsAllOnThePathAndThenTheDriveByItself) {
   Crane crane;
   crane.start();
@@ -170,7 +171,7 @@ TEST(CanLoop, AFollowingErrorStopsAllOnThePathAndThenTheDriveByItself) {
   EXPECT_FALSE(crane.loop().post(SupervisorEvent::start));
 }
 
-// faults.md 26
+// docs/faults.md 26
 TEST(CanLoop, ADriveThatIgnoresItsTargetMakesTimeStandStill) {
   for (const auto kind : {DriveTrouble::Kind::ignore_target, DriveTrouble::Kind::wrong_mode}) {
     Crane crane;
@@ -186,7 +187,7 @@ TEST(CanLoop, ADriveThatIgnoresItsTargetMakesTimeStandStill) {
   }
 }
 
-// faults.md 28
+// docs/faults.md 28
 TEST(CanLoop, AnEmergencyStopIsNotUndoneByItsRelease) {
   Crane crane;
   crane.start();
@@ -207,7 +208,7 @@ TEST(CanLoop, AnEmergencyStopIsNotUndoneByItsRelease) {
   EXPECT_NEAR(crane.drives[0].velocity(), 0, 1);
 }
 
-// faults.md 29
+// docs/faults.md 29
 TEST(CanLoop, WhenTheHostFallsSilentTheDrivesStopByThemselves) {
   Crane crane;
   crane.start();

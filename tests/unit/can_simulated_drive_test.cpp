@@ -1,5 +1,5 @@
 // The host's drive against simulated drives on a simulated bus: set up, switched on, following, stopped; and
-// every fault of a drive (faults.md) as the drive's finding.
+// every fault of a drive (docs/faults.md) as the drive's finding.
 #include <gtest/gtest.h>
 
 #include <algorithm>

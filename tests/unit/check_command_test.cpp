@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "host_tools/check/check.hpp"
+#include "tests/support/places.hpp"
 #include "tests/support/refused_text.hpp"
 #include "tests/support/run_program.hpp"
 #include "tests/support/temporary_file.hpp"
@@ -26,8 +27,8 @@ using testing::HasSubstr;
 using testing::SizeIs;
 using testing::StartsWith;
 
-const std::string reveal = INBETWEEN_SOURCE_DIR "/examples/reveal.toml";
-const std::string camera_rig = INBETWEEN_SOURCE_DIR "/examples/camera_rig.toml";
+const std::string reveal = in_checkout("examples/reveal.toml");
+const std::string camera_rig = in_checkout("examples/camera_rig.toml");
 
 /// The example in so many frames.
 std::string reveal_in(int frames) {
@@ -172,7 +173,7 @@ void collect_fields(const Json& json, std::set<std::string>& names) {
 }
 
 TEST(CheckCommand, EveryFieldOfItsJsonIsDocumented) {
-  const std::string document = file_contents(INBETWEEN_SOURCE_DIR "/docs/formats.md");
+  const std::string document = file_contents(in_checkout("docs/formats.md"));
   const std::size_t begin = document.find("### JSON of check");
   const std::string section = document.substr(begin, document.find("\n### ", begin) - begin);
   const TemporaryFolder folder;
@@ -336,7 +337,7 @@ TEST(CheckCommand, FitIsInTheJsonWhereItIsAskedFor) {
               ElementsAre("track", "speed", "change", "change_share", "largest_change", "alpha", "frame"));
   EXPECT_THAT(run.out, HasSubstr("speed   = [0, 0, "));
   EXPECT_EQ(check_text(run.out).status, 0);
-  const std::string document = file_contents(INBETWEEN_SOURCE_DIR "/docs/formats.md");
+  const std::string document = file_contents(in_checkout("docs/formats.md"));
   const std::string section = document.substr(document.find("In `fit`:"));
   for (const Json* object : {&json["fit"], &track}) {
     for (const std::string& name : fields(*object)) EXPECT_THAT(section, HasSubstr("`" + name + "`"));

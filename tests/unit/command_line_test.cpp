@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "tests/support/places.hpp"
 #include "tests/support/run_program.hpp"
 #include "tests/support/temporary_file.hpp"
 
@@ -24,8 +25,8 @@ using testing::HasSubstr;
 using testing::MatchesRegex;
 using testing::StartsWith;
 
-const std::string move = INBETWEEN_SOURCE_DIR "/examples/reveal.toml";
-const std::string rig = INBETWEEN_SOURCE_DIR "/examples/camera_rig.toml";
+const std::string move = in_checkout("examples/reveal.toml");
+const std::string rig = in_checkout("examples/camera_rig.toml");
 
 std::size_t lines(const std::string& text) {
   return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));

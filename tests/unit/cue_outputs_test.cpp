@@ -18,14 +18,15 @@
 #include "host_tools/motions/run.hpp"
 #include "host_tools/motions/start_signal.hpp"
 #include "host_tools/plan/plan.hpp"
+#include "tests/support/places.hpp"
 #include "tests/support/run_program.hpp"
 #include "tests/support/temporary_file.hpp"
 
 namespace inbetween {
 namespace cue_outputs_test {
 
-const std::string slide_and_pan = INBETWEEN_SOURCE_DIR "/examples/slide_and_pan.toml";
-const std::string slider_rig = INBETWEEN_SOURCE_DIR "/examples/slider_rig.toml";
+const std::string slide_and_pan = in_checkout("examples/slide_and_pan.toml");
+const std::string slider_rig = in_checkout("examples/slider_rig.toml");
 
 Plan plan_of(const std::string& move, const std::string& rig) {
   return {read_move_file(move), read_rig_file(rig), {.solver = Solver::closed_form}};
@@ -109,8 +110,7 @@ TEST(CueOutputs, AfterAStopInTheMiddleNoPulseBegins) {
 
 TEST(CueOutputs, ARigWithoutOutputsHasNoneToLog) {
   const TemporaryFolder folder;
-  const Plan plan =
-      plan_of(INBETWEEN_SOURCE_DIR "/examples/reveal.toml", INBETWEEN_SOURCE_DIR "/examples/camera_rig.toml");
+  const Plan plan = plan_of(in_checkout("examples/reveal.toml"), in_checkout("examples/camera_rig.toml"));
   EXPECT_THROW(run(plan, simulated, {.cue_log = folder.path() / "cues.csv"}), InputError);
 }
 

@@ -12,13 +12,14 @@
 #include "host_tools/motions/run.hpp"
 #include "host_tools/plan/plan.hpp"
 #include "tests/support/golden_table.hpp"
+#include "tests/support/places.hpp"
 
 namespace inbetween {
 namespace examples_test {
 
 namespace fs = std::filesystem;
 
-const fs::path examples = INBETWEEN_SOURCE_DIR "/examples";
+const fs::path examples = in_checkout("examples");
 
 struct ForARig {
   std::string move, rig;

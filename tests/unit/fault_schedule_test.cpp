@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "tests/support/places.hpp"
 #include "tests/support/run_program.hpp"
 #include "tests/support/temporary_file.hpp"
 
@@ -18,7 +19,7 @@ namespace fault_schedule_test {
 
 using testing::HasSubstr;
 
-const std::string examples = INBETWEEN_SOURCE_DIR "/examples/";
+const std::string examples = in_checkout("examples/");
 
 ProgramRun run_with(const std::string& faults) {
   return run_program({"run", examples + "reveal.toml", "--rig", examples + "camera_rig.toml", "--sim",

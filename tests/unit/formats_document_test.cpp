@@ -15,6 +15,7 @@
 #include "host_tools/files/fault_script.hpp"
 #include "host_tools/files/move_file.hpp"
 #include "host_tools/files/rig_file.hpp"
+#include "tests/support/places.hpp"
 #include "tests/support/refused_text.hpp"
 
 namespace inbetween {
@@ -23,7 +24,7 @@ namespace formats_document_test {
 using Fields = std::vector<std::string>;
 
 std::vector<std::string> lines_of_document() {
-  std::ifstream file(INBETWEEN_SOURCE_DIR "/docs/formats.md");
+  std::ifstream file(in_checkout("docs/formats.md"));
   EXPECT_TRUE(file.is_open());
   std::vector<std::string> lines;
   for (std::string line; std::getline(file, line);) lines.push_back(line);

@@ -176,7 +176,7 @@ TEST(GotoCommand, TheDriveTakesTheKeptPosition) {
   EXPECT_THAT(run.out, AllOf(HasSubstr(" 30.0000 deg"), HasSubstr(" 10.0000 mm")));
 }
 
-// faults.md 42: what is said would be overwritten where the axes rest, or be said of axes that move.
+// docs/faults.md 42: what is said would be overwritten where the axes rest, or be said of axes that move.
 TEST(GotoCommand, NothingIsSaidOrMovedWhileAnotherProgramHasThePositions) {
   const Stage stage;
   const RigFile rig = read_rig_file(stage.path);
@@ -238,7 +238,7 @@ TEST(GotoCommand, AStopOnTheWayRestsThereAndKnowsWhere) {
   EXPECT_LT(journey.ticks, 1200) << "it was over soon";
 }
 
-// faults.md 28, 32
+// docs/faults.md 28, 32
 TEST(GotoCommand, AnEmergencyStopOnTheWayLosesWhatNothingReports) {
   Journey journey;
   const SetupEnd end = journey.go(1000, [] {

@@ -176,7 +176,7 @@ TEST(RigHoming, AnAxisThatStandsOnItsSwitchLeavesItFirst) {
   EXPECT_LT(bench.error(1), 1.0 / 100);
 }
 
-// faults.md 33
+// docs/faults.md 33
 TEST(RigHoming, ASwitchThatIsStuckEndsItAndTheAxisStaysNearIt) {
   Bench bench(-8, 60);
   bench.switches.of[0].set_fault(SimulatedSwitch::Fault::stuck);

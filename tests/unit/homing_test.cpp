@@ -178,7 +178,7 @@ void expect_all_stop(SimulatedHoming& homing, std::int32_t axis, HomingFailure f
   }
 }
 
-/// faults.md 33, and the bug report: a failed Z homing while X and Y went on.
+/// docs/faults.md 33, and the bug report: a failed Z homing while X and Y went on.
 TEST(HomingFault33, AStuckSwitchStopsAllHomingAxes) {
   std::vector<LostAxis> slides = three_slides();
   slides[2].true_position = 75;
@@ -232,8 +232,8 @@ TEST(HomingFault33, AChatteringSwitchStopsAllHomingAxes) {
   expect_all_stop(homing, 2, HomingFailure::chattering);
 }
 
-/// faults.md 31: the events of every axis come from one queue, so that each of them may have lost one. The
-/// first axis whose switch is asked is told.
+/// docs/faults.md 31: the events of every axis come from one queue, so that each of them may have lost one.
+/// The first axis whose switch is asked is told.
 TEST(HomingFault31, LostEdgesFailTheHomingAndNoAxisIsReferenced) {
   std::vector<LostAxis> slides = three_slides();
   for (LostAxis& each : slides) {

@@ -156,7 +156,8 @@ TEST(Jog, BothPairsOfKeysDoTheSame) {
   }
 }
 
-// faults.md 41: whatever the period of the repeat and the moment of the last key, also while the speed rises.
+// docs/faults.md 41: whatever the period of the repeat and the moment of the last key, also while the speed
+// rises.
 TEST(Jog, RestsWithin200MillisecondsOfTheLastKey) {
   const Bench one;
   const double most = jog_speed(one.rig.axes[0], 1, tick_s);

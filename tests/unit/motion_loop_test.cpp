@@ -130,7 +130,7 @@ TEST(MotionLoop, NothingStartsThatIsNotReady) {
       crane.loop.load({&crane.plan.played(), &crane.playhead, crane.drive_of, crane.plan.limits(), tick_s}));
 }
 
-// faults.md 27
+// docs/faults.md 27
 TEST(MotionLoop, AnAxisThatIsNotWhereTheMoveStartsIsNamedAndNothingMoves) {
   Crane crane({100, 0.25, 11});
   crane.arm();
@@ -143,7 +143,7 @@ TEST(MotionLoop, AnAxisThatIsNotWhereTheMoveStartsIsNamedAndNothingMoves) {
   EXPECT_THAT(crane.at(), ElementsAre(100, 0.25, 11)) << "the first setpoint is the actual position";
 }
 
-// faults.md 40
+// docs/faults.md 40
 TEST(MotionLoop, AStopLatchesAndGoesOnOnlyWhenAcknowledgedAndStarted) {
   Crane crane;
   crane.arm();
@@ -193,7 +193,7 @@ TEST(MotionLoop, AStopWhilePausedIsAtRestAtOnce) {
   EXPECT_EQ(crane.loop.state(), SupervisorState::latched);
 }
 
-// faults.md 28
+// docs/faults.md 28
 TEST(MotionLoop, WithoutPowerNothingIsSentAndNothingResumesByItself) {
   Crane crane;
   crane.arm();
@@ -245,7 +245,7 @@ TEST(MotionLoop, AfterLostPowerNoSpeedIsLeftOver) {
   EXPECT_THAT(crane.at(), ElementsAre(260, 0.25, -5));
 }
 
-// faults.md 23
+// docs/faults.md 23
 TEST(MotionLoop, AFaultOfOneDriveSlowsAllDownOnThePath) {
   Crane crane;
   crane.arm();
@@ -268,7 +268,7 @@ TEST(MotionLoop, AFaultOfOneDriveSlowsAllDownOnThePath) {
   EXPECT_EQ(crane.loop.state(), SupervisorState::cut_off);
 }
 
-// faults.md 36
+// docs/faults.md 36
 TEST(MotionLoop, ALateTickIsMadeUpForWhereNoAxisGoesBeyondItsVelocity) {
   Crane crane;
   crane.arm();
@@ -281,7 +281,7 @@ TEST(MotionLoop, ALateTickIsMadeUpForWhereNoAxisGoesBeyondItsVelocity) {
   EXPECT_EQ(crane.at()[0], expected[1]);
 }
 
-// faults.md 36
+// docs/faults.md 36
 TEST(MotionLoop, ALongStallIsAControlledStopAndNeverABurst) {
   Crane crane;
   crane.arm();
@@ -429,7 +429,7 @@ TEST(MotionLoop, ALimitSwitchStopsFreeAxes) {
   EXPECT_EQ(crane.loop.state(), SupervisorState::latched);
 }
 
-// faults.md 36: what has no time line has no lost time either.
+// docs/faults.md 36: what has no time line has no lost time either.
 TEST(MotionLoop, ALateTickIsOneTickOfAFreeAxis) {
   FreeCrane crane;
   FreeCrane punctual;
@@ -442,7 +442,7 @@ TEST(MotionLoop, ALateTickIsOneTickOfAFreeAxis) {
   EXPECT_EQ(crane.loop.state(), SupervisorState::running);
 }
 
-// faults.md 27
+// docs/faults.md 27
 TEST(MotionLoop, FreeAxesThatBelieveToBeElsewhereMoveNothing) {
   FreeCrane crane({12, 100});
   crane.begin();
@@ -453,7 +453,7 @@ TEST(MotionLoop, FreeAxesThatBelieveToBeElsewhereMoveNothing) {
   EXPECT_THAT(crane.at(), ElementsAre(100, 0.25, 10));
 }
 
-// faults.md 28
+// docs/faults.md 28
 TEST(MotionLoop, WithoutPowerFreeAxesRestWhereTheyWereAtOnce) {
   FreeCrane crane;
   crane.begin();

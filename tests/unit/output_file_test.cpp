@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "tests/support/places.hpp"
 #include "tests/support/run_program.hpp"
 #include "tests/support/temporary_file.hpp"
 
@@ -70,10 +71,10 @@ TEST(OutputFile, AnOldOneSurvivesAnErrorWhileTheNewOneIsWritten) {
 TEST(OutputFile, AnOldOneSurvivesAFullDisk) {
   const TemporaryFile old("a", "old");
   const std::string script = "ulimit -f 8; trap '' XFSZ; exec \"$@\"";
-  const std::string move = INBETWEEN_SOURCE_DIR "/examples/reveal.toml";
+  const std::string move = in_checkout("examples/reveal.toml");
   for (const char* option : {"--json", "--csv"}) {
     const ProgramRun run = run_command(
-        {"/bin/sh", "-c", script, "sh", INBETWEEN_PROGRAM, "plan", move, option, old.path().string()});
+        {"/bin/sh", "-c", script, "sh", in_build("inbetween"), "plan", move, option, old.path().string()});
     EXPECT_EQ(run.status, 1) << option;
     EXPECT_THAT(run.err, StartsWith(old.path().string() + ": error: could not be written completely: "));
     EXPECT_EQ(file_contents(old.path().string()), "old") << option;

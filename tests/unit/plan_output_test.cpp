@@ -19,6 +19,7 @@
 #include "host_tools/plan/plan_plot.hpp"
 #include "tests/support/golden_table.hpp"
 #include "tests/support/oracle_table.hpp"
+#include "tests/support/places.hpp"
 #include "tests/support/refused_text.hpp"
 #include "tests/support/run_program.hpp"
 #include "tests/support/temporary_file.hpp"
@@ -33,7 +34,7 @@ using testing::Not;
 using testing::SizeIs;
 using testing::StartsWith;
 
-const std::string examples = INBETWEEN_SOURCE_DIR "/examples/";
+const std::string examples = in_checkout("examples/");
 
 const std::string drift = R"(name = "drift \"slow\""
 fps = "24000/1001"
@@ -315,7 +316,7 @@ void collect_fields(const Json& json, std::set<std::string>& names) {
 }
 
 TEST(OutputDocument, HasEveryFieldOfTheJsonAndTheHeaderOfTheCsv) {
-  const std::string document = file_contents(INBETWEEN_SOURCE_DIR "/docs/formats.md");
+  const std::string document = file_contents(in_checkout("docs/formats.md"));
   const std::string written = document.substr(document.find("## What is written"));
   const std::string rig = examples + "camera_rig.toml";
   const std::string move = examples + "reveal.toml";

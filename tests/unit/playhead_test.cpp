@@ -151,7 +151,7 @@ TEST(Playhead, AStopAtEveryTickBackwardStaysInsideTheStopLimits) {
   expect_stops_everywhere(bench, playhead);
 }
 
-// faults.md 3, 40
+// docs/faults.md 3, 40
 TEST(Playhead, AStopAtEveryTickOfTheRollsStaysInsideTheStopLimits) {
   const Bench bench(bends("6, 10, 6, 10, 4"));
   ASSERT_LT(bench.plan.played().first_frame(), 0);
@@ -359,7 +359,7 @@ TEST(Playhead, ToAndFroItTurnsAtTheEndsWithoutATick) {
   EXPECT_EQ(record.complaint(), "");
 }
 
-// faults.md 4
+// docs/faults.md 4
 TEST(Playhead, ALoopThatWouldStepIsRefusedWithTheAxis) {
   const Bench bench(bends());
   Playhead<double> playhead = bench.playhead();

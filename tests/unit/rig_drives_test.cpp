@@ -32,7 +32,7 @@ RigFile rig_of(int axes, int rate_hz, int bitrate, const std::string& scale = "-
   return parse_rig(text, "rig.toml");
 }
 
-// faults.md 12
+// docs/faults.md 12
 TEST(RigDrives, ABusThatWouldBeTooFullIsRefusedWithItsLoad) {
   EXPECT_NO_THROW(refuse_overloaded_buses(rig_of(5, 500, 1'000'000)));
   try {

@@ -146,7 +146,7 @@ TEST(RigReference, WhatIsSaidIsKnownInTheNextRunAndToTheDrives) {
   EXPECT_EQ(loop.states[swing].actual, -30);
 }
 
-// faults.md 47
+// docs/faults.md 47
 TEST(RigReference, AnAxisThatMovedWhenTheProgramEndedIsUnreferenced) {
   const Stage stage;
   stage.say({{slide, 120}, {focus, 0}, {swing, -30}});
@@ -187,7 +187,7 @@ TEST(RigReference, AnUnreferencedAxisThatMovesStaysUnreferenced) {
   EXPECT_EQ(stage.unreferenced(), (std::vector{focus, swing}));
 }
 
-// faults.md 28: whatever lost its power may have been moved by hand.
+// docs/faults.md 28: whatever lost its power may have been moved by hand.
 TEST(RigReference, WithoutPowerAnAxisThatNothingReportsIsLost) {
   const Stage stage;
   stage.say({{slide, 120}, {focus, 0}, {swing, -30}});
@@ -271,7 +271,7 @@ TEST(RigReference, NobodySaysWhereAnAxisIsThatItsDriveKnows) {
   EXPECT_THROW(reference.is_lost(crane, "?"), std::logic_error);
 }
 
-// faults.md 42
+// docs/faults.md 42
 TEST(RigReference, OneAtATimeHasAFileByWhateverNameItHasIt) {
   const Stage stage;
   const std::filesystem::path folder = stage.folder.path();

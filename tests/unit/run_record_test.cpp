@@ -1,5 +1,5 @@
-// `run --record`: every tick is in the file, and a file that takes none holds nothing up (faults.md 43). And
-// a rig file that is changed while the rig is armed (faults.md 11).
+// `run --record`: every tick is in the file, and a file that takes none holds nothing up (docs/faults.md 43).
+// And a rig file that is changed while the rig is armed (docs/faults.md 11).
 #include "host_tools/loop/run_record.hpp"
 
 #include <fcntl.h>
@@ -15,6 +15,7 @@
 
 #include "host_tools/motions/run.hpp"
 #include "host_tools/rig/rig_watch.hpp"
+#include "tests/support/places.hpp"
 #include "tests/support/run_program.hpp"
 #include "tests/support/temporary_file.hpp"
 
@@ -23,8 +24,8 @@ namespace run_record_test {
 
 using testing::HasSubstr;
 
-const std::string reveal = INBETWEEN_SOURCE_DIR "/examples/reveal.toml";
-const std::string camera_rig = INBETWEEN_SOURCE_DIR "/examples/camera_rig.toml";
+const std::string reveal = in_checkout("examples/reveal.toml");
+const std::string camera_rig = in_checkout("examples/camera_rig.toml");
 
 std::vector<std::vector<std::string>> rows_of(const std::string& path) {
   std::vector<std::vector<std::string>> rows;
@@ -68,7 +69,7 @@ TEST(RunRecord, HasEveryTickOfEveryAxis) {
   EXPECT_EQ(json["record"]["lost"], 0);
 }
 
-// faults.md 43
+// docs/faults.md 43
 TEST(RunRecord, AFullDiskDoesNotHoldTheRigUpAndWhatIsLostIsCounted) {
   const std::vector<std::string> plain = {"run",   reveal,   "--rig",  camera_rig,
                                           "--sim", "--fast", "--json", "-"};
@@ -130,7 +131,7 @@ TEST_F(RigChanged, NothingIsBegunAnyMore) {
                   HasSubstr("camera_rig.toml: error: the file was changed since it was read")));
 }
 
-// faults.md 11
+// docs/faults.md 11
 TEST_F(RigChanged, WhileTheRigMovesItGoesOnAndIsNotBegunAgainAfterAStop) {
   int looks = 0;
   options_.audience.keys = [&]() -> std::string {

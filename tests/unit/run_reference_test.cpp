@@ -9,6 +9,7 @@
 
 #include "host_tools/plan/plan.hpp"
 #include "host_tools/reference/rig_reference.hpp"
+#include "tests/support/places.hpp"
 #include "tests/support/run_program.hpp"
 #include "tests/support/temporary_file.hpp"
 
@@ -18,8 +19,8 @@ namespace run_reference_test {
 using testing::AllOf;
 using testing::HasSubstr;
 
-const std::string slide_and_pan = INBETWEEN_SOURCE_DIR "/examples/slide_and_pan.toml";
-const std::string slider_rig = INBETWEEN_SOURCE_DIR "/examples/slider_rig.toml";
+const std::string slide_and_pan = in_checkout("examples/slide_and_pan.toml");
+const std::string slider_rig = in_checkout("examples/slider_rig.toml");
 
 class RunReference : public testing::Test {
  protected:

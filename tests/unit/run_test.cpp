@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "host_tools/check/check.hpp"
+#include "tests/support/places.hpp"
 #include "tests/support/refused_text.hpp"
 #include "tests/support/run_program.hpp"
 #include "tests/support/temporary_file.hpp"
@@ -27,8 +28,8 @@ using testing::HasSubstr;
 using testing::SizeIs;
 using testing::StartsWith;
 
-const std::string reveal = INBETWEEN_SOURCE_DIR "/examples/reveal.toml";
-const std::string camera_rig = INBETWEEN_SOURCE_DIR "/examples/camera_rig.toml";
+const std::string reveal = in_checkout("examples/reveal.toml");
+const std::string camera_rig = in_checkout("examples/camera_rig.toml");
 
 const std::string there = R"(name = "there"
 fps = "24000/1001"

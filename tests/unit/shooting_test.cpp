@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "host_tools/motions/run.hpp"
+#include "tests/support/places.hpp"
 #include "tests/support/run_program.hpp"
 #include "tests/support/temporary_file.hpp"
 
@@ -21,8 +22,8 @@ namespace shooting_test {
 
 using testing::HasSubstr;
 
-const std::string reveal = INBETWEEN_SOURCE_DIR "/examples/reveal.toml";
-const std::string camera_rig = INBETWEEN_SOURCE_DIR "/examples/camera_rig.toml";
+const std::string reveal = in_checkout("examples/reveal.toml");
+const std::string camera_rig = in_checkout("examples/camera_rig.toml");
 
 ProgramRun run_with(std::vector<std::string> more) {
   std::vector<std::string> arguments{"run", reveal, "--rig", camera_rig, "--sim", "--fast"};

@@ -14,6 +14,7 @@
 
 #include "host_tools/files/move_file.hpp"
 #include "host_tools/files/toml_source.hpp"
+#include "tests/support/places.hpp"
 #include "tests/support/refused_text.hpp"
 
 namespace inbetween {
@@ -132,7 +133,7 @@ TEST(SpeedRewrite, LeavesTheOtherTracksAlone) {
 }
 
 TEST(SpeedRewrite, ExamplesKeepAllButTheirNumbers) {
-  for (const auto& file : std::filesystem::directory_iterator(INBETWEEN_SOURCE_DIR "/examples")) {
+  for (const auto& file : std::filesystem::directory_iterator(in_checkout("examples"))) {
     if (file.path().extension() != ".toml") continue;
     const std::string text = read_text_file(file.path());
     if (text.find("[[track]]") == std::string::npos) continue;

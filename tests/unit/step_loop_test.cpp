@@ -202,7 +202,7 @@ TEST(StepLoop, AControlledStopLosesNoStep) {
   EXPECT_FALSE(slider.states[0].has_lost_steps);
 }
 
-// faults.md 32
+// docs/faults.md 32
 TEST(StepLoop, AnEmergencyStopEndsTheStepsWithinATickAndThePositionIsLost) {
   Slider slider;
   slider.start();
@@ -217,7 +217,7 @@ TEST(StepLoop, AnEmergencyStopEndsTheStepsWithinATickAndThePositionIsLost) {
   EXPECT_TRUE(slider.states[1].has_lost_steps);
 }
 
-// faults.md 34
+// docs/faults.md 34
 TEST(StepLoop, AChipThatIsRemovedEndsTheSetpointsOfAllAxes) {
   Slider slider;
   slider.start();
@@ -228,7 +228,7 @@ TEST(StepLoop, AChipThatIsRemovedEndsTheSetpointsOfAllAxes) {
   EXPECT_FALSE(slider.loop().post(SupervisorEvent::start));
 }
 
-// faults.md 36
+// docs/faults.md 36
 TEST(StepLoop, ATickThatLeavesAGapInTheStepsIsAControlledStop) {
   Slider slider;
   slider.start();

@@ -14,6 +14,7 @@
 #include "host_tools/motions/run.hpp"
 #include "host_tools/motions/staged_move.hpp"
 #include "host_tools/motions/start_signal.hpp"
+#include "tests/support/places.hpp"
 #include "tests/support/run_program.hpp"
 
 namespace inbetween {
@@ -23,8 +24,8 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-const std::string reveal = INBETWEEN_SOURCE_DIR "/examples/reveal.toml";
-const std::string camera_rig = INBETWEEN_SOURCE_DIR "/examples/camera_rig.toml";
+const std::string reveal = in_checkout("examples/reveal.toml");
+const std::string camera_rig = in_checkout("examples/camera_rig.toml");
 
 std::vector<TransportKey> keys_of(std::string_view bytes) {
   TransportKeys keys;
@@ -112,7 +113,8 @@ TEST(Transport, LeavingStopsOnThePathFirst) {
   EXPECT_NEAR(session.report.axes[0].last_actual, session.report.axes[0].last_commanded, 1e-3);
 }
 
-// faults.md 41: a running move whose terminal is lost is stopped on the path, as one that is interrupted.
+// docs/faults.md 41: a running move whose terminal is lost is stopped on the path, as one that is
+// interrupted.
 TEST(Transport, ALostTerminalStopsTheMoveOnThePath) {
   const Plan plan(read_move_file(reveal), read_rig_file(camera_rig), {});
   for (const int signal : {SIGHUP, SIGINT, SIGTERM}) {
@@ -130,7 +132,7 @@ TEST(Transport, ALostTerminalStopsTheMoveOnThePath) {
   }
 }
 
-// faults.md 28: setpoints cease, and nothing resumes by itself when it is released.
+// docs/faults.md 28: setpoints cease, and nothing resumes by itself when it is released.
 TEST(Transport, AnEmergencyStopEndsAMoveThatNobodyAttends) {
   const Plan plan(read_move_file(reveal), read_rig_file(camera_rig), {});
   int tick = 0;

@@ -1,6 +1,6 @@
 // Every test of this program runs in the bench: started outside, the program starts itself again inside.
-// Tests whose suite is named ...OnVirtualTime need its other clock: they run if they alone are asked for, as
-// ctest does.
+// ctest starts a suite at a time, and its tests share a bench. Tests whose suite is named ...OnVirtualTime
+// need its other clock: they run if they alone are asked for, as ctest does.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -9,6 +9,8 @@
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "tests/support/places.hpp"
 
 namespace {
 
@@ -22,10 +24,10 @@ bool asks_for_virtual_time(int count, char** arguments) {
 }
 
 [[noreturn]] void start_again_in_bench(int count, char** arguments) {
-  std::vector<std::string> words = {INBETWEEN_SOURCE_DIR "/sim/bench/run",
+  std::vector<std::string> words = {inbetween::in_checkout("sim/bench/run"),
                                     "--kernel",
                                     "--timeout",
-                                    "120",
+                                    "240",
                                     "--echo",
                                     "--vcan",
                                     "can0",

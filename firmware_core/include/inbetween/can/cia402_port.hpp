@@ -78,7 +78,7 @@ struct LaneCounters {
   std::uint32_t drained = 0;  ///< stale frames thrown away before the drives were switched on
 };
 
-/// How many ticks in a row may have frames that the link did not take (faults.md 13).
+/// How many ticks in a row may have frames that the link did not take (docs/faults.md 13).
 inline constexpr std::int32_t unsent_ticks_limit = 3;
 
 /// Per tick and bus: one bounded read, then SYNC, the targets, the host's heartbeat and at most one service

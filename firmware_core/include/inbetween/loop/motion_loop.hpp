@@ -63,8 +63,8 @@ struct LoopTick {
 ///
 /// Late ticks: the playhead goes on by as many ticks as have passed if that takes no axis further than
 /// max_velocity allows within one tick. Otherwise the lost time stays lost and the rig slows down on the path
-/// (never a burst; faults.md 36). Where a late tick brings about something (the move ends, a shutter opens)
-/// the rig is where that happened, and goes on from there.
+/// (never a burst; docs/faults.md 36). Where a late tick brings about something (the move ends, a shutter
+/// opens) the rig is where that happened, and goes on from there.
 template <Precise Real, DrivePort<Real> Drives, LinePort Lines>
 class MotionLoop {
  public:

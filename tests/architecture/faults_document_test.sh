@@ -1,0 +1,52 @@
+#!/usr/bin/env bash
+# docs/faults.md is true as far as a script can tell: every fault has one row or is said not to exist here, every test
+# that it names is registered with ctest, and every number that the sources cite is there.
+#
+#   faults_document_test.sh ROOT BUILD
+set -euo pipefail
+root=$1 build=$2
+document=$root/docs/faults.md
+
+scratch=$(mktemp --directory)
+trap 'rm --recursive --force "$scratch"' EXIT
+
+{
+  ctest --test-dir "$build" --show-only | sed --quiet 's/^ *Test *#[0-9]*: //p'
+  # ctest has the suites that run inside the bench, and their program has the tests.
+  "$build/tests/bench/inbetween_bench_inside_tests" --gtest_list_tests |
+    awk '/^[^ ]/ { suite = $1 } /^ / { print suite $1 }'
+} | sort >"$scratch/registered"
+
+# complaints_of DOCUMENT: a line for each thing that is wrong with it.
+# shellcheck disable=SC2016  # the backticks are those of the document
+complaints_of() {
+  local number
+  for number in {1..47}; do
+    grep --quiet --extended-regexp "^\| $number \||^$number \(|and $number \(" "$1" || printf 'no row of fault %d\n' "$number"
+  done
+  grep --extended-regexp '^\| [0-9]+ \|' "$1" | grep --invert-match '`[A-Za-z0-9]*\.[A-Za-z0-9]*`' | sed 's/^/no test in /'
+  comm -13 "$scratch/registered" <(grep --only-matching --extended-regexp '`[A-Za-z0-9]+\.[A-Za-z0-9]+`' "$1" |
+    grep --invert-match '\.md`' | tr --delete '`' | sort --unique) | sed 's/^/no such test: /'
+  return 0
+}
+
+expect() { # expect WHAT WANTED GOT
+  [[ $2 == "$3" ]] && return
+  printf 'FAILED: %s\n  wanted: %s\n  got:    %s\n' "$1" "$2" "$3"
+  exit 1
+}
+
+complaints=$(complaints_of "$document")
+expect "docs/faults.md names a test of every fault" "" "$complaints"
+
+# A number as in "docs/faults.md 13, 20".
+for cited in $(grep --recursive --no-filename --only-matching --extended-regexp 'docs/faults\.md [0-9]+(, [0-9]+)*' \
+  "$root/firmware_core" "$root/drivers" "$root/sim" "$root/host_tools" "$root/tests" | tr --complement --delete '0-9\n ' | sort --unique); do
+  ((cited >= 1 && cited <= 47)) || expect "the sources cite faults that there are" "1 to 47" "$cited"
+done
+
+# And it is seen where it is not.
+sed 's/BadInput\.NoFrames/BadInput.NoSuchTest/; /^| 12 |/d' "$document" >"$scratch/spoiled.md"
+expect "a wrong name and a missing row are found" "no row of fault 12
+no such test: BadInput.NoSuchTest" "$(complaints_of "$scratch/spoiled.md")"
+printf 'docs/faults.md: every test is there\n'
