@@ -12,6 +12,7 @@
 
 #include "host_tools/rig/rig_drives.hpp"
 #include "sim/simulated_link.hpp"
+#include "tests/support/places.hpp"
 
 namespace inbetween {
 namespace bus_record_test {
