@@ -5,13 +5,10 @@
 
 #include "base/scaled_norm.hpp"
 #include "path/segment_speed.hpp"
+#include "time_pieces.hpp"
 
 namespace inbetween {
 namespace {
-
-/// Twice what a lock promises, as a share of the length.
-template <Precise Real>
-inline constexpr Real lock_share = std::numeric_limits<Real>::digits > 30 ? Real(2e-12) : Real(2e-5);
 
 /// Speed and acceleration along the path.
 template <Precise Real>
