@@ -157,6 +157,51 @@ RandomMove draw() {
   return move;
 }
 
+/// Some keys, and with an even chance the same way back.
+std::vector<std::vector<long double>> there_and_back(std::size_t axes) {
+  const auto keys = count_between(2, 5);
+  std::vector<std::vector<long double>> result;
+  for (std::size_t i = 0; i < keys; ++i) {
+    std::vector<long double>& key = result.emplace_back();
+    for (std::size_t d = 0; d < axes; ++d) key.push_back(static_cast<long double>(signed_number(1000)) / 4);
+    if (i > 0 && happens(8)) key = result[i - 1];
+  }
+  if (happens(50))
+    for (std::size_t i = keys - 1; i-- > 0;) result.push_back(result[i]);
+  return result;
+}
+
+double turning_tension() {
+  if (happens(40)) return 1.0;
+  if (happens(25)) return 1.0 - power_of_ten(-1 - number(8));
+  return signed_number(999) / 1000.0;
+}
+
+RandomMove draw_turning() {
+  RandomMove move;
+  oracle::Keys& keys = move.keys;
+  keys.kind =
+      std::array{Kind::smooth, Kind::catmull_rom, Kind::tcb, Kind::tcb}[static_cast<std::size_t>(number(4))];
+  const auto axes = count_between(1, 4);
+  keys.at = there_and_back(axes);
+  const std::size_t count = keys.at.size();
+  for (std::size_t i = 0; keys.kind == Kind::tcb && i < count; ++i)
+    keys.tension_continuity_bias.push_back({turning_tension(), 0, 0});
+  for (std::size_t d = 0; d < axes; ++d) keys.weights.push_back((1 + number(400)) / 100.0);
+  move.frames = 40 * static_cast<int>(count) + number(300);
+  move.speed = {0, happens(10) ? 3.0 : 0.0};
+  for (std::size_t i = 0; i < count + 2; ++i) move.speed.push_back((4 + number(40)) / 4.0);
+  move.speed.insert(move.speed.end(), {happens(10) ? 3.0 : 0.0, 0.0});
+  move.times.resize(count);
+  const bool breaks = happens(25);
+  for (std::size_t i = 1; i + 1 < count; ++i) {
+    const int frame = static_cast<int>(i) * move.frames / static_cast<int>(count - 1);
+    if (breaks && happens(50)) move.times[i].break_frame = frame + signed_number(5);
+    if (!breaks && happens(75)) move.times[i].hold = 1 + number(20);
+  }
+  return move;
+}
+
 /// Shortest decimals that read back as the same double, and a TOML float whatever the value.
 std::string decimal(long double exact) {
   std::string text = fmt::format("{}", static_cast<double>(exact));
@@ -196,6 +241,10 @@ rc::Gen<RandomMove> regular_move() {
   return rc::gen::suchThat(random_move(), [](const RandomMove& move) { return !move.singular; });
 }
 
+rc::Gen<RandomMove> turning_move() {
+  return rc::gen::exec([] { return draw_turning(); });
+}
+
 std::string as_toml(const RandomMove& move) {
   const oracle::Keys& keys = move.keys;
   std::string axes;
@@ -211,6 +260,11 @@ std::string as_toml(const RandomMove& move) {
     if (!keys.tension_continuity_bias.empty()) {
       const auto& [t, c, b] = keys.tension_continuity_bias[i];
       text += fmt::format(", tension = {}, continuity = {}, bias = {}", decimal(t), decimal(c), decimal(b));
+    }
+    if (!move.times.empty()) {
+      const RandomKeyTime& time = move.times[i];
+      if (time.hold > 0) text += fmt::format(", hold = {}", time.hold);
+      if (time.break_frame >= 0) text += fmt::format(", frame = {}, break = true", time.break_frame);
     }
     text += " },\n";
   }

@@ -11,11 +11,19 @@
 
 namespace inbetween {
 
+/// What a key says about time: the rig rests there for some frames, or the move is broken in two on a frame.
+struct RandomKeyTime {
+  int hold = 0;
+  int break_frame = -1;
+};
+
 /// A move that has an answer: its path can be measured, and its speed curve is not all zero.
 struct RandomMove {
   oracle::Keys keys;          ///< every number is a double; weights and parameters may be empty
   std::vector<double> speed;  ///< 1 to 20 control values in 0..100
   int frames = 1;             ///< 1 to 400
+  /// Of every key; empty: none says anything.
+  std::vector<RandomKeyTime> times;
   /// Somewhere in a moving segment |dP/dt| is below 1e-6 of its maximum there: a tension of exactly 1, a
   /// cusp, keys that turn back on a line. Position and speed are still as drawn; derivatives of s are not
   /// bounded.
@@ -30,6 +38,11 @@ rc::Gen<RandomMove> random_move();
 
 /// The same, without the singular ones.
 rc::Gen<RandomMove> regular_move();
+
+/// Moves whose path stands still or turns back: keys that go back the same way or are repeated, a tension of
+/// 1 or nearly 1. Some rest at inner keys, some are broken in two there, some go on; they begin and end at
+/// rest, or with no speed alone.
+rc::Gen<RandomMove> turning_move();
 
 /// The move as a file that the program reads, every number in full.
 std::string as_toml(const RandomMove& move);

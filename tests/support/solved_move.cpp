@@ -1,6 +1,7 @@
 #include "tests/support/solved_move.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace inbetween {
 namespace {
@@ -54,6 +55,37 @@ std::vector<std::pair<int, double>> oracle_places(const Track<Real>& track, cons
     }
   }
   return places;
+}
+
+std::optional<std::vector<oracle::MetKey>> met_keys(const RandomMove& move,
+                                                    const SolvedTrack<double>& solved) {
+  const std::vector<double>& values = solved.control_values();
+  const auto f = static_cast<int>(values.size()) - 1;
+  const oracle::Profile profile(values);
+  const oracle::Path path(move.keys);
+  std::vector<oracle::MetKey> met;
+  long double before = 0;
+  for (std::size_t i = 0; i < move.times.size(); ++i) {
+    const auto key = static_cast<int>(i);
+    if (i > 0) before += path.length(key - 1, 0, 1);
+    if (move.times[i].break_frame >= 0) {
+      met.push_back({key, static_cast<long double>(move.times[i].break_frame) * f / move.frames});
+    }
+    if (move.times[i].hold == 0) continue;
+    std::optional<int> rest;
+    for (int knot = 1; knot < f && !rest; ++knot) {
+      const auto v = static_cast<std::size_t>(knot);
+      const long double share = profile.integral(knot) / profile.integral(f);
+      const bool is_here = std::fabs(share - before / path.total_length()) < 1e-9L;
+      if (values[v - 1] == 0 && values[v] == 0 && values[v + 1] == 0 && is_here) rest = knot;
+    }
+    if (!rest) return std::nullopt;
+    // Of keys in one place the first.
+    if (met.empty() || path.travelled({met.back().key, 0}, {key, 0}) > 0) {
+      met.push_back({key, static_cast<long double>(*rest)});
+    }
+  }
+  return met;
 }
 
 template struct TrackInput<double>;

@@ -244,6 +244,27 @@ TEST(Check, ALineThatTurnsBackAtAKeyWhereItRestsFits) {
   EXPECT_TRUE(report.fits());
 }
 
+TEST(Check, AMoveThatGoesOutHoldsAndComesBackTheSameWayFits) {
+  const std::string move =
+      "name = \"m\"\nfps = 24\nframes = 480\n[[track]]\naxes = [\"slide\", \"pan\", \"tilt\"]\n"
+      "keys = [ { at = [60, -40, -4] }, { at = [420, -30, -3] }, { at = [860, 0, 4], hold = 24 },\n"
+      "  { at = [420, -30, -3] }, { at = [60, -40, -4] } ]\n"
+      "speed = [0, 0, 6, 6, 6, 6, 0, 0]\nweights = [1, 6, 6]\n";
+  const Plan plan{parse_move(move, "move.toml"),
+                  read_rig_file(std::string(INBETWEEN_SOURCE_DIR) + "/examples/camera_rig.toml"),
+                  {}};
+  const CheckReport report = check(plan);
+  EXPECT_TRUE(report.fits());
+  EXPECT_TRUE(report.stops.has_value());
+  const CheckedPeak& hardest = report.axes[0].acceleration;
+  EXPECT_NEAR(hardest.value, 112.0, 0.6);
+  std::vector<AxisMotion<double>> there(3);
+  const auto frame = static_cast<std::int32_t>(hardest.frame);
+  plan.tracks()[0].track().motion({frame, hardest.frame - frame}, there);
+  EXPECT_NEAR(std::fabs(there[0].acceleration), hardest.value, 0.01 * hardest.value);
+  EXPECT_EQ(smallest_of(plan).frames, 181);
+}
+
 TEST(Check, ACuspThatIsPassedAtASpeedIsRefused) {
   // The derivative of the one segment with bends is 0 at key 1, where the path comes back another way.
   const std::string cusp =

@@ -119,25 +119,18 @@ class MotionBounds {
     enclosure_.show(stretch.path);
     take_reversal(stretch);
     for (int i = 0; i <= samples_per_stretch; ++i) {
-      const Real share = static_cast<Real>(i) / samples_per_stretch;
-      const Real x = stretch.begin + share * (stretch.end - stretch.begin);
-      const Real tau = i == 0                     ? stretch.tau_begin
-                       : i == samples_per_stretch ? stretch.tau_end
-                                                  : walk_.tau_at(stretch.time, stretch.path, x);
-      const MotionSurroundings<Real> point = enclosure_.at(stretch.time, x, tau);
+      const Real x = static_cast<Real>(i) / samples_per_stretch * stretch.end;
+      const MotionSurroundings<Real> point = enclosure_.at(stretch, x, walk_.tau_at(stretch, x));
       for (std::size_t d = 0; d < axes_; ++d) raise(d, enclosure_.here(d, point), stretch.time.frame(x));
     }
   }
   void take_reversal(const Stretch<Real>& stretch) {
-    for (const bool at_end : {false, true}) {
-      if (!enclosure_.turns_back(stretch, at_end)) continue;
-      const Real x = at_end ? stretch.end : stretch.begin;
-      for (std::size_t d = 0; d < axes_; ++d) {
-        if (!enclosure_.steps_where_it_turns_back(d)) continue;
-        const Real unbounded = std::numeric_limits<Real>::infinity();
-        out_[d].acceleration = {unbounded, stretch.time.frame(x)};
-        out_[d].jerk = {unbounded, stretch.time.frame(x)};
-      }
+    if (!enclosure_.turns_back(stretch)) return;
+    for (std::size_t d = 0; d < axes_; ++d) {
+      if (!enclosure_.steps_where_it_turns_back(d)) continue;
+      const Real unbounded = std::numeric_limits<Real>::infinity();
+      out_[d].acceleration = {unbounded, stretch.time.frame(0)};
+      out_[d].jerk = {unbounded, stretch.time.frame(0)};
     }
   }
 
@@ -157,7 +150,7 @@ class MotionBounds {
     enclosure_.show(stretch.path);
     std::array<Box, max_halvings + 2> stack;
     std::size_t count = 0;
-    Box whole{.box = {.begin = stretch.begin, .end = stretch.end}};
+    Box whole{.box = {.begin = 0, .end = stretch.end}};
     whole.box.tau_begin = stretch.tau_begin;
     whole.box.tau_end = stretch.tau_end;
     whole.open = axes_ < max_bounded_axes ? (std::uint64_t{1} << axes_) - 1 : ~std::uint64_t{0};
@@ -165,9 +158,9 @@ class MotionBounds {
     while (count > 0) {
       Box next = stack[--count];
       MotionBox<Real>& box = next.box;
-      box.x = box.begin + (box.end - box.begin) / 2;
-      box.tau = walk_.tau_at(stretch.time, stretch.path, box.x);
-      const std::uint64_t open = prove_box(stretch.time, next);
+      box.x = stretch.divide(box.begin, box.end);
+      box.tau = walk_.tau_at(stretch, box.x);
+      const std::uint64_t open = prove_box(stretch, next);
       if (open == 0) continue;
       stack[count++] = {{box.x, box.end, box.tau, box.tau_end}, open, next.halvings + 1};
       stack[count++] = {{box.begin, box.x, box.tau_begin, box.tau}, open, next.halvings + 1};
@@ -175,9 +168,10 @@ class MotionBounds {
   }
 
   /// Bounds every open axis on a box and returns those that have to be halved.
-  std::uint64_t prove_box(const TimePiece<Real>& time, const Box& whole) {
+  std::uint64_t prove_box(const Stretch<Real>& stretch, const Box& whole) {
     const MotionBox<Real>& box = whole.box;
-    const MotionSurroundings<Real> surroundings = enclosure_.around(time, box);
+    const TimePiece<Real>& time = stretch.time;
+    const MotionSurroundings<Real> surroundings = enclosure_.around(stretch, box);
     const bool is_last = whole.halvings >= max_halvings || box.x <= box.begin || box.x >= box.end;
     std::uint64_t still_open = 0;
     for (std::size_t d = 0; d < axes_; ++d) {
@@ -186,7 +180,7 @@ class MotionBounds {
       const auto [here, bounds] = enclosure_.range(d, surroundings);
       raise(d, here, time.frame(box.x));
       if (is_last || is_close(d, bounds) ||
-          (whole.halvings >= halvings_before_rounding && is_rounding(d, bounds, time, box))) {
+          (whole.halvings >= halvings_before_rounding && is_rounding(d, bounds, stretch, box))) {
         accept(d, bounds, time.frame(box.x));
       } else {
         still_open |= bit;
@@ -211,9 +205,9 @@ class MotionBounds {
   }
   /// Halving does not help any more: at the very point rounding alone, that of the place at a time included,
   /// takes the bound half as far.
-  [[nodiscard]] bool is_rounding(std::size_t d, const Triple<Real>& bounds, const TimePiece<Real>& time,
+  [[nodiscard]] bool is_rounding(std::size_t d, const Triple<Real>& bounds, const Stretch<Real>& stretch,
                                  const MotionBox<Real>& box) const {
-    const Triple<Real> floor = enclosure_.range(d, enclosure_.around(time, box.middle())).bound;
+    const Triple<Real> floor = enclosure_.range(d, enclosure_.around(stretch, box.middle())).bound;
     for (std::size_t i = 0; i < quantities; ++i) {
       if (!(bounds[i] <= allowed(d, i)) && !(bounds[i] <= 2 * floor[i] && floor[i] > allowed(d, i)))
         return false;

@@ -51,7 +51,7 @@ class TrackCells {
     walk_.run([this](const Stretch<Real>& stretch) { sample(stretch); });
     walk_.run([this](const Stretch<Real>& stretch) {
       enclosure_.show(stretch.path);
-      take_reversals(stretch);
+      take_reversal(stretch);
       each_part(stretch, [&](const MotionBox<Real>& part, std::size_t cell) { prove(stretch, part, cell); });
     });
   }
@@ -74,24 +74,18 @@ class TrackCells {
   /// The peaks of the axes, so far as three points of every stretch show them.
   void sample(const Stretch<Real>& stretch) {
     enclosure_.show(stretch.path);
-    const Real middle = stretch.begin + (stretch.end - stretch.begin) / 2;
-    take_sample(stretch.time, stretch.begin, stretch.tau_begin);
-    take_sample(stretch.time, middle, walk_.tau_at(stretch.time, stretch.path, middle));
-    take_sample(stretch.time, stretch.end, stretch.tau_end);
-  }
-  void take_sample(const TimePiece<Real>& time, Real x, Real tau) {
-    const MotionSurroundings<Real> point = enclosure_.at(time, x, tau);
-    for (std::size_t d = 0; d < axes_; ++d) raise_magnitude(peaks_[d], enclosure_.here(d, point));
+    for (const Real x : {Real(0), stretch.end / 2, stretch.end}) {
+      const MotionSurroundings<Real> point = enclosure_.at(stretch, x, walk_.tau_at(stretch, x));
+      for (std::size_t d = 0; d < axes_; ++d) raise_magnitude(peaks_[d], enclosure_.here(d, point));
+    }
   }
 
-  void take_reversals(const Stretch<Real>& stretch) {
-    for (const bool at_end : {false, true}) {
-      if (!enclosure_.turns_back(stretch, at_end)) continue;
-      const std::size_t cell = cell_of(stretch.time.frame(at_end ? stretch.end : stretch.begin));
-      for (std::size_t d = 0; d < axes_; ++d) {
-        if (!enclosure_.steps_where_it_turns_back(d)) continue;
-        of_cell(cell)[d][1] = of_cell(cell)[d][2] = std::numeric_limits<Real>::infinity();
-      }
+  void take_reversal(const Stretch<Real>& stretch) {
+    if (!enclosure_.turns_back(stretch)) return;
+    const std::size_t cell = cell_of(stretch.time.frame(0));
+    for (std::size_t d = 0; d < axes_; ++d) {
+      if (!enclosure_.steps_where_it_turns_back(d)) continue;
+      of_cell(cell)[d][1] = of_cell(cell)[d][2] = std::numeric_limits<Real>::infinity();
     }
   }
 
@@ -99,14 +93,16 @@ class TrackCells {
   template <class Visit>
   void each_part(const Stretch<Real>& stretch, const Visit& visit) {
     const TimePiece<Real>& time = stretch.time;
-    std::size_t cell = cell_of(time.frame(stretch.begin));
     const std::size_t last = cell_of(time.frame(stretch.end));
-    MotionBox<Real> part{.begin = stretch.begin, .end = stretch.begin, .tau_begin = stretch.tau_begin};
-    for (; cell <= last; ++cell) {
-      const Real border = (first_frame_ + static_cast<Real>(cell + 1) * cell_frames_ - time.first_frame);
-      part.end = cell == last ? stretch.end : std::clamp(border / time.frames, part.begin, stretch.end);
-      part.tau_end = cell == last ? stretch.tau_end : walk_.tau_at(time, stretch.path, part.end);
-      if (part.end > part.begin || stretch.begin == stretch.end) visit(part, cell);
+    const bool forward = time.frames > 0;
+    MotionBox<Real> part{.begin = 0, .end = 0, .tau_begin = stretch.tau_begin};
+    for (std::size_t cell = cell_of(time.frame(0));; forward ? ++cell : --cell) {
+      const auto border = static_cast<Real>(forward ? cell + 1 : cell);
+      const Real x = (first_frame_ + border * cell_frames_ - time.first_frame) / time.frames;
+      part.end = cell == last ? stretch.end : std::clamp(x, part.begin, stretch.end);
+      part.tau_end = walk_.tau_at(stretch, part.end);
+      if (part.end > part.begin || stretch.end == 0) visit(part, cell);
+      if (cell == last) return;
       part.begin = part.end;
       part.tau_begin = part.tau_end;
     }
@@ -114,8 +110,8 @@ class TrackCells {
 
   void prove(const Stretch<Real>& stretch, const MotionBox<Real>& part, std::size_t cell) {
     const std::span<MotionTriple<Real>> proven = of_cell(cell);
-    const MotionSurroundings<Real> begin = enclosure_.at(stretch.time, part.begin, part.tau_begin);
-    const MotionSurroundings<Real> end = enclosure_.at(stretch.time, part.end, part.tau_end);
+    const MotionSurroundings<Real> begin = enclosure_.at(stretch, part.begin, part.tau_begin);
+    const MotionSurroundings<Real> end = enclosure_.at(stretch, part.end, part.tau_end);
     for (std::size_t d = 0; d < axes_; ++d) {
       found_[d] = {};
       raise_magnitude(found_[d], enclosure_.here(d, begin));
@@ -128,9 +124,9 @@ class TrackCells {
     while (count > 0) {
       Box next = stack[--count];
       MotionBox<Real>& box = next.box;
-      box.x = box.begin + (box.end - box.begin) / 2;
-      box.tau = walk_.tau_at(stretch.time, stretch.path, box.x);
-      const std::uint64_t open = prove_box(stretch.time, next, proven);
+      box.x = stretch.divide(box.begin, box.end);
+      box.tau = walk_.tau_at(stretch, box.x);
+      const std::uint64_t open = prove_box(stretch, next, proven);
       if (open == 0) continue;
       stack[count++] = {{box.x, box.end, box.tau, box.tau_end}, open, next.halvings + 1};
       stack[count++] = {{box.begin, box.x, box.tau_begin, box.tau}, open, next.halvings + 1};
@@ -138,10 +134,10 @@ class TrackCells {
   }
 
   /// Takes what is close enough and returns the axes for which the box has to be halved.
-  std::uint64_t prove_box(const TimePiece<Real>& time, const Box& whole,
+  std::uint64_t prove_box(const Stretch<Real>& stretch, const Box& whole,
                           std::span<MotionTriple<Real>> proven) {
     const MotionBox<Real>& box = whole.box;
-    const MotionSurroundings<Real> surroundings = enclosure_.around(time, box);
+    const MotionSurroundings<Real> surroundings = enclosure_.around(stretch, box);
     const bool is_last = whole.halvings >= max_cell_halvings || box.x <= box.begin || box.x >= box.end;
     std::uint64_t still_open = 0;
     for (std::size_t d = 0; d < axes_; ++d) {
@@ -151,7 +147,8 @@ class TrackCells {
       raise_magnitude(found_[d], here);
       raise(peaks_[d], found_[d]);
       if (is_last || is_close(d, bound, proven[d]) ||
-          (whole.halvings >= cell_halvings_before_rounding && is_rounding(d, bound, proven[d], time, box))) {
+          (whole.halvings >= cell_halvings_before_rounding &&
+           is_rounding(d, bound, proven[d], stretch, box))) {
         raise(proven[d], bound);
       } else {
         still_open |= bit;
@@ -175,9 +172,9 @@ class TrackCells {
   /// Halving does not help any more: at the very point rounding alone, that of the place at a time included,
   /// takes the bound half as far.
   [[nodiscard]] bool is_rounding(std::size_t d, const MotionTriple<Real>& bound,
-                                 const MotionTriple<Real>& proven, const TimePiece<Real>& time,
+                                 const MotionTriple<Real>& proven, const Stretch<Real>& stretch,
                                  const MotionBox<Real>& box) const {
-    const MotionTriple<Real> floor = enclosure_.range(d, enclosure_.around(time, box.middle())).bound;
+    const MotionTriple<Real> floor = enclosure_.range(d, enclosure_.around(stretch, box.middle())).bound;
     for (std::size_t i = 0; i < motion_quantities; ++i) {
       const Real max_bound = allowed(d, i, proven);
       if (!(bound[i] <= max_bound) && !(bound[i] <= 2 * floor[i] && floor[i] > max_bound)) return false;

@@ -1,7 +1,5 @@
 #include "motion_enclosure.hpp"
 
-#include "limits/lock_share.hpp"
-
 namespace inbetween {
 namespace {
 
@@ -19,6 +17,7 @@ template <Precise Real>
 void MotionEnclosure<Real>::show(const PathPiece<Real>& piece) {
   if (shown_.segment == piece.segment && shown_.index == piece.index) return;
   shown_ = piece;
+  is_still_ = track_.has_profile() && is_still_at_anchor(piece.interval);
   scale_ = std::ldexp(Real(1), piece.exponent);
   inverse_scale_ = std::ldexp(Real(1), -piece.exponent);
   const std::span<const Cubic<Real>> cubics = track_.path().segment(piece.segment);
@@ -35,8 +34,18 @@ void MotionEnclosure<Real>::show(const PathPiece<Real>& piece) {
     turns_[d].first = {scale * (c.c1 + anchor * (2 * c.c2 + 3 * c.c3 * anchor)),
                        side * scale * (2 * c.c2 + 6 * c.c3 * anchor), 3 * scale * c.c3};
     turns_[d].size = scale * (std::fabs(c.c1) + 2 * std::fabs(c.c2) + 3 * std::fabs(c.c3));
+    // An axis without a weight may move on where the others stand still.
+    if (is_still_ && std::fabs(turns_[d].first[0]) <= still_speed_share<Real> * turns_[d].size) {
+      turns_[d].first[0] = 0;
+    }
   }
-  for (std::size_t d = 0; d < axes_; ++d) turn(d);
+  for (std::size_t d = 0; d < axes_; ++d) {
+    if (turns_by_pace(d)) {
+      turn_where_still(d);
+    } else {
+      turn(d);
+    }
+  }
 }
 
 template <Precise Real>
@@ -69,12 +78,8 @@ void MotionEnclosure<Real>::turn(std::size_t d) {
       for (std::size_t i = 0; i < 3; ++i) axis.second[i + j] += weight * (turns_[e].first[i] * cross[j]);
     }
   }
+  if (axis.straight) return find_direction(d);
   const Quartic<Real>& q = shown_.interval.speed_squared;
-  if (axis.straight) {
-    const Real far = shown_.interval.extent;
-    axis.direction = (a + far * (b + far * c)) / std::sqrt(q.value(far));
-    return;
-  }
   const std::array<Real, 4> slope = derivative(axis.second);
   const std::array<Real, 4> q_slope = derivative(q.q);
   for (std::size_t i = 0; i < 4; ++i) {
@@ -84,7 +89,48 @@ void MotionEnclosure<Real>::turn(std::size_t d) {
   }
 }
 
-/// dP/dL and its derivatives by distance about tau (by t, if timed by frames).
+/// The same with what vanishes taken out: P' / tau, the numerator of T' tau (denominator g^2, g = q / tau^2)
+/// and that of T'' tau^3 (denominator g^(7/2)).
+template <Precise Real>
+void MotionEnclosure<Real>::turn_where_still(std::size_t d) {
+  AxisTurn<Real>& axis = turns_[d];
+  const auto [zero, b, c] = axis.first;
+  const std::span<const Real> weights = track_.path().weights();
+  axis.straight = true;
+  std::array<Real, 2> turn{};
+  for (std::size_t e = 0; e < axes_; ++e) {
+    const auto [none, B, C] = turns_[e].first;
+    const Real weight = weights[e] * weights[e];
+    const Real cross = c * B - b * C;
+    const Real rounding = 32 * std::numeric_limits<Real>::epsilon() * (axis.size * turns_[e].size);
+    if (weight > 0 && std::fabs(cross) > rounding) axis.straight = false;
+    turn[0] += weight * (B * cross);
+    turn[1] += weight * (C * cross);
+  }
+  if (axis.straight) return find_direction(d);
+  const auto& q = shown_.interval.speed_squared.q;
+  const std::array<Real, 3> g{q[2], q[3], q[4]};
+  const std::array<Real, 2> g_slope = derivative(g);
+  axis.second = {turn[0], turn[1], 0, 0, 0};
+  for (std::size_t i = 0; i < 3; ++i) {
+    axis.third[i + 1] += turn[1] * g[i];
+    for (std::size_t j = 0; j < 2; ++j) {
+      axis.third[i + j] -= turn[j] * g[i];
+      if (i < 2) axis.third[i + j + 1] -= 2 * (turn[j] * g_slope[i]);
+    }
+  }
+}
+
+template <Precise Real>
+void MotionEnclosure<Real>::find_direction(std::size_t d) {
+  AxisTurn<Real>& axis = turns_[d];
+  const auto [a, b, c] = axis.first;
+  const Real far = shown_.interval.extent;
+  axis.direction = (a + far * (b + far * c)) / std::sqrt(shown_.interval.speed_squared.value(far));
+}
+
+/// dP/dL and its derivatives by distance about tau (by t, if timed by frames); where the path stands still at
+/// tau = 0, times 1, tau and tau^3.
 template <Precise Real>
 MotionFactor<Real> MotionEnclosure<Real>::path_factor(std::size_t d,
                                                       const MotionSurroundings<Real>& box) const {
@@ -101,8 +147,10 @@ MotionFactor<Real> MotionEnclosure<Real>::path_factor(std::size_t d,
   const Real low = range.low > 0 ? std::sqrt(range.low) : Real(0);
   const Real high = std::sqrt(range.high);
   const Real square = q.value * q.value;
+  const std::array<Real, 3> first =
+      turns_by_pace(d) ? std::array<Real, 3>{axis.first[1], axis.first[2], 0} : axis.first;
   return {
-      quotient(centred(axis.first, box.tau, box.tau_radius), Real(1), root, low, high),
+      quotient(centred(first, box.tau, box.tau_radius), Real(1), root, low, high),
       quotient(centred(axis.second, box.tau, box.tau_radius), side, square,
                range.low > 0 ? range.low * range.low : Real(0), range.high * range.high),
       quotient(centred(axis.third, box.tau, box.tau_radius), Real(1), square * (q.value * root),
@@ -134,44 +182,97 @@ MotionFactor<Real> MotionEnclosure<Real>::time_factor(const TimePiece<Real>& tim
 // --- boxes
 
 template <Precise Real>
-MotionSurroundings<Real> MotionEnclosure<Real>::at(const TimePiece<Real>& time, Real x, Real tau) const {
-  return {.tau = tau,
-          .tau_radius = 0,
-          .seconds = 0,
-          .speed_squared = centred(shown_.interval.speed_squared.q, tau, Real(0)),
-          .speed = time_factor(time, x, 0)};
+Centred<Real> MotionEnclosure<Real>::path_speed_squared(Real tau, Real radius) const {
+  const std::array<Real, 5>& q = shown_.interval.speed_squared.q;
+  return is_still_ ? centred(std::array<Real, 3>{q[2], q[3], q[4]}, tau, radius) : centred(q, tau, radius);
 }
 
 template <Precise Real>
-MotionSurroundings<Real> MotionEnclosure<Real>::around(const TimePiece<Real>& time,
+MotionSurroundings<Real> MotionEnclosure<Real>::at(const Stretch<Real>& stretch, Real x, Real tau) const {
+  MotionSurroundings<Real> result{.tau = tau,
+                                  .tau_radius = 0,
+                                  .seconds = 0,
+                                  .speed_squared = path_speed_squared(tau, Real(0)),
+                                  .speed = time_factor(stretch.time, x, 0)};
+  // At the standstill itself there is no such number, and nothing is found.
+  result.pace = result.speed.part[0].value / tau;
+  result.pace_range = {result.pace, result.pace};
+  return result;
+}
+
+template <Precise Real>
+MotionSurroundings<Real> MotionEnclosure<Real>::around(const Stretch<Real>& stretch,
                                                        const MotionBox<Real>& box) const {
-  const Real tau_radius =
-      std::max(std::fabs(box.tau_end - box.tau), std::fabs(box.tau - box.tau_begin)) + tau_rounding(box.tau);
+  const Real tau_radius = std::max(std::fabs(box.tau_end - box.tau), std::fabs(box.tau - box.tau_begin)) +
+                          tau_rounding(stretch, box.tau);
   const Real x_radius = std::max(box.end - box.x, box.x - box.begin);
-  return {.tau = box.tau,
-          .tau_radius = tau_radius,
-          .seconds = x_radius * time.seconds,
-          .speed_squared = centred(shown_.interval.speed_squared.q, box.tau, tau_radius),
-          .speed = time_factor(time, box.x, x_radius)};
+  MotionSurroundings<Real> result{.tau = box.tau,
+                                  .tau_radius = tau_radius,
+                                  .seconds = x_radius * std::fabs(stretch.time.seconds),
+                                  .speed_squared = path_speed_squared(box.tau, tau_radius),
+                                  .speed = time_factor(stretch.time, box.x, x_radius)};
+  if (is_still_) {
+    result.pace = result.speed.part[0].value / box.tau;
+    result.pace_range = pace_range(stretch, box, result);
+  }
+  return result;
+}
+
+/// The speed over tau, anywhere on a box.
+template <Precise Real>
+Interval<Real> MotionEnclosure<Real>::pace_range(const Stretch<Real>& stretch, const MotionBox<Real>& box,
+                                                 const MotionSurroundings<Real>& surroundings) const {
+  const bool from_rest = box.begin <= 0 && box.tau_begin <= 0 && stretch.time.speed[0] == 0;
+  if (from_rest) return pace_from_rest(stretch.time, box.end, surroundings.speed_squared.range());
+  const Interval<Real> speed = surroundings.speed.part[0].range();
+  const Real near = std::min(box.tau_begin, box.tau_end) - tau_rounding(stretch, box.tau_begin);
+  const Real far = std::max(box.tau_begin, box.tau_end) + tau_rounding(stretch, box.tau_end);
+  return {std::max(speed.low, Real(0)) / far,
+          near > 0 ? speed.high / near : std::numeric_limits<Real>::infinity()};
+}
+
+/// The same from the moment at which both are 0. With speed = x^k h the distance is between
+/// x^(k + 1) h / (k + 1) for the least and the largest h, and tau^2 sqrt(g) / 2 likewise.
+template <Precise Real>
+Interval<Real> MotionEnclosure<Real>::pace_from_rest(const TimePiece<Real>& time, Real end,
+                                                     const Interval<Real>& speed_squared) const {
+  std::array<Real, 4> h = time.speed;
+  Real k = 0;
+  Real power = 1;  // x^(k - 1)
+  while (h[0] == 0 && k < 3) {
+    h = {h[1], h[2], h[3], 0};
+    if (k > 0) power *= end;
+    k += 1;
+  }
+  const Interval<Real> range = centred(h, end / 2, end / 2).range();
+  if (!(range.low > 0)) return {0, std::numeric_limits<Real>::infinity()};
+  const Real share = (k + 1) * inverse_scale_ / (2 * std::fabs(time.seconds));
+  const auto pace = [&](Real most, Real least, Real squared) {
+    return std::sqrt(share * power * (most * (most / least)) * std::sqrt(std::max(squared, Real(0))));
+  };
+  return {k > 1 ? Real(0) : pace(range.low, range.high, speed_squared.low),
+          pace(range.high, range.low, speed_squared.high)};
 }
 
 template <Precise Real>
 MotionTriple<Real> MotionEnclosure<Real>::here(std::size_t d, const MotionSurroundings<Real>& box) const {
-  return scaled_up(product(middle(path_factor(d, box)), middle(box.speed)));
+  return scaled_up(middle(path_factor(d, box), d, box));
 }
 
 template <Precise Real>
 MotionRange<Real> MotionEnclosure<Real>::range(std::size_t d, const MotionSurroundings<Real>& box) const {
   const Factor t = path_factor(d, box);
-  const Triple here = product(middle(t), middle(box.speed));
-  return {scaled_up(here), scaled_up(bounds_of(t, steepest(d), box, here))};
+  const Triple here = middle(t, d, box);
+  return {scaled_up(here), scaled_up(bounds_of(t, d, box, here))};
 }
 
-/// How far the place at a time may be off in tau, because a distance is known to some roundings of the
-/// length.
+/// How far the place at a time may be off in tau: near an anchor as LengthFromAnchor says, elsewhere because
+/// a distance is known to some roundings of the length.
 template <Precise Real>
-Real MotionEnclosure<Real>::tau_rounding(Real tau) const {
+Real MotionEnclosure<Real>::tau_rounding(const Stretch<Real>& stretch, Real tau) const {
+  constexpr Real length_rounding = std::numeric_limits<Real>::digits > 30 ? Real(2e-7) : Real(1e-5);
   if (!track_.has_profile()) return 0;
+  if (stretch.is_anchored) return length_rounding * tau;
   const Real sigma = std::sqrt(std::max(shown_.interval.speed_squared.value(tau), Real(0)));
   const Real distance =
       4 * std::numeric_limits<Real>::epsilon() * track_.arc_length().total() * inverse_scale_;
@@ -187,26 +288,27 @@ Real MotionEnclosure<Real>::steepest(std::size_t d) const {
 }
 
 template <Precise Real>
-MotionTriple<Real> MotionEnclosure<Real>::bounds_of(const Factor& t, Real steepest,
+MotionTriple<Real> MotionEnclosure<Real>::bounds_of(const Factor& t, std::size_t d,
                                                     const MotionSurroundings<Real>& box,
                                                     const Triple& here) const {
   const Factor& w = box.speed;
   Interval<Real> speed = w.part[0].range();
   if (speed.low == 0 && speed.high == 0) return {};  // a rest, wherever it is
   speed.low = std::max(speed.low, Real(0));
-  const Interval<Real> square{speed.low * speed.low, speed.high * speed.high};
-  const Interval<Real> cube{square.low * speed.low, square.high * speed.high};
+  const Interval<Real> pace = turns_by_pace(d) ? box.pace_range : speed;
+  const Interval<Real> cube{pace.low * pace.low * pace.low, pace.high * pace.high * pace.high};
   const Interval<Real> change = w.part[1].range();
+  const Real steepest = this->steepest(d);
   Interval<Real> first = t.part[0].range();
   if (!(first.low >= -steepest)) first.low = -steepest;
   if (!(first.high <= steepest)) first.high = steepest;
   const Interval<Real> second = t.part[1].range();
   Triple bound;
   bound[2] = or_infinity(
-      (t.part[2].range() * cube + Real(3) * (second * (speed * change)) + first * w.part[2].range())
+      (t.part[2].range() * cube + Real(3) * (second * (pace * change)) + first * w.part[2].range())
           .magnitude());
   // By the mean value theorem from the middle, or directly.
-  bound[1] = std::min(or_infinity((second * square + first * change).magnitude()),
+  bound[1] = std::min(or_infinity((second * (pace * speed) + first * change).magnitude()),
                       or_infinity(std::fabs(here[1]) + box.seconds * bound[2]));
   bound[0] = std::min(or_infinity((first * speed).magnitude()),
                       or_infinity(std::fabs(here[0]) + box.seconds * bound[1]));
@@ -214,27 +316,10 @@ MotionTriple<Real> MotionEnclosure<Real>::bounds_of(const Factor& t, Real steepe
 }
 
 template <Precise Real>
-bool MotionEnclosure<Real>::turns_back(const Stretch<Real>& stretch, bool at_end) const {
+bool MotionEnclosure<Real>::turns_back(const Stretch<Real>& stretch) const {
   const AnchoredInterval<Real>& interval = stretch.path.interval;
   if (!interval.stands_still || interval.anchor <= 0 || interval.anchor >= 1) return false;
-  if ((at_end ? stretch.tau_end : stretch.tau_begin) > 0) return false;
-  const Real x = at_end ? stretch.end : stretch.begin;
-  if (!(centred(stretch.time.speed, x, Real(0)).value > 0)) return false;
-  // The speed of a touch rises with the third power of time: beside it the place may be off by what a lock
-  // promises while the speed is far above rounding.
-  const auto touches = [&](Real knot) {
-    const auto way = [&](Real at) {
-      const std::array<Real, 4>& c = stretch.time.speed;
-      return at * (c[0] + at * (c[1] / 2 + at * (c[2] / 3 + at * c[3] / 4)));
-    };
-    Real size = 0;
-    for (const Real c : stretch.time.speed) size += std::fabs(c);
-    const bool is_still =
-        centred(stretch.time.speed, knot, Real(0)).value <= 8 * std::numeric_limits<Real>::epsilon() * size;
-    const Real beside = std::fabs(way(x) - way(knot)) * stretch.time.seconds;
-    return is_still && beside <= lock_share<Real> * track_.arc_length().total();
-  };
-  return !touches(Real(0)) && !touches(Real(1));
+  return stretch.tau_begin <= 0 && stretch.time.speed[0] > 0;
 }
 
 template class MotionEnclosure<double>;

@@ -46,9 +46,11 @@ template <Precise Real>
 struct MotionSurroundings {
   Real tau = 0;
   Real tau_radius = 0;
-  Real seconds = 0;  ///< from the middle to the further end
-  Centred<Real> speed_squared;
+  Real seconds = 0;             ///< from the middle to the further end
+  Centred<Real> speed_squared;  ///< of the path: q, or q / tau^2 where it stands still at tau = 0
   MotionFactor<Real> speed;
+  Real pace = 0;  ///< speed / tau, of a piece that stands still at tau = 0
+  Interval<Real> pace_range = {};
 };
 
 /// One axis on a box, in axis units and seconds.
@@ -60,6 +62,10 @@ struct MotionRange {
 
 /// Usage: show(path) for the piece of the path, around(...) for the box, range(d, ...) for each axis. Refers
 /// to the track and to `turns`, an entry for each axis.
+///
+/// Where the path stands still, dP/dL turns without bound, as 1 / tau, and its derivative as 1 / tau^3; in
+/// the motion they are multiplied with powers of the speed, which vanishes at a rest. There they are taken as
+/// products with speed / tau, which is bounded: from speed ~ x^k follows distance ~ x^(k + 1) ~ tau^2.
 template <Precise Real>
 class MotionEnclosure {
  public:
@@ -72,8 +78,8 @@ class MotionEnclosure {
   void show(const PathPiece<Real>& piece);
 
   /// The surroundings of a single moment.
-  [[nodiscard]] MotionSurroundings<Real> at(const TimePiece<Real>& time, Real x, Real tau) const;
-  [[nodiscard]] MotionSurroundings<Real> around(const TimePiece<Real>& time,
+  [[nodiscard]] MotionSurroundings<Real> at(const Stretch<Real>& stretch, Real x, Real tau) const;
+  [[nodiscard]] MotionSurroundings<Real> around(const Stretch<Real>& stretch,
                                                 const MotionBox<Real>& box) const;
 
   /// Of an axis in the middle of a box. O(1).
@@ -81,9 +87,9 @@ class MotionEnclosure {
   /// The same, and how far it can be from that on the box. O(1).
   [[nodiscard]] MotionRange<Real> range(std::size_t d, const MotionSurroundings<Real>& box) const;
 
-  /// Inside a segment the path stands still and is passed at a speed, at the end or the beginning of this
-  /// stretch: the direction turns to its opposite.
-  [[nodiscard]] bool turns_back(const Stretch<Real>& stretch, bool at_end) const;
+  /// Inside a segment the path stands still and is passed at a speed, at x = 0 of this stretch: the direction
+  /// turns to its opposite.
+  [[nodiscard]] bool turns_back(const Stretch<Real>& stretch) const;
   /// ... which is a step of this axis.
   [[nodiscard]] bool steps_where_it_turns_back(std::size_t d) const { return turns_[d].first[1] != 0; }
 
@@ -93,19 +99,31 @@ class MotionEnclosure {
 
   void show_parameter(std::span<const Cubic<Real>> cubics);
   void turn(std::size_t d);
+  void turn_where_still(std::size_t d);
+  void find_direction(std::size_t d);
   [[nodiscard]] Factor path_factor(std::size_t d, const MotionSurroundings<Real>& box) const;
   static Centred<Real> quotient(const Centred<Real>& a, Real scale, Real value, Real low, Real high);
   [[nodiscard]] Factor time_factor(const TimePiece<Real>& time, Real x, Real radius) const;
-  [[nodiscard]] Real tau_rounding(Real tau) const;
+  [[nodiscard]] Centred<Real> path_speed_squared(Real tau, Real radius) const;
+  [[nodiscard]] Interval<Real> pace_range(const Stretch<Real>& stretch, const MotionBox<Real>& box,
+                                          const MotionSurroundings<Real>& surroundings) const;
+  [[nodiscard]] Interval<Real> pace_from_rest(const TimePiece<Real>& time, Real end,
+                                              const Interval<Real>& speed_squared) const;
+  [[nodiscard]] Real tau_rounding(const Stretch<Real>& stretch, Real tau) const;
   [[nodiscard]] Real steepest(std::size_t d) const;
-  [[nodiscard]] Triple bounds_of(const Factor& t, Real steepest, const MotionSurroundings<Real>& box,
+  [[nodiscard]] Triple bounds_of(const Factor& t, std::size_t d, const MotionSurroundings<Real>& box,
                                  const Triple& here) const;
-  static Triple middle(const Factor& factor) {
-    return {factor.part[0].value, factor.part[1].value, factor.part[2].value};
+  /// Whether the axis turns as `pace` says, and not as a power of the speed alone.
+  [[nodiscard]] bool turns_by_pace(std::size_t d) const {
+    return is_still_ && turns_[d].first[0] == 0 && !turns_[d].straight;
   }
-  static Triple product(const Triple& t, const Triple& w) {
-    return {t[0] * w[0], t[1] * w[0] * w[0] + t[0] * w[1],
-            t[2] * w[0] * w[0] * w[0] + 3 * t[1] * w[0] * w[1] + t[0] * w[2]};
+  [[nodiscard]] Triple middle(const Factor& t, std::size_t d, const MotionSurroundings<Real>& box) const {
+    const Factor& w = box.speed;
+    const Real pace = turns_by_pace(d) ? box.pace : w.part[0].value;
+    return {t.part[0].value * w.part[0].value,
+            t.part[1].value * pace * w.part[0].value + t.part[0].value * w.part[1].value,
+            t.part[2].value * pace * pace * pace + 3 * t.part[1].value * pace * w.part[1].value +
+                t.part[0].value * w.part[2].value};
   }
   /// In the units of the track.
   [[nodiscard]] Triple scaled_up(const Triple& values) const {
@@ -118,6 +136,7 @@ class MotionEnclosure {
   PathPiece<Real> shown_{.segment = -1, .index = -1, .exponent = 0, .interval = {}};
   Real scale_ = 1;
   Real inverse_scale_ = 1;
+  bool is_still_ = false;  ///< at tau = 0
 };
 
 extern template class MotionEnclosure<double>;

@@ -6,6 +6,7 @@
 #include "base/scaled_norm.hpp"
 #include "limits/lock_share.hpp"
 #include "path/segment_speed.hpp"
+#include "time_pieces.hpp"
 
 namespace inbetween {
 namespace {

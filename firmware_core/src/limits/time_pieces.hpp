@@ -7,19 +7,20 @@
 
 #include "base/interval.hpp"
 #include "inbetween/timing/track.hpp"
+#include "length_from_anchor.hpp"
+#include "lock_share.hpp"
 #include "path/segment_speed.hpp"
 
 /// A move cut into stretches of time on which it is one smooth function: one segment, one span.
 
 namespace inbetween {
 
-/// A stretch of time on which the speed is one polynomial in x, x from `begin` to `end`. For a drawn curve x
-/// runs over a span of it and the speed is that along the path in unit/s; for a move timed by frames x runs
-/// from key to key and the speed is that of the parameter, in 1/s.
+/// A stretch of time on which the speed is one polynomial in x >= 0. For a drawn curve x is measured in spans
+/// of it, forward or backward in time (then `frames` and `seconds` are below 0), and the speed is that along
+/// the path in unit/s; for a move timed by frames x runs from key to key and the speed is that of the
+/// parameter, in 1/s.
 template <Precise Real>
 struct TimePiece {
-  Real begin = 0;
-  Real end = 1;
   Real first_frame = 0;  ///< at x = 0
   Real frames = 1;       ///< from x = 0 to x = 1
   Real seconds = 1;      ///< the same
@@ -31,6 +32,10 @@ struct TimePiece {
   void differentiate() {
     change = derivative(speed, 1 / seconds);
     bend = derivative(change, 1 / seconds);
+  }
+  /// The integral of the speed over the time from 0 to x.
+  [[nodiscard]] Real distance(Real x) const {
+    return std::fabs(seconds) * x * (speed[0] + x * (speed[1] / 2 + x * (speed[2] / 3 + x * (speed[3] / 4))));
   }
 };
 
@@ -56,18 +61,31 @@ struct PathPiece {
   }
 };
 
-/// A stretch of both: x from `begin` to `end`.
+/// A stretch of both, seen from that of its ends at which the place is known best: x from 0 to `end`, the
+/// path from `tau_begin` to `tau_end`. Where the path is slowest at that end, tau is known to so many digits
+/// of itself (is_anchored).
 template <Precise Real>
 struct Stretch {
   const TimePiece<Real>& time;
   const PathPiece<Real>& path;
-  Real begin = 0;
   Real end = 1;
   Real tau_begin = 0;
   Real tau_end = 0;
+  TwoSum<Real> distance = {};  ///< at x = 0
+  bool is_anchored = false;
+
+  /// Where a part of it is best divided: what happens beside an anchor may last very short.
+  [[nodiscard]] Real divide(Real from, Real to) const {
+    return is_anchored && from <= 0 ? to / 16 : from + (to - from) / 2;
+  }
 };
 
-/// Calls visit(Stretch) for the stretches of a track in order of time, from frame 0 to N.
+/// Calls visit(Stretch) for the stretches of a track in order of time, from frame 0 to N. What does not move
+/// is left out.
+///
+/// A key or a place inside a segment where the path stands still is met at rest where the curve comes to rest at
+/// it, and a portion ends at its key, though the distances are a rounding or a lock's tolerance apart: otherwise the motion would pass the key at next to no speed
+/// instead, and a path that turns there would need an acceleration without bound.
 template <Precise Real>
 class StretchWalk {
  public:
@@ -79,74 +97,181 @@ class StretchWalk {
   template <class Visit>
   void run(const Visit& visit) {
     segment_ = -1;
+    lag_ = 0;
     next_segment();
     if (track_.has_profile()) {
       for (std::int32_t i = 0; i < track_.profile().span_count(); ++i) walk_span(i, visit);
-      finish(visit);
       return;
     }
     for (const KeyInterval<Real>& interval : track_.key_intervals()) {
-      walk_piece(piece_of(interval), visit);
+      const TimePiece<Real> time = piece_of(interval);
+      visit(Stretch<Real>{time, path_, Real(1), Real(0), Real(1)});
       next_segment();
     }
   }
 
-  /// Where the motion as asked is at x, as tau of the piece: the fitted inverse, brought nearer by a Newton
-  /// step with the full length.
-  [[nodiscard]] Real tau_at(const TimePiece<Real>& time, const PathPiece<Real>& path, Real x) const {
-    if (!track_.has_profile()) return path.tau({path.segment, parameter(time, x)});
-    const TwoSum<Real> distance = distance_at(time, x);
-    PathPoint<Real> point = track_.arc_length().locate(distance);
-    if (point.segment == path.segment) {
-      const Real missing = distance.minus(track_.arc_length().distance(track_.path(), point));
-      const Real t = point.t + missing / track_.path().parametric_speed(point);
-      if (t > 0 && t < 1) point.t = t;
+  /// Where the motion as asked is at x, as tau of the piece.
+  [[nodiscard]] Real tau_at(const Stretch<Real>& stretch, Real x) const {
+    const PathPiece<Real>& path = stretch.path;
+    if (!track_.has_profile()) return std::clamp(stretch.time.distance(x), Real(0), Real(1));
+    if (x <= 0) return stretch.tau_begin;
+    if (x >= stretch.end) return stretch.tau_end;
+    const Real passed = stretch.time.distance(x);
+    TwoSum<Real> distance = stretch.distance;
+    distance.add(stretch.time.seconds > 0 ? passed : -passed);
+    if (stretch.is_anchored && passed < near_share * track_.arc_length().total()) {
+      const LengthFromAnchor<Real> length(path.interval);
+      return length.inverse(std::ldexp(passed, -path.exponent),
+                            path.tau(track_.arc_length().locate(distance)));
     }
-    return path.tau(point);
+    return tau_of(path, distance);
   }
 
  private:
+  /// Nearer than this share of the length to a place where the path is slow, the sum of the lengths from its
+  /// start has too few digits.
+  static constexpr Real near_share = Real(1e-4);
+
+  /// A span of the drawn curve, or the part of it that belongs to one portion.
+  struct CurvePart {
+    const SpeedSpan<Real>& span;
+    Real begin = 0, end = 1;
+    Real first_frame = 0;
+    Real frames = 1;
+    Real seconds = 1;
+    Real constant = 0;
+    bool ends_at_key = false;            ///< if it ends near one
+    TwoSum<Real> travelled_before = {};  ///< by the curve, at `begin`
+    TwoSum<Real> distance_before = {};   ///< the same of the motion
+    Real stretch = 1;                    ///< distances of the motion over those of the curve
+
+    [[nodiscard]] Real frame(Real x) const { return first_frame + x * frames; }
+    /// As seen from x, forward or backward in time. Where the curve is 0 at either end of the span, the
+    /// coefficients are 0 to the last bit.
+    [[nodiscard]] TimePiece<Real> seen_from(Real x, bool forward) const {
+      const bool from_begin = x <= Real(0.5);
+      const auto [b0, b1, b2, b3] = from_begin ? span : SpeedSpan<Real>{span.b3, span.b2, span.b1, span.b0};
+      std::array<Real, 4> c{b0, 3 * (b1 - b0), 3 * ((b2 - b1) - (b1 - b0)), (b3 - b0) - 3 * (b2 - b1)};
+      const Real shift = from_begin ? x : 1 - x;
+      for (std::size_t i = 0; shift > 0 && i < 3; ++i) {
+        for (std::size_t j = 3; j-- > i;) c[j] += shift * c[j + 1];
+      }
+      TimePiece<Real> piece;
+      piece.first_frame = frame(x);
+      piece.frames = forward ? frames : -frames;
+      piece.seconds = forward ? seconds : -seconds;
+      for (std::size_t k = 0; k < c.size(); ++k) {
+        const bool turned = forward != from_begin && k % 2 == 1;
+        piece.speed[k] = constant / seconds * (turned ? -c[k] : c[k]);
+      }
+      piece.differentiate();
+      return piece;
+    }
+    [[nodiscard]] bool moves() const { return span.b0 > 0 || span.b1 > 0 || span.b2 > 0 || span.b3 > 0; }
+  };
+
   template <class Visit>
   void walk_span(std::int32_t index, const Visit& visit) {
-    const auto f = static_cast<Real>(track_.profile().span_count());
+    const std::int32_t f = track_.profile().span_count();
     const SpeedSpan<Real>& span = track_.profile().span(index);
-    TimePiece<Real> piece;
-    piece.frames = static_cast<Real>(track_.frames()) / f;
-    piece.first_frame = static_cast<Real>(index) * static_cast<Real>(track_.frames()) / f;
-    piece.seconds = piece.frames * frame_seconds_;
-    const std::array<Real, 4> phi{span.b0, 3 * (span.b1 - span.b0),
-                                  3 * ((span.b2 - span.b1) - (span.b1 - span.b0)),
-                                  (span.b3 - span.b0) - 3 * (span.b2 - span.b1)};
+    CurvePart part{.span = span};
+    part.frames = static_cast<Real>(track_.frames()) / static_cast<Real>(f);
+    part.first_frame = static_cast<Real>(index) * static_cast<Real>(track_.frames()) / static_cast<Real>(f);
+    part.seconds = part.frames * frame_seconds_;
     const std::span<const Portion<Real>> portions = track_.portions();
     for (std::size_t i = 0; i < std::max<std::size_t>(portions.size(), 1); ++i) {
-      const Real constant = portions.empty() ? track_.constant() : portions[i].constant;
-      piece.begin = 0;
-      piece.end = 1;
-      if (!portions.empty()) {
-        const auto x_of = [&](std::int32_t frame) {
-          return (static_cast<Real>(frame) - piece.first_frame) / piece.frames;
-        };
-        piece.begin = std::max(piece.begin, x_of(portions[i].begin_frame));
-        if (i + 1 < portions.size()) piece.end = std::min(piece.end, x_of(portions[i + 1].begin_frame));
+      part.constant = portions.empty() ? track_.constant() : portions[i].constant;
+      part.begin = 0;
+      part.end = 1;
+      part.ends_at_key = span.b3 == 0 || index + 1 == f;
+      const auto x_of = [&](std::int32_t frame) {
+        return (static_cast<Real>(frame) - part.first_frame) / part.frames;
+      };
+      if (!portions.empty()) part.begin = std::max(part.begin, x_of(portions[i].begin_frame));
+      if (i + 1 < portions.size()) {
+        const Real end = x_of(portions[i + 1].begin_frame);
+        part.ends_at_key = part.ends_at_key || end <= 1;
+        part.end = std::min(part.end, end);
       }
-      if (!(piece.begin < piece.end)) continue;
-      for (std::size_t k = 0; k < phi.size(); ++k) piece.speed[k] = constant / piece.seconds * phi[k];
-      piece.differentiate();
-      last_time_ = piece;
-      walk_piece(piece, visit);
+      if (part.begin < part.end && part.moves()) walk_part(part, index + 1 == f && part.end >= 1, visit);
     }
   }
 
-  /// The motion ends at the end of the path, exactly; the distance of the last frame may be a rounding short
-  /// of it. What is left of the path is passed in no time.
   template <class Visit>
-  void finish(const Visit& visit) {
-    const Real x = last_time_.end;
+  void walk_part(CurvePart& part, bool is_last, const Visit& visit) {
+    part.travelled_before = distance_of_curve(part, part.begin);
+    part.distance_before = part.travelled_before;
+    part.distance_before.add(lag_);
+    part.stretch = 1;
+    const std::int32_t met = part.ends_at_key ? key_met_at_end(part, is_last) : 0;
+    const Real margin = lock_share<Real> * track_.arc_length().total();
+    Real begin = part.begin;
     while (segment_ < track_.path().segment_count()) {
-      const Real tau = is_entered_ ? path_.tau_entry() : tau_at(last_time_, path_, x);
-      visit(Stretch<Real>{last_time_, path_, x, x, tau, path_.tau_exit()});
+      const bool is_last_piece = path_.index + 1 == static_cast<std::int32_t>(split_.count);
+      const Real missing = end_distance_.minus(distance_at(part, part.end));
+      const bool rests_inside = met == 0 && part.ends_at_key && !is_last_piece && std::fabs(missing) <= margin;
+      const bool leaves = segment_ < met || rests_inside || missing < 0;
+      const bool is_met = rests_inside || (segment_ + 1 == met && is_last_piece);
+      const Real end = is_met || !leaves ? part.end : crossing(part, begin);
+      if (end > begin) {
+        visit_between(part, begin, end, leaves, visit);
+      } else if (leaves) {
+        visit_in_no_time(part, visit);
+      }
+      if (!leaves) return;
+      if (rests_inside) lag_ += missing;
+      begin = end;
       next_path_piece();
+      if (rests_inside) return;
     }
+  }
+
+  /// The key that is met at the end of a part, 0 for none; the part is stretched so that it is met exactly.
+  std::int32_t key_met_at_end(CurvePart& part, bool is_last) {
+    const Real margin = lock_share<Real> * track_.arc_length().total();
+    const auto before = [&](std::int32_t key) {
+      return track_.arc_length().segment_begin(key).minus(distance_of_curve(part, part.end));
+    };
+    const std::int32_t last = track_.path().segment_count();
+    std::int32_t key = is_last ? last : segment_ + 1;
+    while (key < last && before(key) < -margin) ++key;
+    if (key > last || (!is_last && before(key) > margin)) return 0;
+    const TwoSum<Real> end = distance_of_curve(part, part.end);
+    const TwoSum<Real>& asked = track_.arc_length().segment_begin(key);
+    const Real stretch = asked.minus(part.distance_before) / end.minus(part.travelled_before);
+    if (stretch > Real(0.5) && stretch < 2) part.stretch = stretch;  // not of a part that hardly moves
+    lag_ = asked.minus(end);
+    return key;
+  }
+
+  /// From its end if it leaves the piece there and did not enter it at its beginning, or is slower there.
+  template <class Visit>
+  void visit_between(const CurvePart& part, Real begin, Real end, bool leaves, const Visit& visit) {
+    const bool backward = leaves && (!is_entered_ || !path_.interval.forward);
+    const TimePiece<Real> time = part.seen_from(backward ? end : begin, !backward);
+    const auto tau = [&](bool is_border, Real at_border, Real x) {
+      return is_border ? at_border : tau_of(path_, distance_at(part, x));
+    };
+    const Real entry = tau(is_entered_, path_.tau_entry(), begin);
+    const Real exit = tau(leaves, path_.tau_exit(), end);
+    const Real from = backward ? exit : entry;
+    const bool from_border = backward ? leaves : is_entered_;
+    const TwoSum<Real> distance = backward      ? end_distance_
+                                  : is_entered_ ? begin_distance_
+                                                : distance_at(part, begin);
+    visit(Stretch<Real>{time, path_, end - begin, from, backward ? entry : exit, distance,
+                        from_border && from <= 0 && path_.interval.speed_squared.q[0] < slow_share<Real>});
+    is_entered_ = false;
+  }
+
+  /// The motion ends at the end of the path, exactly; the distance of the last frame may be a rounding short
+  /// of it.
+  template <class Visit>
+  void visit_in_no_time(const CurvePart& part, const Visit& visit) {
+    const TimePiece<Real> time = part.seen_from(part.end, false);
+    if (time.speed[0] == 0) return;
+    const Real entry = is_entered_ ? path_.tau_entry() : tau_of(path_, distance_at(part, part.end));
+    visit(Stretch<Real>{time, path_, Real(0), path_.tau_exit(), entry, end_distance_});
   }
 
   [[nodiscard]] TimePiece<Real> piece_of(const KeyInterval<Real>& interval) const {
@@ -160,50 +285,37 @@ class StretchWalk {
     return piece;
   }
 
-  template <class Visit>
-  void walk_piece(const TimePiece<Real>& time, const Visit& visit) {
-    Real begin = time.begin;
-    while (begin < time.end && segment_ < track_.path().segment_count()) {
-      const bool leaves = has_passed(time, time.end);
-      const Real end = leaves ? crossing(time, begin) : time.end;
-      if (end > begin) {
-        visit(Stretch<Real>{time, path_, begin, end,
-                            is_entered_ ? path_.tau_entry() : tau_at(time, path_, begin),
-                            leaves ? path_.tau_exit() : tau_at(time, path_, end)});
-        is_entered_ = false;
-      }
-      begin = end;
-      if (!leaves || !track_.has_profile()) return;
-      next_path_piece();
-    }
-  }
-
-  /// Whether the motion is behind the path's piece at x.
-  [[nodiscard]] bool has_passed(const TimePiece<Real>& time, Real x) const {
-    if (!track_.has_profile()) return false;
-    return distance_at(time, x).minus(end_distance_) > 0;
-  }
   /// The x, to the last bit, at which the piece of the path is left.
-  [[nodiscard]] Real crossing(const TimePiece<Real>& time, Real begin) const {
+  [[nodiscard]] Real crossing(const CurvePart& part, Real begin) const {
     Real low = begin;
-    Real high = time.end;
+    Real high = part.end;
     for (int i = 0; i < std::numeric_limits<Real>::digits + 8; ++i) {
       const Real middle = low + (high - low) / 2;
       if (middle <= low || middle >= high) break;
-      (has_passed(time, middle) ? high : low) = middle;
+      (distance_at(part, middle).minus(end_distance_) > 0 ? high : low) = middle;
     }
     return high;
   }
 
-  [[nodiscard]] TwoSum<Real> distance_at(const TimePiece<Real>& time, Real x) const {
-    const Real frame = std::clamp(time.frame(x), Real(0), static_cast<Real>(track_.frames()));
+  [[nodiscard]] TwoSum<Real> distance_of_curve(const CurvePart& part, Real x) const {
+    const Real frame = std::clamp(part.frame(x), Real(0), static_cast<Real>(track_.frames()));
     const auto whole = static_cast<std::int32_t>(frame);
     return track_.distance({whole, frame - static_cast<Real>(whole)});
   }
-  [[nodiscard]] Real parameter(const TimePiece<Real>& time, Real x) const {
-    // The speed is the derivative of t = x (c1 + x (c2 + x c3)).
-    const Real t = time.seconds * x * (time.speed[0] + x * (time.speed[1] / 2 + x * time.speed[2] / 3));
-    return std::clamp(t, Real(0), Real(1));
+  [[nodiscard]] TwoSum<Real> distance_at(const CurvePart& part, Real x) const {
+    TwoSum<Real> distance = part.distance_before;
+    distance.add(distance_of_curve(part, x).minus(part.travelled_before) * part.stretch);
+    return distance;
+  }
+  /// The fitted inverse, brought nearer by a Newton step with the full length.
+  [[nodiscard]] Real tau_of(const PathPiece<Real>& path, const TwoSum<Real>& distance) const {
+    PathPoint<Real> point = track_.arc_length().locate(distance);
+    if (point.segment == path.segment) {
+      const Real missing = distance.minus(track_.arc_length().distance(track_.path(), point));
+      const Real t = point.t + missing / track_.path().parametric_speed(point);
+      if (t > 0 && t < 1) point.t = t;
+    }
+    return path.tau(point);
   }
 
   void next_path_piece() {
@@ -220,19 +332,20 @@ class StretchWalk {
       path_.index = 0;
       if (!track_.has_profile()) {
         path_.interval = {};
-        is_entered_ = true;
         return;
       }
       const SegmentSpeed<Real> speed(track_.path().segment(segment_), track_.path().weights());
       if (speed.is_still()) continue;
       split_ = split_where_slow(speed);
       path_.exponent = speed.exponent();
+      end_distance_ = track_.arc_length().segment_begin(segment_);
       show_piece();
       return;
     }
   }
   void show_piece() {
     is_entered_ = true;
+    begin_distance_ = end_distance_;
     path_.interval = split_.intervals[static_cast<std::size_t>(path_.index)];
     const bool is_last = path_.index + 1 == static_cast<std::int32_t>(split_.count);
     end_distance_ = is_last ? track_.arc_length().segment_begin(segment_ + 1)
@@ -244,8 +357,9 @@ class StretchWalk {
   std::int32_t segment_ = -1;
   PathPiece<Real> path_;
   AnchoredIntervals<Real> split_;
+  TwoSum<Real> begin_distance_;
   TwoSum<Real> end_distance_;
-  TimePiece<Real> last_time_;
+  Real lag_ = 0;            ///< by how much the key that was met last is further than the curve came
   bool is_entered_ = true;  ///< nothing of the piece has been visited
 };
 

@@ -26,9 +26,9 @@ struct AxisStep {
 ///
 /// Both sides are evaluated analytically at the end of one segment and the beginning of the next. Of keys
 /// that lie in one place the first has the steps and the others none. Where the path stands still at the
-/// key (tension 1), the acceleration is that along the path; across it there is no bound, as bound_motion
-/// says. A key that the move comes to rest at, within what a lock promises (1e-12 of the length in double,
-/// 1e-5 in single precision), is met at rest.
+/// key (tension 1) and is passed at a speed, the acceleration is that along the path; across it there is no
+/// bound, as bound_motion says. A key that the move comes to rest at, within what a lock promises (1e-12 of
+/// the length in double, 1e-5 in single precision), is met at rest.
 ///
 /// `out` has an entry for every axis. No allocation. Cost: a bisection in time, O(log N + axes).
 template <Precise Real>
