@@ -83,9 +83,10 @@ struct Stretch {
 /// Calls visit(Stretch) for the stretches of a track in order of time, from frame 0 to N. What does not move
 /// is left out.
 ///
-/// A key or a place inside a segment where the path stands still is met at rest where the curve comes to rest at
-/// it, and a portion ends at its key, though the distances are a rounding or a lock's tolerance apart: otherwise the motion would pass the key at next to no speed
-/// instead, and a path that turns there would need an acceleration without bound.
+/// A key or a place inside a segment where the path stands still is met at rest where the curve comes to rest
+/// at it, and a portion ends at its key, though the distances are a rounding or a lock's tolerance apart:
+/// otherwise the motion would pass the key at next to no speed instead, and a path that turns there would
+/// need an acceleration without bound.
 template <Precise Real>
 class StretchWalk {
  public:
@@ -209,7 +210,8 @@ class StretchWalk {
     while (segment_ < track_.path().segment_count()) {
       const bool is_last_piece = path_.index + 1 == static_cast<std::int32_t>(split_.count);
       const Real missing = end_distance_.minus(distance_at(part, part.end));
-      const bool rests_inside = met == 0 && part.ends_at_key && !is_last_piece && std::fabs(missing) <= margin;
+      const bool rests_inside =
+          met == 0 && part.ends_at_key && !is_last_piece && std::fabs(missing) <= margin;
       const bool leaves = segment_ < met || rests_inside || missing < 0;
       const bool is_met = rests_inside || (segment_ + 1 == met && is_last_piece);
       const Real end = is_met || !leaves ? part.end : crossing(part, begin);
