@@ -14,6 +14,7 @@
 #include "host_tools/check/check_frames.hpp"
 #include "inbetween/limits/motion_steps.hpp"
 #include "tests/support/oracle_limits.hpp"
+#include "tests/support/places.hpp"
 #include "tests/support/refused_text.hpp"
 #include "tests/support/solved_move.hpp"
 
@@ -250,9 +251,7 @@ TEST(Check, AMoveThatGoesOutHoldsAndComesBackTheSameWayFits) {
       "keys = [ { at = [60, -40, -4] }, { at = [420, -30, -3] }, { at = [860, 0, 4], hold = 24 },\n"
       "  { at = [420, -30, -3] }, { at = [60, -40, -4] } ]\n"
       "speed = [0, 0, 6, 6, 6, 6, 0, 0]\nweights = [1, 6, 6]\n";
-  const Plan plan{parse_move(move, "move.toml"),
-                  read_rig_file(std::string(INBETWEEN_SOURCE_DIR) + "/examples/camera_rig.toml"),
-                  {}};
+  const Plan plan{parse_move(move, "move.toml"), read_rig_file(in_checkout("examples/camera_rig.toml")), {}};
   const CheckReport report = check(plan);
   EXPECT_TRUE(report.fits());
   EXPECT_TRUE(report.stops.has_value());

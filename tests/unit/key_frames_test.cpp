@@ -107,7 +107,8 @@ TEST(KeyFrames, AKeyWrittenTwiceIsAHoldOnEveryPath) {
     const std::vector<double> at = positions(planned(text));
     for (std::size_t frame = 30; frame <= 60; ++frame) EXPECT_EQ(at[frame], 20) << spline << " " << frame;
     const ProgramRun run = check(text, {"--json", "-"});
-    for (const auto& step : Json::parse(run.out)["steps"]) EXPECT_EQ(step["velocity_step"], 0) << spline;
+    const Json json = Json::parse(run.out);
+    for (const auto& step : json["steps"]) EXPECT_EQ(step["velocity_step"], 0) << spline;
   }
   EXPECT_EQ(check(move_of(keys)).status, 0);
 }
