@@ -7,6 +7,7 @@
 #include <cstddef>
 
 #include "host_tools/plan/solved_track.hpp"
+#include "inbetween/timing/speed_profile.hpp"
 
 namespace inbetween {
 namespace {
@@ -16,15 +17,11 @@ constexpr double curve_rounding = 1e-12;
 /// A ramp between rest and the curve as drawn takes this many spans at least.
 constexpr double min_ramp_spans = 4;
 
-/// The same curve on twice as many spans, natural ends kept (Lane and Riesenfeld 1980).
-std::vector<double> on_twice_as_many(const std::vector<double>& values) {
-  std::vector<double> finer;
-  for (std::size_t i = 0; i + 1 < values.size(); ++i) {
-    finer.push_back(i == 0 ? values[0] : (values[i - 1] + 6 * values[i] + values[i + 1]) / 8);
-    finer.push_back((values[i] + values[i + 1]) / 2);
-  }
-  finer.push_back(values.back());
-  return finer;
+std::vector<double> on_twice_as_many(std::vector<double> values) {
+  const std::size_t f = values.size() - 1;
+  values.resize(2 * f + 1);
+  refine_control_values<double>(values, f);
+  return values;
 }
 
 bool may_be_finer(const std::vector<double>& values) {
