@@ -18,9 +18,9 @@ namespace {
 
 constexpr std::array<std::string_view, 7> move_fields = {"name", "fps",     "frames", "track",
                                                          "cue",  "clapper", "start"};
-constexpr std::array<std::string_view, 11> track_fields = {"axes",    "spline",  "closed",   "keys",
-                                                           "speed",   "weights", "timing",   "rest",
-                                                           "kinetic", "corners", "overshoot"};
+constexpr std::array<std::string_view, 14> track_fields = {
+    "axes",    "spline", "closed",  "keys",      "speed",   "weights",  "timing",
+    "kinetic", "rest",   "corners", "overshoot", "ease_in", "ease_out", "through"};
 constexpr std::array<std::string_view, 8> key_fields = {"at",    "tension", "continuity", "bias",
                                                         "frame", "break",   "hold",       "ease"};
 
@@ -213,8 +213,8 @@ void read_kinetic(const TomlTable& table, MoveTrack& track) {
     constexpr std::array ends = {RestingEnds{true, true}, RestingEnds{true, false}, RestingEnds{false, true},
                                  RestingEnds{false, false}};
     track.rest = ends.at(rest->choice({"both", "start", "end", "none"}));
-    if (!by_frames || (!is_curve && kinetic_of(track) != MoveKinetic::curves)) {
-      rest->refuse(R"(needs timing = "frames" and kinetic = "curves" or "pace"; remove it)");
+    if (by_frames && !is_curve && kinetic_of(track) != MoveKinetic::curves) {
+      rest->refuse(R"(needs a drawn speed, or kinetic = "curves" or "pace"; remove it)");
     }
   }
   if (const auto corners = table.optional("corners")) {
@@ -223,6 +223,45 @@ void read_kinetic(const TomlTable& table, MoveTrack& track) {
       corners->refuse(R"(is "ease", which is for a speed curve: timing = "speed", or kinetic = "pace")");
     }
   }
+}
+
+/// What is to be done to the drawn curve. Each is kept with its place, so that a curve which has it already
+/// can be written into the file.
+void read_curve_wishes(const TomlTable& table, MoveTrack& track, std::int32_t frames) {
+  const auto keep = [&](const TomlValue& value, std::string_view as_drawn) {
+    if (track.timing == Timing::frames) {
+      value.refuse(R"(belongs to a drawn speed, and timing = "frames" has none; remove one of the two)");
+    }
+    track.curve_wishes.push_back({value.place(), as_drawn});
+  };
+  const auto ease = [&](std::string_view field, bool may_rest) -> std::optional<EaseWish> {
+    const auto value = table.optional(field);
+    if (!value) return std::nullopt;
+    const EaseWish wish{static_cast<std::int32_t>(value->integer(0, frames)), value->place()};
+    keep(*value, "0");
+    if (wish.frames > 0 && !may_rest)
+      value->refuse("contradicts rest, by which this end is as drawn; remove one");
+    return wish;
+  };
+  const RestingEnds rest = track.rest.value_or(RestingEnds{});
+  track.ease_in = ease("ease_in", rest.start);
+  track.ease_out = ease("ease_out", rest.end);
+  if (track.ease_in && track.ease_out && track.ease_in->frames > frames - track.ease_out->frames) {
+    throw InputError(track.ease_out->place,
+                     fmt::format("ease_in and ease_out take {} frames together, and the move "
+                                 "has {}; shorten one",
+                                 track.ease_in->frames + track.ease_out->frames, frames));
+  }
+  if (const auto through = table.optional("through")) {
+    track.through = through->boolean();
+    keep(*through, "false");
+  }
+  if (const auto written = table.optional("rest"); written && track.timing == Timing::speed) {
+    keep(*written, "\"none\"");
+  }
+  std::ranges::sort(track.curve_wishes, [](const CurveWish& one, const CurveWish& other) {
+    return std::pair(one.place.line, one.place.column) < std::pair(other.place.line, other.place.column);
+  });
 }
 
 MoveTrack read_track(const TomlValue& value, std::int32_t frames, std::map<std::string, Place>& taken_axes) {
@@ -239,6 +278,7 @@ MoveTrack read_track(const TomlValue& value, std::int32_t frames, std::map<std::
     track.timing = timing->choice({"speed", "frames"}) == 0 ? Timing::speed : Timing::frames;
   }
   read_kinetic(table, track);
+  read_curve_wishes(table, track, frames);
   if (const auto overshoot = table.optional("overshoot")) {
     track.overshoot = overshoot->boolean();
     if (!track.overshoot && track.spline != Spline::smooth && track.spline != Spline::catmull_rom) {
@@ -256,6 +296,15 @@ MoveTrack read_track(const TomlValue& value, std::int32_t frames, std::map<std::
 }
 
 }  // namespace
+
+void replace_curve(MoveTrack& track, std::vector<double> control_values) {
+  track.speed = std::move(control_values);
+  if (track.rest && track.timing == Timing::speed) track.rest = RestingEnds{false, false};
+  track.ease_in.reset();
+  track.ease_out.reset();
+  track.through = false;
+  track.curve_wishes.clear();
+}
 
 MoveKinetic kinetic_of(const MoveTrack& track) {
   return track.kinetic.value_or(track.spline == Spline::linear ? MoveKinetic::linear : MoveKinetic::curves);

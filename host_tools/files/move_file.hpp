@@ -59,6 +59,18 @@ struct MoveKey {
   std::vector<Place> at_places;  // of each coordinate
 };
 
+/// How many frames an end of the speed curve takes between rest and what is drawn.
+struct EaseWish {
+  std::int32_t frames = 0;  // 0: none
+  Place place;
+};
+
+/// A word of the file that changes what is played of the speed curve, and what to write for as drawn.
+struct CurveWish {
+  Place place;
+  std::string_view as_drawn;
+};
+
 struct MoveTrack {
   std::vector<std::string> axes;
   std::vector<Place> axis_places;
@@ -72,9 +84,13 @@ struct MoveTrack {
   std::vector<Place> weight_places;
   Timing timing = Timing::speed;
   std::optional<MoveKinetic> kinetic;  // only with Timing::frames
-  std::optional<RestingEnds> rest;     // only with curves and pace
-  bool ease_corners = false;           // the speed touches 0 wherever the path turns at once
-  bool overshoot = true;               // false: no axis leaves the values of neighbouring keys between them
+  std::optional<RestingEnds> rest;     // of a drawn speed: absent, as drawn
+  std::optional<EaseWish> ease_in, ease_out;
+  bool through = false;  // `speed` are values of the curve, not control values
+  std::vector<CurveWish>
+      curve_wishes;           // rest, ease_in, ease_out, through of a drawn speed, in order of the file
+  bool ease_corners = false;  // the speed touches 0 wherever the path turns at once
+  bool overshoot = true;      // false: no axis leaves the values of neighbouring keys between them
   Place place;
   Place keys_place;
 };
@@ -95,6 +111,9 @@ struct MoveFile {
 
 /// The kinetic of a track with Timing::frames, written or not.
 MoveKinetic kinetic_of(const MoveTrack& track);
+
+/// Replaces what is drawn of the track by a curve that is played as it is.
+void replace_curve(MoveTrack& track, std::vector<double> control_values);
 
 /// Reads and checks a move. Throws InputError at the first thing that is wrong.
 MoveFile read_move_file(const std::filesystem::path& path);

@@ -109,26 +109,45 @@ bool same_key(const MoveKey& a, const MoveKey& b) {
          a.frame == b.frame && a.breaks == b.breaks && a.hold == b.hold && a.ease == b.ease;
 }
 
+std::int32_t frames_of(const std::optional<EaseWish>& ease) {
+  return ease ? ease->frames : 0;
+}
+
 bool same_but_speed(const MoveTrack& a, const MoveTrack& b) {
   return a.axes == b.axes && a.spline == b.spline && a.closed == b.closed && a.weights == b.weights &&
          a.timing == b.timing && a.kinetic == b.kinetic && a.rest == b.rest &&
-         a.ease_corners == b.ease_corners && a.overshoot == b.overshoot &&
+         a.ease_corners == b.ease_corners && a.overshoot == b.overshoot && a.through == b.through &&
+         frames_of(a.ease_in) == frames_of(b.ease_in) && frames_of(a.ease_out) == frames_of(b.ease_out) &&
          std::equal(a.keys.begin(), a.keys.end(), b.keys.begin(), b.keys.end(), same_key);
 }
 
-/// Whether `after` is the move `before` with `speed` in one track.
-bool only_speed_changed(const MoveFile& before, const MoveFile& after, std::size_t track,
+/// Whether `after` is the move `before` with `speed` in one track, played as it is.
+bool only_speed_changed(MoveFile before, const MoveFile& after, std::size_t track,
                         std::span<const double> speed) {
+  replace_curve(before.tracks[track], {speed.begin(), speed.end()});
   bool same = before.name == after.name && before.fps.as_written == after.fps.as_written &&
               before.fps.written_as_integer == after.fps.written_as_integer &&
               before.frames == after.frames && before.tracks.size() == after.tracks.size();
   for (std::size_t i = 0; same && i < before.tracks.size(); ++i) {
-    const std::span<const double> wanted = i == track ? speed : std::span(before.tracks[i].speed);
+    const std::vector<double>& wanted = before.tracks[i].speed;
     const std::vector<double>& found = after.tracks[i].speed;
     same = same_but_speed(before.tracks[i], after.tracks[i]) &&
            std::equal(wanted.begin(), wanted.end(), found.begin(), found.end());
   }
   return same;
+}
+
+/// The file with every wish of the track about its curve as drawn: the new one has what they asked for.
+std::string without_wishes(std::string text, const MoveTrack& track) {
+  for (std::size_t i = track.curve_wishes.size(); i-- > 0;) {
+    const CurveWish& wish = track.curve_wishes[i];
+    const std::size_t begin = offset_of(text, wish.place);
+    const bool is_quoted = text[begin] == '"' || text[begin] == '\'';
+    const std::size_t end = is_quoted ? text.find(text[begin], begin + 1) + 1
+                                      : std::min(text.find_first_of(" \t\r\n,#}]", begin), text.size());
+    text.replace(begin, end - begin, wish.as_drawn);
+  }
+  return text;
 }
 
 void refuse_unusable(std::span<const double> speed) {
@@ -158,7 +177,9 @@ std::string with_speed(std::string_view text, const std::string& file_name, std:
                                  "most {}; draw it with fewer",
                                  track, speed.size(), max_control_values));
   }
-  std::string result = rewritten(text, written_list(text, offset_of(text, changed.speed_place)), speed);
+  const std::string plain = without_wishes(std::string(text), changed);
+  const Place list = parse_move(plain, file_name).tracks.at(track).speed_place;
+  std::string result = rewritten(plain, written_list(plain, offset_of(plain, list)), speed);
   if (result.size() > max_file_bytes) {
     throw InputError(changed.speed_place,
                      fmt::format("with the new speed curve the file would have {} bytes, more than the {} "

@@ -84,7 +84,7 @@ CurveFrame FittedTrack::frame_of(std::span<const double> baseline) const {
 
 std::optional<CheckReport> FittedTrack::judge(std::span<const double> values, std::string& trouble) const {
   MoveFile move = played_.move();
-  move.tracks.front().speed.assign(values.begin(), values.end());
+  replace_curve(move.tracks.front(), {values.begin(), values.end()});
   try {
     const Plan plan(std::move(move), played_.rig(), {});
     const std::vector<double>& again = plan.tracks().front().control_values();

@@ -275,7 +275,7 @@ TrackFit described(const FittedTrack& fitted, std::size_t index, std::vector<dou
 /// The first reason why the whole move with the new curves does not fit; nothing if it fits.
 std::optional<std::string> refusal_of(const Plan& plan, const std::vector<TrackFit>& tracks) {
   MoveFile move = plan.move();
-  for (const TrackFit& fit : tracks) move.tracks[fit.track].speed = fit.speed;
+  for (const TrackFit& fit : tracks) replace_curve(move.tracks[fit.track], fit.speed);
   const CheckReport report = check(Plan(std::move(move), plan.rig(), {}));
   if (report.fits()) return std::nullopt;
   return report.refusals.front().message;

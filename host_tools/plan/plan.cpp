@@ -3,9 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <numeric>
 #include <set>
 #include <stdexcept>
 #include <utility>
+
+#include "host_tools/plan/drawn_curve.hpp"
 
 namespace inbetween {
 namespace {
@@ -16,6 +19,7 @@ struct TrackNumbers {
   std::vector<KeyShape<double>> shapes;
   std::vector<KeyLock> locks;
   std::vector<std::int32_t> key_frames;
+  std::vector<double> speed;
   TrackSpec<double> spec;
 
   TrackNumbers(const MoveTrack& track, const MoveFile& move) {
@@ -30,7 +34,8 @@ struct TrackNumbers {
                  .weights = track.weights,
                  .shapes = shapes,
                  .overshoot = track.overshoot};
-    spec.control_values = track.speed;
+    if (track.timing == Timing::speed) speed = drawn_curve(track, move.frames);
+    spec.control_values = speed;
     spec.ease_corners = track.ease_corners;
     if (track.timing == Timing::frames) {
       take_key_frames(track, move.frames);
@@ -87,6 +92,15 @@ struct TrackNumbers {
   }
 };
 
+/// The frame nearest to `frame` at which a curve of so many control values, refined up to the most, has a
+/// knot.
+std::int32_t nearest_touch_frame(std::int32_t frame, std::int32_t frames, std::size_t control_values) {
+  auto f = static_cast<std::int64_t>(control_values) - 1;
+  while (2 * f < static_cast<std::int64_t>(max_lock_values)) f *= 2;
+  const std::int64_t step = frames / std::gcd(static_cast<std::int64_t>(frames), f);
+  return static_cast<std::int32_t>((frame + step / 2) / step * step);
+}
+
 /// The place in the file that an error of the core speaks of.
 const Place& place_of(const Error& error, const MoveTrack& track) {
   const auto within = [](std::int32_t index, std::size_t size) {
@@ -117,8 +131,7 @@ std::string message_of(const Error& error, const MoveTrack& track, std::int32_t 
   const bool is_touch = error.code == ErrorCode::no_solution && error.key >= 0 && error.frame >= 0 &&
                         track.timing == Timing::speed && track.keys[static_cast<std::size_t>(error.key)].ease;
   if (is_touch) {
-    const std::int32_t nearest =
-        nearest_touch_frame(error.frame, frames, track.speed.size(), max_lock_values);
+    const std::int32_t nearest = nearest_touch_frame(error.frame, frames, drawn_curve(track, frames).size());
     if (nearest != error.frame) {
       return fmt::format("{}{}; the nearest frame that is possible is {}", where, error.what, nearest);
     }

@@ -33,7 +33,8 @@ std::uint64_t hash_of(const MoveFile& move) {
         static_cast<std::int32_t>(track.timing == Timing::frames ? kinetic_of(track) : MoveKinetic::linear));
     hash.add(static_cast<std::int32_t>(track.closed));
     const RestingEnds rest = track.rest.value_or(RestingEnds{});
-    for (const bool flag : {rest.start, rest.end, track.ease_corners, track.overshoot}) {
+    for (const bool flag :
+         {track.rest.has_value(), rest.start, rest.end, track.ease_corners, track.overshoot}) {
       hash.add(static_cast<std::int32_t>(flag));
     }
     for (const MoveKey& key : track.keys) {
@@ -44,6 +45,10 @@ std::uint64_t hash_of(const MoveFile& move) {
       hash.add(static_cast<std::int32_t>(key.breaks));
       hash.add(static_cast<std::int32_t>(key.ease));
     }
+    for (const std::optional<EaseWish>& ease : {track.ease_in, track.ease_out}) {
+      hash.add(ease ? ease->frames : 0);
+    }
+    hash.add(static_cast<std::int32_t>(track.through));
     for (const std::vector<double>* list : {&track.speed, &track.weights}) {
       hash.add(static_cast<std::int32_t>(list->size()));
       for (const double value : *list) hash.add(value);

@@ -179,6 +179,70 @@ TEST(KeyFrames, APaceEasesAtACornerOnItsFrame) {
   EXPECT_NEAR(positions(planned(move_of("corners = \"ease\"\n" + keys)))[31], -15, 1e-9);
 }
 
+// --- ends and values of a drawn curve
+
+std::vector<double> velocities(const std::string& text) {
+  return planned(text)["axes"][0]["velocity"].get<std::vector<double>>();
+}
+
+TEST(KeyFrames, EaseInAndOutBringAPlainSpeedFromRestAndToRest) {
+  const std::string keys = "keys = [ {at=[0]}, {at=[100]} ]\n";
+  for (const char* speed : {"speed = [10]\n", "speed = [10, 10, 10, 10, 10]\n"}) {
+    const std::string text = move_of(std::string("ease_in = 12\nease_out = 24\n") + keys + speed);
+    EXPECT_EQ(check(text).status, 0);
+    const std::vector<double> v = velocities(text);
+    EXPECT_EQ(v[0], 0);
+    EXPECT_EQ(v[96], 0);
+    EXPECT_LT(v[8], 0.999 * v[12]);
+    EXPECT_LT(v[96 - 16], 0.999 * v[12]);
+    for (std::size_t frame = 12; frame <= 72; ++frame) EXPECT_NEAR(v[frame], v[40], 1e-9 * v[40]) << frame;
+  }
+}
+
+TEST(KeyFrames, RestWithoutAnEaseTakesADrawnSpan) {
+  const std::string keys = "keys = [ {at=[0]}, {at=[100]} ]\nspeed = [10, 10, 10, 10, 10]\n";
+  const std::vector<double> both = velocities(move_of("rest = \"both\"\n" + keys));
+  EXPECT_EQ(both[0], 0);
+  EXPECT_EQ(both[96], 0);
+  EXPECT_NEAR(both[24], both[72], 1e-9);
+  const std::vector<double> start = velocities(move_of("rest = \"start\"\n" + keys));
+  EXPECT_EQ(start[0], 0);
+  EXPECT_GT(start[96], 0);
+  EXPECT_EQ(check(move_of("rest = \"both\"\n" + keys)).status, 0);
+  const ProgramRun both_ways = check(move_of("rest = \"end\"\nease_in = 12\n" + keys));
+  EXPECT_EQ(both_ways.status, 1);
+  EXPECT_THAT(both_ways.err, HasSubstr("ease_in contradicts rest"));
+}
+
+TEST(KeyFrames, ACurveThroughItsValuesHasThem) {
+  const std::string text =
+      move_of("through = true\nkeys = [ {at=[0]}, {at=[100]} ]\nspeed = [4, 8, 3, 6, 2]\n");
+  const std::vector<double> v = velocities(text);
+  const std::vector<double> values = {4, 8, 3, 6, 2};
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    EXPECT_NEAR(v[24 * i] / v[0], values[i] / 4, 1e-9) << i;
+  }
+  const ProgramRun below =
+      check(move_of("through = true\nkeys = [ {at=[0]}, {at=[100]} ]\nspeed = [0, 0, 10, 0, 0]\n"));
+  EXPECT_EQ(below.status, 1);
+  EXPECT_THAT(below.err, HasSubstr("the curve through these values goes below 0"));
+}
+
+TEST(KeyFrames, AFitKeepsAnEasedEndAndWritesTheCurveThatIsPlayed) {
+  const TemporaryFolder folder;
+  const std::string fitted = (folder.path() / "fitted.toml").string();
+  const std::string text = move_of(
+      "ease_in = 10\nease_out = 10\nkeys = [ {at=[0]}, {at=[20]}, {at=[320]} ]\nspeed = [2, 20, 2]\n", 72);
+  EXPECT_EQ(check(text).status, 3);
+  const ProgramRun run = check(text, {"--fit", fitted});
+  EXPECT_EQ(run.status, 0) << run.err;
+  EXPECT_THAT(file_contents(fitted), HasSubstr("ease_in = 0\nease_out = 0\n"));
+  const std::vector<double> v = velocities(file_contents(fitted));
+  EXPECT_EQ(v.front(), 0);
+  EXPECT_EQ(v.back(), 0);
+  EXPECT_EQ(check(file_contents(fitted)).status, 0);
+}
+
 // --- overshoot
 
 TEST(KeyFrames, WithoutOvershootAHeldEyeStaysWhereItIs) {

@@ -519,7 +519,6 @@ TEST(MoveFile, WhatKineticSmoothWasIsCalledMonotone) {
 TEST(MoveFile, EaseRestCornersAndOvershootAreRefusedWhereTheyMeanNothing) {
   expect_change_refused("frame = 150", "frame = 150, hold = 3, ease = @true", {"ease is what a hold does"});
   expect_change_refused("frame = 150", "frame = 150, break = true, ease = @true", {"ease contradicts break"});
-  expect_change_refused("keys = [", "rest = @\"none\"\nkeys = [", {"rest needs timing = \"frames\""});
   expect_change_refused("keys = [", "spline = \"linear\"\novershoot = @false\nkeys = [",
                         {"overshoot has a meaning with spline = \"smooth\""});
 }

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 #include "inbetween/timing/speed_profile.hpp"
 #include "timing/lock_frames.hpp"
@@ -233,7 +232,7 @@ class Adjustment {
     if (touch_is_off_knot_) {
       return {.code = ErrorCode::no_solution,
               .what = "the speed can touch 0 only on a knot of the speed curve, and this frame is on none",
-              .remedy = "lock it on the nearest frame that is (nearest_touch_frame), or remove its frame",
+              .remedy = "lock it on a frame that is, or remove its frame",
               .key = unmet_key_,
               .frame = unmet_frame_,
               .needed = needed};
@@ -288,15 +287,6 @@ Result<KeyTiming<Real>> adjust_to_locks(const KeyTimingSpec<Real>& spec,
   const Result<std::size_t> count = complete_locks(spec, memory.locks);
   if (!count) return count.error();
   return Adjustment<Real>(spec, memory, *count).run();
-}
-
-std::int32_t nearest_touch_frame(std::int32_t frame, std::int32_t frames, std::size_t control_values,
-                                 std::size_t max_control_values) {
-  auto f = static_cast<std::int64_t>(std::max<std::size_t>(control_values, 2)) - 1;
-  while (2 * f < static_cast<std::int64_t>(max_control_values)) f *= 2;
-  const std::int64_t step =
-      std::max<std::int64_t>(frames / std::gcd(static_cast<std::int64_t>(frames), f), 1);
-  return static_cast<std::int32_t>((frame + step / 2) / step * step);
 }
 
 template Result<KeyTiming<double>> adjust_to_locks(const KeyTimingSpec<double>&,

@@ -86,11 +86,6 @@ struct KeyTiming {
 template <Precise Real>
 Result<KeyTiming<Real>> adjust_to_locks(const KeyTimingSpec<Real>& spec, const KeyTimingMemory<Real>& memory);
 
-/// The frame nearest to `frame` at which a curve of so many control values, refined up to the most, has a
-/// knot: there a key that eases can be locked.
-std::int32_t nearest_touch_frame(std::int32_t frame, std::int32_t frames, std::size_t control_values,
-                                 std::size_t max_control_values);
-
 template <Precise Real, std::size_t Locks, std::size_t Values>
 struct KeyTimingStorage {
   std::array<Real, Values> adjusted, drawn, mobility, ceiling;

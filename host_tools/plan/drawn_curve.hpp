@@ -1,0 +1,21 @@
+// The speed curve of a track as the author means it: through its values if he says so, and eased at its ends.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "host_tools/files/move_file.hpp"
+
+namespace inbetween {
+
+/// Control values 0..100 of a track with a drawn speed, in a move of so many frames: those of the file, or
+/// with `through` those of the curve that passes through them, with natural ends; then brought from rest
+/// within ease_in frames and to rest within ease_out, or within one drawn span at an end that rests without
+/// saying how long. Between the two the curve is as drawn, exactly. It is given twice as many values, which
+/// does not change it, as often as the wishes need, up to max_lock_values.
+///
+/// Throws InputError at the wish where the curve through the values goes below 0, or where an end takes fewer
+/// frames than a curve of so many values can show.
+std::vector<double> drawn_curve(const MoveTrack& track, std::int32_t frames);
+
+}  // namespace inbetween
