@@ -95,9 +95,10 @@ struct TrackNumbers {
 /// The frame nearest to `frame` at which a curve of so many control values, refined up to the most, has a
 /// knot.
 std::int32_t nearest_touch_frame(std::int32_t frame, std::int32_t frames, std::size_t control_values) {
-  auto f = static_cast<std::int64_t>(control_values) - 1;
+  auto f = static_cast<std::int64_t>(std::max<std::size_t>(control_values, 2)) - 1;
   while (2 * f < static_cast<std::int64_t>(max_lock_values)) f *= 2;
-  const std::int64_t step = frames / std::gcd(static_cast<std::int64_t>(frames), f);
+  const std::int64_t step =
+      std::max<std::int64_t>(frames / std::gcd(static_cast<std::int64_t>(frames), f), 1);
   return static_cast<std::int32_t>((frame + step / 2) / step * step);
 }
 
