@@ -232,7 +232,7 @@ TEST(KeyFrames, AFitKeepsAnEasedEndAndWritesTheCurveThatIsPlayed) {
   const TemporaryFolder folder;
   const std::string fitted = (folder.path() / "fitted.toml").string();
   const std::string text = move_of(
-      "ease_in = 10\nease_out = 10\nkeys = [ {at=[0]}, {at=[20]}, {at=[320]} ]\nspeed = [2, 20, 2]\n", 72);
+      "ease_in = 10\nease_out = 10\nkeys = [ {at=[0]}, {at=[20]}, {at=[320]} ]\nspeed = [2, 20, 2]\n", 56);
   EXPECT_EQ(check(text).status, 3);
   const ProgramRun run = check(text, {"--fit", fitted});
   EXPECT_EQ(run.status, 0) << run.err;
