@@ -77,7 +77,8 @@ TEST(CanRun, KilledInMotionTheDrivesStopByTheirOwnWatchdogs) {
   EXPECT_EQ(scene.run.status, 128 + 9);
   EXPECT_THAT(scene.drives, HasSubstr("slide,"));
   for (const char* axis : {"slide", "pan", "tilt"}) {
-    EXPECT_EQ(scene.last_state(axis), "switch-on disabled") << axis;
+    // An axis that is fast meets its window for the following error a moment before: its target stands still.
+    EXPECT_THAT(scene.last_state(axis), testing::AnyOf("switch-on disabled", "fault")) << axis;
     EXPECT_THAT(scene.emergencies(axis), testing::Contains("8250")) << axis << " missed its setpoints";
   }
   scene.expect_rest();
