@@ -72,9 +72,6 @@ inline constexpr std::array lone_key{12.5, -3.0, 99.0};
 inline constexpr std::array far_keys{1'000'000.0, 1'000'012.0, 1'000'030.0, 1'000'031.0};
 inline constexpr std::array far_speed{3.0, 3.0, 8.0, 1.0, 0.0, 0.0};
 
-/// Keys on frames: it rests at both ends, and one axis holds its value for a while.
-inline constexpr std::array timed_keys{0.0, 0.0, 33.0, 21.0, 50.0, 21.0, 80.0, 5.0, 64.0, -12.0};
-inline constexpr std::array<std::int32_t, 5> key_frames{0, 11, 30, 37, 72};
 }  // namespace data
 
 inline constexpr std::array moves{
@@ -141,11 +138,6 @@ inline constexpr std::array moves{
          .speed = data::far_speed,
          .frames = 100,
          .fps = {24000, 1001}},
-    Move{.name = "curves",
-         .axis_count = 2,
-         .keys = data::timed_keys,
-         .key_frames = data::key_frames,
-         .frames = 72},
 };
 
 }  // namespace inbetween::embedded
