@@ -154,8 +154,8 @@ void read_object(const TomlTable& table, const RigAxis& axis, DriveTrouble& trou
                     trouble.object.index, trouble.object.sub));
   }
   if (trouble.kind != Kind::fixed_object) return;
-  const std::int64_t most = (std::int64_t{1} << (8 * object->size)) - 1;
-  const std::int64_t value = table.required("value", "what it has, value = 0").integer(0, most);
+  const std::int64_t max = (std::int64_t{1} << (8 * object->size)) - 1;
+  const std::int64_t value = table.required("value", "what it has, value = 0").integer(0, max);
   trouble.value = static_cast<std::int32_t>(static_cast<std::uint32_t>(value));
 }
 

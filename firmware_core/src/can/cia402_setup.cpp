@@ -203,7 +203,7 @@ Status check(const Cia402Setup& setup) {
     return refuse("a following error window of FFFFFFFF watches nothing", "give it in counts");
   }
   if (setup.position_limits && setup.position_limits->min >= setup.position_limits->max) {
-    return refuse("the range of positions is empty", "give the least position first");
+    return refuse("the range of positions is empty", "give min first, below max");
   }
   return Done{};
 }
