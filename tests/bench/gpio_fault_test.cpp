@@ -242,7 +242,7 @@ TEST(GpioFault, ALineThatTheRigMeansTwiceIsRefusedBeforeAnyIsTaken) {
   EXPECT_EQ(scene.run.status, 1);
   EXPECT_THAT(scene.run.err,
               AllOf(HasSubstr("rig.toml:9:"),
-                    HasSubstr("line 3 of chip \"far\" is used in line 28 already; give each line one use")));
+                    HasSubstr("line 3 of chip \"far\" is used in line 30 already; give each line one use")));
   scene.expect_nothing_was_touched();
 }
 
