@@ -88,7 +88,7 @@ const std::vector<Ending>& endings() {
       {"Esc, then q", typed("sleep 2; printf '\\033'; sleep 1; printf q; sleep 1", "$run"), 4},
       {"q", typed("sleep 2; printf q; sleep 1", "$run"), 4},
       {"lost terminal",
-       "rm -f end.json; script -qec \"exec $run --json end.json\" /dev/null <hold & sleep 2; kill -HUP $!; "
+       "rm -f end.json; script -qec \"exec $run --json end.json\" /dev/null <hold & sleep 2; kill -KILL $!; "
        "until_true test -s end.json; grep -q '\"stopped\"' end.json && exit 4",
        4},
       {"e-stop", "$run & sleep 2; kill -USR1 $!; wait $!", 4, "", missing},
