@@ -87,7 +87,10 @@ const std::vector<Ending>& endings() {
       {"Ctrl-C during the set-up", killed("INT", "0.5"), 4},
       {"Esc, then q", typed("sleep 2; printf '\\033'; sleep 1; printf q; sleep 1", "$run"), 4},
       {"q", typed("sleep 2; printf q; sleep 1", "$run"), 4},
-      // A lost terminal has a scene of its own (CanRun.CtrlCSigtermAndALostTerminalEndWithTheDrivesOff).
+      {"lost terminal",
+       "rm -f end.json; script -qec \"exec $run --json end.json\" /dev/null <hold & sleep 2; kill -KILL $!; "
+       "until_true test -s end.json; grep -q '\"stopped\"' end.json && exit 4",
+       4},
       {"e-stop", "$run & sleep 2; kill -USR1 $!; wait $!", 4, "", missing},
       {"fault of one axis", "$run", 4, fault("emergency", "code = 0x2310\nfor = 0.5"), {"2310"}},
       {"an axis that sticks", "$run", 4, fault("stick", "for = 0.5"), {"8611"}},

@@ -1,0 +1,80 @@
+// What a drive says, and what that means at once.
+#include "inbetween/can/cia402_drive.hpp"
+
+namespace inbetween::can {
+
+using enum DrivePhase;
+
+void Cia402Drive::receive(const Frame& frame, std::int64_t now_ns) {
+  if (phase_ == off) return;
+  if (frame.id == heartbeat_id(node())) return take_heartbeat(frame, now_ns);
+  if (frame.id == emergency_id(node())) return take_emergency(frame, now_ns);
+  if (frame.id == tpdo1_id(node())) return take_feedback(frame);
+  if (frame.id != sdo_answer_id(node())) return;
+  const bool is_awaited = is_leaving() ? exit_.receive(frame) : runner_.receive(frame);
+  if (!is_awaited) ++counters_.stray_answers;
+}
+
+void Cia402Drive::take_bad_frame() {
+  if (++bad_frame_level_ > settings_.bad_frame_limit) find(DriveFinding::bad_frames);
+}
+
+void Cia402Drive::take_heartbeat(const Frame& frame, std::int64_t now_ns) {
+  const std::optional<NmtState> heard = read_heartbeat(frame, node());
+  if (!heard) {
+    ++counters_.bad_frames;
+    return take_bad_frame();
+  }
+  heard_ = *heard;
+  heartbeat_.receive(*heard, now_ns);
+  if (*heard == NmtState::boot_up) take_boot_up(now_ns);
+}
+
+void Cia402Drive::take_boot_up(std::int64_t now_ns) {
+  const bool was_told_to_leave = phase_ == leaving && has_lost_touch_;
+  if (phase_ == booting || was_told_to_leave) {
+    // One that was on its way before the reset was sent is not the answer to it.
+    if (!order_) apply(was_told_to_leave ? DriveEvent::left : DriveEvent::booted, now_ns);
+  } else if (phase_ != refused && phase_ != gone) {
+    find(DriveFinding::unexpected_boot);
+    apply(phase_ == leaving ? DriveEvent::left : DriveEvent::vanished, now_ns);
+  }
+}
+
+void Cia402Drive::take_emergency(const Frame& frame, std::int64_t now_ns) {
+  const std::optional<Emergency> emergency = read_emergency(frame, node());
+  if (!emergency) {
+    ++counters_.bad_frames;
+    return take_bad_frame();
+  }
+  if (emergency->code == 0) return;
+  last_emergency_ = *emergency;
+  ++counters_.emergencies;
+  // A drive without power may tell of an error that is over: many repeat the last one when they are started.
+  // If it is not over, the fault stays when it is to be cleared.
+  if (phase_ == enabling || phase_ == following || phase_ == stopping) find(DriveFinding::emergency);
+  if (has_lost_touch_ || !is_of_communication(emergency->code)) return;
+  has_lost_touch_ = true;
+  if (phase_ == leaving) enter_leaving(now_ns);
+}
+
+void Cia402Drive::take_feedback(const Frame& frame) {
+  if (!has_process_data()) return;
+  const std::optional<DriveFeedback> feedback = read_feedback(frame, node());
+  if (!feedback) {
+    ++counters_.bad_frames;
+    return take_bad_frame();
+  }
+  // A drive that has just been started may answer a SYNC that was sent before.
+  if (awaited_ == 0 && phase_ != starting) {
+    ++counters_.duplicates;
+    return take_bad_frame();
+  }
+  if (awaited_ > 0) --awaited_;
+  ++counters_.feedback;
+  feedback_ = *feedback;
+  has_feedback_ = true;
+  is_fresh_ = true;
+}
+
+}  // namespace inbetween::can
