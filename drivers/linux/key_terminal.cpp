@@ -1,8 +1,10 @@
 #include "drivers/linux/key_terminal.hpp"
 
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <array>
+#include <cerrno>
 #include <cstddef>
 
 namespace inbetween {
@@ -28,6 +30,18 @@ std::string KeyTerminal::read() {
   std::array<char, 64> bytes;
   const ssize_t count = ::read(STDIN_FILENO, bytes.data(), bytes.size());
   return count > 0 ? std::string(bytes.data(), static_cast<std::size_t>(count)) : std::string();
+}
+
+void release_lost_terminal() {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    termios settings{};
+    // A terminal that was hung up refuses everything with EIO; a file or a pipe says ENOTTY.
+    if (tcgetattr(stream, &settings) == 0 || errno != EIO) continue;
+    const int nowhere = ::open("/dev/null", O_RDWR | O_CLOEXEC);
+    if (nowhere < 0) continue;
+    ::dup2(nowhere, stream);
+    ::close(nowhere);
+  }
 }
 
 }  // namespace inbetween

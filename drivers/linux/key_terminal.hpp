@@ -23,4 +23,8 @@ class KeyTerminal {
   termios before_{};
 };
 
+/// Whatever of the standard streams was on a terminal that is lost goes to /dev/null from now on: nobody
+/// reads it, and what must still be done does not fail for it.
+void release_lost_terminal();
+
 }  // namespace inbetween

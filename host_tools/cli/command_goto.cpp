@@ -77,6 +77,7 @@ int go(const GotoArguments& arguments) {
     return true;
   };
   const SetupEnd end = go_to(rig, targets, reference, options);
+  release_lost_terminal();
   fmt::print("{}: {}\n", rig.name, end.reason);
   std::vector<std::size_t> axes;
   axes.reserve(targets.size());

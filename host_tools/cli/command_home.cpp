@@ -52,6 +52,7 @@ int home_command(const HomeArguments& arguments) {
     fmt::print(stderr, "looking for the switches of {}; Esc stops\n", comma_separated(names));
   }
   const SetupEnd end = home(rig, axes, reference, options);
+  release_lost_terminal();
   fmt::print("{}: {}\n", rig.name, end.reason);
   if (!end.positions.empty()) print_positions(rig, reference, axes, end.positions);
   if (end.is_done) print_outside(rig, axes, end.positions);

@@ -60,6 +60,7 @@ int jog_command(const JogArguments& arguments) {
     };
     end = jog(rig, selected, reference, options);
   }
+  release_lost_terminal();
   fmt::print("{}: {}\n", rig.name, end.reason);
   std::vector<std::size_t> all(end.positions.size());
   std::iota(all.begin(), all.end(), std::size_t{0});

@@ -203,6 +203,7 @@ int run_command(const RunArguments& arguments) {
   const Plan plan = make_plan(arguments.move, arguments.rig, Solver::closed_form);
   if (!arguments.simulated && (arguments.step || arguments.shutter)) refuse_no_camera(plan);
   const RunReport report = play(plan, arguments, watch);
+  release_lost_terminal();
   if (arguments.json) {
     write_output(*arguments.json, [&](std::FILE* file) { write_run_json(report, file); });
   }

@@ -34,7 +34,10 @@ void ProgressBar::show(double share, const std::string& words) {
   const int room = terminal_columns() - width - 4;
   const std::string fitting = room > 0 ? words.substr(0, static_cast<std::size_t>(room)) : words;
   // \033[K clears what a longer text before has left.
-  fmt::print(stderr, "\r[{:#>{}}{:.>{}}] {}\033[K", "", filled, "", width - filled, fitting);
+  const std::string line =
+      fmt::format("\r[{:#>{}}{:.>{}}] {}\033[K", "", filled, "", width - filled, fitting);
+  // A terminal that was lost takes nothing; that is no reason to end the work otherwise than it asks for.
+  static_cast<void>(std::fputs(line.c_str(), stderr));
   std::fflush(stderr);
   line_open_ = true;
 }

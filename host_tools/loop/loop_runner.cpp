@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 
 #include "host_tools/files/diagnostics.hpp"
 #include "inbetween/loop/tick_time.hpp"
@@ -141,27 +142,41 @@ void TimedRunner::tick(std::int32_t ticks, std::int64_t now_ns) {
   is_over_.store(true, std::memory_order_release);
 }
 
+void TimedRunner::attend(std::optional<std::int64_t> last) {
+  if (audience_.keys) keys_.feed(audience_.keys());
+  while (const std::optional<TransportKey> key = keys_.next()) typed_.push(allowed(*key, audience_));
+  if (audience_.interrupted && audience_.interrupted()) typed_.push(TransportKey::quit);
+  std::optional<RunSnapshot> newest;
+  while (const std::optional<RunSnapshot> one = shown_.pop()) newest = one;
+  const std::int64_t now_ns = MonotonicClock().now_ns();
+  if (!newest || now_ns < next_line_ns_) return;
+  if (audience_.status) audience_.status(*newest);
+  if (audience_.progress && last) {
+    audience_.progress(static_cast<std::int64_t>(newest->share * static_cast<double>(*last)), *last);
+  }
+  next_line_ns_ = now_ns + ns_between_lines;
+}
+
 ActEnd TimedRunner::run(const LoopTask& act, std::optional<std::int64_t> last) {
+  if (audience_.progress && last) audience_.progress(0, *last);
   const MonotonicClock clock;
+  next_line_ns_ = 0;
   is_over_.store(false, std::memory_order_relaxed);
   next_.store(&act, std::memory_order_release);
-  std::int64_t next_line_ns = 0;
-  if (audience_.progress && last) audience_.progress(0, *last);
+  std::exception_ptr thrown;
   while (!is_over_.load(std::memory_order_acquire)) {
-    if (audience_.keys) keys_.feed(audience_.keys());
-    while (const std::optional<TransportKey> key = keys_.next()) typed_.push(allowed(*key, audience_));
-    if (audience_.interrupted && audience_.interrupted()) typed_.push(TransportKey::quit);
-    std::optional<RunSnapshot> newest;
-    while (const std::optional<RunSnapshot> one = shown_.pop()) newest = one;
-    if (newest && clock.now_ns() >= next_line_ns) {
-      if (audience_.status) audience_.status(*newest);
-      if (audience_.progress && last) {
-        audience_.progress(static_cast<std::int64_t>(newest->share * static_cast<double>(*last)), *last);
+    if (thrown) {
+      typed_.push(TransportKey::quit);
+    } else {
+      try {
+        attend(last);
+      } catch (...) {
+        thrown = std::current_exception();
       }
-      next_line_ns = clock.now_ns() + ns_between_lines;
     }
     clock.sleep_until_ns(clock.now_ns() + ns_between_looks);
   }
+  if (thrown) std::rethrow_exception(thrown);
   return end_;
 }
 

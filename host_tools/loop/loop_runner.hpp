@@ -108,6 +108,8 @@ class TimedRunner {
 
   /// What the thread was refused of its rights; empty without wishes.
   [[nodiscard]] const std::vector<RealTimeRight>& rights() const { return rights_; }
+  /// Until it is over. Where the audience throws, somebody wants to leave: the act is told so, and what was
+  /// thrown is thrown on once the act is over, since the thread uses it until then.
   ActEnd run(const LoopTask& act, std::optional<std::int64_t> last);
 
   // Once no act runs.
@@ -120,12 +122,14 @@ class TimedRunner {
   void live(const std::optional<RealTimeWishes>& wishes);
   void loop();
   void tick(std::int32_t ticks, std::int64_t now_ns);
+  void attend(std::optional<std::int64_t> last);
 
   RunLoop& loop_;
   std::int32_t rate_hz_;
   const LoopAudience& audience_;
   LoopTrace& trace_;
   Lateness lateness_;
+  std::int64_t next_line_ns_ = 0;
   TransportKeys keys_;
   TelemetryRing<TransportKey, 64> typed_;
   TelemetryRing<RunSnapshot, 64> shown_;

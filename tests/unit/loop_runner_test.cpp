@@ -1,0 +1,61 @@
+// What ticks a motion loop, and whoever watches it.
+#include "host_tools/loop/loop_runner.hpp"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+
+#include "host_tools/rig/gpio_inputs.hpp"
+#include "host_tools/rig/rig_drives.hpp"
+
+namespace inbetween {
+namespace loop_runner_test {
+
+/// A move that takes some ticks to rest once somebody wants to leave.
+class SlowToRest {
+ public:
+  static Status begin() { return Done{}; }
+  void press(TransportKey key) { leaves_ = leaves_ || key == TransportKey::quit; }
+  void tick(std::int32_t, std::int64_t) {
+    if (leaves_) ++ticks_to_rest_;
+  }
+  [[nodiscard]] bool is_over() const { return ticks_to_rest_ >= 20; }
+  [[nodiscard]] static RunSnapshot snapshot() { return {}; }
+
+ private:
+  std::atomic<bool> leaves_{false};
+  std::atomic<int> ticks_to_rest_{0};
+};
+
+TEST(TimedRunner, WhatTheAudienceThrowsIsHeardOnlyOnceTheMoveRests) {
+  const RigFile rig = parse_rig(R"(name = "slider"
+rate_hz = 1000
+[[axis]]
+name = "slide"
+unit = "mm"
+min = 0
+max = 500
+max_velocity = 250
+max_acceleration = 1000
+drive = { type = "step-dir", chip = "gpio", step = 17, dir = 27, steps_per_unit = 40 }
+)",
+                                "rig.toml");
+  const std::unique_ptr<RigDrives> drives = RigDrives::simulated(rig, {0});
+  const std::unique_ptr<RigInputs> lines = RigInputs::simulated(rig, {0});
+  LoopStorage room{1, 1};
+  RunLoop loop{*drives, *lines, room.memory()};
+  LoopTrace trace{1};
+  const LoopAudience audience{
+      .status = [](const RunSnapshot&) { throw std::runtime_error("the terminal is lost"); }};
+  TimedRunner runner(loop, 1000, audience, trace, Lateness::time_stands_still, std::nullopt);
+  SlowToRest move;
+  EXPECT_THROW(runner.run(act_of(move), std::nullopt), std::runtime_error);
+  EXPECT_TRUE(move.is_over()) << "the loop would go on with a move that is gone";
+}
+
+}  // namespace loop_runner_test
+}  // namespace inbetween
