@@ -172,7 +172,7 @@ TEST(CanRun, DrivesThatAreNotThereAreNamedAndNothingIsSwitchedOn) {
 
 TEST(CanRun, ABusThatIsNotThereIsSaidAtItsPlaceInTheRig) {
   const ProgramRun run = script_in_bench({}, in_build("inbetween") + " run " + move + " --rig " + rig);
-  EXPECT_EQ(run.status, 1);
+  EXPECT_EQ(run.status, 1) << run.err;
   EXPECT_THAT(run.err, HasSubstr("camera_rig.toml:"));
   EXPECT_THAT(run.err, HasSubstr("can0"));
 }
