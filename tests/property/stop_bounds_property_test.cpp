@@ -28,12 +28,12 @@ FrameTime<double> frame_time(double u) {
   return {static_cast<std::int32_t>(frame), std::min(u * fps - frame, 1 - 1e-16)};
 }
 
-oracle::PlayheadRule rule_of(const StopBounds<double>& bounds, bool forward) {
+oracle::PlayheadRule rule_of(const StopBounds<double>& bounds, double cell_seconds, bool forward) {
   const auto at = [&bounds](double u) {
     const StopBound<double> bound = bounds.at(frame_time(u));
     return oracle::PlayheadBound{bound.rate_change, bound.rate_jerk, bound.release_jerk};
   };
-  return {at, bounds.rate(), forward};
+  return {at, cell_seconds, bounds.rate(), forward};
 }
 
 int any_int(int from, int below) {
@@ -171,10 +171,11 @@ oracle::PlayheadState any_state(const Move<double>& move, const StopBounds<doubl
   return state;
 }
 
-void brake_to_rest(oracle::PlayheadState& state, const StopBounds<double>& bounds, bool forward,
-                   AxesUnderPlayhead& axes, Counts& counts) {
+void brake_to_rest(oracle::PlayheadState& state, const StopBounds<double>& bounds, double cell_seconds,
+                   bool forward, AxesUnderPlayhead& axes, Counts& counts) {
   const StopLength<double> predicted = bounds.stop_from(frame_time(state.u), forward);
-  const oracle::StoppingPlayhead playhead(rule_of(bounds, forward), predicted.seconds / steps_of_a_stop);
+  const oracle::StoppingPlayhead playhead(rule_of(bounds, cell_seconds, forward),
+                                          predicted.seconds / steps_of_a_stop);
   const double begin = state.u;
   double seconds = 0;
   while (state.rate > 0 || state.change > 0) {
@@ -198,11 +199,11 @@ void brake_to_rest(oracle::PlayheadState& state, const StopBounds<double>& bound
 
 /// A stop; or a stop that is taken back half-way, once or twice, and then goes through.
 void stop_once(const PlayedMove& played, const std::vector<AxisLimits<double>>& limits,
-               const StopBounds<double>& bounds, Counts& counts) {
+               const StopBounds<double>& bounds, double cell_seconds, Counts& counts) {
   const bool forward = any_int(0, 2) == 0;
   const oracle::PlayheadState begin = any_state(*played.move, bounds);
   const double seconds = bounds.stop_from(frame_time(begin.u), forward).seconds;
-  const oracle::StoppingPlayhead playhead(rule_of(bounds, forward), seconds / steps_of_a_stop);
+  const oracle::StoppingPlayhead playhead(rule_of(bounds, cell_seconds, forward), seconds / steps_of_a_stop);
   AxesUnderPlayhead axes(*played.move, limits, counts);
   oracle::PlayheadState state = begin;
   RC_LOG() << "from u " << state.u << ", r " << state.rate << ", a " << state.change
@@ -215,7 +216,7 @@ void stop_once(const PlayedMove& played, const std::vector<AxisLimits<double>>& 
       }
     }
   }
-  brake_to_rest(state, bounds, forward, axes, counts);
+  brake_to_rest(state, bounds, cell_seconds, forward, axes, counts);
 }
 
 TEST(StopBoundsProperty, EveryStopKeepsTheStopLimitsAndEndsWherePredicted) {
@@ -251,7 +252,9 @@ TEST(StopBoundsProperty, EveryStopKeepsTheStopLimitsAndEndsWherePredicted) {
       RC_ASSERT(stop_peaks[d].acceleration.value <= limits[d].stop_acceleration() * (1 + 1e-9));
       if (limits[d].stop_jerk()) RC_ASSERT(stop_peaks[d].jerk.value <= *limits[d].stop_jerk() * (1 + 1e-9));
     }
-    for (int i = 0; i < 4; ++i) stop_once(played, limits, *bounds, counts);
+    const double cell_seconds =
+        (played.move->last_frame() - played.move->first_frame()) / fps / static_cast<double>(cells);
+    for (int i = 0; i < 4; ++i) stop_once(played, limits, *bounds, cell_seconds, counts);
   });
   std::cout << counts.moves << " moves, " << counts.refused << " refused, " << counts.unbounded
             << " unbounded; " << counts.stops << " stops of " << counts.steps << " steps, "

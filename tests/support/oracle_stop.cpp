@@ -18,14 +18,17 @@ PlayheadState StoppingPlayhead::after(const PlayheadState& state, double change,
           state.rate + dt * (state.change + change) / 2, change};
 }
 
-void StoppingPlayhead::show(const PlayheadState& from, const PlayheadState& to, double jerk,
+/// A step may pass into another cell, and use its jerk bound from its beginning.
+double StoppingPlayhead::max_jerk(const PlayheadState& state, double dt) const {
+  return std::max(rule_.at(state.u).rate_jerk, rule_.at(after(state, state.change, dt).u).rate_jerk);
+}
+
+void StoppingPlayhead::show(const PlayheadState& from, const PlayheadState& to, double jerk, double max_jerk,
                             const std::function<void(const PlayheadStep&)>& visit) const {
-  const PlayheadBound begin = rule_.at(from.u);
-  const PlayheadBound end = rule_.at(to.u);
-  // A step may pass into another cell.
-  const double max_jerk = std::max(begin.rate_jerk, end.rate_jerk);
-  visit({from.u, side_ * from.rate, side_ * from.change, side_ * jerk, begin.rate_change, max_jerk});
-  visit({to.u, side_ * to.rate, side_ * to.change, side_ * jerk, end.rate_change, max_jerk});
+  for (const PlayheadState& state : {from, to}) {
+    visit({state.u, side_ * state.rate, side_ * state.change, side_ * jerk, rule_.at(state.u).rate_change,
+           max_jerk});
+  }
 }
 
 double StoppingPlayhead::step(PlayheadState& state, bool speeding_up,
@@ -39,7 +42,7 @@ double StoppingPlayhead::step(PlayheadState& state, bool speeding_up,
   if (!speeding_up && state.change < 0 && 2 * state.rate <= -state.change * dt_) {
     const double seconds = 2 * state.rate / -state.change;
     const PlayheadState rest{state.u + side_ * state.rate * seconds / 3, 0, 0};
-    show(state, rest, -state.change / seconds, visit);
+    show(state, rest, -state.change / seconds, max_jerk(state, seconds), visit);
     state = rest;
     return seconds;
   }
@@ -52,9 +55,8 @@ double StoppingPlayhead::step(PlayheadState& state, bool speeding_up,
 
 bool StoppingPlayhead::try_step(PlayheadState& state, bool speeding_up, double dt,
                                 const std::function<void(const PlayheadStep&)>& visit) const {
-  const double reach =
-      dt * (1 + 1e-6) *
-      std::max(rule_.at(state.u).rate_jerk, rule_.at(after(state, state.change, dt).u).rate_jerk);
+  const double jerk = max_jerk(state, dt);
+  const double reach = dt * (1 + 1e-6) * jerk;
   double wanted = state.change + (speeding_up ? reach : -reach);
   double gentle = std::clamp(0.0, state.change - reach, state.change + reach);
   PlayheadState next = after(state, wanted, dt);
@@ -72,7 +74,7 @@ bool StoppingPlayhead::try_step(PlayheadState& state, bool speeding_up, double d
       }
     }
   }
-  show(state, next, (next.change - state.change) / dt, visit);
+  show(state, next, (next.change - state.change) / dt, jerk, visit);
   state = next;
   return true;
 }

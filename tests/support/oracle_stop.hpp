@@ -2,6 +2,7 @@
 // axes on any way through the permitted states. It plans nothing ahead.
 #pragma once
 
+#include <algorithm>
 #include <functional>
 #include <utility>
 
@@ -21,9 +22,11 @@ struct PlayheadBound {
   double release_jerk = 0;
 };
 
-/// What it has to obey.
+/// What it has to obey. The jerk bound of a place holds within `cell_seconds` of it and no further: no step
+/// is longer.
 struct PlayheadRule {
   std::function<PlayheadBound(double)> at;  ///< by u
+  double cell_seconds = 0;                  ///< of the time line
   double highest_rate = 1;
   bool forward = true;
 };
@@ -39,7 +42,9 @@ struct PlayheadStep {
 class StoppingPlayhead {
  public:
   StoppingPlayhead(PlayheadRule rule, double step_seconds)
-      : rule_(std::move(rule)), side_(rule_.forward ? 1 : -1), dt_(step_seconds) {}
+      : rule_(std::move(rule)),
+        side_(rule_.forward ? 1 : -1),
+        dt_(std::min(step_seconds, rule_.cell_seconds / rule_.highest_rate)) {}
 
   /// Whether the state is within the permitted ones.
   [[nodiscard]] bool permits(const PlayheadState& state) const;
@@ -53,7 +58,8 @@ class StoppingPlayhead {
   [[nodiscard]] bool try_step(PlayheadState& state, bool speeding_up, double dt,
                               const std::function<void(const PlayheadStep&)>& visit) const;
   [[nodiscard]] PlayheadState after(const PlayheadState& state, double change, double dt) const;
-  void show(const PlayheadState& from, const PlayheadState& to, double jerk,
+  [[nodiscard]] double max_jerk(const PlayheadState& state, double dt) const;
+  void show(const PlayheadState& from, const PlayheadState& to, double jerk, double max_jerk,
             const std::function<void(const PlayheadStep&)>& visit) const;
 
   PlayheadRule rule_;

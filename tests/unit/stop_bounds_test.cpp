@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -238,6 +239,128 @@ TEST(StopBounds, TheyFallAndRiseNoFasterThanAStopCanFollow) {
     EXPECT_LE((high - low) / seconds,
               2 * low * (jerk - high) / std::min(max_change, std::sqrt(2 * jerk)) * (1 + 1e-9) + 1e-12);
   }
+}
+
+// --- where the bounds change from cell to cell
+
+/// A corner at each key, on which a line of another direction begins: found by a random search. A stop with
+/// little of its jerk left crosses them for minutes.
+const std::vector<double> corners{
+    -698, -445'000, -840'000, -90'900, 230'000,  0,     //
+    -806, -971'000, -407'000, -13'300, -154'000, -456,  //
+    -187, -26'000,  -365'000, -3'500,  -333'000, 0,     //
+    256,  609'000,  -771'000, -82'500, 287'000,  0,     //
+    127,  -544'000, 668'000,  -35'300, -105'000, 0,     //
+    -555, 711'000,  974'000,  68'900,  371'000,  510,   //
+    0,    -875'000, -217'000, -8'500,  -465'000, 0,     //
+    0,    -354'000, 121'000,  23'400,  371'000,  0,
+};
+const std::vector<double> corner_weights{0.01, 1.83, 2.88, 3.59, 1.85, 0.01};
+constexpr std::size_t corner_axes = 6;
+constexpr std::int32_t corner_frames = 155;
+
+/// Its motion by the definition: a uniform cubic B-spline with natural ends along straight lines.
+class CornerOracle {
+ public:
+  CornerOracle() {
+    for (std::size_t key = 0; key + 1 < key_count; ++key) {
+      long double squares = 0;
+      for (std::size_t d = 0; d < corner_axes; ++d) {
+        const long double part = corner_weights[d] * step(key, d);
+        squares += part * part;
+      }
+      lengths_[key] = std::sqrt(squares);
+      length_ += lengths_[key];
+    }
+    for (std::size_t i = 0; i < span_count; ++i) {
+      const auto* v = &values_[i];
+      spans_[i] = {(v[0] + 4 * v[1] + v[2]) / 6, (v[2] - v[0]) / 2, (v[0] - 2 * v[1] + v[2]) / 2,
+                   (v[3] - 3 * v[2] + 3 * v[1] - v[0]) / 6};
+      integral_ += integral(i, 1);
+    }
+  }
+  /// |p1|, |p2|, |p3| of an axis at a frame.
+  [[nodiscard]] std::array<long double, 3> motion(long double frame, std::size_t d) const {
+    const long double a = frame * span_count / corner_frames;
+    const std::size_t span = std::min(static_cast<std::size_t>(a), span_count - 1);
+    const long double t = a - static_cast<long double>(span);
+    long double passed = integral(span, t);
+    for (std::size_t i = 0; i < span; ++i) passed += integral(i, 1);
+    long double way = passed * length_ / integral_;
+    std::size_t key = 0;
+    while (key + 2 < key_count && way > lengths_[key]) way -= lengths_[key++];
+    const long double slope = std::fabs(step(key, d)) / lengths_[key] * length_ / integral_;
+    const long double rate = span_count * 24.0L / corner_frames;
+    const auto [c0, c1, c2, c3] = spans_[span];
+    return {slope * rate * std::fabs(c0 + t * (c1 + t * (c2 + t * c3))),
+            slope * rate * rate * std::fabs(c1 + t * (2 * c2 + 3 * t * c3)),
+            slope * rate * rate * rate * std::fabs(2 * c2 + 6 * t * c3)};
+  }
+
+ private:
+  static constexpr std::size_t key_count = 8;
+  static constexpr std::size_t span_count = 4;
+  [[nodiscard]] static long double step(std::size_t key, std::size_t d) {
+    return static_cast<long double>(corners[(key + 1) * corner_axes + d]) - corners[key * corner_axes + d];
+  }
+  [[nodiscard]] long double integral(std::size_t span, long double t) const {
+    const auto [c0, c1, c2, c3] = spans_[span];
+    return t * (c0 + t * (c1 / 2 + t * (c2 / 3 + t * c3 / 4)));
+  }
+
+  std::array<long double, span_count + 3> values_{4.5L, 2.25L, 0, 19.75L, 0, 0, 0};
+  std::array<std::array<long double, 4>, span_count> spans_{};
+  std::array<long double, key_count - 1> lengths_{};
+  long double length_ = 0;
+  long double integral_ = 0;
+};
+
+TEST(StopBounds, TheJerkBoundHoldsWithinACellOfItsPlaceAndNoFurther) {
+  const auto solution = solved<double>(
+      {.spline = Spline::linear, .axis_count = corner_axes, .keys = corners, .weights = corner_weights},
+      {2.25, 0, 19.75, 0, 0}, corner_frames);
+  const std::array<double, corner_axes> acceleration{117.46, 175'373, 98'575, 13'259.5, 133'977, 86.53};
+  const std::array<double, corner_axes> jerk{47.254, 86'955, 55'491, 8'461.6, 29'184.6, 32.74};
+  std::vector<AxisLimits<double>> limits;
+  for (std::size_t d = 0; d < corner_axes; ++d) {
+    limits.push_back(*AxisLimits<double>::make({.min = -1e7,
+                                                .max = 1e7,
+                                                .max_velocity = 1e8,
+                                                .max_acceleration = acceleration[d],
+                                                .max_jerk = jerk[d],
+                                                .stop_acceleration = acceleration[d],
+                                                .stop_jerk = jerk[d]}));
+  }
+  StopBoundsStorage<double, cells, corner_axes> storage;
+  constexpr double rate = 0.25;
+  const Move<double> corner_move = move_of(solution);
+  const auto bounds = StopBounds<double>::make({corner_move, limits, rate, tick}, storage.memory(), {});
+  ASSERT_TRUE(bounds.has_value());
+
+  const CornerOracle oracle;
+  const auto worst_jerk = [&](double cell, std::size_t jerk_of_cell) {
+    long double worst = 0;
+    const double frame = cell * corner_frames / cells;
+    const double change = bounds->at({static_cast<std::int32_t>(frame), std::fmod(frame, 1)}).rate_change;
+    for (std::size_t d = 0; d < corner_axes; ++d) {
+      const auto [p1, p2, p3] = oracle.motion(frame, d);
+      worst = std::max(worst, (p3 * rate * rate * rate + 3 * p2 * rate * change +
+                               p1 * storage.cells[jerk_of_cell].rate_jerk) /
+                                  jerk[d]);
+    }
+    return worst;
+  };
+  long double further = 0;
+  for (std::size_t cell = 2; cell + 2 < cells; ++cell) {
+    for (const double share : {0.001, 0.25, 0.5, 0.75, 0.999}) {
+      const double here = static_cast<double>(cell) + share;
+      for (const std::size_t near : {cell - 1, cell, cell + 1}) {
+        EXPECT_LE(worst_jerk(here, near), 1 + 1e-6) << "in cell " << here << " by the bound of " << near;
+      }
+      further = std::max({further, worst_jerk(here, cell - 2), worst_jerk(here, cell + 2)});
+    }
+  }
+  EXPECT_GT(further, 1.2) << "a step over two cells would break the jerk limit";
 }
 
 TEST(StopBounds, WhatIsAskedWronglyIsRefused) {

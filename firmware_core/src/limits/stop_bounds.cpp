@@ -154,7 +154,11 @@ void find_peaks(const StopRequest<Real>& request, const MotionCells<Real>& motio
   for (AxisPeaks<Real>& axis : out) axis.velocity = axis.acceleration = axis.jerk = {};
   for (std::size_t cell = 0; cell < motion.cells; ++cell) {
     const Real frame = middle_frame(request.move, cell, motion.cells);
-    const Real change = std::max(cells[cell].rate_change, cells[cell + 1].rate_change);
+    // A tick of the next cell may begin in this one.
+    Real change = 0;
+    for (std::size_t i = cell > 0 ? cell - 1 : 0; i <= std::min(cell + 2, motion.cells); ++i) {
+      change = std::max(change, cells[i].rate_change);
+    }
     for (std::size_t d = 0; d < out.size(); ++d) {
       const auto [p1, p2, p3] = motion.suprema[cell * out.size() + d];
       raise(out[d].velocity, p1 * r, frame);
@@ -215,13 +219,21 @@ Result<StopBounds<Real>> StopBounds<Real>::make(const StopRequest<Real>& request
 }
 
 /// At a border the lower of both sides, so that linear interpolation stays below both cells; then the two
-/// sweeps.
+/// sweeps. R1 is below the pairs of two cells on each side: the R2 of a cell holds in its neighbours too, and
+/// only beside the R1 of its own pair.
 template <Precise Real>
 void StopBounds<Real>::make_continuous() {
   const std::size_t count = cell_count();
   for (std::size_t i = count - 1; i > 0; --i) {
     cells_[i].rate_change = std::min(cells_[i].rate_change, cells_[i - 1].rate_change);
     cells_[i].release_jerk = std::min(cells_[i].release_jerk, cells_[i - 1].release_jerk);
+  }
+  Real before = cells_[0].rate_change;
+  for (std::size_t i = 0; i <= count; ++i) {
+    const Real own = cells_[i].rate_change;
+    const Real after = cells_[std::min(i + 1, count)].rate_change;
+    cells_[i].rate_change = std::min(own, std::min(before, after));
+    before = own;
   }
   for (std::size_t i = 0; i < count; ++i) limit_rate_change(i, i + 1, i);
   for (std::size_t i = count; i > 0; --i) limit_rate_change(i, i - 1, i - 1);

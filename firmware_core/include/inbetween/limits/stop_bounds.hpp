@@ -117,7 +117,8 @@ struct StopRequest {
 ///     p2 rate^2 + p1 R1 <= stop_acceleration,   p3 rate^3 + 3 p2 rate R1 + p1 R2 <= stop_jerk
 /// over the cell and its neighbours that is taken from which a stop from `rate` lasts shortest,
 /// rate / R1 + R1 / R2, convex in R1. R2 is constant on a cell. R1 and Q are continuous, linear on a cell:
-/// the largest functions below the R1 of the pairs, and below R2, that fall and rise along u no faster than
+/// the largest functions below the R1 of the pairs of a cell and of its neighbours, beside whose R2 it may
+/// stand, and below R2, that fall and rise along u no faster than
 ///     |dR1/du| <= R2 / rate,                 |dQ/du| <= 2 Q (R2 - Q) / (rate min(R1, sqrt(2 rate Q)))   (S)
 /// found by a sweep forward and one backward.
 ///
