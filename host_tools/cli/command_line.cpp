@@ -3,17 +3,72 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstddef>
 #include <exception>
 #include <iostream>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "host_tools/check/check.hpp"
 #include "host_tools/cli/command.hpp"
+#include "host_tools/files/diagnostics.hpp"
 #include "host_tools/files/output_file.hpp"
+#include "host_tools/files/spelling.hpp"
 #include "host_tools/loop/rig_session.hpp"
 
 namespace inbetween {
+namespace {
+
+/// "; did you mean --json?", where `mark` is "--", or `otherwise` if no word is near.
+std::string remedy_for(std::string_view word, const std::vector<std::string>& words, std::string_view mark,
+                       const std::string& otherwise) {
+  const std::vector<std::string_view> views(words.begin(), words.end());
+  const std::optional<std::string_view> meant = probably_meant(word, views);
+  return meant ? fmt::format("; did you mean {}{}?", mark, *meant) : otherwise;
+}
+
+std::vector<std::string> commands_of(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands(nullptr)) names.push_back(command->get_name());
+  return names;
+}
+
+std::vector<std::string> options_of(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : app.get_options()) {
+    for (const std::string& name : option->get_lnames()) names.push_back(name);
+  }
+  return names;
+}
+
+/// The first word that names nothing; empty if every word does.
+std::string wrong_word(const CLI::App& app) {
+  const std::vector<CLI::App*> given = app.get_subcommands();
+  const CLI::App& command = given.empty() ? app : *given.front();
+  const std::vector<std::string> left = command.remaining();
+  for (const std::string& word : left) {
+    if (word.size() < 2 || word.front() != '-') continue;
+    const std::string option = word.substr(0, word.find('='));
+    const std::string_view name = std::string_view(option).substr(std::min(option.size(), std::size_t{2}));
+    return fmt::format("there is no option {}{}", option, remedy_for(name, options_of(command), "--", ""));
+  }
+  if (left.empty()) return given.empty() ? "no command is given" : "";
+  if (!given.empty()) return fmt::format("{} is one argument too many", in_quotes(left.front()));
+  const std::vector<std::string> commands = commands_of(app);
+  return fmt::format("there is no command {}{}", in_quotes(left.front()),
+                     remedy_for(left.front(), commands, "", "; there are " + comma_separated(commands)));
+}
+
+/// CLI11's "--json: 1 required TEXT missing" in plain words; everything else as it says it.
+std::string plain(const std::string& what) {
+  const std::size_t colon = what.find(": 1 required ");
+  return colon == std::string::npos ? what : what.substr(0, colon) + " needs a value";
+}
+
+}  // namespace
 
 int run_command_line(int argc, const char* const* argv) {
   CLI::App app(
@@ -38,7 +93,8 @@ int run_command_line(int argc, const char* const* argv) {
   const auto wrong_usage = [&](const std::string& what) {
     const std::vector<CLI::App*> commands = app.get_subcommands();
     const std::string command = commands.empty() ? "" : commands.front()->get_name() + " ";
-    complain(fmt::format("inbetween: error: {}; see inbetween {}--help", what, command));
+    complain(fmt::format("inbetween: error: {}{} inbetween {}--help", what,
+                         what.back() == '?' ? " See" : "; see", command));
     return exit_wrong_usage;
   };
   try {
@@ -53,7 +109,8 @@ int run_command_line(int argc, const char* const* argv) {
     check_standard_output();
     return status;
   } catch (const CLI::ParseError& error) {
-    return wrong_usage(error.what());
+    const std::string wrong = wrong_word(app);
+    return wrong_usage(wrong.empty() ? plain(error.what()) : wrong);
   } catch (const UsageError& error) {
     return wrong_usage(error.what());
   } catch (const LimitError& error) {

@@ -55,6 +55,26 @@ expect "a kernel without memory is told to have more" \
   "$(<"$scratch/err")"
 expect "with the same exit status" 125 "$status"
 
+# --- one that ends before the command begins, and says nothing, is started again -----------------------------------
+export INBETWEEN_BENCH_CACHE=$scratch/cache
+kernel=$("${run_script%/*}/kernel" --path)
+cat >"$kernel" <<END_OF_KERNEL
+#!/usr/bin/env bash
+echo started >>"$scratch/starts"
+((\$(wc --lines <"$scratch/starts") >= \$(<"$scratch/needed"))) || exit 1
+for word; do [[ \$word != inbetween_bench=* ]] || folder=\${word#*=}; done
+: >"\$folder/begun"
+echo 7 >"\$folder/status"
+END_OF_KERNEL
+for needed in 2 3 9; do
+  echo "$needed" >"$scratch/needed"
+  : >"$scratch/starts"
+  run -- true
+  expect "a kernel that begins at start $needed: exit status, starts" "$((needed < 9 ? 7 : 125)) $((needed < 9 ? needed : 3))" \
+    "$status $(wc --lines <"$scratch/starts")"
+done
+unset INBETWEEN_BENCH_CACHE
+
 # --- a kernel that panics ----------------------------------------------------------------------------------------
 # The first process of the bench ends, for what should switch the kernel off does nothing.
 for clock in '' --virtual-time; do

@@ -75,8 +75,8 @@ TEST(CommandLine, SaysItsVersion) {
 }
 
 TEST(CommandLine, WrongUsageIsOneLineWithStatus2) {
-  expect_wrong_usage({}, {"subcommand is required"});
-  expect_wrong_usage({"dance"}, {""});
+  expect_wrong_usage({}, {"no command is given"});
+  expect_wrong_usage({"dance"}, {"there is no command \"dance\"; there are plan, check, run, goto,"});
   expect_wrong_usage({"plan"}, {"MOVE is required", "inbetween plan --help"});
   expect_wrong_usage({"plan", move, "--speed", "3"}, {"--speed"});
   expect_wrong_usage({"plan", move, move}, {move});
@@ -86,6 +86,15 @@ TEST(CommandLine, WrongUsageIsOneLineWithStatus2) {
   expect_wrong_usage({"plan", move, "--csv", "a", "--csv", "b"}, {"--csv"});
   expect_wrong_usage({"run", move}, {"--rig is required", "inbetween run --help"});
   expect_wrong_usage({"run", "--rig", rig, "--sim"}, {"MOVE is required"});
+}
+
+TEST(CommandLine, AWordThatNamesNothingIsToldWithTheOneThatIsProbablyMeant) {
+  expect_wrong_usage({"chek"}, {"there is no command \"chek\"; did you mean check? See inbetween --help"});
+  expect_wrong_usage({"chek", move}, {"did you mean check?"});
+  expect_wrong_usage({"plan", move, "--jsn", "a"}, {"there is no option --jsn; did you mean --json? See"});
+  expect_wrong_usage({"run", "--foo=1"}, {"there is no option --foo; see inbetween run --help"});
+  expect_wrong_usage({"plan", move, "twice"}, {"\"twice\" is one argument too many; see"});
+  expect_wrong_usage({"plan", move, "--json"}, {"--json needs a value; see"});
 }
 
 TEST(CommandLine, OptionsThatDoNotGoTogetherAreRefused) {
