@@ -41,6 +41,14 @@ int say_where_axes_stand(const GotoArguments& arguments) {
                                    "write reference = \"operator\" in the rig",
                                    in_quotes(name)));
     }
+    if (position < rig.axes[a].min || position > rig.axes[a].max) {
+      throw InputError(
+          rig.axes[a].place,
+          fmt::format("axis {} cannot stand at {:.15g} {}: it goes from {:.15g} to {:.15g}; say where "
+                      "it stands, or correct min and max in the rig",
+                      in_quotes(name), position, to_string(rig.axes[a].unit), rig.axes[a].min,
+                      rig.axes[a].max));
+    }
     stands.push_back({.axis = a, .position = position});
   }
   RigReference reference = reference_of(rig, arguments.setup.positions, arguments.setup.simulated);

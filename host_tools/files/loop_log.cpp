@@ -22,7 +22,10 @@ int opened(const std::string& file) {
                          ? fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, 0)
                          : open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_NONBLOCK | O_CLOEXEC, 0666);
   if (opened >= 0) return opened;
-  throw std::runtime_error(fmt::format("{}: cannot be written: {}", file, std::strerror(errno)));
+  throw std::runtime_error(fmt::format(
+      "{}: error: cannot be written: {}; choose a folder that exists and that you may write to, or another "
+      "file",
+      file, std::strerror(errno)));
 }
 
 }  // namespace

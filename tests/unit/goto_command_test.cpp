@@ -137,6 +137,12 @@ TEST(GotoCommand, WrongUsageIsOneLineWithStatus2) {
   expect_refused(stage.go({"--set-zero", "pan", "--stands-at", "pan=1"}), 2, {"a position already"});
 }
 
+TEST(GotoCommand, NobodySaysThatAnAxisStandsWhereItCannot) {
+  const Stage stage;
+  expect_refused(stage.go({"--stands-at", "pan=9999"}), 1,
+                 {"axis \"pan\" cannot stand at 9999 deg: it goes from"});
+}
+
 TEST(GotoCommand, ItsHelpTeachesIt) {
   const ProgramRun run = run_program({"goto", "--help"});
   EXPECT_EQ(run.status, 0);

@@ -106,14 +106,16 @@ TEST(RunRecord, APipeThatNobodyReadsIsRefusedAtOnce) {
   const ProgramRun run =
       run_program({"run", reveal, "--rig", camera_rig, "--sim", "--fast", "--record", pipe});
   EXPECT_EQ(run.status, 1);
-  EXPECT_THAT(run.err, HasSubstr("pipe: cannot be written"));
+  EXPECT_THAT(run.err, HasSubstr("pipe: error: cannot be written"));
 }
 
 TEST(RunRecord, AFileThatCannotBeWrittenIsRefusedBeforeAnythingMoves) {
   const ProgramRun run =
       run_program({"run", reveal, "--rig", camera_rig, "--sim", "--fast", "--record", "/nowhere/run.csv"});
   EXPECT_EQ(run.status, 1);
-  EXPECT_THAT(run.err, HasSubstr("/nowhere/run.csv: cannot be written: No such file or directory"));
+  EXPECT_THAT(
+      run.err,
+      HasSubstr("/nowhere/run.csv: error: cannot be written: No such file or directory; choose a folder"));
 }
 
 class RigChanged : public testing::Test {
