@@ -53,6 +53,16 @@ void sample_curve(const SpeedProfile<double>& profile, PlotTrack& plot) {
   }
 }
 
+/// Where the speed is 0, a distance is passed at many moments: a locked key is on its own frame.
+void take_holds(const KeyTiming<double>& timing, std::int32_t frames, PlotTrack& plot) {
+  plot.key_holds.assign(plot.key_frames.size(), 0);
+  for (const KeyLock& lock : timing.locks) {
+    if (lock.key < 0) continue;  // a turn of the path, which is no key
+    plot.key_frames[static_cast<std::size_t>(lock.key)] = timing.frame_of(lock, frames);
+    plot.key_holds[static_cast<std::size_t>(lock.key)] = lock.hold;
+  }
+}
+
 /// The data of a track, without the indexes of its axes in the plot.
 PlotTrack plot_of_track(const Plan& plan, std::size_t index) {
   const MoveTrack& written = plan.move().tracks[index];
@@ -80,6 +90,7 @@ PlotTrack plot_of_track(const Plan& plan, std::size_t index) {
     if (track.path().key_at(i)) plot.key_frames.push_back(frame_of_segment(track, i));
   }
   plot.key_frames.back() = track.frames();
+  if (solved.key_timing()) take_holds(*solved.key_timing(), track.frames(), plot);
   const std::string unit = plan.length_unit(index);
   plot.speed_unit = unit.empty() ? "" : unit + "/s";
   return plot;

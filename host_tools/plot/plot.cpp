@@ -143,7 +143,10 @@ void require_consistent(const PlotTrack& track, const PlotMove& move) {
   require(track.speed.size() == positions, "speed needs a value for each of the frames 0..N");
   require(track.control_values.empty() == track.curve.empty(), "control_values and curve come together");
   require(track.curve.size() != 1, "curve needs two samples");
-  for (const auto* values : {&track.key_frames, &track.control_values, &track.curve, &track.speed}) {
+  require(track.key_holds.empty() || track.key_holds.size() == track.key_frames.size(),
+          "key_holds needs a number for each key, or none");
+  for (const auto* values :
+       {&track.key_frames, &track.key_holds, &track.control_values, &track.curve, &track.speed}) {
     require_finite(*values, "key_frames, control_values, curve and speed");
   }
 }

@@ -26,6 +26,7 @@ struct PlotTrack {
       tangents;                           // [axis of the track][frame], direction of the path, of any length
   std::vector<std::vector<double>> keys;  // [axis of the track][key], at least one key
   std::vector<double> key_frames;         // where each key is met; one more than keys on a closed path
+  std::vector<double> key_holds;          // frames that each rests from there on; empty if none rests
   std::vector<double> control_values;     // v_0..v_f over a = 0..f; empty for a track without a speed curve
   std::vector<double> curve;              // phi sampled evenly over a in [0, f]; empty with control_values
   std::string speed_unit;                 // "mm/s"; "" when unknown

@@ -45,6 +45,11 @@ Progress progress_of(const PlotTrack& track) {
   return out;
 }
 
+/// For how many frames the rig rests at the key.
+double hold_of(const PlotTrack& track, std::size_t key) {
+  return track.key_holds.empty() ? 0 : track.key_holds[key];
+}
+
 void draw_keys_above(Canvas& canvas, const Box& bar, const PlotTrack& track, const Progress& progress) {
   std::vector<double> at;
   std::vector<std::string> labels;
@@ -54,6 +59,8 @@ void draw_keys_above(Canvas& canvas, const Box& bar, const PlotTrack& track, con
                    plot_color::key);
     at.push_back(x);
     labels.push_back(fmt::format("{}", i % track.keys.front().size()));
+    const double hold = hold_of(track, i);
+    if (hold > 0) labels.back() += fmt::format(" (rests {:g} {})", hold, hold == 1 ? "frame" : "frames");
   }
   draw_row_of_labels(canvas, at, bar.y - 13, labels, {.size = 12, .color = plot_color::ink, .bold = true});
 }
@@ -169,7 +176,13 @@ void draw_row(Canvas& canvas, const Box& area, double left, const PlotMove& move
   const auto& keys = mover.track->keys[mover.axis];
   const double radius = keys.size() > 60 ? 1.8 : 3;
   for (std::size_t i = 0; i < mover.track->key_frames.size(); ++i) {
-    canvas.disc({x(mover.track->key_frames[i]), y(keys[i % keys.size()])}, radius, plot_color::key);
+    const Point begin{x(mover.track->key_frames[i]), y(keys[i % keys.size()])};
+    canvas.disc(begin, radius, plot_color::key);
+    const double hold = hold_of(*mover.track, i);
+    if (hold == 0) continue;
+    const Point end{x(mover.track->key_frames[i] + hold), begin.y};
+    canvas.line(begin, end, {plot_color::key, radius});
+    canvas.disc(end, radius, plot_color::key);
   }
 }
 

@@ -419,5 +419,21 @@ TEST(PlanPicture, ShowsTheAxesOfTheMoveOnly) {
   EXPECT_THAT(plot.tracks[1].control_values, ElementsAre(3, 3));
 }
 
+TEST(Plot, AHeldKeyIsWhereItRestsAndForAsLong) {
+  const PlotMove plot = plot_of(Plan(parse_move(R"(name = "held"
+fps = 24
+frames = 192
+[[track]]
+axes = ["slide"]
+keys = [{ at = [40] }, { at = [400], frame = 78, hold = 36 }, { at = [760] }]
+speed = [0, 0, 3, 3, 3, 0, 0]
+)",
+                                                "held.toml"),
+                                     std::nullopt, {}));
+  EXPECT_THAT(plot.tracks[0].key_frames, ElementsAre(0, 78, 192));
+  EXPECT_THAT(plot.tracks[0].key_holds, ElementsAre(0, 36, 0));
+  for (std::size_t frame = 78; frame <= 114; ++frame) EXPECT_NEAR(plot.axes[0].positions[frame], 400, 1e-9);
+}
+
 }  // namespace plan_output_test
 }  // namespace inbetween
