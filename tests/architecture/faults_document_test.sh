@@ -10,9 +10,13 @@ document=$root/docs/faults.md
 scratch=$(mktemp --directory)
 trap 'rm --recursive --force "$scratch"' EXIT
 
-for program in inbetween_{unit,property,golden,realtime} bench/inbetween_bench{,_inside}; do
-  "$build/tests/${program}_tests" --gtest_list_tests | awk '/^[^ ]/ { suite = $1 } /^ / { print suite $1 }'
-done | sort >"$scratch/registered"
+{
+  ctest --test-dir "$build" --show-only | sed --quiet 's/^ *Test *#[0-9]*: //p'
+  # ctest has parts and suites of these programs, and they have the tests.
+  for program in inbetween_{unit,property,golden,realtime} bench/inbetween_bench{,_inside}; do
+    "$build/tests/${program}_tests" --gtest_list_tests | awk '/^[^ ]/ { suite = $1 } /^ / { print suite $1 }'
+  done
+} | sort >"$scratch/registered"
 
 # complaints_of DOCUMENT: a line for each thing that is wrong with it.
 # shellcheck disable=SC2016  # the backticks are those of the document
