@@ -28,8 +28,8 @@ function tell(i) {
 
 # The log: "12/1100 Test: Suite.Name" or, of a program of many tests, "[ RUN      ] Suite.Name" and
 # "[       OK ] Suite.Name (34 ms)"; GoogleTest's "FILE:LINE: Skipped", and the reason in the line after it.
-/^[0-9]+\/[0-9]+ Test: / { begin($3); part = $3; has_told = 0 }
-/^\[ RUN +\] / { begin($4) }
+/^[0-9]+\/[0-9]+ Test: / { begin($3); part = $3; has_told = 0; next }
+/^\[ RUN +\] / { begin($4); next }
 !from && /: Failure$/ { from = lines + 1 }
 /^\[ +(OK|FAILED|SKIPPED) +\] .* \([0-9]+ ms\)$/ {
   seconds[running] = substr($(NF - 1), 2) / 1000
@@ -37,7 +37,7 @@ function tell(i) {
   if (/FAILED/) { tell(); has_told = 1 }
 }
 /^Test Failed\.$/ && !has_told { tell() }
-{ line[++lines] = $0 }
+!/^<end of output>$/ { line[++lines] = $0 }
 is_skipped { skipped[++skips] = running ": " $0 }
 { is_skipped = /: Skipped$/ }
 
