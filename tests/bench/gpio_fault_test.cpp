@@ -289,7 +289,7 @@ width_ms = 40
   const std::vector<std::int64_t> falls = scene.falls(camera);
   ASSERT_THAT(rises, SizeIs(3));
   ASSERT_THAT(falls, SizeIs(3));
-  // Whoever looks every quarter of a millisecond is that late.
+  // Whoever looks every 0.4 ms is that late.
   const auto about = [](std::int64_t expected_ns) {
     return testing::AllOf(testing::Gt(expected_ns - ms), testing::Lt(expected_ns + ms));
   };

@@ -21,6 +21,7 @@
 namespace inbetween {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
 using testing::MatchesRegex;
 
@@ -28,7 +29,7 @@ constexpr double steps_per_unit = 10;
 constexpr std::int64_t ms = 1'000'000;
 constexpr std::int64_t tick_ns = 4 * ms;
 
-// Pulses so long that whoever looks every quarter of a millisecond sees each of them.
+// Pulses so long that whoever looks every 0.4 ms sees each of them.
 const std::string rig_text = R"(name = "bench"
 rate_hz = 250
 [emergency_stop]
@@ -200,13 +201,40 @@ TEST(GpioRun, AChipThatIsUnpluggedInMotionEndsTheRun) {
 
 // docs/faults.md 30
 TEST(GpioRun, ABusyLineNamesItsUserAndNothingIsSwitchedOn) {
-  for (const unsigned line : {emergency_stop, limit_x, step_x, dir_y, enable_y}) {
-    const GpioRunScene scene("", {"--hog", fmt::format("head:{}:lamp", line)});
-    EXPECT_EQ(scene.run.status, 1) << line;
-    EXPECT_THAT(scene.run.err, HasSubstr(fmt::format("line {} of chip head is in use by lamp", line)));
-    EXPECT_THAT(scene.run.err, HasSubstr("rig.toml:")) << line;
-    EXPECT_LE(scene.record.size(), 1U) << "a level has changed";
+  const std::vector<unsigned> busy{emergency_stop, limit_x, step_x, dir_y, enable_y};
+  const TemporaryFolder folder;
+  std::string script =
+      "cd " + folder.path().string() + "\nchip=$(basename $(readlink $INBETWEEN_BENCH_GPIO/head))\n";
+  std::ofstream(folder.path() / "rig.toml") << rig_text;
+  std::ofstream(folder.path() / "move.toml") << move_text;
+  EXPECT_EQ(run_program({"goto", "--rig", (folder.path() / "rig.toml").string(), "--positions",
+                         (folder.path() / "positions").string(), "--set-zero", "x", "y"})
+                .status,
+            0);
+  script +=
+      in_build("tests/bench/inbetween_watch_lines") + " $INBETWEEN_BENCH_GPIO/head 8 >record & watch=$!\n";
+  for (const unsigned line : busy) {
+    // Somebody who listens to the line has it, and leaves its level alone.
+    script += fmt::format(
+        "gpiomon --chip $chip --consumer lamp {0} >/dev/null & lamp=$!\n"
+        "until_true eval 'gpioinfo --chip $chip {0} | grep -q lamp'\n"
+        "{1} run move.toml --rig rig.toml --positions positions 2>err{0} || echo $? >status{0}\n"
+        "kill $lamp; wait $lamp || true\n",
+        line, in_build("inbetween"));
   }
+  const ProgramRun run =
+      script_in_bench({"--gpio", "head:8", "--virtual-time"}, script + "sleep 0.5; kill $watch");
+  EXPECT_EQ(run.status, 0) << run.err;
+  const auto text_of = [&](const std::string& name) {
+    return file_contents((folder.path() / name).string());
+  };
+  for (const unsigned line : busy) {
+    EXPECT_EQ(text_of(fmt::format("status{}", line)), "1\n");
+    EXPECT_THAT(text_of(fmt::format("err{}", line)),
+                AllOf(HasSubstr(fmt::format("line {} of chip head is in use by lamp", line)),
+                      HasSubstr("rig.toml:")));
+  }
+  EXPECT_EQ(std::ranges::count(text_of("record"), '\n'), 1) << "a level has changed";
 }
 
 // docs/faults.md 35. What is left of the lines when nobody holds them is the chip's affair: this one leaves

@@ -17,7 +17,8 @@
 
 namespace {
 
-constexpr std::int64_t between_looks_ns = 250'000;
+/// Most of what a scene takes is looking: as seldom as pulses of a millisecond allow.
+constexpr std::int64_t between_looks_ns = 400'000;
 constexpr std::int64_t ns_per_s = 1'000'000'000;
 
 std::optional<unsigned> levels_of(const std::vector<int>& files) {

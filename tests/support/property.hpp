@@ -18,19 +18,26 @@ inline constexpr bool sanitized = true;
 inline constexpr bool sanitized = false;
 #endif
 
-/// How many of `cases` are run: a tenth under a sanitizer.
-constexpr int cases_to_run(int cases) {
-  return sanitized ? (cases + 9) / 10 : cases;
+/// All cases are run where the environment says INBETWEEN_CASES=all, as `scripts/test --deep` does, else a
+/// tenth of them; under a sanitizer always a tenth.
+inline bool runs_all_cases() {
+  const char* const cases = std::getenv("INBETWEEN_CASES");
+  return !sanitized && cases != nullptr && std::string_view(cases) == "all";
 }
 
-/// Whether a test may also count in how many of its cases something happened. Not in the tenth that a
-/// sanitizer runs nor in a replay: among so few, chance alone decides.
+/// How many of `cases` are run.
+inline int cases_to_run(int cases) {
+  return runs_all_cases() ? cases : (cases + 9) / 10;
+}
+
+/// Whether a test may also count in how many of its cases something happened. Not in a tenth of them nor in a
+/// replay: among so few, chance alone decides.
 inline bool counts_mean_something() {
-  return !sanitized && std::getenv("RC_PARAMS") == nullptr;
+  return runs_all_cases() && std::getenv("RC_PARAMS") == nullptr;
 }
 
-/// Runs a RapidCheck property on `cases` random inputs, a tenth of them under a sanitizer, and prints the
-/// seed, pass or fail; RC_PARAMS in the environment ("seed=... max_success=...") replays a run. A
+/// Runs a RapidCheck property on `cases` random inputs, or on a tenth of them, and prints the seed, pass or
+/// fail; RC_PARAMS in the environment ("seed=... max_success=...") replays a run. A
 /// counterexample fails the test.
 template <class Property>
 void check_property(int cases, Property&& property) {
@@ -44,8 +51,8 @@ void check_property(int cases, Property&& property) {
     params.maxSuccess = cases_to_run(cases);
   }
   params.maxSize = 100;
-  std::cout << metadata.id << ": seed=" << params.seed << ", " << params.maxSuccess << " cases"
-            << (sanitized ? " (under a sanitizer; " + std::to_string(cases) + " otherwise)" : "") << "\n";
+  std::cout << metadata.id << ": seed=" << params.seed << ", cases: " << params.maxSuccess
+            << (params.maxSuccess < cases ? " of " + std::to_string(cases) : "") << "\n";
   const rc::detail::TestResult result =
       rc::detail::checkTestable(std::forward<Property>(property), metadata, params);
   if (result.template is<rc::detail::SuccessResult>()) return;
