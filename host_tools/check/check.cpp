@@ -204,14 +204,14 @@ class AxisRefusals {
       if (step.axis == index_ && is_refused) largest.take(step, &CheckedStep::acceleration);
     }
     if (largest.step == nullptr) return;
-    const std::string rule = limits_.max_acceleration_step ? fmt::format("max_acceleration_step is {:g}",
-                                                                         *limits_.max_acceleration_step)
+    const auto [step, most] = told_apart(largest.step->acceleration,
+                                         limits_.max_acceleration_step.value_or(0), Digits::significant, 6);
+    const std::string rule = limits_.max_acceleration_step ? "max_acceleration_step is " + most
                                                            : std::string("max_jerk allows no step");
-    refuse(
-        place_of(*largest.step),
-        fmt::format("axis {} would step by {:.6g} {}/s^2 at {}, and {}; {}", in_quotes(axis_.name),
-                    largest.step->acceleration, axis_.unit, largest.where(), rule, remedy_of(*largest.step)),
-        limits_.max_acceleration_step.has_value());
+    refuse(place_of(*largest.step),
+           fmt::format("axis {} would step by {} {}/s^2 at {}, and {}; {}", in_quotes(axis_.name), step,
+                       axis_.unit, largest.where(), rule, remedy_of(*largest.step)),
+           limits_.max_acceleration_step.has_value());
   }
 
   /// Where something has no bound, whatever is above it has none either: it is said once.
@@ -238,9 +238,10 @@ class AxisRefusals {
 
   void add_peak(const CheckedPeak& peak, std::string_view limit, std::string_view per) {
     if (!peak.is_exceeded()) return;
+    const auto [value, most] = told_apart(peak.value, *peak.limit, Digits::significant, 6);
     refuse(place_,
-           fmt::format("axis {} would reach {:.6g} {}{} at frame {:.2f}, and {} is {:g}; {}",
-                       in_quotes(axis_.name), peak.value, axis_.unit, per, peak.frame, limit, *peak.limit,
+           fmt::format("axis {} would reach {} {}{} at frame {:.2f}, and {} is {}; {}", in_quotes(axis_.name),
+                       value, axis_.unit, per, peak.frame, limit, most,
                        track_.timing == Timing::speed
                            ? "give the move more frames, or draw a flatter speed curve there"
                            : "give the move more frames there"),
@@ -292,9 +293,10 @@ std::string_view name_of(RollEnd end) {
 /// How far beyond its limit, in words: "would go to -3 mm at frame -12.00, outside 0..1500".
 std::string breach_in_words(const RollBreach<double>& breach, const RigAxis& axis) {
   const std::string_view unit = to_string(axis.unit);
-  const auto beyond = [&](std::string_view per, std::string_view limit) {
-    return fmt::format("would reach {:.6g} {}{} at frame {:.2f}, and {} is {:g}", breach.value, unit, per,
-                       breach.frame, limit, breach.limit);
+  const auto [value, most] = told_apart(breach.value, breach.limit, Digits::significant, 6);
+  const auto beyond = [&, &value = value, &most = most](std::string_view per, std::string_view limit) {
+    return fmt::format("would reach {} {}{} at frame {:.2f}, and {} is {}", value, unit, per, breach.frame,
+                       limit, most);
   };
   switch (breach.quantity) {
     case RollQuantity::velocity:
@@ -306,8 +308,8 @@ std::string breach_in_words(const RollBreach<double>& breach, const RigAxis& axi
     case RollQuantity::position:
       break;
   }
-  return fmt::format("would go to {:.6g} {} at frame {:.2f}, outside {:g}..{:g}", breach.value, unit,
-                     breach.frame, axis.min, axis.max);
+  return fmt::format("would go to {} {} at frame {:.2f}, outside {:g}..{:g}", value, unit, breach.frame,
+                     axis.min, axis.max);
 }
 
 /// An axis that starts on its limit and moves away from it has no room, however slow it is.
@@ -349,14 +351,18 @@ void refuse_stop(const Plan& plan, const StopObstacle<double>& obstacle, CheckRe
   const std::size_t index = plan.axis_of(static_cast<std::size_t>(obstacle.axis));
   const CheckedAxis& axis = report.axes[index];
   const bool by_jerk = obstacle.quantity == StopQuantity::jerk;
+  // A bound of a stretch may be above the one of the whole move, which is nearer to the truth.
+  const double peak = by_jerk ? axis.jerk.value : axis.acceleration.value;
+  const auto [value, most] =
+      told_apart(std::min(obstacle.value, peak), obstacle.limit, Digits::significant, 6);
   // The motion itself is beyond its limit, which has been said.
   if (!report.refusals.empty()) return;
   report.refusals.push_back(
       {plan.place_of(index),
-       fmt::format("axis {} could not be stopped at frame {:.2f}: the motion alone takes {:.6g} {}{} there, "
-                   "and {} is {:g}; give the move more frames, or raise {}",
-                   in_quotes(axis.name), obstacle.frame, obstacle.value, axis.unit, by_jerk ? "/s^3" : "/s^2",
-                   by_jerk ? "stop_jerk" : "stop_acceleration", obstacle.limit,
+       fmt::format("axis {} could not be stopped at frame {:.2f}: the motion alone takes {} {}{} there, "
+                   "and {} is {}; give the move more frames, or raise {}",
+                   in_quotes(axis.name), obstacle.frame, value, axis.unit, by_jerk ? "/s^3" : "/s^2",
+                   by_jerk ? "stop_jerk" : "stop_acceleration", most,
                    by_jerk ? "stop_jerk" : "stop_acceleration"),
        true});
 }

@@ -19,9 +19,7 @@ std::size_t cell_count(const Plan& plan, double rate) {
   return static_cast<std::size_t>(std::max<std::int64_t>(std::min(wanted, longest), 1));
 }
 
-}  // namespace
-
-PlannedStops PlannedStops::within_motion_limits(const Plan& plan, double rate) {
+std::vector<AxisLimits<double>> motion_limits_of(const Plan& plan) {
   std::vector<AxisLimits<double>> limits;
   for (std::size_t d = 0; d < plan.limits().size(); ++d) {
     RigAxis axis = plan.rig()->axes[plan.axis_of(d)];
@@ -29,16 +27,29 @@ PlannedStops PlannedStops::within_motion_limits(const Plan& plan, double rate) {
     axis.stop_jerk = axis.max_jerk;
     limits.push_back(limits_of(axis));
   }
-  return {plan, rate, limits};
+  return limits;
 }
 
-PlannedStops::PlannedStops(const Plan& plan, double rate, std::span<const AxisLimits<double>> limits)
-    : cells_(cell_count(plan, rate) + 1), peaks_(plan.played().axis_count()) {
+}  // namespace
+
+PlannedStops::PlannedStops(const Plan& plan, double rate)
+    : PlannedStops(plan, {.move = plan.played(), .limits = plan.limits(), .rate = rate},
+                   cell_count(plan, rate)) {}
+
+PlannedStops PlannedStops::within_motion_limits(const Plan& plan, double rate, bool may_wait) const {
+  const std::vector<AxisLimits<double>> limits = motion_limits_of(plan);
+  return {plan,
+          {.move = plan.played(), .limits = limits, .rate = rate, .within = &*bounds_, .may_wait = may_wait},
+          cells_.size() - 1};
+}
+
+PlannedStops::PlannedStops(const Plan& plan, const StopRequest<double>& asked, std::size_t cells)
+    : cells_(cells + 1), peaks_(plan.played().axis_count()) {
   std::vector<MotionTriple<double>> suprema((cells_.size() - 1) * peaks_.size());
   std::vector<AxisTurn<double>> turns(peaks_.size());
   std::vector<PeakSlack<double>> slack(peaks_.size());
-  const StopRequest<double> request{
-      .move = plan.played(), .limits = limits, .rate = rate, .tick_seconds = 1.0 / plan.rig()->rate_hz};
+  StopRequest<double> request = asked;
+  request.tick_seconds = 1.0 / plan.rig()->rate_hz;
   const StopBoundsMemory<double> memory{.cells = cells_, .suprema = suprema, .slack = slack, .turns = turns};
   const auto bounds = StopBounds<double>::make(request, memory, peaks_);
   if (bounds) {

@@ -16,9 +16,11 @@ class PlannedStops {
   /// For rates up to `rate` times the drawn speed. The plan has a rig; a cell of the time line is about a
   /// frame, never shorter than two ticks, and never less than a 4096th of the move. Throws SolverError where
   /// a track has more axes than the core can bound.
-  explicit PlannedStops(const Plan& plan, double rate = 1) : PlannedStops(plan, rate, plan.limits()) {}
-  /// For what is no stop: with the limits of the motion in place of those of a stop.
-  static PlannedStops within_motion_limits(const Plan& plan, double rate);
+  explicit PlannedStops(const Plan& plan, double rate = 1);
+  /// For what is no stop, within the bounds of these stops and for a rate up to theirs: with the limits of
+  /// the motion in place of those of a stop. If it may wait there is no obstacle: where the motion leaves
+  /// nothing of its limits the rate stays what it is.
+  [[nodiscard]] PlannedStops within_motion_limits(const Plan& plan, double rate, bool may_wait) const;
   PlannedStops(PlannedStops&&) noexcept = default;
   PlannedStops& operator=(PlannedStops&&) noexcept = default;
 
@@ -30,7 +32,7 @@ class PlannedStops {
   [[nodiscard]] const std::vector<AxisPeaks<double>>& peaks() const { return peaks_; }
 
  private:
-  PlannedStops(const Plan& plan, double rate, std::span<const AxisLimits<double>> limits);
+  PlannedStops(const Plan& plan, const StopRequest<double>& asked, std::size_t cells);
 
   std::vector<StopCell<double>> cells_;
   std::vector<AxisPeaks<double>> peaks_;

@@ -49,6 +49,20 @@ std::string in_quotes(std::string_view text) {
   return '"' + one_line(text.substr(0, end)) + "...\"";
 }
 
+TwoNumbers told_apart(double first, double second, Digits kind, int at_least) {
+  constexpr int most = 17;  // tell any two doubles apart
+  TwoNumbers words;
+  for (int digits = at_least; digits <= most; ++digits) {
+    const auto shown = [&](double number) {
+      return kind == Digits::decimals ? fmt::format("{:.{}f}", number, digits)
+                                      : fmt::format("{:.{}g}", number, digits);
+    };
+    words = {shown(first), shown(second)};
+    if (words.first != words.second || first == second) break;
+  }
+  return words;
+}
+
 std::string counted(std::int64_t count, std::string_view what) {
   return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
 }

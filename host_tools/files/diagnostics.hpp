@@ -51,6 +51,14 @@ std::string to_string(const Warning& warning);
 /// rest as "..." (a character is never cut in two).
 std::string in_quotes(std::string_view text);
 
+/// Two numbers with at least so many decimals or significant digits, and with as many as show which is which:
+/// "10.0005" and "10.0010".
+enum class Digits { decimals, significant };
+struct TwoNumbers {
+  std::string first, second;
+};
+TwoNumbers told_apart(double first, double second, Digits kind, int at_least);
+
 /// "1 frame", "2 frames".
 std::string counted(std::int64_t count, std::string_view what);
 

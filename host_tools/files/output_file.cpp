@@ -1,5 +1,6 @@
 #include "host_tools/files/output_file.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -9,6 +10,7 @@
 #include <stdexcept>
 #include <string_view>
 #include <system_error>
+#include <vector>
 
 namespace inbetween {
 namespace {
@@ -56,8 +58,28 @@ bool fill(std::FILE* file, const std::function<void(std::FILE*)>& write) {
   return std::fflush(file) == 0 && std::ferror(file) == 0;
 }
 
+/// Opening a FIFO would wait for a reader: where there is none it is refused. A reader may take its time.
+std::FILE* open_special(const std::string& name) {
+  const int file = ::open(name.c_str(), O_WRONLY | O_NONBLOCK | O_CLOEXEC);
+  if (file < 0 && errno == ENXIO)
+    fail(name, "nobody reads it", "start its reader first, or choose another file");
+  if (file < 0) return nullptr;
+  const int flags = ::fcntl(file, F_GETFL);
+  if (flags < 0 || ::fcntl(file, F_SETFL, flags & ~O_NONBLOCK) != 0) {
+    ::close(file);
+    return nullptr;
+  }
+  return ::fdopen(file, "wb");
+}
+
+/// Until the program ends: a reader that sees its FIFO closed goes away.
+void hold_open(const std::string& name) {
+  static std::vector<std::unique_ptr<std::FILE, CloseFile>> held;
+  held.emplace_back(open_special(name));
+}
+
 void write_directly(const std::string& name, const std::function<void(std::FILE*)>& write) {
-  std::unique_ptr<std::FILE, CloseFile> file(std::fopen(name.c_str(), "wb"));
+  std::unique_ptr<std::FILE, CloseFile> file(open_special(name));
   if (!file) fail(name, "cannot be written", "choose another file");
   if (!fill(file.get(), write) || std::fclose(file.release()) != 0) {
     fail(name, "could not be written completely", "choose another file");
@@ -99,6 +121,7 @@ void check_output(const std::string& name) {
   }
   if (is_special(name)) {
     if (::access(name.c_str(), W_OK) != 0) fail(name, "cannot be written", "choose another file");
+    if (fs::is_fifo(name, error)) hold_open(name);
     return;
   }
   const fs::path folder = behind_links(name).parent_path();

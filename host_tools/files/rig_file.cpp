@@ -289,6 +289,19 @@ std::string_view to_string(AxisUnit unit) {
   return unit_names.at(static_cast<std::size_t>(unit));
 }
 
+double count_of(const Drive& drive) {
+  struct Count {
+    // As far apart as they are at max_turns.
+    static double of_turns(double turns_per_unit) { return 1 / std::fabs(1024 * turns_per_unit); }
+    double operator()(const Cia402Drive& its) const { return 1 / std::fabs(its.counts_per_unit); }
+    double operator()(const OdriveDrive& its) const { return of_turns(its.turns_per_unit); }
+    double operator()(const MoteusDrive& its) const { return of_turns(its.turns_per_unit); }
+    double operator()(const StepDirDrive& its) const { return 1 / std::fabs(its.steps_per_unit); }
+    double operator()(const PipeDrive& its) const { return 1 / std::fabs(its.counts_per_unit); }
+  };
+  return std::visit(Count{}, drive);
+}
+
 bool is_open_loop(const Drive& drive) {
   return std::holds_alternative<StepDirDrive>(drive) || std::holds_alternative<PipeDrive>(drive);
 }

@@ -78,6 +78,9 @@ struct PipeDrive {
 };
 using Drive = std::variant<Cia402Drive, OdriveDrive, MoteusDrive, StepDirDrive, PipeDrive>;
 
+/// How far two neighbouring positions of the drive are apart, in axis units: a count, or a step.
+double count_of(const Drive& drive);
+
 /// Whether the drive works open loop: it counts steps or servo pulses, and nothing reports where the axis
 /// really is.
 bool is_open_loop(const Drive& drive);

@@ -8,6 +8,7 @@
 
 #include "host_tools/check/check.hpp"
 #include "host_tools/check/check_frames.hpp"
+#include "inbetween/loop/motion_loop.hpp"
 
 namespace inbetween {
 namespace {
@@ -48,8 +49,8 @@ std::optional<Plan> plan_approach(const Plan& plan, std::span<const double> actu
     if (!plan.axes()[a].track) continue;
     const RigAxis& axis = rig.axes[a];
     const double target = first[plan.axes()[a].move_axis];
-    const double tick_s = 1.0 / rig.rate_hz;
-    if (std::fabs(target - actual[a]) <= axis.max_acceleration * tick_s * tick_s) continue;
+    const double tolerance = start_tolerance(axis.max_acceleration, 1.0 / rig.rate_hz, count_of(axis.drive));
+    if (std::fabs(target - actual[a]) <= tolerance) continue;
     if (actual[a] < axis.min || actual[a] > axis.max) {
       throw InputError(
           axis.place, fmt::format("axis {} stands at {} {}, outside its limits {}..{}; bring it "
@@ -89,9 +90,10 @@ std::string describe_approach(const Plan& approach) {
   std::string words = "the rig is not where the move starts:";
   for (const PlanAxis& axis : approach.axes()) {
     if (!axis.track) continue;
+    const auto [from, to] = told_apart(track.keys.front().at[axis.track_axis],
+                                       track.keys.back().at[axis.track_axis], Digits::decimals, 3);
     words +=
-        fmt::format("\n  {:<16}{:>12.3f} -> {:.3f} {}", axis.name, track.keys.front().at[axis.track_axis],
-                    track.keys.back().at[axis.track_axis], axis.unit ? to_string(*axis.unit) : "");
+        fmt::format("\n  {:<16}{:>12} -> {} {}", axis.name, from, to, axis.unit ? to_string(*axis.unit) : "");
   }
   return words + fmt::format("\nit goes there in {:.1f} s, at {:.0f} % of its limits at most",
                              approach.duration_s(), approach_share * 100);

@@ -18,17 +18,29 @@ namespace {
                                in_quotes(plan.axes()[axis].name), what, obstacle.frame, rate, remedy));
 }
 
-PlannedStops travels_of(const Plan& plan, double top_rate, double exposure_rate) {
+/// The rungs on which the rate rises and falls: the first for travels and exposures, the last for the highest
+/// rate.
+std::vector<PlannedStops> rungs_of(const Plan& plan, const PlannedStops& stops, double exposure_rate) {
   // A whole number of ticks is a little longer or shorter than what was asked for.
   constexpr double rounding = 1 + 1e-9;
-  const double rate =
-      std::max(StagedMove::travel_share * top_rate, std::min(exposure_rate * rounding, top_rate));
-  PlannedStops travels = PlannedStops::within_motion_limits(plan, rate);
-  if (travels.obstacle()) {
-    refuse(plan, *travels.obstacle(), "sped up or slowed down within its motion limits", rate,
+  const double top = stops.bounds()->rate();
+  const double first = std::max(StagedMove::travel_share * top, std::min(exposure_rate * rounding, top));
+  std::vector<PlannedStops> rungs;
+  rungs.push_back(stops.within_motion_limits(plan, first, false));
+  if (rungs.front().obstacle()) {
+    refuse(plan, *rungs.front().obstacle(), "sped up or slowed down within its motion limits", first,
            "expose longer, or give the move more frames");
   }
-  return travels;
+  for (const double share : {StagedMove::middle_share, 1.0}) {
+    if (share * top > first) rungs.push_back(stops.within_motion_limits(plan, share * top, true));
+  }
+  return rungs;
+}
+
+std::vector<StopBounds<double>> bounds_of(const std::vector<PlannedStops>& rungs) {
+  std::vector<StopBounds<double>> bounds;
+  for (const PlannedStops& rung : rungs) bounds.push_back(*rung.bounds());
+  return bounds;
 }
 
 }  // namespace
@@ -43,11 +55,13 @@ StagedMove::StagedMove(const Plan& plan, std::shared_ptr<const PlannedStops> sto
                        std::span<const std::string> still)
     : plan_(plan),
       stops_(std::move(stops)),
-      travels_(travels_of(plan, stops_->bounds()->rate(), exposure_rate)),
-      playhead_(plan.played(), *stops_->bounds(), plan.rig()->rate_hz, &*travels_.bounds()),
+      rungs_(rungs_of(plan, *stops_, exposure_rate)),
+      rung_bounds_(bounds_of(rungs_)),
+      playhead_(plan.played(), *stops_->bounds(), plan.rig()->rate_hz, rung_bounds_),
       is_still_(std::make_unique<bool[]>(plan.played().axis_count())) {
   for (std::size_t d = 0; d < plan.played().axis_count(); ++d) {
     drive_of_.push_back(plan.axis_of(d));
+    counts_.push_back(count_of(plan.rig()->axes[plan.axis_of(d)].drive));
     is_still_[d] = std::ranges::find(still, plan.axes()[drive_of_[d]].name) != still.end();
   }
   if (!still.empty()) still_ = playhead_;
@@ -59,6 +73,7 @@ LoopSpec<double> StagedMove::loop_spec() {
                         .drive_of = drive_of_,
                         .limits = plan_.limits(),
                         .tick_seconds = 1.0 / plan_.rig()->rate_hz};
+  spec.counts = counts_;
   if (still_) {
     spec.still = &*still_;
     spec.is_still = {is_still_.get(), drive_of_.size()};

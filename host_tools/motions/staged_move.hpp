@@ -16,12 +16,14 @@ namespace inbetween {
 /// Stop bounds, a playhead on the first frame, and another for axes that stand still during exposures. Refers
 /// to the plan.
 ///
-/// Stops may use the stop limits of the rig, the ways to single frames and through exposures its motion
-/// limits alone. They are slower than drawn, unless the exposures need more: at travel_share of the highest
-/// rate the motion itself takes half of an axis' acceleration at most, and leaves the rest to speed up with.
+/// Stops may use the stop limits of the rig, everything else its motion limits alone. The ways to single
+/// frames and through exposures are slower than drawn, unless the exposures need more: at travel_share of the
+/// highest rate the motion itself takes half of an axis' acceleration at most, and leaves the rest to speed
+/// up with. A move that is played on after a stop rises by middle_share to the highest rate.
 class StagedMove {
  public:
   static constexpr double travel_share = 0.7;
+  static constexpr double middle_share = 0.85;
 
   /// For the rates of `stops`, which were made for the plan and have no obstacle; `still` names axes of the
   /// plan, and exposures pass at up to `exposure_rate` times the drawn speed. Throws LimitError where the rig
@@ -46,10 +48,12 @@ class StagedMove {
  private:
   const Plan& plan_;
   std::shared_ptr<const PlannedStops> stops_;
-  PlannedStops travels_;
+  std::vector<PlannedStops> rungs_;
+  std::vector<StopBounds<double>> rung_bounds_;
   Playhead<double> playhead_;
   std::optional<Playhead<double>> still_;
   std::vector<std::size_t> drive_of_;
+  std::vector<double> counts_;
   std::unique_ptr<bool[]> is_still_;  // std::vector<bool> has no bools to show
 };
 

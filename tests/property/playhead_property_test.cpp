@@ -3,10 +3,14 @@
 
 #include <cmath>
 #include <iostream>
+#include <memory>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "host_tools/check/check.hpp"
 #include "host_tools/check/planned_stops.hpp"
+#include "host_tools/motions/staged_move.hpp"
 #include "inbetween/play/playhead.hpp"
 #include "tests/support/property.hpp"
 #include "tests/support/random_move.hpp"
@@ -147,6 +151,123 @@ TEST(PlayheadProperty, AnyCommandsAtAnyTimeKeepTheStopLimits) {
   EXPECT_GT(tried.played, many_sequences / 10);
   EXPECT_GT(tried.exposures, 0);
   EXPECT_LE(tried.refused, tried.played / 5);
+}
+
+// --- what is no stop
+
+/// The same rig, on which a stop may use no more than the motion.
+RigFile without_stop_limits(RigFile rig) {
+  for (RigAxis& axis : rig.axes) {
+    axis.stop_acceleration = axis.max_acceleration;
+    axis.stop_jerk = axis.max_jerk;
+  }
+  return rig;
+}
+
+struct Gentle {
+  int played = 0;
+  int refused = 0;
+  int finished = 0;
+  double acceleration_share = 0;
+  double jerk_share = 0;
+};
+
+/// Until a stop has come to rest, or until its rate change is gone if it is taken back, the stop limits hold.
+class StopWatch {
+ public:
+  void stops(const Playhead<double>& playhead) {
+    is_stop_ = !playhead.is_resting();
+    sign_ = playhead.rate() < 0 ? -1 : 1;
+  }
+  bool takes(const Playhead<double>& playhead) {
+    const bool is_taken_back = playhead.state() != PlayheadState::slowing && !playhead.is_turning();
+    if (playhead.is_resting() || (is_taken_back && sign_ * playhead.rate_change() >= 0)) is_stop_ = false;
+    return !is_stop_;
+  }
+
+ private:
+  bool is_stop_ = false;
+  int sign_ = 1;
+};
+
+void play_gently(StagedMove& staged, const Plan& held_to, const CheckReport& report, double rate,
+                 Gentle& tried) {
+  Playhead<double>& playhead = staged.playhead();
+  const PlannedStops wide(staged.plan(), rate);
+  RecordedPlay record(held_to, *wide.bounds(), 1.0 / held_to.rig()->rate_hz);
+  std::vector<double> steps;
+  for (const CheckedStep& step : report.steps) steps.push_back(step.frame);
+  record.allow_steps_at(steps);
+  StopWatch watch;
+  const Move<double>& move = staged.plan().played();
+  const auto frame = [&] { return *rc::gen::inRange(move.first_frame(), move.last_frame() + 1); };
+  RC_ASSERT(playhead.play(Direction::forward).has_value());
+  for (int tick = 0; tick < ticks; ++tick) {
+    if (*rc::gen::inRange(0, 60) == 0) {
+      switch (*rc::gen::inRange(0, 7)) {
+        case 0:
+        case 1:
+          static_cast<void>(playhead.play(Direction::forward));
+          break;
+        case 2:
+          playhead.stop();
+          watch.stops(playhead);
+          break;
+        case 3:
+          static_cast<void>(playhead.play(Direction::backward));
+          break;
+        case 4:
+          static_cast<void>(playhead.scrub_to({frame(), 0}));
+          break;
+        default:
+          static_cast<void>(playhead.set_override(rate * *rc::gen::inRange(1, 101) / 100.0));
+      }
+      if (playhead.is_turning()) watch.stops(playhead);
+    }
+    const PlayheadEvent event = playhead.tick();
+    if (event == PlayheadEvent::finished) ++tried.finished;
+    if (!watch.takes(playhead)) {
+      record.restart();
+      continue;
+    }
+    record.take(playhead);
+    if (!record.complaint().empty()) RC_FAIL("tick " + std::to_string(tick) + ": " + record.complaint());
+  }
+  tried.acceleration_share = std::max(tried.acceleration_share, record.acceleration_share());
+  tried.jerk_share = std::max(tried.jerk_share, record.jerk_share());
+}
+
+TEST(PlayheadProperty, WhatIsNoStopKeepsTheMotionLimits) {
+  Gentle tried;
+  check_property(many_sequences, [&] {
+    const std::optional<MoveFile> move = for_a_rig(*regular_move());
+    if (!move) return;
+    const std::optional<RigFile> rig =
+        rig_near(*move, {.share = [] { return *rc::gen::inRange(102, 300) / 100.0; },
+                         .limits_jerk = *rc::gen::arbitrary<bool>(),
+                         .allows_steps = *rc::gen::arbitrary<bool>(),
+                         .rate_hz = *rc::gen::element(100, 250, 1000)});
+    if (!rig) return;
+    const Plan plan(*move, rig, {});
+    const CheckReport report = check(plan);
+    if (!report.fits()) return;
+    const double rate = *rc::gen::arbitrary<bool>() ? std::clamp(report.highest_rate, 1.0, 1.3) : 1.0;
+    std::unique_ptr<StagedMove> staged;
+    try {
+      staged = std::make_unique<StagedMove>(plan, StagedMove::stops_of(plan, rate));
+    } catch (const LimitError&) {
+      ++tried.refused;
+      return;
+    }
+    ++tried.played;
+    play_gently(*staged, Plan(*move, without_stop_limits(*rig), {}), report, rate, tried);
+  });
+  std::cout << tried.played << " moves played, " << tried.refused << " refused, " << tried.finished
+            << " ends reached; at most " << tried.acceleration_share << " of the acceleration, "
+            << tried.jerk_share << " of the jerk\n";
+  if (!counts_mean_something()) return;
+  EXPECT_GT(tried.played, many_sequences / 10);
+  EXPECT_GE(tried.acceleration_share, 0.9);
 }
 
 }  // namespace playhead_property_test

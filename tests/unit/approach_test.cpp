@@ -88,6 +88,40 @@ TEST(Approach, IsDescribedForSomebodyWhoHasToAgree) {
   EXPECT_THAT(words, HasSubstr("at 10 % of its limits at most"));
 }
 
+/// Of so many counts to a mm, at 1000 Hz and 400 mm/s^2: in a tick the acceleration covers 0.0004 mm.
+Plan quick_plan(int counts_per_mm) {
+  const std::string rig =
+      "name = \"quick\"\nrate_hz = 1000\n[[axis]]\nname = \"slide\"\nunit = \"mm\"\nmin = 0\nmax = 1000\n"
+      "max_velocity = 200\nmax_acceleration = 400\ndrive = { type = \"pipe\", path = \"/dev/null\", "
+      "counts_per_unit = " +
+      std::to_string(counts_per_mm) + " }\n";
+  const std::string move =
+      "name = \"short\"\nfps = 24\nframes = 96\n[[track]]\naxes = [\"slide\"]\n"
+      "keys = [ { at = [10.001] }, { at = [100] } ]\nspeed = [0, 0, 10, 0, 0]\n";
+  return {parse_move(move, "move.toml"), parse_rig(rig, "rig.toml"), {}};
+}
+
+TEST(Approach, IsNotNeededWithinACountOfTheDrive) {
+  const Plan plan = quick_plan(1000);
+  EXPECT_FALSE(plan_approach(plan, std::vector<double>{10.0005})) << "half a count";
+  EXPECT_FALSE(plan_approach(plan, std::vector<double>{10.002})) << "a count";
+  EXPECT_TRUE(plan_approach(plan, std::vector<double>{10.0031}));
+  EXPECT_TRUE(plan_approach(quick_plan(100'000), std::vector<double>{10.0005})) << "many counts";
+}
+
+TEST(Approach, ARigThatRestsHalfACountFromTheStartPlaysTheMove) {
+  const Plan plan = quick_plan(1000);
+  const RunReport report =
+      run(plan, {.simulated = true, .fast = true, .standing = {{"slide", 10.0005}}, .audience = {}});
+  EXPECT_EQ(report.ending, Ending::finished);
+}
+
+TEST(Approach, ItsWordsShowTheDigitsThatDiffer) {
+  const Plan plan = quick_plan(100'000);
+  const std::string words = describe_approach(*plan_approach(plan, std::vector<double>{10.0005}));
+  EXPECT_THAT(words, HasSubstr("10.0005 -> 10.0010 mm"));
+}
+
 const std::vector<std::string> from_elsewhere{"run",    reveal,   "--rig",  camera_rig, "--sim",
                                               "--fast", "--from", "pan=10", "--from",   "slide=0"};
 

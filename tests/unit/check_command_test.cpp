@@ -1,5 +1,6 @@
 // `check` as its users meet it: the table, the verdict, exit statuses, JSON, the picture; and `run`, which
 // refuses what `check` refuses.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -68,6 +69,19 @@ TEST(CheckCommand, AMoveThatFitsIsStatus0WithATableAndAVerdict) {
     EXPECT_THAT(run.out, HasSubstr(words));
   }
   EXPECT_THAT(run.out, testing::ContainsRegex("\nfits in 192 frames; [0-9]+ frames would do\n$"));
+}
+
+TEST(CheckCommand, APeakJustAboveItsLimitIsShownWithTheDigitsThatDiffer) {
+  const std::string json = check_file(reveal, {"--json", "-"}).out;
+  const double peak = Json::parse(json)["axes"][0]["velocity"]["peak"];
+  const std::string limit = fmt::format("{}", peak * (1 - 1e-9));
+  const std::string rig_text =
+      with(file_contents(camera_rig), "max_velocity = 500.0", "max_velocity = " + limit);
+  const TemporaryFile rig("rig.toml", rig_text);
+  const ProgramRun run = run_program({"check", reveal, "--rig", rig.path().string()});
+  EXPECT_EQ(run.status, 3);
+  EXPECT_THAT(run.err, HasSubstr(fmt::format("would reach {:.9g} mm/s at frame", peak)));
+  EXPECT_THAT(run.err, HasSubstr(fmt::format("and max_velocity is {:.9g}; ", peak * (1 - 1e-9))));
 }
 
 TEST(CheckCommand, AMoveThatDoesNotFitIsStatus3AndEveryReasonIsALine) {
@@ -281,7 +295,13 @@ TEST(CheckCommand, AMoveThatCouldNotBeStoppedInsideItsLimitsIsRefused) {
   EXPECT_EQ(refused.status, 3) << refused.out;
   EXPECT_THAT(refused.err, HasSubstr("axis \"slide\" could not be stopped at frame"));
   EXPECT_THAT(refused.err, HasSubstr("and stop_acceleration is 792.06; give the move more frames, or raise"));
-  EXPECT_EQ(check_on("900.0").status, 0);
+  // Named is the peak of the motion itself, and no bound of a stretch that is above it.
+  const ProgramRun loose = check_on("900.0");
+  const std::string words = "the motion alone takes ";
+  const std::size_t at = refused.err.find(words);
+  ASSERT_NE(at, std::string::npos);
+  EXPECT_NEAR(std::stod(refused.err.substr(at + words.size())), 792.054, 0.01);
+  EXPECT_EQ(loose.status, 0);
 }
 
 TEST(CheckCommand, FitWritesTheSameFileWithASpeedCurveThatFits) {

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "tests/support/places.hpp"
 #include "tests/support/run_program.hpp"
@@ -121,6 +122,45 @@ TEST(OutputFile, AFolderIsNotAFile) {
   EXPECT_THAT(words_of_error([&] { write_output(folder.path().string(), write_text); }),
               StartsWith(expected));
   EXPECT_THAT(words_of_error([&] { check_output(folder.path().string()); }), StartsWith(expected));
+}
+
+TEST(OutputFile, AFifoThatNobodyReadsIsRefusedAtOnce) {
+  const TemporaryFolder folder;
+  const std::string pipe = (folder.path() / "pipe").string();
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  const std::string move = in_checkout("examples/reveal.toml");
+  const std::string rig = in_checkout("examples/camera_rig.toml");
+  const std::vector<std::vector<std::string>> commands = {
+      {"plan", move, "--json", pipe},
+      {"plan", move, "--csv", pipe},
+      {"check", move, "--rig", rig, "--json", pipe},
+      {"check", move, "--rig", rig, "--fit", pipe},
+      {"run", move, "--rig", rig, "--sim", "--fast", "--json", pipe},
+      {"run", move, "--rig", rig, "--sim", "--fast", "--record", pipe},
+  };
+  for (const std::vector<std::string>& arguments : commands) {
+    // Half a minute stands for ever.
+    std::vector<std::string> command = {"/usr/bin/timeout", "30", in_build("inbetween")};
+    command.insert(command.end(), arguments.begin(), arguments.end());
+    const ProgramRun run = run_command(command);
+    EXPECT_EQ(run.status, 1) << arguments.front() << " " << arguments[arguments.size() - 2] << run.err;
+    EXPECT_THAT(run.err, HasSubstr(pipe + ": ")) << arguments.front();
+    EXPECT_EQ(run.out, "") << "said before anything moves";
+    EXPECT_TRUE(fs::is_fifo(pipe));
+  }
+}
+
+TEST(OutputFile, AFifoWithAReaderReceivesAllOfIt) {
+  const TemporaryFolder folder;
+  const std::string script =
+      "mkfifo $1; cat $1 >$2 & exec 3<>$1; \"$3\" plan \"$4\" --json $1; exec 3>&-; wait";
+  const std::string pipe = (folder.path() / "pipe").string();
+  const std::string copy = (folder.path() / "copy").string();
+  const std::string move = in_checkout("examples/reveal.toml");
+  const ProgramRun run =
+      run_command({"/bin/sh", "-c", script, "sh", pipe, copy, in_build("inbetween"), move});
+  EXPECT_EQ(run.status, 0) << run.err;
+  EXPECT_EQ(file_contents(copy), run_program({"plan", move, "--json", "-"}).out);
 }
 
 TEST(OutputFile, CheckingCreatesAndChangesNothing) {

@@ -11,6 +11,7 @@
 
 #include "host_tools/check/check.hpp"
 #include "host_tools/check/planned_stops.hpp"
+#include "host_tools/motions/staged_move.hpp"
 #include "host_tools/plan/plan.hpp"
 #include "tests/support/property.hpp"
 #include "tests/support/recorded_play.hpp"
@@ -425,6 +426,118 @@ TEST(Playhead, FollowsATargetThatIsMovedAndRestsOnIt) {
   EXPECT_EQ(frames_of(playhead.time()), 90.125);
   EXPECT_EQ(record.complaint(), "");
   EXPECT_FALSE(playhead.scrub_to({241, 0}));
+}
+
+// --- what is no stop keeps the motion limits
+
+/// A move on a rig with so much room above its peaks, staged as for a run, and the recorder that holds it to
+/// its motion limits.
+struct GentleBench {
+  Plan plan;
+  StagedMove staged;
+  Plan held_to;
+  PlannedStops wide;
+  RecordedPlay record;
+
+  explicit GentleBench(double room, double rate = 1)
+      : plan(make(room, false)),
+        staged(plan, StagedMove::stops_of(plan, rate)),
+        held_to(make(room, true)),
+        wide(plan, rate),
+        record(held_to, *wide.bounds(), tick_s) {
+    EXPECT_TRUE(staged.playhead().set_override(rate));
+    EXPECT_TRUE(staged.playhead().play(Direction::forward));
+  }
+  static Plan make(double room, bool without_stop_limits) {
+    const MoveFile move = parse_move(bends(), "move.toml");
+    std::optional<RigFile> rig =
+        rig_near(move, {.share = [room] { return room; }, .limits_jerk = true, .rate_hz = rate_hz});
+    for (RigAxis& axis : rig->axes) {
+      if (!without_stop_limits) continue;
+      axis.stop_acceleration = axis.max_acceleration;
+      axis.stop_jerk = axis.max_jerk;
+    }
+    return {move, rig, {}};
+  }
+  /// Until it rests, or for so many ticks; returns the highest rate.
+  double play(int ticks, bool records = true) {
+    double highest = 0;
+    for (int i = 0; i < ticks && !staged.playhead().is_resting(); ++i) {
+      staged.playhead().tick();
+      if (records) record.take(staged.playhead());
+      highest = std::max(highest, std::fabs(staged.playhead().rate()));
+    }
+    return highest;
+  }
+  /// What a stop does is not held to the motion limits.
+  void stop() {
+    staged.playhead().stop();
+    play(100'000, false);
+    EXPECT_TRUE(staged.playhead().is_resting());
+    record.restart();
+  }
+};
+
+TEST(Playhead, ThatPlaysOnAfterAStopKeepsTheMotionLimits) {
+  for (const double room : {1.05, 2.5}) {
+    for (int ticks = 500; ticks < 10'000; ticks += 700) {
+      GentleBench bench(room);
+      bench.play(ticks);
+      bench.stop();
+      ASSERT_TRUE(bench.staged.playhead().play(Direction::forward));
+      const double highest = bench.play(1'000'000);
+      ASSERT_EQ(bench.record.complaint(), "") << "stopped at tick " << ticks << ", room " << room;
+      EXPECT_EQ(frames_of(bench.staged.playhead().time()), 240);
+      if (ticks > 6000) continue;
+      EXPECT_TRUE(room < 2 || highest == 1) << "with room it is played as drawn again";
+      EXPECT_GE(highest, StagedMove::travel_share) << "at " << ticks;
+    }
+  }
+}
+
+TEST(Playhead, AnOverrideKeepsTheMotionLimits) {
+  for (const double rate : {1.0, 1.02}) {
+    GentleBench bench(1.1, rate);
+    Playhead<double>& playhead = bench.staged.playhead();
+    bench.play(1500);
+    for (const double next : {0.6, rate, 0.3, 0.9, 0.05, rate}) {
+      ASSERT_TRUE(playhead.set_override(next));
+      bench.play(1700);
+    }
+    bench.play(1'000'000);
+    EXPECT_EQ(bench.record.complaint(), "");
+    EXPECT_GT(bench.record.acceleration_share(), 0.7);
+    EXPECT_EQ(frames_of(playhead.time()), 240);
+  }
+}
+
+TEST(Playhead, ThatFollowsATargetKeepsTheMotionLimits) {
+  GentleBench bench(1.1);
+  Playhead<double>& playhead = bench.staged.playhead();
+  bench.stop();
+  for (const std::int32_t target : {120, 20, 235, 60}) {
+    ASSERT_TRUE(playhead.scrub_to({target, 0.5}));
+    bench.play(3000);
+  }
+  bench.play(1'000'000);
+  EXPECT_EQ(bench.record.complaint(), "");
+  EXPECT_EQ(frames_of(playhead.time()), 60.5);
+}
+
+TEST(Playhead, AStopThatIsTakenBackIsReleasedAndGoesOnWithinTheMotionLimits) {
+  GentleBench bench(1.3);
+  Playhead<double>& playhead = bench.staged.playhead();
+  bench.play(4000);
+  playhead.stop();
+  for (int i = 0; i < 40; ++i) playhead.tick();
+  ASSERT_LT(playhead.rate_change(), 0);
+  ASSERT_TRUE(playhead.play(Direction::forward));
+  for (int i = 0; i < 2000 && playhead.rate_change() < 0; ++i) playhead.tick();
+  ASSERT_GE(playhead.rate_change(), 0);
+  bench.record.restart();
+  bench.play(1'000'000);
+  EXPECT_EQ(bench.record.complaint(), "");
+  EXPECT_EQ(frames_of(playhead.time()), 240);
 }
 
 TEST(Playhead, AtItsEndThereIsNothingMoreToPlay) {

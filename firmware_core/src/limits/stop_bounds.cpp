@@ -17,6 +17,14 @@ namespace {
 template <Precise Real>
 inline constexpr Real release_share = Real(0.99);
 
+/// What V permits, and so much more: the rounding of a playhead.
+template <Precise Real>
+inline constexpr Real state_rounding = std::numeric_limits<Real>::digits > 30 ? Real(1e-6) : Real(1e-3);
+
+/// In seconds. Where a change of the rate would take longer it waits for a better place.
+template <Precise Real>
+inline constexpr Real max_patience = 60;
+
 /// A cell's supremum this share of a limit above the truth costs a thousandth of a stop.
 template <Precise Real>
 inline constexpr Real slack_share = Real(0.001);
@@ -48,6 +56,11 @@ Status check(const StopRequest<Real>& request, const StopBoundsMemory<Real>& mem
                  .what = "the memory of the stop bounds is too small for its cells and the axes of the move",
                  .remedy = "give it suprema of cells times axes, and a slack for each axis",
                  .needed = static_cast<std::int64_t>(suprema)};
+  }
+  if (request.within != nullptr && !request.within->is_as_fine_as(memory.cells.size(), request.rate)) {
+    return Error{.code = ErrorCode::wrong_count,
+                 .what = "the bounds that others shall stay within have other cells, or a lower rate",
+                 .remedy = "make them for the same move, with as many cells and for the highest rate"};
   }
   for (const Track<Real>& track : request.move.tracks()) {
     const auto own = static_cast<std::size_t>(track.path().axis_count());
@@ -112,18 +125,27 @@ Real middle_frame(const Move<Real>& move, std::size_t cell, std::size_t cells) {
          line * ((static_cast<Real>(cell) + Real(0.5)) / static_cast<Real>(cells));
 }
 
+/// In a cell without a pair the rate stays what it is; whatever its release may be, there is none.
+template <Precise Real>
+StopCell<Real> cell_of_pair(const StopRequest<Real>& request, const StopPair<Real>& pair) {
+  const auto [change, jerk] = pair;
+  const bool waits = request.may_wait && !(request.rate / change + change / jerk <= max_patience<Real>);
+  if (waits) return {0, 0, request.max_rate_jerk()};
+  return {change, jerk, jerk};
+}
+
 /// The pair of every cell, up to the first without one.
 template <Precise Real>
 std::optional<StopObstacle<Real>> find_pairs(const StopRequest<Real>& request,
                                              const MotionCells<Real>& motion, std::span<StopCell<Real>> out) {
   for (std::size_t cell = 0; cell < motion.cells; ++cell) {
     const PairSearch<Real> search(request, motion, cell);
-    if (std::optional<StopObstacle<Real>> obstacle = search.obstacle()) {
+    std::optional<StopObstacle<Real>> obstacle = search.obstacle();
+    if (obstacle && !request.may_wait) {
       obstacle->frame = middle_frame(request.move, cell, motion.cells);
       return obstacle;
     }
-    const StopPair<Real> pair = search.quickest();
-    out[cell] = {pair.rate_change, pair.rate_jerk, pair.rate_jerk};
+    out[cell] = cell_of_pair(request, obstacle ? StopPair<Real>{} : search.quickest());
   }
   out[motion.cells] = out[motion.cells - 1];
   return std::nullopt;
@@ -212,10 +234,25 @@ Result<StopBounds<Real>> StopBounds<Real>::make(const StopRequest<Real>& request
   const MotionCells<Real> motion = bounded_cells(request, memory);
   if (const auto obstacle = find_pairs(request, motion, memory.cells)) return refusal(*obstacle);
   StopBounds result(request, memory.cells);
+  if (request.within != nullptr) result.stay_within(*request.within);
   result.make_continuous();
-  result.find_longest();
+  if (!request.may_wait) result.find_longest();
   if (!peaks.empty()) find_peaks<Real>(request, motion, memory.cells, peaks);
   return result;
+}
+
+/// Cell by cell, before the sweeps: they keep what they are made from.
+template <Precise Real>
+void StopBounds<Real>::stay_within(const StopBounds& stops) {
+  for (std::size_t i = 0; i < cell_count(); ++i) {
+    const StopCell<Real>& here = stops.cells_[i];
+    const StopCell<Real>& next = stops.cells_[i + 1];
+    StopCell<Real>& own = cells_[i];
+    own.rate_change = std::min(own.rate_change, std::min(here.rate_change, next.rate_change));
+    own.rate_jerk = std::min(own.rate_jerk, here.rate_jerk);
+    own.release_jerk = std::min(own.release_jerk, std::min(here.release_jerk, next.release_jerk));
+  }
+  cells_[cell_count()] = cells_[cell_count() - 1];
 }
 
 /// At a border the lower of both sides, so that linear interpolation stays below both cells; then the two
@@ -252,6 +289,7 @@ void StopBounds<Real>::limit_rate_change(std::size_t from, std::size_t to, std::
 template <Precise Real>
 void StopBounds<Real>::limit_release_jerk(std::size_t from, std::size_t to, std::size_t cell) {
   const Real jerk = cells_[cell].rate_jerk;
+  if (jerk == 0) return;  // no rate changes there, so that none has to be released
   const Real change =
       std::min(std::max(cells_[cell].rate_change, cells_[cell + 1].rate_change), std::sqrt(2 * rate_ * jerk));
   const Real c = 2 * cell_seconds_ / (rate_ * change);
@@ -284,6 +322,15 @@ StopBound<Real> StopBounds<Real>::at(const FrameTime<Real>& time) const {
   const StopCell<Real>& next = cells_[cell + 1];
   return {here.rate_change + share * (next.rate_change - here.rate_change), here.rate_jerk,
           here.release_jerk + share * (next.release_jerk - here.release_jerk)};
+}
+
+template <Precise Real>
+bool StopBounds<Real>::permits(const FrameTime<Real>& time, Real rate, Real change) const {
+  constexpr Real more = 1 + state_rounding<Real>;
+  const StopBound<Real> bound = at(time);
+  const Real room = change < 0 ? rate : rate_ * more - rate;
+  return room >= 0 && std::fabs(change) <= bound.rate_change * more &&
+         change * change <= 2 * room * bound.release_jerk / release_share<Real> * more;
 }
 
 template <Precise Real>

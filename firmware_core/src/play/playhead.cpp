@@ -41,10 +41,10 @@ Error not_on_time_line() {
 
 template <Precise Real>
 Playhead<Real>::Playhead(const Move<Real>& move, const StopBounds<Real>& bounds, std::int32_t rate_hz,
-                         const StopBounds<Real>* travels)
+                         std::span<const StopBounds<Real>> rungs)
     : move_(&move),
       bounds_(&bounds),
-      travels_(travels),
+      rungs_(rungs),
       unit_(static_cast<std::int64_t>(rate_hz) * move.frame_rate().denominator),
       tick_s_(Real{1} / static_cast<Real>(rate_hz)),
       fps_(static_cast<Real>(move.frame_rate().numerator) / static_cast<Real>(move.frame_rate().denominator)),
@@ -202,7 +202,7 @@ PlayheadEvent Playhead<Real>::tick_ramp(Real target) {
   if (rate_ == target && change_ == 0) {
     cruise();
   } else {
-    follow_to(target);
+    change_to(target);
     anchor_here();
   }
   for (const Direction direction : {Direction::forward, Direction::backward}) {
@@ -277,21 +277,61 @@ void Playhead<Real>::anchor_here() {
   cruise_phase_ = 0;
 }
 
+/// A stop, and the first half of a turn, keeps the stop limits, everything else those of the motion.
+template <Precise Real>
+void Playhead<Real>::change_to(Real target) {
+  if (is_turning() || state_ == PlayheadState::slowing || rungs_.empty()) {
+    rung_ = nullptr;
+    return follow_to(target, *bounds_);
+  }
+  if (change_ == 0) rung_ = rung_from(target);
+  const Real side = rate_ != 0 ? std::copysign(Real{1}, rate_) : std::copysign(Real{1}, change_);
+  const auto permits = [&](const StopBounds<Real>& rung) {
+    return rung.permits(time_, side * rate_, side * change_);
+  };
+  if (rung_ == nullptr || !permits(*rung_)) {
+    const auto permitting = std::ranges::find_if(rungs_, permits);
+    if (permitting == rungs_.end()) return release();
+    rung_ = &*permitting;
+  }
+  follow_to(std::clamp(target, -rung_->rate(), rung_->rate()), *rung_);
+}
+
+/// The lowest rung that leads from the present rate towards another.
+template <Precise Real>
+const StopBounds<Real>* Playhead<Real>::rung_from(Real target) const {
+  const Real rate = std::fabs(rate_);
+  const bool rises = std::fabs(target) > rate;
+  const auto above = std::ranges::find_if(
+      rungs_, [&](const StopBounds<Real>& rung) { return rises ? rung.rate() > rate : rung.rate() >= rate; });
+  return above == rungs_.end() ? &rungs_.back() : &*above;
+}
+
+/// A rate change that a stop began ends as quickly as stops may.
+template <Precise Real>
+void Playhead<Real>::release() {
+  rung_ = nullptr;
+  const Real step = bounds_->rate_jerk(time_) * tick_s_;
+  const Real next = std::copysign(std::max(std::fabs(change_) - step, Real{0}), change_);
+  move_on((next - change_) / tick_s_, tick_s_);
+  if (next == 0) change_ = 0;
+}
+
 /// One tick of the quickest way to a rate. The rate change a1 at its end is the largest that the bounds allow
 /// and from which the last phase, with r'' = Q, still meets the rate:
 ///     a1^2 <= 2 Q (gap - (a + a1) / 2 tick).
 template <Precise Real>
-void Playhead<Real>::follow_to(Real target) {
+void Playhead<Real>::follow_to(Real target, const StopBounds<Real>& within) {
   // The furthest place that the tick may reach.
-  const Real last_rate = bounds_->rate_jerk(time_) * tick_s_ * tick_s_ / 6;
+  const Real last_rate = within.rate_jerk(time_) * tick_s_ * tick_s_ / 6;
   const Real reach = std::fabs(rate_) + std::fabs(change_) * tick_s_ / 2 + last_rate;
   const Real gap = target - rate_;
   const FrameTime<Real> ahead =
       moved_by(time_, std::copysign(reach * tick_s_ * fps_, rate_ != 0 ? rate_ : gap));
   const bool is_forward = time_ < ahead;
-  const StopBound<Real> bound = bounds_->min_between(is_forward ? time_ : ahead, is_forward ? ahead : time_);
+  const StopBound<Real> bound = within.min_between(is_forward ? time_ : ahead, is_forward ? ahead : time_);
   // Each bound holds within a cell of its place, so on both sides of a border that this tick may cross.
-  const Real jerk = std::max(bounds_->rate_jerk(time_), bounds_->rate_jerk(ahead));
+  const Real jerk = std::max(within.rate_jerk(time_), within.rate_jerk(ahead));
   if (lands_within_tick(target, jerk)) return land(target);
   const Real side = gap != 0 ? std::copysign(Real{1}, gap) : std::copysign(Real{1}, -change_);
   const Real change = side * change_;
@@ -347,15 +387,15 @@ Real Playhead<Real>::seconds_between(const FrameTime<Real>& from, const FrameTim
 template <Precise Real>
 StopBound<Real> Playhead<Real>::travel_bound(const FrameTime<Real>& from, const FrameTime<Real>& to) const {
   const StopBound<Real> stops = bounds_->min_between(from, to);
-  if (travels_ == nullptr) return stops;
-  const StopBound<Real> own = travels_->min_between(from, to);
+  if (rungs_.empty()) return stops;
+  const StopBound<Real> own = rungs_.front().min_between(from, to);
   return {std::min(stops.rate_change, own.rate_change), std::min(stops.rate_jerk, own.rate_jerk),
           std::min(stops.release_jerk, own.release_jerk)};
 }
 
 template <Precise Real>
 Real Playhead<Real>::top_travel_rate() const {
-  return travels_ == nullptr ? bounds_->rate() : std::min(bounds_->rate(), travels_->rate());
+  return rungs_.empty() ? bounds_->rate() : std::min(bounds_->rate(), rungs_.front().rate());
 }
 
 template <Precise Real>
@@ -455,15 +495,16 @@ Status Playhead<Real>::expose(const Exposure<Real>& exposure) {
 
 // --- after a target
 
-/// The rate falls as the target comes near, so that the playhead can follow: from the override rate it takes
-/// as long as a stop.
+/// The rate falls as the target comes near, so that the playhead can follow: from the highest rate of a
+/// travel it takes as long as a stop.
 template <Precise Real>
 Real Playhead<Real>::scrub_rate() const {
   const Real way = seconds_between(time_, scrub_target_);
   if (std::fabs(way) * fps_ <= Real(scrub_rest_frames)) return 0;
-  const StopBound<Real> bounds = bounds_->at(time_);
-  const Real lag_s = 2 * (override_ / bounds.rate_change + bounds.rate_change / bounds.release_jerk);
-  return std::clamp(way / lag_s, -override_, override_);
+  const StopBound<Real> bounds = (rungs_.empty() ? *bounds_ : rungs_.front()).at(time_);
+  const Real rate = std::min(override_, top_travel_rate());
+  const Real lag_s = 2 * (rate / bounds.rate_change + bounds.rate_change / bounds.release_jerk);
+  return std::clamp(way / lag_s, -rate, rate);
 }
 
 template <Precise Real>

@@ -156,7 +156,7 @@ void report_sizes() {
                                  sizeof(MotionTriple<Real>),
                                  sizeof(PeakSlack<Real>),
                                  sizeof(AxisTurn<Real>),
-                                 sizeof(Playhead<Real>) - 2 * sizeof(void*)}) {
+                                 sizeof(Playhead<Real>) - 4 * sizeof(void*)}) {
     print(" ");
     print(static_cast<long long>(size));
   }

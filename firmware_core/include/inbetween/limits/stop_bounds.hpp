@@ -92,6 +92,9 @@ struct StopObstacle {
   Real frame = 0;  ///< near which it is; it need not be a whole one, and is negative on a pre-roll
 };
 
+template <Precise Real>
+class StopBounds;
+
 /// What stop bounds are made for. `limits` has an entry for every axis, track after track.
 template <Precise Real>
 struct StopRequest {
@@ -99,6 +102,12 @@ struct StopRequest {
   std::span<const AxisLimits<Real>> limits;
   Real rate = 1;                      ///< the highest |r|
   Real tick_seconds = Real(1) / 250;  ///< of the playhead that will follow the bounds
+  /// Bounds of stops, made for the same move and as many cells, for at least this rate: what is made stays
+  /// within them. It is for changes of the rate that are no stop: `limits` are those of the motion.
+  const StopBounds<Real>* within = nullptr;
+  /// Such changes may wait. Where the motion leaves next to nothing of the limits the rate stays what it is:
+  /// R1 = R2 = 0 there, and no place is an obstacle.
+  bool may_wait = false;
 
   /// The caps of |a| and |j|, where the axes could bear more.
   [[nodiscard]] Real max_rate_change() const { return rate / (min_stop_ticks * tick_seconds); }
@@ -148,6 +157,13 @@ class StopBounds {
                                  std::span<AxisPeaks<Real>> peaks);
 
   [[nodiscard]] Real rate() const { return rate_; }
+  /// Whether others with so many entries for cells, for rates up to `rate`, can be `within` these.
+  [[nodiscard]] bool is_as_fine_as(std::size_t cell_entries, Real rate) const {
+    return cells_.size() == cell_entries && rate <= rate_;
+  }
+  /// Whether a rate and its change, both along the way of travel, are within V at a place, or off by
+  /// rounding. O(1).
+  [[nodiscard]] bool permits(const FrameTime<Real>& time, Real rate, Real change) const;
   /// O(1).
   [[nodiscard]] StopBound<Real> at(const FrameTime<Real>& time) const;
   /// The smallest value of each bound between two places, `from` not after `to`. O(cells between them).
@@ -165,7 +181,7 @@ class StopBounds {
   /// at every rate the real stop brakes at least as hard as one under the constants r1 and q, so that both
   /// seconds and distance, the integrals of 1 / |a| and r / |a| over r, are less.
   [[nodiscard]] StopLength<Real> stop_from(const FrameTime<Real>& time, bool forward) const;
-  /// Of all places, found by make.
+  /// Of all places, found by make. Nothing for bounds that may wait.
   [[nodiscard]] const LongestStop<Real>& longest_in_time() const { return longest_in_time_; }
   [[nodiscard]] const LongestStop<Real>& longest_in_frames() const { return longest_in_frames_; }
 
@@ -177,6 +193,7 @@ class StopBounds {
   };
   [[nodiscard]] Place place(const FrameTime<Real>& time) const;
   [[nodiscard]] std::size_t cell_count() const { return cells_.size() - 1; }
+  void stay_within(const StopBounds& stops);
   void make_continuous();
   void limit_rate_change(std::size_t from, std::size_t to, std::size_t cell);
   void limit_release_jerk(std::size_t from, std::size_t to, std::size_t cell);

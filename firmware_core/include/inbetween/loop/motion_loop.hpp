@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 
@@ -31,6 +32,9 @@ struct LoopSpec {
   /// without it `is_still` is empty. The loop plays and stops both.
   Playhead<Real>* still = nullptr;
   std::span<const bool> is_still = {};
+  /// The size of a count of the drive in axis units, for every axis of the move: two positions that are no
+  /// further apart are one place. Empty: 0.
+  std::span<const Real> counts = {};
 };
 
 /// Axes that move without a move, to set the rig up. Refers to the caller's memory.
@@ -51,6 +55,14 @@ struct LoopMemory {
   std::span<Real> positions;            ///< axes of the move
   std::span<AxisMotion<Real>> motions;  ///< axes of the move
 };
+
+/// How far from where a move starts an axis may stand: what its acceleration covers in a tick. A drive rests
+/// on whole counts, so that a count is never too far.
+template <Precise Real>
+constexpr Real start_tolerance(Real max_acceleration, Real tick_seconds, Real count) {
+  constexpr Real rounding = std::numeric_limits<Real>::digits > 30 ? Real(1e-6) : Real(1e-3);
+  return std::max(max_acceleration * tick_seconds * tick_seconds, count * (1 + rounding));
+}
 
 /// What a tick brought about.
 struct LoopTick {
@@ -80,7 +92,9 @@ class MotionLoop {
     if (const Status possible = can_load(spec.drive_of.size(), spec.limits.size(), axes); !possible) {
       return possible;
     }
-    if (spec.is_still.size() != still || memory_.positions.size() < axes || memory_.motions.size() < axes) {
+    const bool counts = spec.counts.empty() || spec.counts.size() == axes;
+    if (spec.is_still.size() != still || !counts || memory_.positions.size() < axes ||
+        memory_.motions.size() < axes) {
       return too_few(axes);
     }
     free_ = {};
@@ -128,7 +142,7 @@ class MotionLoop {
 
   /// From now on the rig follows the playhead, which rests and is told by others what to do. Errors:
   /// out_of_range (nothing loaded, not ready), no_solution with axis (the axis is not where the playhead is:
-  /// within what max_acceleration covers in a tick).
+  /// within what max_acceleration covers in a tick, or a count if that is more).
   Status begin() {
     if (const Status possible = can_begin(); !possible) return possible;
     lines_->begin();
@@ -228,7 +242,8 @@ class MotionLoop {
     look_ahead(*spec_.playhead, spec_.still);
     for (std::size_t d = 0; d < spec_.move->axis_count(); ++d) {
       const Real off = std::fabs(memory_.next[d].position - setpoint(d).position);
-      if (off <= spec_.limits[d].max_acceleration() * spec_.tick_seconds * spec_.tick_seconds) continue;
+      const Real count = spec_.counts.empty() ? Real{0} : spec_.counts[d];
+      if (off <= start_tolerance(spec_.limits[d].max_acceleration(), spec_.tick_seconds, count)) continue;
       return Error{.code = ErrorCode::no_solution,
                    .what = "the axis is not where the move starts",
                    .remedy = "go to the start slowly first",

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include "inbetween/base/precision.hpp"
 #include "inbetween/base/result.hpp"
@@ -53,8 +54,14 @@ struct Exposure {
 /// A place on the time line and the rate at which time runs, forward or backward. Commands change nothing but
 /// the rate, so that the rig never leaves the path. The rate changes within the bounds of StopBounds, so that
 /// no axis leaves its stop limits, every change can be completed, and no stop is longer than StopBounds
-/// states. A travel to a frame and an exposure keep the bounds of the motion limits, if there are any; a stop
-/// on the way keeps those of the stop limits.
+/// states. What is no stop keeps the bounds of the motion limits, if there are any: a travel to a frame, an
+/// exposure, and every change of the rate to that of a play, an override or a scrub target. A turn begins
+/// with a stop. A rate change that a stop began, and which is more than those bounds permit, is released
+/// first.
+///
+/// The bounds of the motion limits are a ladder for rates that rise from rung to rung. The higher the rate,
+/// the less the motion leaves of its limits, and at the highest often nothing: the rate then rises to the
+/// rung below, and waits there for a place that leaves more.
 ///
 /// Method: the rate goes to its target in the quickest way, in three phases: |r''| = R2 until |r'| = R1, then
 /// r'' = 0, then |r''| = Q until r' = 0 exactly at the target. On every tick r'' keeps the state within the
@@ -67,10 +74,11 @@ template <Precise Real>
 class Playhead {
  public:
   /// Makes a playhead at rest on the first frame. It refers to all of them. Ticks come `rate_hz`
-  /// times a second. `travels` are bounds made for lower limits. A travel and an exposure keep them as well,
-  /// and their rate.
+  /// times a second. `rungs` are bounds `within` the others, made for the motion limits; the lowest rate is
+  /// first, and the rate of the last is that of `bounds`. A travel and an exposure keep the first, and its
+  /// rate; no place of it makes them wait.
   Playhead(const Move<Real>& move, const StopBounds<Real>& bounds, std::int32_t rate_hz,
-           const StopBounds<Real>* travels = nullptr);
+           std::span<const StopBounds<Real>> rungs = {});
 
   /// Plays towards an end at the override rate. A playhead that runs the other way turns. Errors:
   /// out_of_range (it is at that end already, and does not repeat).
@@ -122,6 +130,10 @@ class Playhead {
   [[nodiscard]] Repeat repeat() const { return repeat_; }
   [[nodiscard]] PlayheadState state() const { return state_; }
   [[nodiscard]] bool is_resting() const { return state_ == PlayheadState::resting; }
+  /// It slows down to play the other way.
+  [[nodiscard]] bool is_turning() const {
+    return state_ == PlayheadState::playing && rate_ * static_cast<Real>(direction_) < 0;
+  }
 
  private:
   /// A travel from rest to rest.
@@ -145,7 +157,10 @@ class Playhead {
   void set_travelled(const FrameTime<Real>& from, Real way_s, Real rate, Real change);
   [[nodiscard]] Real scrub_rate() const;
   PlayheadEvent tick_ramp(Real target);
-  void follow_to(Real target);
+  void change_to(Real target);
+  [[nodiscard]] const StopBounds<Real>* rung_from(Real target) const;
+  void release();
+  void follow_to(Real target, const StopBounds<Real>& within);
   [[nodiscard]] bool lands_within_tick(Real target, Real jerk) const;
   void land(Real target);
   void move_on(Real jerk, Real seconds);
@@ -158,8 +173,9 @@ class Playhead {
 
   const Move<Real>* move_;
   const StopBounds<Real>* bounds_;
-  const StopBounds<Real>* travels_;  ///< null: the same
-  std::int64_t unit_;                ///< a frame is so many ticks of numerator() each
+  std::span<const StopBounds<Real>> rungs_;
+  const StopBounds<Real>* rung_ = nullptr;  ///< on which the rate changes
+  std::int64_t unit_;                       ///< a frame is so many ticks of numerator() each
   Real tick_s_;
   Real fps_;
   FrameTime<Real> time_;
