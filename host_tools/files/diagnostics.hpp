@@ -9,6 +9,8 @@
 #include <string>
 #include <string_view>
 
+#include "inbetween/base/result.hpp"
+
 namespace inbetween {
 
 /// A place in a text file. Lines and columns count from 1, columns in Unicode code points; line 0 is the
@@ -37,6 +39,19 @@ class InputError : public std::runtime_error {
   Place place_;
   std::string message_;
 };
+
+/// Throws InputError: "who: what; remedy". `refusal` has a `what` and a `remedy`, as Error and Refusal do.
+template <class Refusal>
+[[noreturn]] void refuse_at(const Place& place, const Refusal& refusal, const std::string& who = "") {
+  throw InputError(place, (who.empty() ? who : who + ": ") + refusal.what + "; " + refusal.remedy);
+}
+
+/// The value of a result. Throws as refuse_at does if it is an error.
+template <class T>
+const T& value_or_refuse(const Result<T>& result, const Place& place, const std::string& who = "") {
+  if (!result) refuse_at(place, result.error(), who);
+  return *result;
+}
 
 /// A line about accepted input that its author should know.
 struct Warning {

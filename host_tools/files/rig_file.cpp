@@ -318,6 +318,15 @@ std::string_view to_string(Reference reference) {
   return "drive";
 }
 
+std::string named(const RigAxis& axis) {
+  return "axis " + in_quotes(axis.name);
+}
+
+Place place_of_bus(const RigFile& rig, const std::string& name) {
+  const auto found = std::ranges::find(rig.buses, name, &Bus::name);
+  return found != rig.buses.end() ? found->place : Place{rig.path, 0, 0};
+}
+
 bool is_cia402_rate(std::int32_t rate_hz) {
   if (rate_hz < 1 || 1'000'000 % rate_hz != 0) return false;
   std::int32_t period = 1'000'000 / rate_hz;  // microseconds

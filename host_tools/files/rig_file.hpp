@@ -135,6 +135,9 @@ struct RigAxis {
   Place place;
 };
 
+/// `axis "pan"`.
+std::string named(const RigAxis& axis);
+
 struct Camera {
   OutputLine shutter;
   std::optional<InputLine> asks;  // the camera, or whoever triggers it, asks for the next frame
@@ -159,6 +162,9 @@ struct RigFile {
   std::optional<Camera> camera = {};
   std::vector<Output> outputs = {};  // in alphabetical order
 };
+
+/// The place of a bus by its name.
+Place place_of_bus(const RigFile& rig, const std::string& name);
 
 /// Whether CiA 402 can state the tick exactly: the period is a whole number of microseconds (SYNC, object
 /// 1006h) and value * 10^index seconds with value 1..255 (interpolation time period, object 60C2h).

@@ -5,7 +5,8 @@
 
 #include "host_tools/loop/loop_preparations.hpp"
 #include "host_tools/reference/axis_positions.hpp"
-#include "host_tools/rig/rig_chips.hpp"
+#include "host_tools/rig/machine_hardware.hpp"
+#include "host_tools/rig/simulated_hardware.hpp"
 #include "inbetween/loop/tick_time.hpp"
 
 namespace inbetween {
@@ -49,18 +50,12 @@ std::vector<double> standing(const RigFile& rig, const RigReference& reference,
   return standing_positions(rig, std::move(positions), options.standing);
 }
 
-std::unique_ptr<RigInputs> opened_lines(const RigFile& rig, const SessionOptions& options,
-                                        const std::vector<double>& standing) {
-  if (options.simulated) return RigInputs::simulated(rig, standing);
+std::unique_ptr<RigHardware> hardware_of(const RigFile& rig, const SessionOptions& options,
+                                         const std::vector<double>& standing) {
+  if (options.simulated) return std::make_unique<SimulatedHardware>(rig, standing, options.faults);
   refuse_falling_axes(rig);
   refuse_unavailable_lines(rig);
-  return RigInputs::on_chips(rig);
-}
-
-std::unique_ptr<RigDrives> opened_drives(const RigFile& rig, const SessionOptions& options,
-                                         const std::vector<double>& standing) {
-  if (options.simulated) return RigDrives::simulated(rig, standing);
-  return RigDrives::on_rig(rig, !options.allow_jitter);
+  return std::make_unique<MachineHardware>(rig, !options.allow_jitter);
 }
 
 }  // namespace
@@ -71,17 +66,14 @@ RigSession::RigSession(const RigFile& rig, RigReference& reference, const Sessio
       reference_(reference),
       options_(options),
       positions_(standing(rig, reference, options)),
-      lines_(opened_lines(rig, options, positions_)),
-      drives_(opened_drives(rig, options, positions_)),
+      hardware_(hardware_of(rig, options, positions_)),
+      lines_(rig, *hardware_),
+      drives_(rig, *hardware_),
       storage_(rig.axes.size(), rig.axes.size()),
-      loop_(*drives_, *lines_, storage_.memory()),
+      loop_(drives_, lines_, storage_.memory()),
       record_(options.record ? std::make_unique<RunRecord>(*options.record, rig, options.fast) : nullptr),
       trace_(rig.axes.size(), record_.get()) {
-  if (options.simulated) {
-    lines_->follow(*drives_);
-    drives_->set_faults(options.faults);
-  }
-  reference.place(*drives_);
+  reference.place(drives_);
   start();
 }
 
@@ -93,7 +85,7 @@ void RigSession::start() {
   Lateness lateness = Lateness::time_stands_still;
   std::optional<RealTimeWishes> wishes;
   if (!options_.simulated) {
-    lateness = drives_->steps() != nullptr ? Lateness::falls_behind : Lateness::catches_up;
+    lateness = drives_.steps() != nullptr ? Lateness::falls_behind : Lateness::catches_up;
     wishes = RealTimeWishes{};
   }
   timed_.emplace(loop_, rig_.rate_hz, options_.audience, trace_, lateness, wishes);
@@ -122,11 +114,11 @@ void RigSession::rest() {
   Looking looking(loop());
   perform(act_of(looking, true));
   for (std::size_t a = 0; a < positions_.size(); ++a) positions_[a] = looking.states()[a].actual;
-  reference_.at_rest(*drives_, looking.states(), looking.has_ceased());
+  reference_.at_rest(drives_, looking.states(), looking.has_ceased());
 }
 
 void RigSession::keep(const std::vector<DriveState<double>>& states) {
-  reference_.at_rest(*drives_, states, false);
+  reference_.at_rest(drives_, states, false);
 }
 
 void RigSession::disarm() {
@@ -141,12 +133,12 @@ std::string RigSession::use(const std::function<void()>& task) {
     task();
   } catch (const std::exception& error) {
     disarm();
-    const std::string on = drives_->left_on();
+    const std::string on = drives_.left_on();
     if (on.empty()) throw;
     throw PowerLeftError(std::string(error.what()) + "\n" + on);
   }
   disarm();
-  return drives_->left_on();
+  return drives_.left_on();
 }
 
 void RigSession::end() {
@@ -166,12 +158,12 @@ std::optional<LoopLogEnd> RigSession::end_record() {
 
 std::int64_t RigSession::delay_ns() const {
   // What is written on a tick is reached at the next; steps begin a tick later.
-  return ns_per_s / rig_.rate_hz * (drives_->steps() != nullptr ? 2 : 1);
+  return ns_per_s / rig_.rate_hz * (drives_.steps() != nullptr ? 2 : 1);
 }
 
 std::string RigSession::trouble() const {
-  const std::string trouble = lines_->trouble();
-  return trouble.empty() ? drives_->trouble() : trouble;
+  const std::string trouble = lines_.trouble();
+  return trouble.empty() ? drives_.trouble() : trouble;
 }
 
 SetupEnd end_of(RigSession& session, const std::function<SetupEnd()>& task) {

@@ -80,8 +80,9 @@ class RigSession {
   [[nodiscard]] std::string trouble() const;
   [[nodiscard]] const SessionOptions& options() const { return options_; }
   [[nodiscard]] RunLoop& loop() { return loop_; }
-  [[nodiscard]] RigInputs& lines() { return *lines_; }
-  [[nodiscard]] const RigDrives& drives() const { return *drives_; }
+  [[nodiscard]] RigInputs& lines() { return lines_; }
+  [[nodiscard]] const RigDrives& drives() const { return drives_; }
+  [[nodiscard]] RigHardware& hardware() { return *hardware_; }
   [[nodiscard]] const RigFile& rig() const { return rig_; }
   [[nodiscard]] double tick_seconds() const { return 1.0 / rig_.rate_hz; }
   /// The setpoints of a tick are reached so much later.
@@ -101,8 +102,9 @@ class RigSession {
   RigReference& reference_;
   SessionOptions options_;
   std::vector<double> positions_;
-  std::unique_ptr<RigInputs> lines_;
-  std::unique_ptr<RigDrives> drives_;
+  std::unique_ptr<RigHardware> hardware_;
+  RigInputs lines_;
+  RigDrives drives_;
   LoopStorage storage_;
   RunLoop loop_;
   std::unique_ptr<RunRecord> record_;

@@ -31,15 +31,11 @@ struct WiredSignal {
 };
 
 /// The outputs of the rig; null where it has none.
-std::unique_ptr<CueOutputs> opened_cues(const Plan& plan, const RigSession& session,
+std::unique_ptr<CueOutputs> opened_cues(const Plan& plan, RigSession& session,
                                         const std::optional<std::string>& log) {
   const RigFile& rig = session.rig();
-  const SessionOptions& options = session.options();
-  const std::int32_t first = plan.played().first_frame();
-  const std::int32_t last = plan.played().last_frame();
-  std::unique_ptr<CueOutputs> cues =
-      options.simulated ? CueOutputs::simulated(plan.move(), rig, first, last)
-                        : CueOutputs::on_chips(plan.move(), rig, first, last, !options.allow_jitter);
+  std::unique_ptr<CueOutputs> cues = CueOutputs::open(plan.move(), rig, plan.played().first_frame(),
+                                                      plan.played().last_frame(), session.hardware());
   if (cues && session.drives().steps() != nullptr) cues->go_with(*session.drives().steps());
   if (!log) return cues;
   if (!cues) {
@@ -47,7 +43,7 @@ std::unique_ptr<CueOutputs> opened_cues(const Plan& plan, const RigSession& sess
                      fmt::format("the rig {} has no outputs; leave out --cue-log, or add an [output.NAME]",
                                  in_quotes(rig.name)));
   }
-  cues->log_to(*log, options.fast);
+  cues->log_to(*log, session.options().fast);
   return cues;
 }
 

@@ -14,8 +14,10 @@
 #include "drivers/can/socket_can.hpp"
 #include "drivers/linux/monotonic_clock.hpp"
 #include "host_tools/files/diagnostics.hpp"
+#include "host_tools/rig/can_drives.hpp"
 #include "host_tools/rig/fault_schedule.hpp"
-#include "host_tools/rig/rig_drives.hpp"
+#include "host_tools/rig/machine_hardware.hpp"
+#include "host_tools/rig/simulated_hardware.hpp"
 #include "inbetween/can/canopen_id.hpp"
 #include "sim/cia402_drive.hpp"
 
@@ -35,22 +37,14 @@ struct BusOfDrives {
   std::deque<DriveOnBus> drives;
 };
 
-std::vector<can::CanFilter> what_drives_hear(const std::deque<DriveOnBus>& drives, can::NodeId host) {
+std::vector<can::CanFilter> what_drives_hear(const std::deque<DriveOnBus>& drives) {
   std::vector<can::CanFilter> filters{
-      {can::nmt_id, false}, {can::sync_id, false}, {can::heartbeat_id(host), false}};
+      {can::nmt_id, false}, {can::sync_id, false}, {can::heartbeat_id(host_node()), false}};
   for (const DriveOnBus& one : drives) {
     filters.push_back({can::rpdo1_id(one.drive.node()), false});
     filters.push_back({can::sdo_request_id(one.drive.node()), false});
   }
   return filters;
-}
-
-void open(BusOfDrives& bus, const RigFile& rig, can::NodeId host) {
-  const std::optional<Refusal> refusal = bus.socket.open(bus.name, what_drives_hear(bus.drives, host));
-  if (!refusal) return;
-  const auto place = std::ranges::find(rig.buses, bus.name, &Bus::name);
-  throw InputError(place != rig.buses.end() ? place->place : Place{rig.path, 0, 0},
-                   refusal->what + "; " + refusal->remedy);
 }
 
 /// The drives hear what has come and answer.
@@ -111,7 +105,6 @@ void run_sim_drives(const RigFile& rig, const SimDrivesOptions& options) {
   std::map<std::string, double> standing = options.standing;
   std::deque<BusOfDrives> buses;
   FaultSchedule faults(options.faults, clock.now_ns());
-  std::optional<can::NodeId> host;
   for (std::size_t a = 0; a < rig.axes.size(); ++a) {
     const RigAxis& axis = rig.axes[a];
     const Cia402Drive* const drive = std::get_if<Cia402Drive>(&axis.drive);
@@ -129,7 +122,6 @@ void run_sim_drives(const RigFile& rig, const SimDrivesOptions& options) {
     }
     double position = std::clamp(0.0, axis.min, axis.max);
     if (const auto said = standing.extract(axis.name)) position = said.mapped();
-    host = settings_of(axis, rig.rate_hz).setup.host;
     SimulatedCia402Settings settings = simulated_settings_of(axis, position);
     settings.keeps_record = options.record != nullptr;
     bus->drives.push_back({axis.name, SimulatedCia402Drive(settings, clock.now_ns())});
@@ -145,7 +137,9 @@ void run_sim_drives(const RigFile& rig, const SimDrivesOptions& options) {
                      fmt::format("the rig {} has no axis {} on a bus; name one of its axes there",
                                  in_quotes(rig.name), in_quotes(standing.begin()->first)));
   }
-  for (BusOfDrives& bus : buses) open(bus, rig, *host);
+  for (BusOfDrives& bus : buses) {
+    open_bus_of(rig, bus.name, what_drives_hear(bus.drives), bus.socket);
+  }
   if (options.ready) options.ready();
   while (!options.interrupted()) {
     clock.sleep_until_ns(clock.now_ns() + ns_between_looks);

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "drivers/linux/monotonic_clock.hpp"
-#include "host_tools/rig/rig_chips.hpp"
 
 namespace inbetween {
 namespace {
@@ -23,13 +22,18 @@ constexpr std::size_t begun_in_a_tick = 256;
 }  // namespace
 
 CueOutputs::CueOutputs(const MoveFile& move, const RigFile& rig, std::int32_t first, std::int32_t last,
-                       bool on_chips)
+                       RigHardware& hardware)
     : pulses_(cue_pulses(move)),
       begun_(begun_in_a_tick),
       instants_(instants_for(begun_in_a_tick)),
       chain_(rig.rate_hz, played_lead_ns(rig.rate_hz)) {
-  for (const Output& output : rig.outputs) add_line(output.name, output.line, output.place, on_chips);
-  if (rig.camera) add_line("camera", rig.camera->shutter, rig.camera->place, on_chips);
+  for (const Output& output : rig.outputs) {
+    lines_.push_back({{output.name, &output.line, &output.place}, hardware.chip_of(output.line.address)});
+  }
+  if (const std::optional<Camera>& camera = rig.camera) {
+    lines_.push_back(
+        {{"camera", &camera->shutter, &camera->place}, hardware.chip_of(camera->shutter.address)});
+  }
   std::ranges::stable_sort(lines_, {}, &Line::chip);
   if (lines_.size() > CueTimer<double>::max_lines) {
     refuse(lines_.back().name, *lines_.back().place, "the rig has more than 64 outputs, the camera included",
@@ -41,57 +45,28 @@ CueOutputs::CueOutputs(const MoveFile& move, const RigFile& rig, std::int32_t fi
     if (!line) refuse(pulse.line, *pulse.place, "the rig does not have it", "add it to the rig");
     timed_.push_back({{pulse.frame, pulse.phase}, pulse.width_ns, static_cast<std::int32_t>(*line)});
   }
-  const Result<CueTimer<double>> timer = CueTimer<double>::make(timed_, first, last, move.fps.rate);
-  if (!timer) {
-    throw InputError(pulses_.empty() ? move.frames_place : *pulses_.front().place,
-                     fmt::format("{}; {}", timer.error().what, timer.error().remedy));
-  }
-  timer_.emplace(*timer);
+  timer_.emplace(value_or_refuse(CueTimer<double>::make(timed_, first, last, move.fps.rate),
+                                 pulses_.empty() ? move.frames_place : *pulses_.front().place));
+  open_chips(hardware);
 }
 
-void CueOutputs::add_line(std::string_view name, const OutputLine& wire, const Place& place, bool on_chips) {
-  Line& line = lines_.emplace_back(Line{name, &wire, &place, wire.address.chip});
-  if (!on_chips) return;
-  gpio::GpioChip chip;
-  open_chip_of(wire.address, chip);
-  line.chip = chip.label();
-}
-
-std::unique_ptr<CueOutputs> CueOutputs::simulated(const MoveFile& move, const RigFile& rig,
-                                                  std::int32_t first, std::int32_t last) {
-  if (rig.outputs.empty() && !rig.camera) return nullptr;
-  return std::unique_ptr<CueOutputs>(new CueOutputs(move, rig, first, last, false));
-}
-
-std::unique_ptr<CueOutputs> CueOutputs::on_chips(const MoveFile& move, const RigFile& rig, std::int32_t first,
-                                                 std::int32_t last, bool in_real_time) {
-  if (rig.outputs.empty() && !rig.camera) return nullptr;
-  std::unique_ptr<CueOutputs> cues(new CueOutputs(move, rig, first, last, true));
-  for (std::size_t i = 0; i < cues->lines_.size(); ++i) {
-    const std::string& label = cues->lines_[i].chip;
-    if (cues->chips_.empty() || cues->chips_.back().label != label) {
-      Chip& chip = cues->chips_.emplace_back();
-      chip.label = label;
-      chip.first = i;
+void CueOutputs::open_chips(RigHardware& hardware) {
+  for (std::size_t i = 0; i < lines_.size(); ++i) {
+    if (chips_.empty() || chips_.back().label != lines_[i].chip) {
+      chips_.push_back({.label = lines_[i].chip, .first = i, .outputs = {}});
     }
-    ++cues->chips_.back().lines;
+    ++chips_.back().lines;
   }
-  for (Chip& chip : cues->chips_) cues->open(chip, in_real_time);
-  return cues;
+  const std::vector<PulseLine> wanted(lines_.begin(), lines_.end());
+  for (Chip& chip : chips_) {
+    chip.outputs = hardware.open_pulses(chip.label, std::span(wanted).subspan(chip.first, chip.lines));
+  }
 }
 
-/// Active is 1 in the request, whatever the wire has then.
-void CueOutputs::open(Chip& chip, bool in_real_time) {
-  const Line& first = lines_[chip.first];
-  std::vector<gpio::OutputLine> lines;
-  for (std::size_t i = 0; i < chip.lines; ++i) {
-    const OutputLine& wire = *lines_[chip.first + i].wire;
-    lines.push_back({.line = choice_of(wire.address.line), .is_inverted = wire.idle == Level::high});
-  }
-  if (const auto refusal =
-          chip.played.open(chip.label, lines, gpio::StepPlayerSettings{}, in_real_time, &chip.told)) {
-    refuse(first.name, *first.place, refusal->what, refusal->remedy);
-  }
+std::unique_ptr<CueOutputs> CueOutputs::open(const MoveFile& move, const RigFile& rig, std::int32_t first,
+                                             std::int32_t last, RigHardware& hardware) {
+  if (rig.outputs.empty() && !rig.camera) return nullptr;
+  return std::unique_ptr<CueOutputs>(new CueOutputs(move, rig, first, last, hardware));
 }
 
 std::optional<std::size_t> CueOutputs::number_of(std::string_view line) const {
@@ -134,15 +109,10 @@ void CueOutputs::put_out(const CueCount& count) {
 
 void CueOutputs::log_to(const std::string& file, bool waits) {
   log_.emplace(file, pulses_, waits);
-  if (!chips_.empty()) awaited_.emplace(gpio::StepPlayer::capacity);
+  awaited_.emplace(gpio::StepPlayer::capacity);
 }
 
 void CueOutputs::log_pulse(const BegunPulse& begun) {
-  if (!awaited_) {
-    // What is simulated is in time.
-    log_->take({.begun = begun, .is_played = !begun.is_merged});
-    return;
-  }
   const auto line = static_cast<std::size_t>(timed_[begun.pulse].line);
   for (std::size_t c = 0; c < chips_.size(); ++c) {
     const Chip& chip = chips_[c];
@@ -154,7 +124,7 @@ void CueOutputs::log_pulse(const BegunPulse& begun) {
 void CueOutputs::log_played() {
   if (!awaited_) return;
   for (std::size_t c = 0; c < chips_.size(); ++c) {
-    while (const auto played = chips_[c].told.pop()) {
+    while (const auto played = chips_[c].outputs->take_played()) {
       awaited_->note_played(c, played->instant.at_ns, played->instant.levels & played->instant.mask,
                             played->late_ns);
     }
@@ -169,8 +139,7 @@ void CueOutputs::put_out(const EdgeInstant& instant) {
     const std::uint64_t mask = instant.mask >> chip.first & all;
     if (mask == 0) continue;
     const std::uint64_t levels = instant.levels >> chip.first & all;
-    if (!chip.played.player()->push({.at_ns = instant.at_ns, .levels = levels, .mask = mask}))
-      has_refused_ = true;
+    if (!chip.outputs->push({.at_ns = instant.at_ns, .levels = levels, .mask = mask})) has_refused_ = true;
   }
 }
 
@@ -179,7 +148,7 @@ void CueOutputs::finish(const std::function<bool()>& interrupted) {
   if (count) put_out(*count);
   const MonotonicClock clock;
   const auto is_busy = [](const Chip& chip) {
-    return chip.played.player() != nullptr && chip.played.player()->waiting() > 0 && !chip.played.has_gone();
+    return chip.outputs->waiting() > 0 && !chip.outputs->has_ended();
   };
   while (std::ranges::any_of(chips_, is_busy) && !(interrupted && interrupted())) {
     clock.sleep_until_ns(clock.now_ns() + ns_between_looks);
@@ -201,17 +170,20 @@ std::optional<LoopLogEnd> CueOutputs::end_log() {
 
 std::vector<Counted> CueOutputs::chip_counts() const {
   std::vector<Counted> counts;
-  counts.reserve(chips_.size());
-  for (const Chip& chip : chips_) counts.push_back({chip.label, counts_of(chip.played.player()->counters())});
+  for (const Chip& chip : chips_) {
+    if (auto counted = chip.outputs->counts(); !counted.empty()) {
+      counts.push_back({chip.label, std::move(counted)});
+    }
+  }
   return counts;
 }
 
 std::string CueOutputs::trouble() const {
   for (const Chip& chip : chips_) {
-    if (chip.played.has_gone()) {
+    if (chip.outputs->has_ended()) {
       return fmt::format("chip {} of the outputs has gone; plug it in again", in_quotes(chip.label));
     }
-    if (const auto late_us = chip.played.too_late_us()) {
+    if (const auto late_us = chip.outputs->too_late_us()) {
       return fmt::format("pulses on chip {} came {:.0f} us late; free the machine of other work",
                          in_quotes(chip.label), *late_us);
     }

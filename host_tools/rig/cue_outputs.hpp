@@ -1,9 +1,8 @@
-// The pulses of a move on the outputs of a rig, on its GPIO chips or simulated.
+// The pulses of a move on the outputs of a rig.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
-#include <deque>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -11,14 +10,13 @@
 #include <string_view>
 #include <vector>
 
-#include "drivers/gpio/step_player.hpp"
 #include "host_tools/files/move_cue.hpp"
 #include "host_tools/files/move_file.hpp"
 #include "host_tools/files/rig_file.hpp"
 #include "host_tools/rig/awaited_pulses.hpp"
 #include "host_tools/rig/counters.hpp"
 #include "host_tools/rig/cue_log.hpp"
-#include "host_tools/rig/played_chip.hpp"
+#include "host_tools/rig/rig_hardware.hpp"
 #include "host_tools/rig/step_drives.hpp"
 #include "inbetween/loop/tick_chain.hpp"
 #include "inbetween/steps/cue_timer.hpp"
@@ -35,14 +33,11 @@ struct CuePassage {
 /// at its place: a tick after the loop has said so, as the steps of StepPort.
 class CueOutputs {
  public:
-  /// Null where the rig has no output and no camera. `first` and `last` frame are those of the time line,
-  /// with its rolls. `move` and `rig` last longer.
-  static std::unique_ptr<CueOutputs> simulated(const MoveFile& move, const RigFile& rig, std::int32_t first,
-                                               std::int32_t last);
-  /// Takes all outputs of the rig, a request a chip, and starts the threads that play the pulses. Throws
-  /// InputError at the place of what is not there; then nothing has changed.
-  static std::unique_ptr<CueOutputs> on_chips(const MoveFile& move, const RigFile& rig, std::int32_t first,
-                                              std::int32_t last, bool in_real_time);
+  /// Takes all outputs of the rig, a request a chip; null where the rig has no output and no camera. `first`
+  /// and `last` frame are those of the time line, with its rolls. The others last longer. Throws InputError
+  /// at the place of what is not there; then nothing has changed.
+  static std::unique_ptr<CueOutputs> open(const MoveFile& move, const RigFile& rig, std::int32_t first,
+                                          std::int32_t last, RigHardware& hardware);
   CueOutputs(const CueOutputs&) = delete;
   CueOutputs& operator=(const CueOutputs&) = delete;
 
@@ -65,31 +60,27 @@ class CueOutputs {
   void finish(const std::function<bool()>& interrupted);
   [[nodiscard]] std::optional<LoopLogEnd> end_log();
   [[nodiscard]] const CueCounters& counters() const { return timer_->counters(); }
-  /// Of the chips; none in simulation.
+  /// Of the chips that count.
   [[nodiscard]] std::vector<Counted> chip_counts() const;
   /// What is wrong and what to do, the first found; "" for nothing.
   [[nodiscard]] std::string trouble() const;
-  /// Of simulated lines: what was put out, by name. The line's level against its idle one.
+  /// What was put out on a line, by its name.
   [[nodiscard]] bool is_on(std::string_view line) const;
 
  private:
-  struct Line {
-    std::string_view name;
-    const OutputLine* wire;
-    const Place* place;
-    std::string chip;  ///< its label; in simulation as the rig says it
+  struct Line : PulseLine {
+    std::string chip;
   };
   /// Lines first..first+lines-1 of lines_.
   struct Chip {
     std::string label;
     std::size_t first = 0, lines = 0;
-    gpio::StepPlayer::PlayedRing told;  ///< by its thread
-    PlayedChip played;
+    std::unique_ptr<ChipOutputs> outputs;
   };
 
-  CueOutputs(const MoveFile& move, const RigFile& rig, std::int32_t first, std::int32_t last, bool on_chips);
-  void add_line(std::string_view name, const OutputLine& wire, const Place& place, bool on_chips);
-  void open(Chip& chip, bool in_real_time);
+  CueOutputs(const MoveFile& move, const RigFile& rig, std::int32_t first, std::int32_t last,
+             RigHardware& hardware);
+  void open_chips(RigHardware& hardware);
   void put_out(const CueCount& count);
   void log_pulse(const BegunPulse& begun);
   void log_played();
@@ -108,9 +99,9 @@ class CueOutputs {
   bool has_refused_ = false;
   std::optional<std::size_t> camera_;
   std::optional<CueLog> log_;
-  std::optional<AwaitedPulses> awaited_;  ///< of chips, while they are logged
+  std::optional<AwaitedPulses> awaited_;  ///< while pulses are logged
   std::uint64_t not_logged_ = 0;
-  std::deque<Chip> chips_;  ///< none in simulation
+  std::vector<Chip> chips_;
 };
 
 }  // namespace inbetween

@@ -1,29 +1,21 @@
-// The input lines of a rig file under the motion loop: on its GPIO chips, or simulated.
+// The input lines of a rig file under the motion loop.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
-#include <deque>
-#include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
-#include "drivers/gpio/gpio_chip.hpp"
-#include "drivers/gpio/gpio_inputs.hpp"
 #include "drivers/linux/emergency_signal.hpp"
 #include "host_tools/files/rig_file.hpp"
-#include "inbetween/base/setpoint.hpp"
+#include "host_tools/rig/rig_hardware.hpp"
 #include "inbetween/homing/homing.hpp"
 #include "inbetween/homing/line_event.hpp"
 #include "inbetween/homing/switch_input.hpp"
-#include "sim/simulated_inputs.hpp"
 
 namespace inbetween {
-
-class RigDrives;
 
 /// Lines of a rig that no axis has.
 enum class RigInput : std::uint8_t { emergency_stop, start_trigger, camera_asks };
@@ -35,20 +27,12 @@ enum class RigInput : std::uint8_t { emergency_stop, start_trigger, camera_asks 
 /// came. `read` makes two system calls for each chip, and on chips takes no memory.
 class RigInputs {
  public:
-  /// Takes the input lines of all chips. Throws InputError at the place of a line that is not there or that
-  /// somebody else uses, whom it names; then nothing has changed.
-  static std::unique_ptr<RigInputs> on_chips(const RigFile& rig);
-  /// Switches at their places, the home switches at `home.at` and the limit switches beyond what a homing
-  /// needs; with the axes at rest at `positions`, in the order of the rig's axes. The rest is released.
-  static std::unique_ptr<RigInputs> simulated(const RigFile& rig, const std::vector<double>& positions);
+  /// Takes the input lines of all chips. The rig and the hardware last longer. Throws InputError at the place
+  /// of a line that is not there or that somebody else uses, whom it names; then nothing has changed.
+  RigInputs(const RigFile& rig, RigHardware& hardware);
   RigInputs(const RigInputs&) = delete;
   RigInputs& operator=(const RigInputs&) = delete;
 
-  /// In simulation: from now on `read` asks these drives where their axes really are. Of the same rig, which
-  /// they outlive this with.
-  void follow(const RigDrives& drives) { followed_ = &drives; }
-  /// In simulation. The lines are numbered as events() are.
-  [[nodiscard]] SimulatedInputs& simulation() { return simulated_.value(); }
   /// The number of a line that the rig has.
   [[nodiscard]] std::size_t line_of(RigInput input) const;
 
@@ -89,16 +73,12 @@ class RigInputs {
 
   struct Line {
     const InputLine* input = nullptr;
-    std::size_t chip = 0;   ///< of chips_
-    std::size_t place = 0;  ///< in the request of its chip
+    std::size_t chip = 0;    ///< of chips_
+    std::size_t number = 0;  ///< on its chip
     bool level = false;
   };
-  struct Chip {
-    std::string label;
-    std::vector<std::size_t> lines;  ///< of lines_, in the order of the request
-    gpio::GpioInputs inputs;
-    std::array<LineEvent, gpio::GpioInputs::max_events> events{};
-    std::size_t count = 0;
+  struct Chip : RigHardware::OpenedInputs {
+    std::span<const LineEvent> events = {};  ///< of the last tick
   };
   struct Limit {
     std::size_t axis = 0;
@@ -111,15 +91,12 @@ class RigInputs {
     std::vector<std::size_t> limits;  ///< of limits_
   };
 
-  explicit RigInputs(const RigFile& rig);
   std::size_t add(const InputLine& input);
   void add_limit(std::size_t axis, const InputLine& input);
   [[nodiscard]] SwitchSettings settings_of(std::size_t line) const;
-  void find_chips();
-  void open(Chip& chip);
+  void open(RigHardware& hardware);
 
-  void read_chip(std::size_t number);
-  void read_simulated(std::int64_t now_ns);
+  void read_chip(Chip& chip, std::int64_t now_ns);
   void put_in_order();
   void look_at_emergency_stop();
   void look_at_limits(std::int64_t now_ns);
@@ -128,7 +105,7 @@ class RigInputs {
   const RigFile& rig_;
   EmergencySignal signal_;
   std::vector<Line> lines_;
-  std::deque<Chip> chips_;
+  std::vector<Chip> chips_;
   std::vector<LineEvent> events_;
   std::optional<std::size_t> emergency_, trigger_, asks_;  ///< of lines_
   std::vector<Limit> limits_;
@@ -141,10 +118,6 @@ class RigInputs {
   bool camera_asks_ = false;
   Stop stop_ = Stop::none;                 ///< the last that was
   std::optional<std::size_t> last_limit_;  ///< of limits_
-
-  // in simulation
-  const RigDrives* followed_ = nullptr;
-  std::optional<SimulatedInputs> simulated_;
 };
 
 }  // namespace inbetween

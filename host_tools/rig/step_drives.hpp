@@ -1,4 +1,4 @@
-// The stepper drives of a rig file on its GPIO chips, or simulated.
+// The stepper drives of a rig file on its GPIO chips.
 #pragma once
 
 #include <cstddef>
@@ -10,81 +10,48 @@
 #include <string>
 #include <vector>
 
-#include "drivers/gpio/step_player.hpp"
 #include "host_tools/files/rig_file.hpp"
 #include "host_tools/rig/counters.hpp"
-#include "host_tools/rig/played_chip.hpp"
+#include "host_tools/rig/rig_hardware.hpp"
 #include "inbetween/steps/step_port.hpp"
-#include "sim/simulated_step_chip.hpp"
 
 namespace inbetween {
-
-/// A chip of the machine with its thread, or one in this process (StepSink).
-class HostStepSink {
- public:
-  explicit HostStepSink(SimulatedStepChip& chip) : simulated_(&chip) {}
-  explicit HostStepSink(gpio::StepPlayer& player) : player_(&player) {}
-
-  bool push(const EdgeInstant& instant) {
-    return player_ != nullptr ? player_->push(instant) : simulated_->push(instant);
-  }
-  void discard() { player_ != nullptr ? player_->discard() : simulated_->discard(); }
-  [[nodiscard]] std::uint64_t waiting() const {
-    return player_ != nullptr ? player_->waiting() : simulated_->waiting();
-  }
-  [[nodiscard]] bool is_too_late() const {
-    return player_ != nullptr ? player_->is_too_late() : simulated_->is_too_late();
-  }
-  [[nodiscard]] bool has_ended() const {
-    return player_ != nullptr ? player_->has_ended() : simulated_->has_ended();
-  }
-
- private:
-  // One of them.
-  SimulatedStepChip* simulated_ = nullptr;
-  gpio::StepPlayer* player_ = nullptr;
-};
 
 /// Throws InputError at the place of an axis whose drive cannot take the steps that its limits permit.
 void refuse_step_rates(const RigFile& rig);
 
 /// A DrivePort for the step-dir axes of a rig, in the order of indices().
-class StepDrives {
+class StepDrives final : public AxisDrives {
  public:
-  /// Null where the rig has no such axis. Standing at `positions`, in the order of the rig's axes.
-  static std::unique_ptr<StepDrives> simulated(const RigFile& rig, const std::vector<double>& positions);
-  /// Takes the lines of all chips, at their safe levels, and starts the threads that play the steps, with the
-  /// rights of real-time threads if `in_real_time`. Throws InputError at the place of what is not there or
-  /// not allowed; then nothing has changed.
-  static std::unique_ptr<StepDrives> on_chips(const RigFile& rig, bool in_real_time);
+  /// Takes the lines of all chips and switches nothing on. The rig has such axes. Throws InputError at the
+  /// place of what is not there or not allowed; then nothing has changed.
+  StepDrives(const RigFile& rig, RigHardware& hardware);
   StepDrives(const StepDrives&) = delete;
   StepDrives& operator=(const StepDrives&) = delete;
 
   /// Which axes of the rig.
   [[nodiscard]] std::span<const std::size_t> indices() const { return indices_; }
 
-  void read(std::span<DriveState<double>> states, std::int64_t now_ns);
-  void write(std::span<const Setpoint<double>> setpoints, std::int64_t now_ns) {
+  void read(std::span<DriveState<double>> states, std::int64_t now_ns) override {
+    port_->read(states, now_ns);
+  }
+  void write(std::span<const Setpoint<double>> setpoints, std::int64_t now_ns) override {
     port_->write(setpoints, now_ns);
   }
-  void enable() { port_->enable(); }
-  void disable() { port_->disable(); }
-  void quick_stop() { port_->quick_stop(); }
-
-  /// Axis `lane` of indices() is at `position`. Only while it rests. Throws InputError at an axis
-  /// whose steps cannot be counted so far.
-  void place(std::size_t lane, double position);
+  void enable() override { port_->enable(); }
+  void disable() override { port_->disable(); }
+  void quick_stop() override { port_->quick_stop(); }
+  /// Only while the axis rests.
+  void place(std::size_t lane, double position) override;
   /// Steps were counted that the motor did not get: nobody knows where the axis is.
-  [[nodiscard]] bool has_lost_steps(std::size_t lane) const {
+  [[nodiscard]] bool has_lost_position(std::size_t lane) const override {
     return port_->lane_states()[lane].has_lost_steps;
   }
   /// When the motion of the last setpoints is played.
   [[nodiscard]] const TickChain& chain() const { return port_->chain(); }
-  /// Of a simulated axis: where its shaft is.
-  [[nodiscard]] double shaft(std::size_t lane) const;
   /// What is wrong and what to do, the first found; "" for nothing. Not for the loop's thread.
   [[nodiscard]] std::string trouble() const;
-  /// Of the chips; none in simulation.
+  /// Of the chips that count.
   [[nodiscard]] std::vector<Counted> counts() const;
 
  private:
@@ -94,25 +61,21 @@ class StepDrives {
     std::vector<StepLines> wires;
     std::vector<EdgeInstant> instants;
     std::uint64_t enable_mask = 0, enable_levels = 0;
-    std::optional<HostStepSink> sink;
-    PlayedChip played;  ///< on hardware
-    // in simulation
-    SimulatedStepChip simulated;
+    std::unique_ptr<ChipOutputs> outputs;
   };
 
-  explicit StepDrives(const RigFile& rig);
+  void add_lanes(Chip& chip);
   void make_port();
-  void open(Chip& chip, bool in_real_time);
 
   const RigFile& rig_;
   std::vector<std::size_t> indices_;
   std::deque<Chip> chips_;
   std::vector<StepLane<double>> lanes_;
   std::vector<std::vector<StepEdge>> edges_;
-  std::vector<StepChip<HostStepSink>> port_chips_;
+  std::vector<StepChip<ChipOutputs>> port_chips_;
   std::vector<StepLaneState> lane_states_;
   std::vector<std::span<const StepEdge>> lists_;
-  std::optional<StepPort<double, HostStepSink>> port_;
+  std::optional<StepPort<double, ChipOutputs>> port_;
 };
 
 }  // namespace inbetween

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "host_tools/rig/rig_drives.hpp"
+#include "host_tools/rig/simulated_hardware.hpp"
 #include "sim/simulated_link.hpp"
 #include "tests/support/places.hpp"
 

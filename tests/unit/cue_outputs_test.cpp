@@ -18,6 +18,7 @@
 #include "host_tools/motions/run.hpp"
 #include "host_tools/motions/start_signal.hpp"
 #include "host_tools/plan/plan.hpp"
+#include "host_tools/rig/simulated_hardware.hpp"
 #include "tests/support/places.hpp"
 #include "tests/support/run_program.hpp"
 #include "tests/support/temporary_file.hpp"
@@ -118,7 +119,7 @@ TEST(CueOutputs, ARigWithoutOutputsHasNoneToLog) {
 class Ticked : public testing::Test {
  protected:
   Ticked() : plan_(plan_of(slide_and_pan, slider_rig)) {
-    cues_ = CueOutputs::simulated(plan_.move(), *plan_.rig(), 0, 288);
+    cues_ = CueOutputs::open(plan_.move(), *plan_.rig(), 0, 288, hardware_);
   }
   static PlayheadPlace<double> at(double frame, double rate) {
     return {.time = moved_by({0, 0.0}, frame), .rate = rate, .rate_change = 0};
@@ -131,6 +132,7 @@ class Ticked : public testing::Test {
   }
 
   Plan plan_;
+  SimulatedHardware hardware_{*plan_.rig(), std::vector<double>(plan_.rig()->axes.size())};
   std::unique_ptr<CueOutputs> cues_;
   std::int64_t now_ns_ = 0;
 };

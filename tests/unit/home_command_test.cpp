@@ -7,7 +7,6 @@
 #include <csignal>
 #include <cstdint>
 #include <functional>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -19,6 +18,7 @@
 #include "host_tools/motions/home.hpp"
 #include "host_tools/motions/rig_homing.hpp"
 #include "host_tools/plan/move_rolls.hpp"
+#include "host_tools/rig/simulated_hardware.hpp"
 #include "sim/simulated_switch.hpp"
 #include "tests/support/run_program.hpp"
 #include "tests/support/temporary_file.hpp"
@@ -88,10 +88,11 @@ struct Bench {
   RigFile rig = parse_rig(slider, "rig.toml");
   std::vector<double> truly;  ///< slide and pan, at the beginning
   Switches switches;
-  std::unique_ptr<RigDrives> drives = RigDrives::simulated(rig, {0, 0, 0});
-  std::unique_ptr<RigInputs> lines = RigInputs::simulated(rig, {0, 0, 0});
+  SimulatedHardware hardware{rig, {0, 0, 0}};
+  RigInputs lines{rig, hardware};
+  RigDrives drives{rig, hardware};
   LoopStorage room{3, 3};
-  RunLoop loop{*drives, *lines, room.memory()};
+  RunLoop loop{drives, lines, room.memory()};
   LoopTrace trace{3};
   LoopAudience audience;
   std::vector<std::size_t> axes{0, 2};
@@ -246,12 +247,12 @@ TEST(RigHoming, AnEmergencyStopEndsIt) {
 TEST(RigHoming, OnTheLinesOfARigEveryAxisKnowsWhereItsShaftIs) {
   const RigFile rig = parse_rig(slider, "rig.toml");
   const std::vector<double> truly{310, 0, -40};
-  const std::unique_ptr<RigInputs> lines = RigInputs::simulated(rig, truly);
-  const std::unique_ptr<RigDrives> drives = RigDrives::simulated(rig, truly);
-  lines->follow(*drives);
-  for (std::size_t a = 0; a < 3; ++a) drives->place(a, 7);  // whatever was counted
+  SimulatedHardware hardware(rig, truly);
+  RigInputs lines(rig, hardware);
+  RigDrives drives(rig, hardware);
+  for (std::size_t a = 0; a < 3; ++a) drives.place(a, 7);  // whatever was counted
   LoopStorage room(3, 3);
-  RunLoop loop(*drives, *lines, room.memory());
+  RunLoop loop(drives, lines, room.memory());
   LoopTrace trace(3);
   const LoopAudience audience;
   FastRunner runner(loop, 250, audience, trace);
@@ -259,7 +260,7 @@ TEST(RigHoming, OnTheLinesOfARigEveryAxisKnowsWhereItsShaftIs) {
   runner.run(act_of(arming, true), std::nullopt);
   const std::vector<std::size_t> axes{0, 2};
   const std::vector<AxisLimits<double>> limits{limits_of(rig.axes[0]), limits_of(rig.axes[2])};
-  RigHoming<RigInputs> homing(rig, axes, *lines,
+  RigHoming<RigInputs> homing(rig, axes, lines,
                               {.positions = arming.positions(),
                                .drives = loop.drive_states(),
                                .tick_seconds = tick_s,
@@ -273,7 +274,7 @@ TEST(RigHoming, OnTheLinesOfARigEveryAxisKnowsWhereItsShaftIs) {
   ASSERT_TRUE(homing.is_done()) << homing.reason();
   for (std::size_t i = 0; i < 2; ++i) {
     const double says = loop.drive_states()[axes[i]].actual + homing.shift(i);
-    EXPECT_NEAR(says, drives->true_position(axes[i]), 1.0 / (i == 0 ? 80 : 100)) << axes[i];
+    EXPECT_NEAR(says, hardware.true_position(axes[i]), 1.0 / (i == 0 ? 80 : 100)) << axes[i];
   }
 }
 

@@ -9,13 +9,13 @@
 #include <csignal>
 #include <functional>
 #include <map>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "host_tools/loop/loop_preparations.hpp"
 #include "host_tools/plan/move_rolls.hpp"
+#include "host_tools/rig/simulated_hardware.hpp"
 #include "tests/support/run_program.hpp"
 #include "tests/support/temporary_file.hpp"
 
@@ -55,8 +55,9 @@ constexpr double speed = 5;
 /// Two axes under somebody's keys, on a virtual clock. A key is typed before the tick of that number.
 struct Bench {
   RigFile rig = parse_rig(crane, "rig.toml");
-  std::unique_ptr<RigDrives> drives;
-  std::unique_ptr<RigInputs> lines = RigInputs::simulated(rig, {0, 0});
+  SimulatedHardware hardware;
+  RigInputs lines{rig, hardware};
+  RigDrives drives{rig, hardware};
   LoopStorage room{2, 2};
   std::optional<RunLoop> loop;
   LoopTrace trace{2};
@@ -73,9 +74,8 @@ struct Bench {
   int keeps = 0;
   std::function<void(int)> look = [](int) {};
 
-  explicit Bench(const std::vector<double>& at = {100, 0}, bool is_referenced = true) {
-    drives = RigDrives::simulated(rig, at);
-    loop.emplace(*drives, *lines, room.memory());
+  explicit Bench(const std::vector<double>& at = {100, 0}, bool is_referenced = true) : hardware(rig, at) {
+    loop.emplace(drives, lines, room.memory());
     std::vector<FreeAxis<double>> axes;
     std::vector<JogAxis> jogged;
     for (std::size_t a = 0; a < 2; ++a) {

@@ -5,7 +5,6 @@
 
 #include <atomic>
 #include <cstdint>
-#include <memory>
 #include <optional>
 #include <stdexcept>
 
@@ -44,10 +43,11 @@ max_acceleration = 1000
 drive = { type = "step-dir", chip = "gpio", step = 17, dir = 27, steps_per_unit = 40 }
 )",
                                 "rig.toml");
-  const std::unique_ptr<RigDrives> drives = RigDrives::simulated(rig, {0});
-  const std::unique_ptr<RigInputs> lines = RigInputs::simulated(rig, {0});
+  SimulatedHardware hardware(rig, {0});
+  RigDrives drives(rig, hardware);
+  RigInputs lines(rig, hardware);
   LoopStorage room{1, 1};
-  RunLoop loop{*drives, *lines, room.memory()};
+  RunLoop loop{drives, lines, room.memory()};
   LoopTrace trace{1};
   const LoopAudience audience{
       .status = [](const RunSnapshot&) { throw std::runtime_error("the terminal is lost"); }};

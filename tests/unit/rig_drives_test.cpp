@@ -7,11 +7,11 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <memory>
 #include <string>
 #include <vector>
 
 #include "host_tools/files/diagnostics.hpp"
+#include "host_tools/rig/simulated_hardware.hpp"
 
 namespace inbetween {
 namespace rig_drives_test {
@@ -109,20 +109,21 @@ drive = { type = "pipe", path = "/tmp/pipe", counts_per_unit = 10 }
 TEST(RigDrives, EveryKindOfDriveTakesWhereItsAxisStandsAndGoesFromThere) {
   const RigFile rig = parse_rig(one_of_each, "rig.toml");
   const std::vector<double> truly{100, 5, 6, 7};
-  const std::unique_ptr<RigDrives> drives = RigDrives::simulated(rig, truly);
-  for (std::size_t a = 0; a < 4; ++a) drives->place(a, 20 + static_cast<double>(a));
-  drives->enable();
+  SimulatedHardware hardware(rig, truly);
+  RigDrives drives(rig, hardware);
+  for (std::size_t a = 0; a < 4; ++a) drives.place(a, 20 + static_cast<double>(a));
+  drives.enable();
   std::vector<DriveState<double>> states(4);
   std::vector<Setpoint<double>> setpoints;
   const auto is_on = [](const DriveState<double>& state) { return state.is_on; };
   std::int64_t now_ns = 0;
   int ticks_on = 0;
   for (int tick = 0; tick < 3000 && ticks_on < 100; ++tick) {
-    drives->read(states, now_ns += 4'000'000);
+    drives.read(states, now_ns += 4'000'000);
     if (std::ranges::all_of(states, is_on) && ++ticks_on == 1) {
       for (std::size_t a = 0; a < 4; ++a) {
         EXPECT_EQ(states[a].actual, 20 + static_cast<double>(a)) << a;
-        EXPECT_EQ(drives->true_position(a), truly[a]) << a;
+        EXPECT_EQ(hardware.true_position(a), truly[a]) << a;
         setpoints.push_back({.position = states[a].actual});
       }
     }
@@ -130,19 +131,20 @@ TEST(RigDrives, EveryKindOfDriveTakesWhereItsAxisStandsAndGoesFromThere) {
     if (ticks_on > 1 && ticks_on <= 51) {
       for (Setpoint<double>& setpoint : setpoints) setpoint.position += 0.0025;
     }
-    drives->write(setpoints, now_ns);
+    drives.write(setpoints, now_ns);
   }
   for (std::size_t a = 0; a < 4; ++a) {
     EXPECT_NEAR(states[a].actual, 20.125 + static_cast<double>(a), 1e-3) << a;
-    EXPECT_NEAR(drives->true_position(a), truly[a] + 0.125, 1e-3) << a;
+    EXPECT_NEAR(hardware.true_position(a), truly[a] + 0.125, 1e-3) << a;
   }
 }
 
 TEST(RigDrives, APlaceThatADriveCannotCountToIsRefusedAtItsAxis) {
   const RigFile rig = parse_rig(one_of_each, "rig.toml");
-  const std::unique_ptr<RigDrives> drives = RigDrives::simulated(rig, {0, 0, 0, 0});
+  SimulatedHardware hardware(rig, {0, 0, 0, 0});
+  RigDrives drives(rig, hardware);
   for (const std::size_t axis : {0U, 1U}) {
-    EXPECT_THAT([&] { drives->place(axis, 1e15); },
+    EXPECT_THAT([&] { drives.place(axis, 1e15); },
                 testing::ThrowsMessage<InputError>(
                     testing::AllOf(StartsWith("rig.toml:"), HasSubstr("from 0"), HasSubstr("put 0 nearer"))));
   }

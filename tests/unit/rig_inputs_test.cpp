@@ -3,12 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <csignal>
-#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "host_tools/rig/gpio_inputs.hpp"
 #include "host_tools/rig/rig_drives.hpp"
+#include "host_tools/rig/simulated_hardware.hpp"
 
 namespace inbetween {
 namespace rig_inputs_test {
@@ -55,11 +56,17 @@ limit_max = { chip = "head", line = 26 }
 
 struct RigLinesTest : ::testing::Test {
   RigFile rig = parse_rig(slider, "rig.toml");
-  std::unique_ptr<RigInputs> lines = RigInputs::simulated(rig, {100, 0});
+  std::optional<SimulatedHardware> hardware{std::in_place, rig, std::vector{100.0, 0.0}};
+  std::optional<RigInputs> lines{std::in_place, rig, *hardware};
   std::int64_t now_ns = 1'000'000'000;
 
   void SetUp() override { ticks(3); }
 
+  void stand(std::vector<double> positions) {
+    lines.reset();
+    hardware.emplace(rig, std::move(positions));
+    lines.emplace(rig, *hardware);
+  }
   void tick() {
     now_ns += tick_ns;
     lines->read(now_ns);
@@ -70,13 +77,13 @@ struct RigLinesTest : ::testing::Test {
   void set(RigInput input, bool is_active) { set(input, is_active, now_ns + 1'000'000); }
   void set(RigInput input, bool is_active, std::int64_t at_ns) {
     const bool is_active_low = input == RigInput::start_trigger;
-    lines->simulation().set(lines->line_of(input), is_active != is_active_low, at_ns);
+    hardware->inputs().set(lines->line_of(input), is_active != is_active_low, at_ns);
   }
   /// The axis is moved there at a steady speed. How often a limit was hit.
   int move(std::size_t axis, double from, double to, int count) {
     int hits = 0;
     for (int i = 1; i <= count; ++i) {
-      lines->simulation().follow(axis, from + (to - from) * i / count, now_ns + tick_ns);
+      hardware->inputs().follow(axis, from + (to - from) * i / count, now_ns + tick_ns);
       tick();
       hits += lines->limit_hit() ? 1 : 0;
     }
@@ -153,7 +160,7 @@ TEST_F(RigLinesTest, TheSwitchesOfTheOtherEndAndOfTheOtherLevelAreHitToo) {
 
 TEST_F(RigLinesTest, AnAxisThatStandsOnItsLimitSwitchAtFirstHasNotJustReachedIt) {
   lines.reset();
-  lines = RigInputs::simulated(rig, {100, 99});
+  stand({100, 99});
   for (int i = 0; i < 5; ++i) {
     tick();
     EXPECT_FALSE(lines->limit_hit());
@@ -166,11 +173,11 @@ TEST_F(RigLinesTest, AHomeSwitchIsAtItsPlaceAndTellsTheTimeOfItsEdge) {
   EXPECT_FALSE(lines->has_home(1));
   const SwitchSettings home = lines->home_switch(0);
   EXPECT_EQ(lines->homing_input(0).level, !home.active_level);
-  lines->simulation().follow(0, 0, now_ns + tick_ns);
+  hardware->inputs().follow(0, 0, now_ns + tick_ns);
   tick();
   const std::int64_t at_zero_ns = now_ns;
   // 10 mm in a tick: the edge at -5 mm is in the middle of it.
-  lines->simulation().follow(0, -10, now_ns + tick_ns);
+  hardware->inputs().follow(0, -10, now_ns + tick_ns);
   tick();
   EXPECT_EQ(lines->homing_input(0).level, home.active_level);
   ASSERT_EQ(lines->events().size(), 1U);
@@ -185,7 +192,7 @@ TEST_F(RigLinesTest, BehindTheHomeSwitchIsTheWayThatAStopTakes) {
   fast.replace(fast.find("fast = 20"), 9, "fast = 80");
   rig = parse_rig(fast, "rig.toml");
   lines.reset();
-  lines = RigInputs::simulated(rig, {100, 0});
+  stand({100, 0});
   tick();
   // From 80 mm/s at 200 mm/s^2: 16 mm, and 4 mm in the 50 ms until the edge is known.
   EXPECT_EQ(move(0, 100, -25, 100), 0);
@@ -234,11 +241,10 @@ TEST_F(RigLinesTest, TheCameraAsksByAShortPulseAndOnceForItsBounces) {
 }
 
 TEST_F(RigLinesTest, ASimulatedRigIsFollowed) {
-  const std::vector<double> standing = {100, 99};
-  const std::unique_ptr<RigDrives> drives = RigDrives::simulated(rig, standing);
-  EXPECT_NEAR(drives->true_position(0), 100, 1.0 / 80);
-  EXPECT_NEAR(drives->true_position(1), 99, 1.0 / 80);
-  lines->follow(*drives);
+  stand({100, 99});
+  const RigDrives drives(rig, *hardware);
+  EXPECT_NEAR(hardware->true_position(0), 100, 1.0 / 80);
+  EXPECT_NEAR(hardware->true_position(1), 99, 1.0 / 80);
   ticks(3);
   EXPECT_TRUE(lines->homing_input(1).limit_hit) << "where the shaft is";
   EXPECT_FALSE(lines->homing_input(0).limit_hit);

@@ -2,10 +2,10 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
-#include <memory>
 #include <vector>
 
 #include "host_tools/rig/rig_drives.hpp"
+#include "host_tools/rig/simulated_hardware.hpp"
 #include "inbetween/loop/tick_time.hpp"
 
 #ifndef INBETWEEN_SANITIZED  // a sanitizer keeps what has been freed, and takes six times as long
@@ -26,22 +26,23 @@ TEST(RigMemory, TenMillionTicksOfASimulatedDriveStayWithin64Megabytes) {
       "unit = \"mm\"\nmin = 0\nmax = 100\nmax_velocity = 100\nmax_acceleration = 1000\n"
       "drive = { type = \"cia402\", bus = \"can0\", node = 1, counts_per_unit = 1000 }\n",
       "rig.toml");
-  const std::unique_ptr<RigDrives> drives = RigDrives::simulated(rig, {50});
+  SimulatedHardware hardware(rig, {50});
+  RigDrives drives(rig, hardware);
   std::vector<DriveState<double>> states(1);
-  drives->enable();
+  drives.enable();
   std::int64_t tick = 0;
   while (!states[0].is_on) {
-    ASSERT_LT(++tick, 2 * rate_hz) << drives->trouble();
-    drives->read(states, time_of_tick(tick, rate_hz));
-    drives->write({}, time_of_tick(tick, rate_hz));
+    ASSERT_LT(++tick, 2 * rate_hz) << drives.trouble();
+    drives.read(states, time_of_tick(tick, rate_hz));
+    drives.write({}, time_of_tick(tick, rate_hz));
   }
   const long before = most_kilobytes();
   for (const std::int64_t end = tick + 10'000'000; tick < end;) {
-    drives->read(states, time_of_tick(++tick, rate_hz));
+    drives.read(states, time_of_tick(++tick, rate_hz));
     const Setpoint<double> setpoint{.position = 50 + 1e-3 * static_cast<double>(tick % 2)};
-    drives->write({&setpoint, 1}, time_of_tick(tick, rate_hz));
+    drives.write({&setpoint, 1}, time_of_tick(tick, rate_hz));
   }
-  EXPECT_TRUE(states[0].is_on) << drives->trouble();
+  EXPECT_TRUE(states[0].is_on) << drives.trouble();
   EXPECT_LT(most_kilobytes() - before, 64 * 1024);
 }
 

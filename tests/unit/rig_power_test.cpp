@@ -11,6 +11,7 @@
 
 #include "host_tools/files/rig_file.hpp"
 #include "host_tools/rig/rig_drives.hpp"
+#include "host_tools/rig/simulated_hardware.hpp"
 #include "tests/support/refused_text.hpp"
 #include "tests/support/run_program.hpp"
 #include "tests/support/temporary_file.hpp"
@@ -130,7 +131,9 @@ TEST(RigPower, AnAxisThatHoldsIsNotRefused) {
 
 TEST(RigPower, ASimulatedRigNeedNotSay) {
   for (const char* fields : {"", "unpowered = \"falls\""}) {
-    EXPECT_NO_THROW(RigDrives::simulated(rig_of(fields), {0})) << fields;
+    const RigFile rig = rig_of(fields);
+    SimulatedHardware hardware(rig, {0});
+    EXPECT_NO_THROW(RigDrives(rig, hardware)) << fields;
   }
 }
 

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "host_tools/rig/simulated_hardware.hpp"
 #include "tests/support/run_program.hpp"
 #include "tests/support/temporary_file.hpp"
 
@@ -124,10 +125,11 @@ TEST(RigReference, WithoutAFileEveryAxisIsWhereItStands) {
   RigReference reference(rig);
   EXPECT_TRUE(reference.unreferenced().empty());
   EXPECT_EQ(reference.position(slide), std::nullopt);
-  const std::unique_ptr<RigDrives> drives = RigDrives::simulated(rig, {1, 2, 3, 4});
-  reference.place(*drives);
+  SimulatedHardware hardware(rig, {1, 2, 3, 4});
+  RigDrives drives(rig, hardware);
+  reference.place(drives);
   reference.about_to_move(std::vector{slide});
-  reference.at_rest(*drives, resting({5, 2, 3, 4}), false);
+  reference.at_rest(drives, resting({5, 2, 3, 4}), false);
   EXPECT_TRUE(reference.unreferenced().empty());
 }
 
@@ -135,10 +137,11 @@ TEST(RigReference, WhatIsSaidIsKnownInTheNextRunAndToTheDrives) {
   const Stage stage;
   stage.say({{slide, 120}, {focus, 0}, {swing, -30}});
   EXPECT_TRUE(stage.unreferenced().empty());
-  const std::unique_ptr<RigDrives> drives = RigDrives::simulated(stage.rig, {7, 7, 7, 7});
-  stage.reference().place(*drives);
-  drives->enable();
-  Ticks loop{*drives};
+  SimulatedHardware hardware(stage.rig, {7, 7, 7, 7});
+  RigDrives drives(stage.rig, hardware);
+  stage.reference().place(drives);
+  drives.enable();
+  Ticks loop{drives};
   for (int i = 0; i < 2000 && !(loop.states[swing].is_on && loop.states[crane].is_on); ++i) loop.tick({});
   EXPECT_EQ(loop.states[slide].actual, 120);
   EXPECT_EQ(loop.states[focus].actual, 0);
@@ -163,9 +166,10 @@ TEST(RigReference, AfterRestAnAxisIsWhereItsDriveTells) {
   stage.say({{slide, 120}, {focus, 0}, {swing, -30}});
   {
     RigReference reference = stage.reference();
-    const std::unique_ptr<RigDrives> drives = RigDrives::simulated(stage.rig, {120, 0, 0, -30});
+    SimulatedHardware hardware(stage.rig, {120, 0, 0, -30});
+    RigDrives drives(stage.rig, hardware);
     reference.about_to_move(std::vector{slide, crane, swing});
-    reference.at_rest(*drives, resting({55.0125, 99, 10, -20.5}), false);
+    reference.at_rest(drives, resting({55.0125, 99, 10, -20.5}), false);
   }
   EXPECT_TRUE(stage.unreferenced().empty());
   EXPECT_EQ(stage.reference().position(slide), 55.0125);
@@ -179,9 +183,10 @@ TEST(RigReference, AnUnreferencedAxisThatMovesStaysUnreferenced) {
   stage.say({{slide, 120}});
   {
     RigReference reference = stage.reference();
-    const std::unique_ptr<RigDrives> drives = RigDrives::simulated(stage.rig, {120, 0, 0, 0});
+    SimulatedHardware hardware(stage.rig, {120, 0, 0, 0});
+    RigDrives drives(stage.rig, hardware);
     reference.about_to_move(std::vector{slide, focus});
-    reference.at_rest(*drives, resting({121, 3, 0, 0}), false);
+    reference.at_rest(drives, resting({121, 3, 0, 0}), false);
     EXPECT_FALSE(reference.is_referenced(focus));
   }
   EXPECT_EQ(stage.unreferenced(), (std::vector{focus, swing}));
@@ -193,9 +198,10 @@ TEST(RigReference, WithoutPowerAnAxisThatNothingReportsIsLost) {
   stage.say({{slide, 120}, {focus, 0}, {swing, -30}});
   {
     RigReference reference = stage.reference();
-    const std::unique_ptr<RigDrives> drives = RigDrives::simulated(stage.rig, {120, 0, 0, -30});
+    SimulatedHardware hardware(stage.rig, {120, 0, 0, -30});
+    RigDrives drives(stage.rig, hardware);
     reference.about_to_move(std::vector{slide, swing});
-    reference.at_rest(*drives, resting({55, 0, 0, -20}), true);
+    reference.at_rest(drives, resting({55, 0, 0, -20}), true);
   }
   EXPECT_EQ(stage.unreferenced(), std::vector{slide});
   EXPECT_EQ(stage.reference().position(swing), -20) << "its drive has counted on";
@@ -206,11 +212,12 @@ TEST(RigReference, AnAxisWhoseDriveIsOutOfReachIsLost) {
   stage.say({{slide, 120}, {focus, 0}, {swing, -30}});
   {
     RigReference reference = stage.reference();
-    const std::unique_ptr<RigDrives> drives = RigDrives::simulated(stage.rig, {120, 0, 0, -30});
+    SimulatedHardware hardware(stage.rig, {120, 0, 0, -30});
+    RigDrives drives(stage.rig, hardware);
     std::vector<DriveState<double>> states = resting({120, 0, 0, -20});
     states[swing].condition = DriveCondition::unreachable;
     reference.about_to_move(std::vector{swing});
-    reference.at_rest(*drives, states, false);
+    reference.at_rest(drives, states, false);
   }
   EXPECT_EQ(stage.unreferenced(), std::vector{swing});
 }
@@ -220,19 +227,20 @@ TEST(RigReference, AnAxisThatHasLostItsStepsIsLost) {
   stage.say({{slide, 120}, {focus, 0}, {swing, -30}});
   {
     RigReference reference = stage.reference();
-    const std::unique_ptr<RigDrives> drives = RigDrives::simulated(stage.rig, {120, 0, 0, -30});
-    reference.place(*drives);
+    SimulatedHardware hardware(stage.rig, {120, 0, 0, -30});
+    RigDrives drives(stage.rig, hardware);
+    reference.place(drives);
     reference.about_to_move(std::vector{slide});
-    drives->enable();
-    Ticks loop{*drives};
+    drives.enable();
+    Ticks loop{drives};
     for (int i = 0; i < 2000 && !loop.states[slide].is_on; ++i) loop.tick({});
     for (int i = 0; i < 10; ++i) {
       loop.tick({{.position = 120 + 0.2 * i, .velocity = 50}, {.position = 0}, {}, {.position = -30}});
     }
     loop.tick({});  // in the middle of its motion nothing is sent any more
     loop.tick({});
-    ASSERT_TRUE(drives->has_lost_position(slide));
-    reference.at_rest(*drives, loop.states, false);
+    ASSERT_TRUE(drives.has_lost_position(slide));
+    reference.at_rest(drives, loop.states, false);
   }
   EXPECT_EQ(stage.unreferenced(), std::vector{slide});
   EXPECT_EQ(stage.reference().position(focus), 0) << "it was not to move";

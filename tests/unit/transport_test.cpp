@@ -14,6 +14,7 @@
 #include "host_tools/motions/run.hpp"
 #include "host_tools/motions/staged_move.hpp"
 #include "host_tools/motions/start_signal.hpp"
+#include "host_tools/rig/simulated_hardware.hpp"
 #include "tests/support/places.hpp"
 #include "tests/support/run_program.hpp"
 
@@ -194,10 +195,11 @@ TEST(Transport, ATriggerThatCameBeforeAnybodyWaitedStartsNothing) {
   plan.played().positions({plan.played().first_frame(), 0}, start);
   std::vector<double> standing(rig.axes.size());
   for (std::size_t d = 0; d < start.size(); ++d) standing[plan.axis_of(d)] = start[d];
-  const auto lines = RigInputs::simulated(rig, standing);
-  const auto drives = RigDrives::simulated(rig, standing);
+  SimulatedHardware hardware(rig, standing);
+  RigInputs lines(rig, hardware);
+  RigDrives drives(rig, hardware);
   LoopStorage room(rig.axes.size(), rig.axes.size());
-  RunLoop loop(*drives, *lines, room.memory());
+  RunLoop loop(drives, lines, room.memory());
   StagedMove staged(plan);
   PressedTooEarly trigger;
   Transport transport(loop, staged, true, {.start = start_signal_of(trigger)});

@@ -1,5 +1,5 @@
 // The lines of a rig, looked for on chips of the kernel before any of them is taken.
-#include "host_tools/rig/rig_chips.hpp"
+#include "host_tools/rig/machine_hardware.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>

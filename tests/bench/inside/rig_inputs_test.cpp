@@ -9,6 +9,7 @@
 
 #include "drivers/linux/monotonic_clock.hpp"
 #include "host_tools/rig/gpio_inputs.hpp"
+#include "host_tools/rig/machine_hardware.hpp"
 #include "tests/bench/inside/allowed_calls.hpp"
 #include "tests/bench/inside/simulated_chip.hpp"
 
@@ -45,10 +46,11 @@ struct RigInputsOnChips : ::testing::Test {
   SimulatedChip other{"other", 4, {{.offset = 1, .name = "START", .user = ""}}};
   RigFile rig = parse_rig(text, "rig.toml");
   MonotonicClock clock;
+  MachineHardware hardware{rig};
   std::unique_ptr<RigInputs> lines;
 
   void open() {
-    lines = RigInputs::on_chips(rig);
+    lines = std::make_unique<RigInputs>(rig, hardware);
     lines->read(clock.now_ns());
   }
   /// Ticks until the switches are known to be as they are: what changes before is how they stood at the

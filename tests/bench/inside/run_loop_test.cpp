@@ -23,6 +23,7 @@
 #include "host_tools/motions/staged_move.hpp"
 #include "host_tools/motions/transport.hpp"
 #include "host_tools/plan/plan.hpp"
+#include "host_tools/rig/machine_hardware.hpp"
 #include "tests/bench/inside/allowed_calls.hpp"
 
 namespace inbetween {
@@ -96,10 +97,11 @@ class DrivesProcess {
 struct LoopOnBus {
   Plan plan{parse_move(there, "move.toml"), parse_rig(bench, "rig.toml"), {}};
   StagedMove staged{plan};
-  std::unique_ptr<RigDrives> drives = RigDrives::on_rig(*plan.rig());
-  std::unique_ptr<RigInputs> lines = RigInputs::on_chips(*plan.rig());
+  MachineHardware hardware{*plan.rig()};
+  RigDrives drives{*plan.rig(), hardware};
+  RigInputs lines{*plan.rig(), hardware};
   LoopStorage room{2, 2};
-  RunLoop loop{*drives, *lines, room.memory()};
+  RunLoop loop{drives, lines, room.memory()};
   LoopTrace trace{2};
   Arming arming{loop};
   Transport transport{loop, staged, true};
@@ -146,7 +148,7 @@ TEST(RunLoopOnBus, NoPageFaultsAfterTheFirstSecond) {
   const DrivesProcess drives(parse_rig(bench, "rig.toml"));
   LoopOnBus rig;
   const RealTimeThread rights({});
-  ASSERT_TRUE(rig.start()) << rig.drives->trouble();
+  ASSERT_TRUE(rig.start()) << rig.drives.trouble();
   for (int i = 0; i < 25; ++i) rig.tick(rig.transport);
   // The bench counts the first touch of a page though it is in memory: one stretch of four may have some.
   int stretches_with_faults = 0;

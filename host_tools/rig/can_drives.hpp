@@ -1,0 +1,79 @@
+// The CiA 402 drives of a rig file on its buses.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "host_tools/files/rig_file.hpp"
+#include "host_tools/rig/counters.hpp"
+#include "host_tools/rig/rig_hardware.hpp"
+#include "inbetween/can/cia402_port.hpp"
+
+namespace inbetween {
+
+/// The host's node number; no axis may have it.
+can::NodeId host_node();
+/// Throws InputError at an axis whose drive has no node number of CANopen.
+can::NodeId node_of(const RigAxis& axis);
+/// The settings that a CiA 402 axis of a rig gets.
+can::Cia402Settings settings_of(const RigAxis& axis, std::int32_t rate_hz);
+/// Why a drive could not be set up: the object, what it has, and the words of the drive.
+std::string words_of(const can::SetupRefusal& refusal);
+/// Throws InputError at the place of a bus whose load would be above bus_load_limit_percent.
+void refuse_overloaded_buses(const RigFile& rig);
+
+class CanDrives final : public AxisDrives {
+ public:
+  /// `axes` of the rig are its CiA 402 axes, at least one. Throws InputError at the place of an axis that
+  /// cannot be set up, and what RigHardware::open_bus throws.
+  CanDrives(const RigFile& rig, std::span<const std::size_t> axes, RigHardware& hardware);
+  CanDrives(const CanDrives&) = delete;
+  CanDrives& operator=(const CanDrives&) = delete;
+
+  void read(std::span<DriveState<double>> states, std::int64_t now_ns) override {
+    port_->read(states, now_ns);
+  }
+  void write(std::span<const Setpoint<double>> setpoints, std::int64_t now_ns) override {
+    port_->write(setpoints, now_ns);
+  }
+  void enable() override { port_->enable(); }
+  void disable() override { port_->disable(); }
+  void quick_stop() override { port_->quick_stop(); }
+  void place(std::size_t drive, double position) override;
+  [[nodiscard]] bool has_lost_position(std::size_t drive) const override;
+
+  /// What is wrong with a bus, or with a drive, and what to do, the first found; "" for nothing.
+  [[nodiscard]] std::string bus_trouble() const;
+  [[nodiscard]] std::string drive_trouble() const;
+  /// RigDrives::left_on.
+  [[nodiscard]] std::string left_on() const;
+  /// Adds what the buses and the drives on them have counted.
+  void count(Counters& counts) const;
+
+ private:
+  struct BusOfRig {
+    std::string name;
+    std::vector<std::size_t> axes;
+    std::vector<can::Cia402Drive> hosts;
+    std::optional<can::Cia402Bus> bus;
+    std::unique_ptr<BusLink> link;
+    std::vector<std::int32_t> targets;
+    std::vector<can::PortDrive> known;
+    std::vector<can::Frame> frames;
+  };
+
+  const RigFile& rig_;
+  std::vector<std::size_t> axes_;
+  std::deque<BusOfRig> buses_;
+  std::vector<can::Cia402Lane<BusLink>> lanes_;
+  std::vector<can::Cia402Axis<double>> ports_;
+  std::optional<can::Cia402Port<double, BusLink>> port_;
+};
+
+}  // namespace inbetween

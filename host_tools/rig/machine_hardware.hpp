@@ -1,0 +1,44 @@
+// The buses and GPIO chips of this machine under a rig.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "drivers/can/socket_can.hpp"
+#include "host_tools/rig/rig_hardware.hpp"
+
+namespace inbetween {
+
+/// Opens a bus of the rig. Throws InputError at the place of the bus where it is not there.
+void open_bus_of(const RigFile& rig, const std::string& bus, std::span<const can::CanFilter> filters,
+                 can::SocketCan& socket);
+
+/// Looks at every line that the rig has, before any of them is taken: each is there, meant once and free.
+/// Nothing is changed. Throws InputError at the place of one that is not.
+void refuse_unavailable_lines(const RigFile& rig);
+
+/// Nobody else can open a bus through it meanwhile. Lines are taken at their safe levels.
+class MachineHardware final : public RigHardware {
+ public:
+  /// The threads that play edges ask for the rights of real-time threads if `in_real_time`, and are refused
+  /// without them. Refers to the rig.
+  explicit MachineHardware(const RigFile& rig, bool in_real_time = true)
+      : rig_(rig), in_real_time_(in_real_time) {}
+
+  std::unique_ptr<BusLink> open_bus(const std::string& bus, std::span<const std::size_t> axes) override;
+  std::unique_ptr<ChipOutputs> open_steps(const std::string& chip, std::span<const std::size_t> axes,
+                                          std::span<const StepLines> wires) override;
+  std::unique_ptr<ChipOutputs> open_pulses(const std::string& chip,
+                                           std::span<const PulseLine> lines) override;
+  std::string chip_of(const LineAddress& line) override;
+  std::vector<OpenedInputs> open_inputs(std::span<const InputLine* const> lines) override;
+  std::unique_ptr<AxisDrives> open_others(std::span<const std::size_t> axes) override;
+
+ private:
+  const RigFile& rig_;
+  bool in_real_time_;
+};
+
+}  // namespace inbetween

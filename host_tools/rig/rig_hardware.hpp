@@ -1,0 +1,125 @@
+// What a rig stands on: buses, GPIO chips and drives. The machine has them, and so has a simulation.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "drivers/can/socket_can.hpp"
+#include "drivers/gpio/step_player.hpp"
+#include "host_tools/files/rig_file.hpp"
+#include "host_tools/rig/counters.hpp"
+#include "inbetween/can/frame.hpp"
+#include "inbetween/homing/line_event.hpp"
+#include "inbetween/loop/ports.hpp"
+#include "inbetween/loop/tick_time.hpp"
+#include "inbetween/steps/edge_instant.hpp"
+#include "inbetween/steps/step_merge.hpp"
+
+namespace inbetween {
+
+/// How long before its time the motion of a tick is written: a tick, and never less than the thread of a chip
+/// needs to notice it.
+inline std::int64_t played_lead_ns(std::int32_t rate_hz) {
+  const gpio::StepPlayerSettings player;
+  return std::max(ns_per_s / rate_hz, player.nap_ns + 2 * player.watch_ns);
+}
+
+/// A bus of a rig (can::FrameLink).
+class BusLink {
+ public:
+  virtual ~BusLink() = default;
+  [[nodiscard]] virtual bool is_up() const = 0;
+  virtual std::size_t receive(std::span<can::Frame> in, std::int64_t now_ns) = 0;
+  virtual std::size_t send(std::span<const can::Frame> out) = 0;
+  virtual std::size_t drain() = 0;
+  /// Null where no interface counts.
+  [[nodiscard]] virtual const can::CanCounters* counters() const { return nullptr; }
+};
+
+/// Output lines of one chip, which change at planned times (StepSink).
+class ChipOutputs {
+ public:
+  virtual ~ChipOutputs() = default;
+  virtual bool push(const EdgeInstant& instant) = 0;
+  virtual void discard() = 0;
+  [[nodiscard]] virtual std::uint64_t waiting() const = 0;
+  [[nodiscard]] virtual bool has_ended() const = 0;
+  [[nodiscard]] bool is_too_late() const { return too_late_us().has_value(); }
+
+  /// By how much an instant was late, if that exceeded its limit.
+  [[nodiscard]] virtual std::optional<double> too_late_us() const { return std::nullopt; }
+  /// Takes the oldest instant that was played. Only lines of pulses tell them.
+  virtual std::optional<gpio::PlayedInstant> take_played() { return std::nullopt; }
+  /// Empty where no player counts.
+  [[nodiscard]] virtual std::vector<Count> counts() const { return {}; }
+};
+
+/// Input lines of one chip.
+class ChipInputs {
+ public:
+  virtual ~ChipInputs() = default;
+  /// Takes the edges that have come, by the number of the line on this chip. They last until the next call.
+  virtual std::span<const LineEvent> read(std::int64_t now_ns) = 0;
+  /// The level that the last read found, or the last that is known.
+  [[nodiscard]] virtual bool level(std::size_t line) const = 0;
+  [[nodiscard]] virtual bool has_gone() const { return false; }
+};
+
+/// Some drives of a rig under the motion loop (DrivePort), numbered among themselves.
+class AxisDrives {
+ public:
+  virtual ~AxisDrives() = default;
+  virtual void read(std::span<DriveState<double>> states, std::int64_t now_ns) = 0;
+  virtual void write(std::span<const Setpoint<double>> setpoints, std::int64_t now_ns) = 0;
+  virtual void enable() = 0;
+  virtual void disable() = 0;
+  virtual void quick_stop() = 0;
+  /// RigDrives::place.
+  virtual void place(std::size_t drive, double position) = 0;
+  [[nodiscard]] virtual bool has_lost_position(std::size_t /*drive*/) const { return false; }
+};
+
+/// An output of a rig.
+struct PulseLine {
+  std::string_view name;
+  const OutputLine* wire = nullptr;
+  const Place* place = nullptr;
+};
+
+/// Opens the parts of a rig, each once. Every function throws InputError at the place of what is not there or
+/// not allowed; then nothing has changed. It outlives what it has opened.
+class RigHardware {
+ public:
+  struct OpenedInputs {
+    std::string label;
+    std::vector<std::size_t> lines;  ///< of the lines asked for, in the order of the chip's numbers
+    std::unique_ptr<ChipInputs> chip;
+  };
+
+  virtual ~RigHardware() = default;
+  /// Brings what is simulated to `now_ns`. Call it once a tick, before anything is read.
+  virtual void advance(std::int64_t /*now_ns*/) {}
+  /// `axes` of the rig have their CiA 402 drives on this bus.
+  virtual std::unique_ptr<BusLink> open_bus(const std::string& bus, std::span<const std::size_t> axes) = 0;
+  /// `axes` of the rig have their steps on this chip. The lines are numbered as `wires` are, and the ENABLE
+  /// lines follow.
+  virtual std::unique_ptr<ChipOutputs> open_steps(const std::string& chip, std::span<const std::size_t> axes,
+                                                  std::span<const StepLines> wires) = 0;
+  /// The lines are idle until the first pulse, and 1 is active whatever the wire has then.
+  virtual std::unique_ptr<ChipOutputs> open_pulses(const std::string& chip,
+                                                   std::span<const PulseLine> lines) = 0;
+  /// The chip of a line; whatever has the same name is the same chip.
+  virtual std::string chip_of(const LineAddress& line) = 0;
+  virtual std::vector<OpenedInputs> open_inputs(std::span<const InputLine* const> lines) = 0;
+  /// `axes` of the rig have drives that are neither CiA 402 nor step-dir.
+  virtual std::unique_ptr<AxisDrives> open_others(std::span<const std::size_t> axes) = 0;
+};
+
+}  // namespace inbetween

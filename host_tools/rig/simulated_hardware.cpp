@@ -1,0 +1,207 @@
+#include "host_tools/rig/simulated_hardware.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "host_tools/files/diagnostics.hpp"
+#include "host_tools/rig/can_drives.hpp"
+#include "sim/simulated_link.hpp"
+#include "sim/simulated_rig.hpp"
+
+namespace inbetween {
+namespace {
+
+/// A simulated limit switch is so far beyond the limit, as a share of the axis' travel.
+constexpr double limit_margin = 0.02;
+/// Simulated switches open so far before they closed, as a share of the way to back off.
+constexpr double hysteresis_share = 0.25;
+
+/// An axis that finds its switch at `fast` is behind it by less than this when it stands.
+double overrun_of(const RigAxis& axis) {
+  const double fast = axis.home->fast;
+  const double ramp = axis.max_jerk ? axis.max_acceleration / *axis.max_jerk : 0;
+  constexpr double seconds_until_known = 0.05;
+  return fast * (fast / axis.max_acceleration + ramp + seconds_until_known);
+}
+
+/// Where the simulated limit switches of an axis are.
+double limit_place(const RigAxis& axis, bool is_max) {
+  const double margin = limit_margin * (axis.max - axis.min);
+  double end = is_max ? axis.max : axis.min;
+  if (axis.home && (axis.home->direction > 0) == is_max) {
+    const double behind = axis.home->at + axis.home->direction * overrun_of(axis);
+    end = is_max ? std::max(end, behind) : std::min(end, behind);
+  }
+  return is_max ? end + margin : end - margin;
+}
+
+class LinkInProcess final : public BusLink {
+ public:
+  explicit LinkInProcess(SimulatedCanBus& bus) : link_(bus) {}
+  [[nodiscard]] bool is_up() const override { return link_.is_up(); }
+  std::size_t receive(std::span<can::Frame> in, std::int64_t now_ns) override {
+    return link_.receive(in, now_ns);
+  }
+  std::size_t send(std::span<const can::Frame> out) override { return link_.send(out); }
+  std::size_t drain() override { return link_.drain(); }
+
+ private:
+  SimulatedLink link_;
+};
+
+class StepsInProcess final : public ChipOutputs {
+ public:
+  explicit StepsInProcess(SimulatedStepChip& chip) : chip_(chip) {}
+  bool push(const EdgeInstant& instant) override { return chip_.push(instant); }
+  void discard() override { chip_.discard(); }
+  [[nodiscard]] std::uint64_t waiting() const override { return chip_.waiting(); }
+  [[nodiscard]] bool has_ended() const override { return chip_.has_ended(); }
+
+ private:
+  SimulatedStepChip& chip_;
+};
+
+/// Everything is played in time, and at once.
+class PulsesInProcess final : public ChipOutputs {
+ public:
+  bool push(const EdgeInstant& instant) override { return played_.push({.instant = instant}), true; }
+  void discard() override {}
+  [[nodiscard]] std::uint64_t waiting() const override { return 0; }
+  [[nodiscard]] bool has_ended() const override { return false; }
+  std::optional<gpio::PlayedInstant> take_played() override { return played_.pop(); }
+
+ private:
+  gpio::StepPlayer::PlayedRing played_;
+};
+
+class IdealDrives final : public AxisDrives {
+ public:
+  explicit IdealDrives(std::span<const double> positions) : rig_(positions) {}
+  void read(std::span<DriveState<double>> states, std::int64_t now_ns) override { rig_.read(states, now_ns); }
+  void write(std::span<const Setpoint<double>> setpoints, std::int64_t now_ns) override {
+    rig_.write(setpoints, now_ns);
+  }
+  void enable() override { rig_.enable(); }
+  void disable() override { rig_.disable(); }
+  void quick_stop() override { rig_.quick_stop(); }
+  void place(std::size_t drive, double position) override { rig_.place(drive, position); }
+  [[nodiscard]] double true_position(std::size_t drive) const { return rig_.axes()[drive].actual(); }
+
+ private:
+  SimulatedRig rig_;
+};
+
+/// The switches follow the axes before their lines are read.
+class InputsInProcess final : public ChipInputs {
+ public:
+  InputsInProcess(SimulatedInputs& inputs, const std::vector<std::function<double()>>& where)
+      : inputs_(inputs), where_(where) {}
+  std::span<const LineEvent> read(std::int64_t now_ns) override {
+    for (std::size_t a = 0; a < where_.size(); ++a) {
+      if (where_[a]) inputs_.follow(a, where_[a](), now_ns);
+    }
+    events_.clear();
+    inputs_.take(events_);
+    return events_;
+  }
+  [[nodiscard]] bool level(std::size_t line) const override { return inputs_.level(line); }
+
+ private:
+  SimulatedInputs& inputs_;
+  const std::vector<std::function<double()>>& where_;
+  std::vector<LineEvent> events_;
+};
+
+}  // namespace
+
+SimulatedCia402Settings simulated_settings_of(const RigAxis& axis, double position) {
+  const auto& drive = std::get<Cia402Drive>(axis.drive);
+  SimulatedCia402Settings settings{
+      .node = node_of(axis),
+      .position = static_cast<std::int32_t>(std::floor(position * drive.counts_per_unit + 0.5))};
+  settings.motor.max_acceleration =
+      std::max(settings.motor.max_acceleration, 4 * std::fabs(drive.counts_per_unit) * axis.max_acceleration);
+  return settings;
+}
+
+void SimulatedHardware::advance(std::int64_t now_ns) {
+  faults_.advance(now_ns);
+  for (SimulatedStepChip& chip : chips_) chip.run(now_ns);
+}
+
+std::unique_ptr<BusLink> SimulatedHardware::open_bus(const std::string& /*bus*/,
+                                                     std::span<const std::size_t> axes) {
+  SimulatedCanBus& wire = buses_.emplace_back();
+  for (const std::size_t a : axes) {
+    const RigAxis& axis = rig_.axes[a];
+    SimulatedCia402Drive& drive = drives_.emplace_back(simulated_settings_of(axis, positions_[a]), 0);
+    wire.attach(drive);
+    faults_.attach(a, drive);
+    const double scale = std::get<Cia402Drive>(axis.drive).counts_per_unit;
+    where_[a] = [&drive, scale] { return drive.position() / scale; };
+  }
+  return std::make_unique<LinkInProcess>(wire);
+}
+
+std::unique_ptr<ChipOutputs> SimulatedHardware::open_steps(const std::string& /*chip*/,
+                                                           std::span<const std::size_t> axes,
+                                                           std::span<const StepLines> wires) {
+  SimulatedStepChip& chip = chips_.emplace_back();
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    const RigAxis& axis = rig_.axes[axes[i]];
+    const SimulatedStepper::Settings settings{
+        .lines = wires[i], .steps_per_unit = std::get<StepDirDrive>(axis.drive).steps_per_unit, .torque = {}};
+    const std::size_t number = chip.add(
+        value_or_refuse(SimulatedStepper::make(settings, positions_[axes[i]]), axis.place, named(axis)));
+    where_[axes[i]] = [&chip, number] { return chip.stepper(number).position(); };
+  }
+  return std::make_unique<StepsInProcess>(chip);
+}
+
+std::unique_ptr<ChipOutputs> SimulatedHardware::open_pulses(const std::string& /*chip*/,
+                                                            std::span<const PulseLine> /*lines*/) {
+  return std::make_unique<PulsesInProcess>();
+}
+
+std::vector<RigHardware::OpenedInputs> SimulatedHardware::open_inputs(
+    std::span<const InputLine* const> lines) {
+  OpenedInputs opened;
+  std::vector<bool> released;
+  for (const InputLine* const line : lines) {
+    opened.lines.push_back(released.size());
+    released.push_back(line->active == Level::low);
+  }
+  inputs_.emplace(std::move(released), positions_);
+  for (std::size_t a = 0; a < rig_.axes.size(); ++a) {
+    const RigAxis& axis = rig_.axes[a];
+    const auto add_switch = [&](const InputLine& input, bool is_above, double closes) {
+      const double opens_after = axis.home ? axis.home->back_off : limit_margin * (axis.max - axis.min);
+      const auto line = std::ranges::find(lines, &input) - lines.begin();
+      inputs_->add_switch(a, {.line = static_cast<std::uint8_t>(line),
+                              .active_level = input.active == Level::high,
+                              .is_above = is_above,
+                              .closes = closes,
+                              .hysteresis = hysteresis_share * opens_after});
+    };
+    if (axis.home) add_switch(axis.home->input, axis.home->direction > 0, axis.home->at);
+    if (axis.limit_min) add_switch(*axis.limit_min, false, limit_place(axis, false));
+    if (axis.limit_max) add_switch(*axis.limit_max, true, limit_place(axis, true));
+  }
+  opened.chip = std::make_unique<InputsInProcess>(*inputs_, where_);
+  std::vector<OpenedInputs> all;
+  all.push_back(std::move(opened));
+  return all;
+}
+
+std::unique_ptr<AxisDrives> SimulatedHardware::open_others(std::span<const std::size_t> axes) {
+  std::vector<double> at;
+  for (const std::size_t a : axes) at.push_back(positions_[a]);
+  auto drives = std::make_unique<IdealDrives>(at);
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    where_[axes[i]] = [ideal = drives.get(), i] { return ideal->true_position(i); };
+  }
+  return drives;
+}
+
+}  // namespace inbetween

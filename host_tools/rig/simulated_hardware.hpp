@@ -1,0 +1,64 @@
+// A rig in this process: simulated drives, motors, switches and lines in place of the machine's.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "host_tools/files/fault_script.hpp"
+#include "host_tools/rig/fault_schedule.hpp"
+#include "host_tools/rig/rig_hardware.hpp"
+#include "sim/can_bus.hpp"
+#include "sim/cia402_drive.hpp"
+#include "sim/simulated_inputs.hpp"
+#include "sim/simulated_step_chip.hpp"
+
+namespace inbetween {
+
+/// A simulated drive for a CiA 402 axis that stands at `position`, with a motor that was chosen for its axis.
+SimulatedCia402Settings simulated_settings_of(const RigAxis& axis, double position);
+
+/// CiA 402 axes have drives that speak their frames, step-dir axes motors that turn by the edges on their
+/// lines, the others ideal drives. Home switches are at `home.at`, limit switches beyond what a homing needs;
+/// the other inputs are released. Pulses are played in time.
+class SimulatedHardware final : public RigHardware {
+ public:
+  /// The axes stand at `positions`, in the order of the rig. The faults begin after power-on, which is at 0.
+  /// Refers to the rig.
+  SimulatedHardware(const RigFile& rig, std::vector<double> positions, const FaultScript& faults = {})
+      : rig_(rig), positions_(std::move(positions)), faults_(faults, 0), where_(rig.axes.size()) {}
+
+  void advance(std::int64_t now_ns) override;
+  std::unique_ptr<BusLink> open_bus(const std::string& bus, std::span<const std::size_t> axes) override;
+  std::unique_ptr<ChipOutputs> open_steps(const std::string& chip, std::span<const std::size_t> axes,
+                                          std::span<const StepLines> wires) override;
+  std::unique_ptr<ChipOutputs> open_pulses(const std::string& chip,
+                                           std::span<const PulseLine> lines) override;
+  std::string chip_of(const LineAddress& line) override { return line.chip; }
+  /// All of them on one chip, numbered as they are here.
+  std::vector<OpenedInputs> open_inputs(std::span<const InputLine* const> lines) override;
+  std::unique_ptr<AxisDrives> open_others(std::span<const std::size_t> axes) override;
+
+  /// Where an axis really is, whatever its drive was told. Its drive has been opened.
+  [[nodiscard]] double true_position(std::size_t axis) const { return where_[axis](); }
+  /// The input lines that have been opened.
+  [[nodiscard]] SimulatedInputs& inputs() { return inputs_.value(); }
+
+ private:
+  const RigFile& rig_;
+  std::vector<double> positions_;
+  std::deque<SimulatedCanBus> buses_;
+  std::deque<SimulatedCia402Drive> drives_;
+  std::deque<SimulatedStepChip> chips_;
+  FaultSchedule faults_;
+  std::optional<SimulatedInputs> inputs_;
+  std::vector<std::function<double()>> where_;  ///< empty for an axis whose drive has not been opened
+};
+
+}  // namespace inbetween
