@@ -132,10 +132,9 @@ void describe(CLI::App& app, GotoArguments& arguments) {
   app.footer(
       "Says what moves from where to where and how long it takes, and goes there after somebody agreed: with "
       "Enter on a\n"
-      "terminal, with --yes in a script. Each axis moves by itself, from rest to rest, inside its soft "
-      "limits. "
-      "Esc, q and\n"
-      "Ctrl-C stop all of them.\n\n"
+      "terminal, with --yes in a script. The axes move together on a straight line, from rest to rest, "
+      "inside their soft\n"
+      "limits. Esc, q and Ctrl-C stop them on it.\n\n"
       "An axis that does not know where it is does not go anywhere: home it, or bring it to its mark with "
       "jog "
       "and say so\n"

@@ -1,4 +1,4 @@
-// Axes of a rig go to positions, each by itself and slowly.
+// Axes of a rig go to positions, together and slowly.
 #pragma once
 
 #include <cstddef>
@@ -7,14 +7,9 @@
 #include <vector>
 
 #include "host_tools/loop/rig_session.hpp"
+#include "host_tools/motions/slow_way.hpp"
 
 namespace inbetween {
-
-/// Where an axis of the rig is to go.
-struct GoTarget {
-  std::size_t axis = 0;
-  double position = 0;
-};
 
 /// The targets that `positions`, by the names of the axes, ask for. Throws InputError for an axis that the
 /// rig does not have, LimitError for a position outside its limits.
@@ -22,12 +17,12 @@ std::vector<GoTarget> go_targets(const RigFile& rig, const std::map<std::string,
 
 struct GoOptions {
   /// Of the limits of velocity, acceleration and jerk, what the axes may use: above 0, up to 1.
-  double share = 0.1;
+  double share = slow_share;
   SessionOptions session = {};
 };
 
-/// Switches the rig on, asks the audience, goes there from wherever the axes stand, and switches it off. Axes
-/// that are there already do not move. An axis outside its soft limits comes in by the shortest way.
+/// Switches the rig on, asks the audience, goes there from wherever the axes stand (SlowWay), and switches it
+/// off. Axes that are there already do not move.
 ///
 /// Throws InputError where a target is unreferenced (nothing has been opened then) or the rig file has
 /// changed since it was read, and what RigSession and RigReference throw.

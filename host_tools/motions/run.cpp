@@ -9,8 +9,9 @@
 #include <vector>
 
 #include "host_tools/files/diagnostics.hpp"
-#include "host_tools/motions/approach.hpp"
+#include "host_tools/loop/manual_motion.hpp"
 #include "host_tools/motions/run_checks.hpp"
+#include "host_tools/motions/slow_way.hpp"
 #include "host_tools/motions/staged_move.hpp"
 #include "host_tools/motions/start_signal.hpp"
 #include "host_tools/motions/transport.hpp"
@@ -106,15 +107,16 @@ class Run {
   }
 
   bool go_to_start() {
-    approach_ = allowed_approach(staged_.plan(), session_.positions(), static_cast<bool>(audience_.confirm));
-    if (!approach_) return true;
-    if (!audience_.confirm(describe_approach(*approach_))) {
+    const std::vector<GoTarget> away = away_from_start(staged_.plan(), session_.positions());
+    if (away.empty()) return true;
+    refuse_unagreed_way(staged_.plan(), away.front().axis, static_cast<bool>(audience_.confirm));
+    SlowWay& way = way_.emplace(session_.rig(), away, session_.positions(), slow_share);
+    if (!audience_.confirm(way.describe("the rig is not where the move starts:"))) {
       end_by(Ending::stopped, "nobody agreed that the rig goes to the start of the move");
       return false;
     }
-    way_ = std::make_unique<StagedMove>(*approach_);
-    Transport transport(session_.loop(), *way_, is_attended());
-    return perform(transport, *way_);
+    ManualMotion motion(session_.loop(), way.loop_spec(), way.ticks());
+    return perform(motion, way.axes());
   }
 
   void perform_move() {
@@ -127,7 +129,7 @@ class Run {
         lines.start = is_simulated() ? start_signal_of(simulated_trigger_) : start_signal_of(trigger_);
       }
       Transport transport(session_.loop(), staged_, is_attended(), lines);
-      perform(transport, staged_, last);
+      perform(transport, staged_.loop_spec().drive_of, last);
     }
     if (cues_) cues_->finish(audience_.interrupted);
     if (audience_.progress) audience_.progress(last, last);
@@ -142,16 +144,16 @@ class Run {
     if (asks_by_line) lines.asks = start_signal_of(camera_);
     Shooting shooting(session_.loop(), staged_, camera, shoot_spec(*options_.shoot, session_.rig().rate_hz),
                       is_attended(), lines);
-    perform(shooting, staged_);
+    perform(shooting, staged_.loop_spec().drive_of);
     report_.exposures = shooting.exposures();
   }
 
   /// Whether it came to its end.
   template <class Performance>
-  bool perform(Performance& performance, StagedMove& staged,
+  bool perform(Performance& performance, std::span<const std::size_t> axes,
                std::optional<std::int64_t> last = std::nullopt) {
     refuse_changed_rig(session_.rig().path, audience_.rig_has_changed);
-    reference_.about_to_move(staged.loop_spec().drive_of);
+    reference_.about_to_move(axes);
     const ActEnd end = session_.perform(act_of(performance), last);
     report_.ticks = end.ticks + 1;
     session_.rest();
@@ -177,8 +179,7 @@ class Run {
   StagedMove& staged_;
   RigReference& reference_;
   const RunOptions& options_;
-  std::optional<Plan> approach_;
-  std::unique_ptr<StagedMove> way_;
+  std::optional<SlowWay> way_;
   RigSession session_;
   std::unique_ptr<CueOutputs> cues_;
   const LoopAudience& audience_;

@@ -32,7 +32,7 @@ struct RunOptions {
 ///
 /// Before anything is opened the plan is checked (check.hpp), and every setpoint of the move is held against
 /// the rig's position limits. Where the rig does not stand at the start of the move it goes there first
-/// (approach.hpp), if the audience confirms it; simulated axes stand there unless something else is said or
+/// (slow_way.hpp), if the audience confirms it; simulated axes stand there unless something else is said or
 /// kept. With `shoot` the move is shot frame by frame; on a keyboard somebody asks for each frame, without
 /// one the camera does.
 ///

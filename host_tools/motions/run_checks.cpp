@@ -11,8 +11,8 @@
 
 #include "host_tools/check/check.hpp"
 #include "host_tools/files/diagnostics.hpp"
-#include "host_tools/motions/approach.hpp"
 #include "host_tools/reference/axis_positions.hpp"
+#include "inbetween/loop/motion_loop.hpp"
 
 namespace inbetween {
 namespace {
@@ -73,16 +73,34 @@ std::unique_ptr<StagedMove> checked_move(const Plan& plan, double top_rate, Repe
   return staged;
 }
 
-std::optional<Plan> allowed_approach(const Plan& plan, std::span<const double> actual, bool can_be_agreed) {
-  std::optional<Plan> approach = plan_approach(plan, actual);
-  if (!approach) return approach;
-  refuse_positions_beyond_limits(*approach);
-  if (can_be_agreed) return approach;
-  throw InputError(
-      {plan.move().path, 0, 0},
-      fmt::format("axis {} of the rig is not where the move starts; bring it there, or agree to let "
-                  "it go there slowly (--yes)",
-                  in_quotes(approach->move().tracks.front().axes.front())));
+std::vector<GoTarget> away_from_start(const Plan& plan, std::span<const double> actual) {
+  const RigFile& rig = *plan.rig();
+  std::vector<double> first(plan.played().axis_count());
+  plan.played().positions({plan.played().first_frame(), 0}, first);
+  std::vector<GoTarget> away;
+  for (std::size_t a = 0; a < plan.axes().size(); ++a) {
+    if (!plan.axes()[a].track) continue;
+    const RigAxis& axis = rig.axes[a];
+    const double target = first[plan.axes()[a].move_axis];
+    const double tolerance = start_tolerance(axis.max_acceleration, 1.0 / rig.rate_hz, count_of(axis.drive));
+    if (std::fabs(target - actual[a]) <= tolerance) continue;
+    if (actual[a] < axis.min || actual[a] > axis.max) {
+      throw InputError(axis.place,
+                       fmt::format("{} stands at {} {}, outside its limits {}..{}; bring it "
+                                   "back inside by hand",
+                                   named(axis), actual[a], to_string(axis.unit), axis.min, axis.max));
+    }
+    away.push_back({.axis = a, .position = target});
+  }
+  return away;
+}
+
+void refuse_unagreed_way(const Plan& plan, std::size_t axis, bool can_be_agreed) {
+  if (can_be_agreed) return;
+  throw InputError({plan.move().path, 0, 0},
+                   fmt::format("{} of the rig is not where the move starts; bring it there, or agree to let "
+                               "it go there slowly (--yes)",
+                               named(plan.rig()->axes[axis])));
 }
 
 }  // namespace inbetween

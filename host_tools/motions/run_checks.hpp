@@ -4,8 +4,10 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "host_tools/motions/shooting.hpp"
+#include "host_tools/motions/slow_way.hpp"
 #include "host_tools/motions/staged_move.hpp"
 #include "host_tools/plan/plan.hpp"
 #include "inbetween/play/playhead.hpp"
@@ -20,9 +22,12 @@ namespace inbetween {
 std::unique_ptr<StagedMove> checked_move(const Plan& plan, double top_rate, Repeat repeat,
                                          const std::optional<ShootOptions>& shoot);
 
-/// The slow way (approach.hpp) from `actual`, a position for every axis of the rig, to where the move starts;
-/// nothing where the rig stands there. Throws InputError where there is one and nobody can agree to it, or an
-/// axis stands outside its limits.
-std::optional<Plan> allowed_approach(const Plan& plan, std::span<const double> actual, bool can_be_agreed);
+/// The axes that do not stand where the move starts, within start_tolerance (MotionLoop::begin), and where
+/// they are to be. `actual` is a position for every axis of the rig. Throws InputError at one that stands
+/// outside its limits.
+std::vector<GoTarget> away_from_start(const Plan& plan, std::span<const double> actual);
+
+/// Throws InputError where the axis has to go to the start of the move and nobody can agree to it.
+void refuse_unagreed_way(const Plan& plan, std::size_t axis, bool can_be_agreed);
 
 }  // namespace inbetween

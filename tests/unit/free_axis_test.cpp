@@ -199,6 +199,21 @@ TEST(FreeAxis, HaltedItIsAtRestWhereItIs) {
   EXPECT_FALSE(axis.go_to(11));
 }
 
+/// From 100 mm/s, 0.75 s and 37.5 mm; with 4 times the limits 100/800 + 800/3200 s, 100/2 times as many mm.
+TEST(FreeAxis, AStopMayUseMoreThanTheMotion) {
+  FreeAxisLimits<double> limits = track;
+  limits.stop_share = 4;
+  FreeAxis<double> axis = axis_at(0, limits);
+  ASSERT_TRUE(axis.drive(100));
+  tick_for(axis, 250);
+  EXPECT_EQ(axis.state().velocity, 100) << "it speeds up as ever";
+  EXPECT_NEAR(axis.stop_seconds(), 0.375, 1e-12);
+  const double from = axis.position();
+  axis.stop();
+  EXPECT_EQ(ticks_to_rest(axis), 94);
+  EXPECT_NEAR(axis.position() - from, 18.75, 1e-9);
+}
+
 TEST(FreeAxis, IllegalNumbersAreRefused) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double infinity = std::numeric_limits<double>::infinity();
@@ -210,6 +225,9 @@ TEST(FreeAxis, IllegalNumbersAreRefused) {
   using Limits = FreeAxisLimits<double>;
   for (double Limits::*field : {&Limits::velocity, &Limits::acceleration, &Limits::jerk}) {
     for (const double value : {nan, infinity, 0.0, -1.0, 1e200}) EXPECT_FALSE(limits_with(field, value));
+  }
+  for (const double value : {nan, infinity, 0.9, -1.0}) {
+    EXPECT_FALSE(limits_with(&Limits::stop_share, value));
   }
   for (const double value : {nan, infinity, 1000.0, 1e200}) EXPECT_FALSE(limits_with(&Limits::min, value));
   EXPECT_FALSE(limits_with(&Limits::max, 0));

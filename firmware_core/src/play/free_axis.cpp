@@ -35,10 +35,11 @@ Result<FreeAxis<Real>> FreeAxis<Real>::make(const FreeAxisLimits<Real>& limits, 
   for (const Real number : {limits.velocity, limits.acceleration, limits.jerk, position, tick_seconds}) {
     if (!std::isfinite(number)) return not_finite;
   }
-  for (const Real number : {limits.velocity, limits.acceleration, limits.jerk, tick_seconds}) {
-    if (is_magnitude(number)) continue;
+  for (const Real number :
+       {limits.velocity, limits.acceleration, limits.jerk, tick_seconds, limits.stop_share}) {
+    if (is_magnitude(number) && limits.stop_share >= 1) continue;
     return Error{.code = ErrorCode::out_of_range,
-                 .what = "a limit or the tick of a free axis is not above 0",
+                 .what = "a limit or the tick of a free axis is not above 0, or its stop_share below 1",
                  .remedy = "give velocity, acceleration, jerk and tick as magnitudes"};
   }
   const Real longest = limits.velocity / limits.acceleration + limits.acceleration / limits.jerk;
@@ -51,8 +52,8 @@ Result<FreeAxis<Real>> FreeAxis<Real>::make(const FreeAxisLimits<Real>& limits, 
 }
 
 template <Precise Real>
-SpeedRamp<Real> FreeAxis<Real>::stop_ramp() const {
-  return SpeedRamp<Real>::between(state_.velocity, state_.acceleration, 0, ramp());
+SpeedRamp<Real> FreeAxis<Real>::ramp_to_rest(const RampLimits<Real>& limits) const {
+  return SpeedRamp<Real>::between(state_.velocity, state_.acceleration, 0, limits);
 }
 
 /// The way of a ramp to a velocity and of the stop that follows at once.
@@ -86,7 +87,7 @@ template <Precise Real>
 void FreeAxis<Real>::head_for(Real position, Real speed, Activity activity) {
   const Real room = position - state_.position;
   // An axis that would stop beyond the place has to come back: it moves in the other direction in the end.
-  const Real direction = room >= stop_distance() ? Real{1} : Real{-1};
+  const Real direction = room >= ramp_to_rest(ramp()).way() ? Real{1} : Real{-1};
   const Real top = top_speed(direction, speed, direction * room);
   const Real left = std::max(direction * (room - way_over(direction * top)), Real{0});
   rise_ = SpeedRamp<Real>::between(state_.velocity, state_.acceleration, direction * top, ramp());

@@ -23,6 +23,7 @@ struct FreeAxisLimits {
   Real jerk = 0;          ///< unit/s^3
   Real min = 0;           ///< soft limits: it moves and rests between them
   Real max = 0;
+  Real stop_share = 1;  ///< of acceleration and jerk, what a stop may use; at least 1
 };
 
 /// One axis, moved by velocity or to a position, with bounded velocity, acceleration and jerk.
@@ -43,7 +44,7 @@ class FreeAxis {
  public:
   /// Makes an axis at rest at `position`, which may be outside the soft limits. Ticks are `tick_seconds`
   /// apart. Errors: not_finite, out_of_range (a limit or tick_seconds that is not above 0, min >= max, a stop
-  /// from full speed that is longer than Precision<Real>::largest).
+  /// from full speed that is longer than Precision<Real>::largest; a stop_share below 1).
   static Result<FreeAxis> make(const FreeAxisLimits<Real>& limits, Real position, Real tick_seconds);
 
   /// Drives at a signed velocity until the soft limit ahead stops the axis; 0 is stop(). The velocity that is
@@ -91,7 +92,10 @@ class FreeAxis {
   }
 
   [[nodiscard]] RampLimits<Real> ramp() const { return {limits_.acceleration, limits_.jerk}; }
-  [[nodiscard]] SpeedRamp<Real> stop_ramp() const;
+  [[nodiscard]] SpeedRamp<Real> ramp_to_rest(const RampLimits<Real>& limits) const;
+  [[nodiscard]] SpeedRamp<Real> stop_ramp() const {
+    return ramp_to_rest({limits_.stop_share * limits_.acceleration, limits_.stop_share * limits_.jerk});
+  }
   [[nodiscard]] Real way_over(Real velocity) const;
   [[nodiscard]] Real top_speed(Real direction, Real speed, Real room) const;
   void head_for(Real position, Real speed, Activity activity);

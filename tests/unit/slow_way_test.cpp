@@ -1,0 +1,240 @@
+// The slow way of a rig, and that of a run to where its move starts.
+#include "host_tools/motions/slow_way.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "host_tools/motions/run.hpp"
+#include "host_tools/motions/run_checks.hpp"
+#include "host_tools/plan/move_rolls.hpp"
+#include "tests/support/places.hpp"
+#include "tests/support/run_program.hpp"
+
+namespace inbetween {
+namespace slow_way_test {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+const std::string reveal = in_checkout("examples/reveal.toml");
+const std::string camera_rig = in_checkout("examples/camera_rig.toml");
+
+Plan example() {
+  return {read_move_file(reveal), read_rig_file(camera_rig), {}};
+}
+
+/// The axes of a way, tick by tick until it rests.
+std::vector<std::vector<Setpoint<double>>> played(SlowWay& way, int stopped_at = -1) {
+  std::vector<std::vector<Setpoint<double>>> ticks;
+  while (!way.is_resting()) {
+    if (static_cast<int>(ticks.size()) == stopped_at) way.stop();
+    way.tick(0, ticks.emplace_back(way.axes().size()));
+  }
+  return ticks;
+}
+
+/// The highest of the n-th differences of an axis from tick `from` on, in unit/s^n.
+double highest_difference(const std::vector<std::vector<Setpoint<double>>>& ticks, std::size_t axis,
+                          int order, std::size_t from = 0) {
+  std::vector<double> values;
+  for (std::size_t i = from; i < ticks.size(); ++i) values.push_back(ticks[i][axis].position);
+  for (int i = 0; i < order; ++i) {
+    for (std::size_t k = 0; k + 1 < values.size(); ++k) values[k] = (values[k + 1] - values[k]) * 250;
+    values.pop_back();
+  }
+  double highest = 0;
+  for (const double value : values) highest = std::max(highest, std::fabs(value));
+  return highest;
+}
+
+TEST(SlowWay, IsNotNeededWhereTheRigStandsAtTheStart) {
+  const Plan plan = example();
+  EXPECT_TRUE(away_from_start(plan, std::vector<double>{60, -62, -4}).empty());
+  EXPECT_TRUE(away_from_start(plan, std::vector<double>{60 + 1e-6, -62, -4}).empty()) << "within a tick";
+}
+
+TEST(SlowWay, LeadsOnAStraightLineFromWhereTheRigStandsToTheStart) {
+  const Plan plan = example();
+  const std::vector<double> standing{0, 10, -4};
+  const std::vector<GoTarget> away = away_from_start(plan, standing);
+  ASSERT_EQ(away.size(), 2U) << "the tilt stands there already";
+  SlowWay way(*plan.rig(), away, standing, slow_share);
+  const auto ticks = played(way);
+  EXPECT_EQ(static_cast<std::int64_t>(ticks.size()), way.ticks());
+  EXPECT_NEAR(ticks.front()[0].position, 0, 1e-3);
+  for (const auto& tick : ticks) {
+    EXPECT_NEAR(tick[1].position, 10 - 72 * tick[0].position / 60, 1e-9);
+    EXPECT_NEAR(tick[1].velocity, -72 * tick[0].velocity / 60, 1e-9);
+  }
+  EXPECT_EQ(ticks.back()[0].position, 60);
+  EXPECT_EQ(ticks.back()[1].position, -62);
+  EXPECT_EQ(ticks.back()[0].velocity, 0);
+}
+
+TEST(SlowWay, StaysWithinATenthOfTheLimitsAndIsNoSlowerThanThat) {
+  const Plan plan = example();
+  const std::vector<double> standing{900, 10, 9};
+  SlowWay way(*plan.rig(), away_from_start(plan, standing), standing, slow_share);
+  const auto ticks = played(way);
+  double most = 0;
+  for (std::size_t i = 0; i < way.axes().size(); ++i) {
+    const RigAxis& limits = plan.rig()->axes[way.axes()[i]];
+    const double velocity = highest_difference(ticks, i, 1) / limits.max_velocity;
+    const double acceleration = highest_difference(ticks, i, 2) / limits.max_acceleration;
+    EXPECT_LE(velocity, slow_share * (1 + 1e-9));
+    EXPECT_LE(acceleration, slow_share * (1 + 1e-6));
+    most = std::max({most, velocity, acceleration});
+  }
+  EXPECT_GT(most, 0.999 * slow_share);
+}
+
+TEST(SlowWay, AStopStaysOnTheLineAndIsAsQuickAsAnyOfTheRig) {
+  const Plan plan = example();
+  const std::vector<double> standing{900, 10, 9};
+  SlowWay way(*plan.rig(), away_from_start(plan, standing), standing, slow_share);
+  const auto ticks = played(way, 1000);
+  const RigAxis& slide = plan.rig()->axes[0];
+  const double slide_way = 60 - 900;
+  double hardest = 0;
+  for (std::size_t i = 0; i < way.axes().size(); ++i) {
+    const RigAxis& axis = plan.rig()->axes[way.axes()[i]];
+    const double stop = limits_of(axis).stop_acceleration();
+    const double acceleration = highest_difference(ticks, i, 2, 990);
+    EXPECT_LE(acceleration, stop * (1 + 1e-6));
+    hardest = std::max(hardest, acceleration / axis.max_acceleration);
+    const double end = ticks.back()[i].position, target = away_from_start(plan, standing)[i].position;
+    EXPECT_NEAR((end - standing[way.axes()[i]]) / (target - standing[way.axes()[i]]),
+                (ticks.back()[0].position - 900) / slide_way, 1e-9);
+  }
+  EXPECT_GT(hardest, 2 * slow_share) << "harder than it speeds up";
+  const double seconds = static_cast<double>(ticks.size() - 1000) / 250;
+  EXPECT_LT(seconds, 0.5 * slide.max_velocity / slide.max_acceleration + 0.2);
+}
+
+TEST(SlowWay, FromOutsideTheLimitsIsRefusedAtTheAxis) {
+  const Plan plan = example();
+  EXPECT_THAT(
+      [&] {
+        away_from_start(plan, std::vector<double>{-5, -62, -4});
+      },
+      testing::ThrowsMessage<InputError>(
+          AllOf(HasSubstr("axis \"slide\" stands at -5 mm, outside its limits"), HasSubstr("by hand"))));
+}
+
+TEST(SlowWay, IsDescribedForSomebodyWhoHasToAgree) {
+  const Plan plan = example();
+  const std::vector<double> standing{0, 10, -4};
+  const std::string words = SlowWay(*plan.rig(), away_from_start(plan, standing), standing, slow_share)
+                                .describe("the rig is not where the move starts:");
+  EXPECT_THAT(words, StartsWith("the rig is not where the move starts:\n  slide"));
+  EXPECT_THAT(words, HasSubstr("10.000 -> -62.000 deg"));
+  EXPECT_THAT(words, HasSubstr("at 10 % of its limits at most"));
+}
+
+/// A drive of so many counts to a mm, at 1000 Hz and 400 mm/s^2: in a tick the acceleration covers 0.0004 mm.
+Plan quick_plan(int counts_per_mm) {
+  const std::string rig =
+      "name = \"quick\"\nrate_hz = 1000\n[[axis]]\nname = \"slide\"\nunit = \"mm\"\nmin = 0\nmax = 1000\n"
+      "max_velocity = 200\nmax_acceleration = 400\ndrive = { type = \"pipe\", path = \"/dev/null\", "
+      "counts_per_unit = " +
+      std::to_string(counts_per_mm) + " }\n";
+  const std::string move =
+      "name = \"short\"\nfps = 24\nframes = 96\n[[track]]\naxes = [\"slide\"]\n"
+      "keys = [ { at = [10.001] }, { at = [100] } ]\nspeed = [0, 0, 10, 0, 0]\n";
+  return {parse_move(move, "move.toml"), parse_rig(rig, "rig.toml"), {}};
+}
+
+TEST(WayToTheStart, IsNotNeededWithinACountOfTheDrive) {
+  const Plan plan = quick_plan(1000);
+  EXPECT_TRUE(away_from_start(plan, std::vector<double>{10.0005}).empty()) << "half a count";
+  EXPECT_TRUE(away_from_start(plan, std::vector<double>{10.002}).empty()) << "a count";
+  EXPECT_FALSE(away_from_start(plan, std::vector<double>{10.0031}).empty());
+  EXPECT_FALSE(away_from_start(quick_plan(100'000), std::vector<double>{10.0005}).empty()) << "many counts";
+}
+
+TEST(WayToTheStart, ARigThatRestsHalfACountFromTheStartPlaysTheMove) {
+  const Plan plan = quick_plan(1000);
+  const RunReport report =
+      run(plan, {.simulated = true, .fast = true, .standing = {{"slide", 10.0005}}, .audience = {}});
+  EXPECT_EQ(report.ending, Ending::finished);
+}
+
+TEST(WayToTheStart, ItsWordsShowTheDigitsThatDiffer) {
+  const Plan plan = quick_plan(100'000);
+  const std::vector<double> standing{10.0005};
+  const SlowWay way(*plan.rig(), away_from_start(plan, standing), standing, slow_share);
+  EXPECT_THAT(way.describe(""), HasSubstr("10.0005 -> 10.0010 mm"));
+}
+
+const std::vector<std::string> from_elsewhere{"run",    reveal,   "--rig",  camera_rig, "--sim",
+                                              "--fast", "--from", "pan=10", "--from",   "slide=0"};
+
+// docs/faults.md 27
+TEST(WayToTheStart, WithoutSomebodyWhoAgreesNothingMoves) {
+  const ProgramRun run = run_program(from_elsewhere);
+  EXPECT_EQ(run.status, 1);
+  EXPECT_EQ(run.out, "");
+  EXPECT_THAT(run.err, HasSubstr("axis \"slide\" of the rig is not where the move starts"));
+  EXPECT_THAT(run.err, HasSubstr("--yes"));
+}
+
+TEST(WayToTheStart, WithYesTheRigGoesThereAndThenPlaysTheMove) {
+  std::vector<std::string> arguments = from_elsewhere;
+  arguments.emplace_back("--yes");
+  const ProgramRun run = run_program(arguments);
+  EXPECT_EQ(run.status, 0);
+  EXPECT_THAT(run.err, HasSubstr("slide"));
+  EXPECT_THAT(run.err, HasSubstr("it goes there in"));
+  EXPECT_THAT(run.out, HasSubstr("2001 ticks at 250 Hz")) << "the ticks of the move";
+  EXPECT_THAT(run.out, HasSubstr("1640.0000"));
+}
+
+TEST(WayToTheStart, OneThatIsDeclinedMovesNothing) {
+  const Plan plan = example();
+  const RunReport report = run(plan, {.simulated = true,
+                                      .fast = true,
+                                      .standing = {{"pan", 10}},
+                                      .audience = {.confirm = [](const std::string&) { return false; }}});
+  EXPECT_EQ(report.ending, Ending::stopped);
+  EXPECT_EQ(report.ticks, 0);
+  EXPECT_EQ(report.axes[1].last_actual, 10);
+}
+
+TEST(WayToTheStart, CanBeStoppedAndLeft) {
+  const Plan plan = example();
+  int tick = 0;
+  const RunReport report = run(plan, {.simulated = true,
+                                      .fast = true,
+                                      .standing = {{"pan", 10}},
+                                      .audience = {.keys = [&] { return ++tick == 200 ? "q" : ""; },
+                                                   .confirm = [](const std::string&) { return true; }}});
+  EXPECT_EQ(report.ending, Ending::stopped);
+  EXPECT_THAT(report.reason, HasSubstr("stopped before its end"));
+  EXPECT_LT(report.axes[1].last_actual, 10);
+  EXPECT_GT(report.axes[1].last_actual, -62);
+}
+
+TEST(WayToTheStart, AnAxisThatTheRigDoesNotHaveIsRefused) {
+  const ProgramRun run =
+      run_program({"run", reveal, "--rig", camera_rig, "--sim", "--fast", "--from", "roll=1"});
+  EXPECT_EQ(run.status, 1);
+  EXPECT_THAT(run.err, HasSubstr("has no axis \"roll\""));
+  for (const char* wrong : {"pan", "pan=", "pan=x", "pan=1e999", "pan=nan"}) {
+    const ProgramRun usage =
+        run_program({"run", reveal, "--rig", camera_rig, "--sim", "--fast", "--from", wrong});
+    EXPECT_EQ(usage.status, 2) << wrong;
+    EXPECT_THAT(usage.err, HasSubstr("write AXIS=POSITION")) << wrong;
+  }
+  const ProgramRun twice = run_program(
+      {"run", reveal, "--rig", camera_rig, "--sim", "--fast", "--from", "pan=1", "--from", "pan=2"});
+  EXPECT_EQ(twice.status, 2);
+}
+
+}  // namespace slow_way_test
+}  // namespace inbetween
