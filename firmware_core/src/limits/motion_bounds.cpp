@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "branch_and_bound.hpp"
+#include "inbetween/base/bisection.hpp"
 #include "motion_enclosure.hpp"
 #include "time_pieces.hpp"
 
@@ -13,10 +15,7 @@ namespace {
 /// What is proven may be this much above the largest value found: half of what is promised.
 template <Precise Real>
 inline constexpr Real closeness = Real(0.005);
-/// A stretch halved so often is given as it is.
-constexpr std::int32_t max_halvings = 44;
-/// So small that most of the width of a bound can be rounding.
-constexpr std::int32_t halvings_before_rounding = 10;
+constexpr HalvingLimits stretch_halvings{.max = 44, .before_rounding = 10};
 /// Of a stretch, before any of it is proven: a peak found early saves work on all that is lower.
 constexpr int samples_per_stretch = 6;
 
@@ -48,13 +47,36 @@ class MotionBounds {
     }
   }
 
- private:
-  struct Box {
-    MotionBox<Real> box;
-    std::uint64_t open = 0;  ///< axes of which something is not proven yet
-    std::int32_t halvings = 0;
-  };
+  // The rules of branch_and_bound.
 
+  void raise(std::size_t d, const Triple<Real>& values, Real frame) {
+    const auto peaks = peaks_of(out_[d]);
+    for (std::size_t i = 0; i < quantities; ++i) {
+      const Real value = std::fabs(values[i]);
+      if (!(value > best_[d][i]) || !std::isfinite(value)) continue;
+      best_[d][i] = value;
+      if (std::isfinite(peaks[i]->value)) peaks[i]->frame = frame;
+    }
+  }
+
+  /// What is found without a bound needs no proof of another.
+  [[nodiscard]] Real allowed(std::size_t d, std::size_t quantity) const {
+    const std::array<Real, quantities> values{out_[d].velocity.value, out_[d].acceleration.value,
+                                              out_[d].jerk.value};
+    if (values[quantity] > std::numeric_limits<Real>::max()) return values[quantity];
+    const Triple<Real> slack{slack_[d].velocity, slack_[d].acceleration, slack_[d].jerk};
+    return best_[d][quantity] * (1 + closeness<Real>)+slack[quantity] / 2;
+  }
+  void accept(std::size_t d, const Triple<Real>& bounds, Real frame) {
+    const auto peaks = peaks_of(out_[d]);
+    for (std::size_t i = 0; i < quantities; ++i) {
+      if (!(bounds[i] > peaks[i]->value)) continue;
+      peaks[i]->value = bounds[i];
+      if (!(bounds[i] <= allowed(d, i))) peaks[i]->frame = frame;
+    }
+  }
+
+ private:
   static std::array<Peak<Real>*, quantities> peaks_of(AxisPeaks<Real>& axis) {
     return {&axis.velocity, &axis.acceleration, &axis.jerk};
   }
@@ -100,17 +122,14 @@ class MotionBounds {
   }
   /// The frame on which the move reaches a point of the path.
   [[nodiscard]] Real frame_of(const PathPoint<Real>& point) const {
-    Real low = 0;
-    auto high = static_cast<Real>(track_.frames());
-    for (int i = 0; i < std::numeric_limits<Real>::digits; ++i) {
-      const Real middle = low + (high - low) / 2;
-      const auto whole = static_cast<std::int32_t>(middle);
-      const PathPoint<Real> here = track_.locate({whole, middle - static_cast<Real>(whole)});
-      const bool is_there =
-          here.segment > point.segment || (here.segment == point.segment && here.t >= point.t);
-      (is_there ? high : low) = middle;
-    }
-    return high;
+    const auto is_before = [&](Real frame) {
+      const auto whole = static_cast<std::int32_t>(frame);
+      const PathPoint<Real> here = track_.locate({whole, frame - static_cast<Real>(whole)});
+      return here.segment < point.segment || (here.segment == point.segment && here.t < point.t);
+    };
+    return bisected<Real>({0, static_cast<Real>(track_.frames())}, std::numeric_limits<Real>::digits,
+                          is_before)
+        .high;
   }
 
   // --- the largest values found
@@ -134,93 +153,13 @@ class MotionBounds {
     }
   }
 
-  void raise(std::size_t d, const Triple<Real>& values, Real frame) {
-    const auto peaks = peaks_of(out_[d]);
-    for (std::size_t i = 0; i < quantities; ++i) {
-      const Real value = std::fabs(values[i]);
-      if (!(value > best_[d][i]) || !std::isfinite(value)) continue;
-      best_[d][i] = value;
-      if (std::isfinite(peaks[i]->value)) peaks[i]->frame = frame;
-    }
-  }
-
   // --- the proof
 
   void prove(const Stretch<Real>& stretch) {
     enclosure_.show(stretch.path);
-    std::array<Box, max_halvings + 2> stack;
-    std::size_t count = 0;
-    Box whole{.box = {.begin = 0, .end = stretch.end}};
-    whole.box.tau_begin = stretch.tau_begin;
-    whole.box.tau_end = stretch.tau_end;
-    whole.open = axes_ < max_bounded_axes ? (std::uint64_t{1} << axes_) - 1 : ~std::uint64_t{0};
-    stack[count++] = whole;
-    while (count > 0) {
-      Box next = stack[--count];
-      MotionBox<Real>& box = next.box;
-      box.x = stretch.divide(box.begin, box.end);
-      box.tau = walk_.tau_at(stretch, box.x);
-      const std::uint64_t open = prove_box(stretch, next);
-      if (open == 0) continue;
-      stack[count++] = {{box.x, box.end, box.tau, box.tau_end}, open, next.halvings + 1};
-      stack[count++] = {{box.begin, box.x, box.tau_begin, box.tau}, open, next.halvings + 1};
-    }
-  }
-
-  /// Bounds every open axis on a box and returns those that have to be halved.
-  std::uint64_t prove_box(const Stretch<Real>& stretch, const Box& whole) {
-    const MotionBox<Real>& box = whole.box;
-    const TimePiece<Real>& time = stretch.time;
-    const MotionSurroundings<Real> surroundings = enclosure_.around(stretch, box);
-    const bool is_last = whole.halvings >= max_halvings || box.x <= box.begin || box.x >= box.end;
-    std::uint64_t still_open = 0;
-    for (std::size_t d = 0; d < axes_; ++d) {
-      const std::uint64_t bit = std::uint64_t{1} << d;
-      if ((whole.open & bit) == 0) continue;
-      const auto [here, bounds] = enclosure_.range(d, surroundings);
-      raise(d, here, time.frame(box.x));
-      if (is_last || is_close(d, bounds) ||
-          (whole.halvings >= halvings_before_rounding && is_rounding(d, bounds, stretch, box))) {
-        accept(d, bounds, time.frame(box.x));
-      } else {
-        still_open |= bit;
-      }
-    }
-    return still_open;
-  }
-
-  /// What is found without a bound needs no proof of another.
-  [[nodiscard]] Real allowed(std::size_t d, std::size_t quantity) const {
-    const std::array<Real, quantities> values{out_[d].velocity.value, out_[d].acceleration.value,
-                                              out_[d].jerk.value};
-    if (values[quantity] > std::numeric_limits<Real>::max()) return values[quantity];
-    const Triple<Real> slack{slack_[d].velocity, slack_[d].acceleration, slack_[d].jerk};
-    return best_[d][quantity] * (1 + closeness<Real>)+slack[quantity] / 2;
-  }
-  [[nodiscard]] bool is_close(std::size_t d, const Triple<Real>& bounds) const {
-    for (std::size_t i = 0; i < quantities; ++i) {
-      if (!(bounds[i] <= allowed(d, i))) return false;
-    }
-    return true;
-  }
-  /// Halving does not help any more: at the very point rounding alone, that of the place at a time included,
-  /// takes the bound half as far.
-  [[nodiscard]] bool is_rounding(std::size_t d, const Triple<Real>& bounds, const Stretch<Real>& stretch,
-                                 const MotionBox<Real>& box) const {
-    const Triple<Real> floor = enclosure_.range(d, enclosure_.around(stretch, box.middle())).bound;
-    for (std::size_t i = 0; i < quantities; ++i) {
-      if (!(bounds[i] <= allowed(d, i)) && !(bounds[i] <= 2 * floor[i] && floor[i] > allowed(d, i)))
-        return false;
-    }
-    return true;
-  }
-  void accept(std::size_t d, const Triple<Real>& bounds, Real frame) {
-    const auto peaks = peaks_of(out_[d]);
-    for (std::size_t i = 0; i < quantities; ++i) {
-      if (!(bounds[i] > peaks[i]->value)) continue;
-      peaks[i]->value = bounds[i];
-      if (!(bounds[i] <= allowed(d, i))) peaks[i]->frame = frame;
-    }
+    const MotionBox<Real> whole{
+        .begin = 0, .end = stretch.end, .tau_begin = stretch.tau_begin, .tau_end = stretch.tau_end};
+    branch_and_bound<stretch_halvings>(enclosure_, walk_, stretch, whole, axes_, *this);
   }
 
   const Track<Real>& track_;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "branch_and_bound.hpp"
+
 namespace inbetween {
 namespace {
 
@@ -13,13 +15,10 @@ template <Precise Real>
 inline constexpr Real own_closeness = Real(0.02);
 template <Precise Real>
 inline constexpr Real peak_closeness = Real(0.005);
-/// A part of a cell halved so often is given as it is.
-constexpr std::int32_t max_cell_halvings = 30;
-/// So small that most of the width of a bound can be rounding.
-constexpr std::int32_t cell_halvings_before_rounding = 5;
+constexpr HalvingLimits cell_halvings{.max = 30, .before_rounding = 5};
 
 template <Precise Real>
-void raise(MotionTriple<Real>& to, const MotionTriple<Real>& from) {
+void raise_to(MotionTriple<Real>& to, const MotionTriple<Real>& from) {
   for (std::size_t i = 0; i < motion_quantities; ++i) to[i] = std::max(to[i], from[i]);
 }
 
@@ -56,13 +55,23 @@ class TrackCells {
     });
   }
 
- private:
-  struct Box {
-    MotionBox<Real> box;
-    std::uint64_t open = 0;  ///< axes that are not bounded closely enough yet
-    std::int32_t halvings = 0;
-  };
+  // The rules of branch_and_bound.
 
+  void raise(std::size_t d, const MotionTriple<Real>& here, Real /*frame*/) {
+    raise_magnitude(found_[d], here);
+    raise_to(peaks_[d], found_[d]);
+  }
+  [[nodiscard]] Real allowed(std::size_t d, std::size_t i) const {
+    const Real more = std::max(found_[d][i] * own_closeness<Real>, peaks_[d][i] * peak_closeness<Real>);
+    const PeakSlack<Real>& slack = out_.slack[first_axis_ + d];
+    const MotionTriple<Real> slacks{slack.velocity, slack.acceleration, slack.jerk};
+    return std::max(found_[d][i] + std::max(more, slacks[i]), proven_[d][i]);
+  }
+  void accept(std::size_t d, const MotionTriple<Real>& bounds, Real /*frame*/) {
+    raise_to(proven_[d], bounds);
+  }
+
+ private:
   [[nodiscard]] std::span<MotionTriple<Real>> of_cell(std::size_t cell) const {
     return out_.suprema.subspan(cell * all_axes_ + first_axis_, axes_);
   }
@@ -109,7 +118,7 @@ class TrackCells {
   }
 
   void prove(const Stretch<Real>& stretch, const MotionBox<Real>& part, std::size_t cell) {
-    const std::span<MotionTriple<Real>> proven = of_cell(cell);
+    proven_ = of_cell(cell);
     const MotionSurroundings<Real> begin = enclosure_.at(stretch, part.begin, part.tau_begin);
     const MotionSurroundings<Real> end = enclosure_.at(stretch, part.end, part.tau_end);
     for (std::size_t d = 0; d < axes_; ++d) {
@@ -117,69 +126,7 @@ class TrackCells {
       raise_magnitude(found_[d], enclosure_.here(d, begin));
       raise_magnitude(found_[d], enclosure_.here(d, end));
     }
-    std::array<Box, max_cell_halvings + 2> stack;
-    std::size_t count = 0;
-    const std::uint64_t all = axes_ < max_bounded_axes ? (std::uint64_t{1} << axes_) - 1 : ~std::uint64_t{0};
-    stack[count++] = {part, all, 0};
-    while (count > 0) {
-      Box next = stack[--count];
-      MotionBox<Real>& box = next.box;
-      box.x = stretch.divide(box.begin, box.end);
-      box.tau = walk_.tau_at(stretch, box.x);
-      const std::uint64_t open = prove_box(stretch, next, proven);
-      if (open == 0) continue;
-      stack[count++] = {{box.x, box.end, box.tau, box.tau_end}, open, next.halvings + 1};
-      stack[count++] = {{box.begin, box.x, box.tau_begin, box.tau}, open, next.halvings + 1};
-    }
-  }
-
-  /// Takes what is close enough and returns the axes for which the box has to be halved.
-  std::uint64_t prove_box(const Stretch<Real>& stretch, const Box& whole,
-                          std::span<MotionTriple<Real>> proven) {
-    const MotionBox<Real>& box = whole.box;
-    const MotionSurroundings<Real> surroundings = enclosure_.around(stretch, box);
-    const bool is_last = whole.halvings >= max_cell_halvings || box.x <= box.begin || box.x >= box.end;
-    std::uint64_t still_open = 0;
-    for (std::size_t d = 0; d < axes_; ++d) {
-      const std::uint64_t bit = std::uint64_t{1} << d;
-      if ((whole.open & bit) == 0) continue;
-      const auto [here, bound] = enclosure_.range(d, surroundings);
-      raise_magnitude(found_[d], here);
-      raise(peaks_[d], found_[d]);
-      if (is_last || is_close(d, bound, proven[d]) ||
-          (whole.halvings >= cell_halvings_before_rounding &&
-           is_rounding(d, bound, proven[d], stretch, box))) {
-        raise(proven[d], bound);
-      } else {
-        still_open |= bit;
-      }
-    }
-    return still_open;
-  }
-  [[nodiscard]] Real allowed(std::size_t d, std::size_t i, const MotionTriple<Real>& proven) const {
-    const Real more = std::max(found_[d][i] * own_closeness<Real>, peaks_[d][i] * peak_closeness<Real>);
-    const PeakSlack<Real>& slack = out_.slack[first_axis_ + d];
-    const MotionTriple<Real> slacks{slack.velocity, slack.acceleration, slack.jerk};
-    return std::max(found_[d][i] + std::max(more, slacks[i]), proven[i]);
-  }
-  [[nodiscard]] bool is_close(std::size_t d, const MotionTriple<Real>& bound,
-                              const MotionTriple<Real>& proven) const {
-    for (std::size_t i = 0; i < motion_quantities; ++i) {
-      if (!(bound[i] <= allowed(d, i, proven))) return false;
-    }
-    return true;
-  }
-  /// Halving does not help any more: at the very point rounding alone, that of the place at a time included,
-  /// takes the bound half as far.
-  [[nodiscard]] bool is_rounding(std::size_t d, const MotionTriple<Real>& bound,
-                                 const MotionTriple<Real>& proven, const Stretch<Real>& stretch,
-                                 const MotionBox<Real>& box) const {
-    const MotionTriple<Real> floor = enclosure_.range(d, enclosure_.around(stretch, box.middle())).bound;
-    for (std::size_t i = 0; i < motion_quantities; ++i) {
-      const Real max_bound = allowed(d, i, proven);
-      if (!(bound[i] <= max_bound) && !(bound[i] <= 2 * floor[i] && floor[i] > max_bound)) return false;
-    }
-    return true;
+    branch_and_bound<cell_halvings>(enclosure_, walk_, stretch, part, axes_, *this);
   }
 
   std::size_t axes_;
@@ -192,6 +139,7 @@ class TrackCells {
   MotionEnclosure<Real> enclosure_;
   std::array<MotionTriple<Real>, max_bounded_axes> peaks_{};
   std::array<MotionTriple<Real>, max_bounded_axes> found_{};
+  std::span<MotionTriple<Real>> proven_;  ///< of the cell
 };
 
 /// |p1|, |p2|, |p3| of a roll between two times in seconds from the joint, both of one sign.
@@ -230,7 +178,7 @@ void bound_roll(const Move<Real>& move, std::span<const RollAxis<Real>> rolls, c
     const Real to = std::min(first + line * (static_cast<Real>(cell + 1) / cells), begin + seconds);
     if (!(from < to)) continue;
     for (std::size_t d = 0; d < rolls.size(); ++d) {
-      raise(out.suprema[cell * rolls.size() + d], roll_suprema(rolls[d], from, to));
+      raise_to(out.suprema[cell * rolls.size() + d], roll_suprema(rolls[d], from, to));
     }
   }
 }

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "base/scaled_norm.hpp"
+#include "inbetween/base/bisection.hpp"
 #include "limits/lock_share.hpp"
 #include "path/segment_speed.hpp"
 #include "time_pieces.hpp"
@@ -54,12 +55,8 @@ FrameTime<Real> first_time(const Track<Real>& track, const TwoSum<Real>& target,
     (is_there({middle, 0}) ? reached : before) = middle;
   }
   if (!is_there({reached, 0})) return {reached, 0};
-  Real low = 0;
-  Real high = 1;
-  for (int i = 0; i < std::numeric_limits<Real>::digits; ++i) {
-    const Real middle = low + (high - low) / 2;
-    (is_there({before, middle}) ? high : low) = middle;
-  }
+  const auto is_before = [&](Real fraction) { return !is_there({before, fraction}); };
+  const Real high = bisected<Real>({0, 1}, std::numeric_limits<Real>::digits, is_before).high;
   return high < 1 ? FrameTime<Real>{before, high} : FrameTime<Real>{reached, 0};
 }
 

@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "base/interval.hpp"
+#include "inbetween/base/bisection.hpp"
 #include "inbetween/timing/track.hpp"
 #include "length_from_anchor.hpp"
 #include "lock_share.hpp"
@@ -289,14 +290,8 @@ class StretchWalk {
 
   /// The x, to the last bit, at which the piece of the path is left.
   [[nodiscard]] Real crossing(const CurvePart& part, Real begin) const {
-    Real low = begin;
-    Real high = part.end;
-    for (int i = 0; i < std::numeric_limits<Real>::digits + 8; ++i) {
-      const Real middle = low + (high - low) / 2;
-      if (middle <= low || middle >= high) break;
-      (distance_at(part, middle).minus(end_distance_) > 0 ? high : low) = middle;
-    }
-    return high;
+    const auto is_before = [&](Real x) { return !(distance_at(part, x).minus(end_distance_) > 0); };
+    return bisected<Real>({begin, part.end}, std::numeric_limits<Real>::digits + 8, is_before).high;
   }
 
   [[nodiscard]] TwoSum<Real> distance_of_curve(const CurvePart& part, Real x) const {

@@ -2,6 +2,7 @@
 
 #include <limits>
 
+#include "inbetween/base/bisection.hpp"
 #include "inbetween/timing/integral_row.hpp"
 
 namespace inbetween {
@@ -22,13 +23,10 @@ Real arrival(const KeyTimingSpec<Real>& spec, std::int32_t key) {
                                 : static_cast<Real>(key) / static_cast<Real>(spec.key_distances.size());
   if (share <= 0) return 0;
   const Real target = share * IntegralRow<Real>(0, spans, f).integral(spec.control_values);
-  Real low = 0;
-  Real high = 1;
-  for (int i = 0; i < std::numeric_limits<Real>::digits; ++i) {
-    const Real middle = (low + high) / 2;
-    (IntegralRow<Real>(0, middle * spans, f).integral(spec.control_values) < target ? low : high) = middle;
-  }
-  return high;
+  const auto is_before = [&](Real tried) {
+    return IntegralRow<Real>(0, tried * spans, f).integral(spec.control_values) < target;
+  };
+  return bisected<Real>({0, 1}, std::numeric_limits<Real>::digits, is_before).high;
 }
 
 /// The frame of the hold at `index`, which has none: where the drawn curve arrives, played between the locks

@@ -1,0 +1,76 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "motion_enclosure.hpp"
+#include "time_pieces.hpp"
+
+namespace inbetween {
+
+/// How often branch and bound halves a part of a stretch.
+struct HalvingLimits {
+  std::int32_t max = 0;              ///< a part halved so often is given as it is
+  std::int32_t before_rounding = 0;  ///< from here on most of the width of a bound can be rounding
+};
+
+/// Bounds the motion of every axis of a track on a part of a stretch by branch and bound: a box is halved
+/// for the axes whose bounds are not close enough on it. `rules` decides for axis d:
+/// - raise(d, values, frame): takes what the motion is at a point of the box;
+/// - allowed(d, i): the highest bound of quantity i that is close enough;
+/// - accept(d, bounds, frame): takes the bounds on a box.
+template <HalvingLimits halvings, Precise Real, class Rules>
+void branch_and_bound(const MotionEnclosure<Real>& enclosure, const StretchWalk<Real>& walk,
+                      const Stretch<Real>& stretch, const MotionBox<Real>& part, std::size_t axes,
+                      Rules& rules) {
+  struct Box {
+    MotionBox<Real> box;
+    std::uint64_t open = 0;  ///< axes whose bounds are not close enough yet
+    std::int32_t halved = 0;
+  };
+  // Halving does not help any more where rounding alone, at the very point and with that of the place at a
+  // time, takes the bound half as far.
+  const auto is_good_enough = [&](std::size_t d, const MotionTriple<Real>& bounds, const Box& whole) {
+    bool is_close = true;
+    for (std::size_t i = 0; i < motion_quantities; ++i) {
+      is_close = is_close && bounds[i] <= rules.allowed(d, i);
+    }
+    if (is_close || whole.halved < halvings.before_rounding) return is_close;
+    const MotionTriple<Real> floor = enclosure.range(d, enclosure.around(stretch, whole.box.middle())).bound;
+    for (std::size_t i = 0; i < motion_quantities; ++i) {
+      const Real allowed = rules.allowed(d, i);
+      if (!(bounds[i] <= allowed) && !(bounds[i] <= 2 * floor[i] && floor[i] > allowed)) return false;
+    }
+    return true;
+  };
+  std::array<Box, static_cast<std::size_t>(halvings.max) + 2> stack;
+  std::size_t count = 0;
+  stack[count++] = {part, axes < max_bounded_axes ? (std::uint64_t{1} << axes) - 1 : ~std::uint64_t{0}, 0};
+  while (count > 0) {
+    Box next = stack[--count];
+    MotionBox<Real>& box = next.box;
+    box.x = stretch.divide(box.begin, box.end);
+    box.tau = walk.tau_at(stretch, box.x);
+    const MotionSurroundings<Real> surroundings = enclosure.around(stretch, box);
+    const bool is_last = next.halved >= halvings.max || box.x <= box.begin || box.x >= box.end;
+    const Real frame = stretch.time.frame(box.x);
+    std::uint64_t open = 0;
+    for (std::size_t d = 0; d < axes; ++d) {
+      const std::uint64_t bit = std::uint64_t{1} << d;
+      if ((next.open & bit) == 0) continue;
+      const auto [here, bounds] = enclosure.range(d, surroundings);
+      rules.raise(d, here, frame);
+      if (is_last || is_good_enough(d, bounds, next)) {
+        rules.accept(d, bounds, frame);
+      } else {
+        open |= bit;
+      }
+    }
+    if (open == 0) continue;
+    stack[count++] = {{box.x, box.end, box.tau, box.tau_end}, open, next.halved + 1};
+    stack[count++] = {{box.begin, box.x, box.tau_begin, box.tau}, open, next.halved + 1};
+  }
+}
+
+}  // namespace inbetween
