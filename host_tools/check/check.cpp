@@ -67,8 +67,7 @@ void bound_track(const Plan& plan, std::size_t index, CheckReport& report) {
   }
   std::vector<AxisTurn<double>> turns(axes.size());
   std::vector<AxisPeaks<double>> peaks(axes.size());
-  const Status bounded = bound_motion<double>(plan.tracks()[index].track(), slack, {turns}, peaks);
-  if (!bounded) throw SolverError(bounded.error());
+  value_or_throw(bound_motion<double>(plan.tracks()[index].track(), slack, {turns}, peaks));
   for (std::size_t d = 0; d < axes.size(); ++d) raise(report.axes[axes[d]], peaks[d]);
 }
 

@@ -52,14 +52,11 @@ PlannedStops::PlannedStops(const Plan& plan, const StopRequest<double>& asked, s
   request.tick_seconds = 1.0 / plan.rig()->rate_hz;
   const StopBoundsMemory<double> memory{.cells = cells_, .suprema = suprema, .slack = slack, .turns = turns};
   const auto bounds = StopBounds<double>::make(request, memory, peaks_);
-  if (bounds) {
-    bounds_ = *bounds;
-    return;
+  if (!bounds && bounds.error().code == ErrorCode::no_solution) {
+    obstacle_ = value_or_throw(stop_obstacle(request, memory));
+  } else {
+    bounds_ = value_or_throw(bounds);
   }
-  if (bounds.error().code != ErrorCode::no_solution) throw SolverError(bounds.error());
-  const auto obstacle = stop_obstacle(request, memory);
-  if (!obstacle) throw SolverError(obstacle.error());
-  obstacle_ = *obstacle;
 }
 
 }  // namespace inbetween

@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -26,6 +27,22 @@ class UsageError : public std::runtime_error {
 
 /// The command that was named, with its arguments. Returns the exit status.
 using Command = std::function<int()>;
+
+/// How a command is listed.
+struct CommandTitle {
+  const char* name;
+  const char* what;
+};
+
+/// Adds a command to the program: `describe` gives it its options and its help, `run` does it.
+template <class Arguments>
+void add_command(CLI::App& program, Command& chosen, const CommandTitle& title,
+                 void (*describe)(CLI::App&, Arguments&), int (*run)(const Arguments&)) {
+  CLI::App* const command = program.add_subcommand(title.name, title.what);
+  const auto arguments = std::make_shared<Arguments>();
+  describe(*command, *arguments);
+  command->callback([arguments, run, &chosen] { chosen = [arguments, run] { return run(*arguments); }; });
+}
 
 /// Add a command with its options and its help to the program. Parsing sets `chosen` if it is the one.
 void add_plan_command(CLI::App& program, Command& chosen);

@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <memory>
 #include <string>
 
 #include "host_tools/cli/budget.hpp"
@@ -58,11 +57,8 @@ void describe(CLI::App& app, BudgetCapacity& capacity) {
 }  // namespace
 
 void add_budget_command(CLI::App& program, Command& chosen) {
-  CLI::App* command =
-      program.add_subcommand("budget", "Say what a move takes of a machine: memory, stack, instructions");
-  const auto arguments = std::make_shared<BudgetCapacity>();
-  describe(*command, *arguments);
-  command->callback([arguments, &chosen] { chosen = [arguments] { return budget_command(*arguments); }; });
+  add_command(program, chosen, {"budget", "Say what a move takes of a machine: memory, stack, instructions"},
+              describe, budget_command);
 }
 
 }  // namespace inbetween

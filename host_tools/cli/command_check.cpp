@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <memory>
 #include <optional>
 #include <string>
 
@@ -153,11 +152,9 @@ void describe(CLI::App& app, CheckArguments& arguments) {
 }  // namespace
 
 void add_check_command(CLI::App& program, Command& chosen) {
-  CLI::App* command = program.add_subcommand(
-      "check", "Hold a move against the limits of a rig: is it inside them at every moment?");
-  const auto arguments = std::make_shared<CheckArguments>();
-  describe(*command, *arguments);
-  command->callback([arguments, &chosen] { chosen = [arguments] { return check_command(*arguments); }; });
+  add_command(program, chosen,
+              {"check", "Hold a move against the limits of a rig: is it inside them at every moment?"},
+              describe, check_command);
 }
 
 }  // namespace inbetween

@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -154,10 +153,8 @@ void describe(CLI::App& app, GotoArguments& arguments) {
 }  // namespace
 
 void add_goto_command(CLI::App& program, Command& chosen) {
-  CLI::App* command = program.add_subcommand("goto", "Bring axes to positions, or say where they stand");
-  const auto arguments = std::make_shared<GotoArguments>();
-  describe(*command, *arguments);
-  command->callback([arguments, &chosen] { chosen = [arguments] { return goto_command(*arguments); }; });
+  add_command(program, chosen, {"goto", "Bring axes to positions, or say where they stand"}, describe,
+              goto_command);
 }
 
 }  // namespace inbetween

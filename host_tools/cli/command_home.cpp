@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -82,10 +81,7 @@ void describe(CLI::App& app, HomeArguments& arguments) {
 }  // namespace
 
 void add_home_command(CLI::App& program, Command& chosen) {
-  CLI::App* command = program.add_subcommand("home", "Let axes find their home switches");
-  const auto arguments = std::make_shared<HomeArguments>();
-  describe(*command, *arguments);
-  command->callback([arguments, &chosen] { chosen = [arguments] { return home_command(*arguments); }; });
+  add_command(program, chosen, {"home", "Let axes find their home switches"}, describe, home_command);
 }
 
 }  // namespace inbetween

@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <memory>
 #include <numeric>
 #include <string>
 #include <vector>
@@ -101,10 +100,7 @@ void describe(CLI::App& app, JogArguments& arguments) {
 }  // namespace
 
 void add_jog_command(CLI::App& program, Command& chosen) {
-  CLI::App* command = program.add_subcommand("jog", "Move axes by hand, as long as a key is held");
-  const auto arguments = std::make_shared<JogArguments>();
-  describe(*command, *arguments);
-  command->callback([arguments, &chosen] { chosen = [arguments] { return jog_command(*arguments); }; });
+  add_command(program, chosen, {"jog", "Move axes by hand, as long as a key is held"}, describe, jog_command);
 }
 
 }  // namespace inbetween

@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <memory>
 #include <optional>
 #include <string>
 
@@ -127,10 +126,8 @@ void describe(CLI::App& app, PlanArguments& arguments) {
 }  // namespace
 
 void add_plan_command(CLI::App& program, Command& chosen) {
-  CLI::App* command = program.add_subcommand("plan", "Solve a move and show it: summary, CSV, JSON, picture");
-  const auto arguments = std::make_shared<PlanArguments>();
-  describe(*command, *arguments);
-  command->callback([arguments, &chosen] { chosen = [arguments] { return plan_command(*arguments); }; });
+  add_command(program, chosen, {"plan", "Solve a move and show it: summary, CSV, JSON, picture"}, describe,
+              plan_command);
 }
 
 }  // namespace inbetween

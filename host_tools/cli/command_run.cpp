@@ -2,7 +2,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -317,17 +316,14 @@ void describe(CLI::App& app, RunArguments& arguments) {
   app.add_option("--cue-log", arguments.cue_log,
                  "write when which pulse began on the outputs of the rig, a line a pulse (CSV; - is standard "
                  "output)");
+  explain(app);
 }
 
 }  // namespace
 
 void add_run_command(CLI::App& program, Command& chosen) {
-  CLI::App* command =
-      program.add_subcommand("run", "Play a move on a rig, a position of every axis per tick");
-  const auto arguments = std::make_shared<RunArguments>();
-  describe(*command, *arguments);
-  explain(*command);
-  command->callback([arguments, &chosen] { chosen = [arguments] { return run_command(*arguments); }; });
+  add_command(program, chosen, {"run", "Play a move on a rig, a position of every axis per tick"}, describe,
+              run_command);
 }
 
 }  // namespace inbetween

@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -43,23 +42,17 @@ int sim_drives_command(const SimDrivesArguments& arguments) {
   return 0;
 }
 
-}  // namespace
-
-void add_sim_drives_command(CLI::App& program, Command& chosen) {
-  CLI::App* command = program.add_subcommand(
-      "sim-drives", "Simulate the CiA 402 drives of a rig as a process that speaks on its buses");
-  const auto arguments = std::make_shared<SimDrivesArguments>();
-  command->add_option("--rig", arguments->rig, "the rig: its buses must be there and up, vcan for example")
+void describe(CLI::App& app, SimDrivesArguments& arguments) {
+  app.add_option("--rig", arguments.rig, "the rig: its buses must be there and up, vcan for example")
       ->required();
-  command
-      ->add_option("--from", arguments->from,
-                   "AXIS=POSITION, where an axis stands (0, or as near as its limits allow)")
+  app.add_option("--from", arguments.from,
+                 "AXIS=POSITION, where an axis stands (0, or as near as its limits allow)")
       ->expected(1)
       ->take_all();
-  command->add_option("--faults", arguments->faults, "a script of what goes wrong with them, and when");
-  command->add_option("--record", arguments->record,
-                      "the targets that the drives apply: axis, nanoseconds, counts");
-  command->footer(
+  app.add_option("--faults", arguments.faults, "a script of what goes wrong with them, and when");
+  app.add_option("--record", arguments.record,
+                 "the targets that the drives apply: axis, nanoseconds, counts");
+  app.footer(
       "Runs until Ctrl-C. Each drive boots, is set up, enabled and watched over as a real one is: it stops "
       "by itself\n"
       "when the program that moves it falls silent.\n\n"
@@ -68,8 +61,14 @@ void add_sim_drives_command(CLI::App& program, Command& chosen) {
       "  inbetween sim-drives --rig rig.toml &\n"
       "  inbetween run move.toml --rig rig.toml\n"
       "Where the kernel has no vcan, sim/bench/run gives a kernel that has; docs/bench.md shows how.");
-  command->callback(
-      [arguments, &chosen] { chosen = [arguments] { return sim_drives_command(*arguments); }; });
+}
+
+}  // namespace
+
+void add_sim_drives_command(CLI::App& program, Command& chosen) {
+  add_command(program, chosen,
+              {"sim-drives", "Simulate the CiA 402 drives of a rig as a process that speaks on its buses"},
+              describe, sim_drives_command);
 }
 
 }  // namespace inbetween

@@ -1,7 +1,5 @@
 #include "host_tools/motions/free_axes.hpp"
 
-#include <fmt/format.h>
-
 #include "host_tools/files/diagnostics.hpp"
 
 namespace inbetween {
@@ -17,10 +15,8 @@ FreeAxisLimits<double> free_limits_of(const RigAxis& axis, double share) {
 
 FreeAxis<double> free_axis_of(const RigAxis& axis, const FreeAxisLimits<double>& limits, double position,
                               double tick_seconds) {
-  const auto free = FreeAxis<double>::make(limits, position, tick_seconds);
-  if (free) return *free;
-  throw InputError(axis.place, fmt::format("axis {} cannot be moved: {}; {}", in_quotes(axis.name),
-                                           free.error().what, free.error().remedy));
+  return value_or_refuse(FreeAxis<double>::make(limits, position, tick_seconds), axis.place,
+                         named(axis) + " cannot be moved");
 }
 
 }  // namespace inbetween

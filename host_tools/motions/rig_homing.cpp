@@ -1,7 +1,5 @@
 #include "host_tools/motions/rig_homing.hpp"
 
-#include <fmt/format.h>
-
 namespace inbetween {
 namespace {
 
@@ -24,10 +22,8 @@ HomingSpec<double> homing_spec_of(const RigAxis& axis, const SwitchSettings& hom
 }
 
 AxisHoming<double> axis_homing_of(const RigAxis& axis, const SwitchSettings& home, FreeAxis<double>& free) {
-  const auto homing = AxisHoming<double>::make(homing_spec_of(axis, home), free);
-  if (homing) return *homing;
-  throw InputError(axis.home->place, fmt::format("axis {} cannot home: {}; {}", in_quotes(axis.name),
-                                                 homing.error().what, homing.error().remedy));
+  return value_or_refuse(AxisHoming<double>::make(homing_spec_of(axis, home), free), axis.home->place,
+                         named(axis) + " cannot home");
 }
 
 }  // namespace inbetween

@@ -144,8 +144,7 @@ SolvedTrack<double> solve_track(const MoveTrack& track, const MoveFile& move, co
   const TrackNumbers numbers(track, move);
   try {
     SolvedTrack<double> solved(numbers.spec, options.solver);
-    const Status valid = check_invariants(solved.track(), solved.table());
-    if (!valid) throw SolverError(valid.error());
+    value_or_throw(check_invariants(solved.track(), solved.table()));
     return solved;
   } catch (const SolverError& refused) {
     throw InputError(place_of(refused.error(), track), message_of(refused.error(), track, move.frames));

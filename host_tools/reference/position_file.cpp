@@ -227,7 +227,7 @@ std::unique_ptr<InstanceLock> lock_positions(const std::string& path) {
   hash.add(file.string());
   auto lock = std::make_unique<InstanceLock>();
   if (const auto refusal = lock->take(fmt::format("positions {:016x}", hash.value()), "these positions")) {
-    throw InputError({path, 0, 0}, refusal->what + "; " + refusal->remedy);
+    refuse_at({path, 0, 0}, *refusal);
   }
   return lock;
 }
