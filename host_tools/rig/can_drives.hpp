@@ -28,7 +28,7 @@ std::string words_of(const can::SetupRefusal& refusal);
 /// Throws InputError at the place of a bus whose load would be above bus_load_limit_percent.
 void refuse_overloaded_buses(const RigFile& rig);
 
-class CanDrives final : public AxisDrives {
+class CanDrives final : public PortDrives<can::Cia402Port<double, BusLink>> {
  public:
   /// `axes` of the rig are its CiA 402 axes, at least one. Throws InputError at the place of an axis that
   /// cannot be set up, and what RigHardware::open_bus throws.
@@ -36,15 +36,6 @@ class CanDrives final : public AxisDrives {
   CanDrives(const CanDrives&) = delete;
   CanDrives& operator=(const CanDrives&) = delete;
 
-  void read(std::span<DriveState<double>> states, std::int64_t now_ns) override {
-    port_->read(states, now_ns);
-  }
-  void write(std::span<const Setpoint<double>> setpoints, std::int64_t now_ns) override {
-    port_->write(setpoints, now_ns);
-  }
-  void enable() override { port_->enable(); }
-  void disable() override { port_->disable(); }
-  void quick_stop() override { port_->quick_stop(); }
   void place(std::size_t drive, double position) override;
   [[nodiscard]] bool has_lost_position(std::size_t drive) const override;
 
@@ -73,7 +64,6 @@ class CanDrives final : public AxisDrives {
   std::deque<BusOfRig> buses_;
   std::vector<can::Cia402Lane<BusLink>> lanes_;
   std::vector<can::Cia402Axis<double>> ports_;
-  std::optional<can::Cia402Port<double, BusLink>> port_;
 };
 
 }  // namespace inbetween

@@ -49,7 +49,7 @@ RigDrives::RigDrives(const RigFile& rig, RigHardware& hardware)
   if (!on_steps.empty()) {
     auto steps = std::make_unique<StepDrives>(rig, hardware);
     steps_ = steps.get();
-    add(steps->indices(), std::move(steps));
+    add(steps_->indices(), std::move(steps));
   }
   if (!others.empty()) add(others, std::move(other_drives));
 }

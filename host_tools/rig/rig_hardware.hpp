@@ -86,6 +86,24 @@ class AxisDrives {
   [[nodiscard]] virtual bool has_lost_position(std::size_t /*drive*/) const { return false; }
 };
 
+/// The drives behind a DrivePort.
+template <DrivePort<double> Port>
+class PortDrives : public AxisDrives {
+ public:
+  void read(std::span<DriveState<double>> states, std::int64_t now_ns) override {
+    port_->read(states, now_ns);
+  }
+  void write(std::span<const Setpoint<double>> setpoints, std::int64_t now_ns) override {
+    port_->write(setpoints, now_ns);
+  }
+  void enable() override { port_->enable(); }
+  void disable() override { port_->disable(); }
+  void quick_stop() override { port_->quick_stop(); }
+
+ protected:
+  std::optional<Port> port_;
+};
+
 /// An output of a rig.
 struct PulseLine {
   std::string_view name;

@@ -75,21 +75,11 @@ class PulsesInProcess final : public ChipOutputs {
   gpio::StepPlayer::PlayedRing played_;
 };
 
-class IdealDrives final : public AxisDrives {
+class IdealDrives final : public PortDrives<SimulatedRig> {
  public:
-  explicit IdealDrives(std::span<const double> positions) : rig_(positions) {}
-  void read(std::span<DriveState<double>> states, std::int64_t now_ns) override { rig_.read(states, now_ns); }
-  void write(std::span<const Setpoint<double>> setpoints, std::int64_t now_ns) override {
-    rig_.write(setpoints, now_ns);
-  }
-  void enable() override { rig_.enable(); }
-  void disable() override { rig_.disable(); }
-  void quick_stop() override { rig_.quick_stop(); }
-  void place(std::size_t drive, double position) override { rig_.place(drive, position); }
-  [[nodiscard]] double true_position(std::size_t drive) const { return rig_.axes()[drive].actual(); }
-
- private:
-  SimulatedRig rig_;
+  explicit IdealDrives(std::span<const double> positions) { port_.emplace(positions); }
+  void place(std::size_t drive, double position) override { port_->place(drive, position); }
+  [[nodiscard]] double true_position(std::size_t drive) const { return port_->axes()[drive].actual(); }
 };
 
 /// The switches follow the axes before their lines are read.

@@ -21,7 +21,7 @@ namespace inbetween {
 void refuse_step_rates(const RigFile& rig);
 
 /// A DrivePort for the step-dir axes of a rig, in the order of indices().
-class StepDrives final : public AxisDrives {
+class StepDrives final : public PortDrives<StepPort<double, ChipOutputs>> {
  public:
   /// Takes the lines of all chips and switches nothing on. The rig has such axes. Throws InputError at the
   /// place of what is not there or not allowed; then nothing has changed.
@@ -32,15 +32,6 @@ class StepDrives final : public AxisDrives {
   /// Which axes of the rig.
   [[nodiscard]] std::span<const std::size_t> indices() const { return indices_; }
 
-  void read(std::span<DriveState<double>> states, std::int64_t now_ns) override {
-    port_->read(states, now_ns);
-  }
-  void write(std::span<const Setpoint<double>> setpoints, std::int64_t now_ns) override {
-    port_->write(setpoints, now_ns);
-  }
-  void enable() override { port_->enable(); }
-  void disable() override { port_->disable(); }
-  void quick_stop() override { port_->quick_stop(); }
   /// Only while the axis rests.
   void place(std::size_t lane, double position) override;
   /// Steps were counted that the motor did not get: nobody knows where the axis is.
@@ -75,7 +66,6 @@ class StepDrives final : public AxisDrives {
   std::vector<StepChip<ChipOutputs>> port_chips_;
   std::vector<StepLaneState> lane_states_;
   std::vector<std::span<const StepEdge>> lists_;
-  std::optional<StepPort<double, ChipOutputs>> port_;
 };
 
 }  // namespace inbetween
