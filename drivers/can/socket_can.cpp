@@ -133,7 +133,6 @@ std::optional<Refusal> SocketCan::open(const std::string& interface, std::span<c
   counters_ = {};
   drops_seen_ = 0;
   controller_ = ControllerState::active;
-  interface_ = interface;
 
   const int created = ::socket(PF_CAN, SOCK_RAW | SOCK_NONBLOCK | SOCK_CLOEXEC, CAN_RAW);
   if (created < 0) {
@@ -150,7 +149,6 @@ std::optional<Refusal> SocketCan::open(const std::string& interface, std::span<c
     const bool is_bound = set_options(socket_, filters) && ::ioctl(socket_, SIOCGIFINDEX, &request) == 0 &&
                           (address.can_ifindex = request.ifr_ifindex) > 0 &&
                           ::bind(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
-    interface_index_ = address.can_ifindex;
     if (!is_bound) {
       refusal = Refusal{.what = interface + " cannot be used: " + reason_of(errno),
                         .remedy = "look at the interface with: ip -details link show " + interface};
@@ -290,19 +288,6 @@ SocketCan::Drained SocketCan::drain() {
   }
   counters_.stale += drained.stale;
   return drained;
-}
-
-LinkState SocketCan::look_at_link() {
-  if (socket_ < 0 || link_ == LinkState::gone) return LinkState::gone;
-  ifreq request = request_for(interface_);
-  if (::ioctl(socket_, SIOCGIFINDEX, &request) != 0 || request.ifr_ifindex != interface_index_) {
-    return link_ = LinkState::gone;
-  }
-  request = request_for(interface_);
-  const bool is_up = ::ioctl(socket_, SIOCGIFFLAGS, &request) == 0 && (request.ifr_flags & IFF_UP) != 0;
-  // To switch the interface on starts its controller, and no error frame tells of that.
-  if (is_up && link_ == LinkState::down) controller_ = ControllerState::active;
-  return link_ = is_up ? LinkState::up : LinkState::down;
 }
 
 }  // namespace inbetween::can

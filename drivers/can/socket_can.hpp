@@ -16,8 +16,8 @@
 
 namespace inbetween::can {
 
-/// The network interface. What has gone down or away stays so here until somebody asks for it
-/// (`look_at_link`): nothing is sent again because a cable was put back.
+/// The network interface. What has gone down or away stays so until it is opened again: nothing is sent
+/// because a cable was put back.
 enum class LinkState : std::uint8_t {
   up,
   down,  ///< switched off, or bus-off with some drivers
@@ -96,9 +96,6 @@ class SocketCan {
 
   /// As `send`, `receive` and `drain` have found it; asks nobody.
   [[nodiscard]] LinkState link() const { return link_; }
-  /// Asks the kernel (not for the loop). An interface that is up again is `up` from now on, one that was
-  /// deleted is `gone` though there may be a new one of its name.
-  LinkState look_at_link();
 
   [[nodiscard]] ControllerState controller() const { return controller_; }
   [[nodiscard]] const CanCounters& counters() const { return counters_; }
@@ -111,8 +108,6 @@ class SocketCan {
   std::optional<Frame> take(std::size_t index);
 
   int socket_ = -1;
-  int interface_index_ = 0;
-  std::string interface_;
   LinkState link_ = LinkState::gone;
   ControllerState controller_ = ControllerState::active;
   CanCounters counters_;

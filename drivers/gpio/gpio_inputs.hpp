@@ -39,7 +39,6 @@ class GpioInputs {
   /// are refused by name.
   [[nodiscard]] std::optional<Refusal> open(const GpioChip& chip, std::span<const InputLine> lines);
   void close();
-  [[nodiscard]] bool is_open() const { return held_ != nullptr; }
 
   /// The levels of all lines now, by one GPIO_V2_LINE_GET_VALUES. None: not known, and `state` says why.
   [[nodiscard]] std::optional<std::uint64_t> levels();

@@ -17,7 +17,6 @@ void StepThread::play(const std::optional<RealTimeWishes>& wishes) {
   if (wishes) {
     real_time.emplace(*wishes);
     rights_ = real_time->rights();
-    is_fit_ = real_time->is_fit();
   }
   is_ready_.count_down();
   player_.run();

@@ -27,15 +27,12 @@ class StepThread {
 
   /// As RealTimeThread has them; none without wishes.
   [[nodiscard]] const std::vector<RealTimeRight>& rights() const { return rights_; }
-  /// Whether everything was obtained that a thread which drives motors needs.
-  [[nodiscard]] bool is_fit() const { return is_fit_; }
 
  private:
   void play(const std::optional<RealTimeWishes>& wishes);
 
   StepPlayer& player_;
   std::vector<RealTimeRight> rights_;
-  bool is_fit_ = false;
   std::latch is_ready_{1};
   std::thread thread_;
 };

@@ -115,8 +115,6 @@ class TimedRunner {
   // Once no act runs.
   [[nodiscard]] WakeLatency latency() const { return latencies_.summary(); }
   [[nodiscard]] std::int64_t late_ticks() const { return late_ticks_; }
-  /// Snapshots that nobody took in time, and keys that found no room.
-  [[nodiscard]] std::uint64_t dropped() const { return shown_.dropped() + typed_.dropped(); }
 
  private:
   void live(const std::optional<RealTimeWishes>& wishes);

@@ -78,16 +78,6 @@ void RigReference::at_rest(const RigDrives& drives, std::span<const DriveState<d
   keep(rests);
 }
 
-void RigReference::has_not_moved() {
-  std::vector<PositionFile::Rest> rests;
-  for (std::size_t a = 0; a < axes_.size(); ++a) {
-    if (std::exchange(axes_[a].moves, false) && is_kept(a)) {
-      rests.push_back({.axis = a, .position = axes_[a].position});
-    }
-  }
-  keep(rests);
-}
-
 void RigReference::stands_at(std::size_t axis, double position) {
   if (!is_kept(axis)) throw std::logic_error("a position is said of an axis that its drive knows");
   axes_[axis] = {.position = position};

@@ -50,9 +50,6 @@ class RigReference {
   /// nothing reports where it went. What has not moved stays as it is.
   void at_rest(const RigDrives& drives, std::span<const DriveState<double>> states, bool power_was_cut);
 
-  /// What was to move was never switched on: it rests where it did.
-  void has_not_moved();
-
   /// Somebody says where an axis rests, or its switch has told. Throws std::logic_error for an axis that
   /// its drive knows.
   void stands_at(std::size_t axis, double position);

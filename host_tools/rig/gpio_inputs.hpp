@@ -52,7 +52,6 @@ class RigInputs {
 
   /// Of all lines in the last tick, in the order of their times. Lines are numbered through the rig.
   [[nodiscard]] std::span<const LineEvent> events() const { return events_; }
-  [[nodiscard]] bool has_home(std::size_t axis) const { return axes_[axis].home.has_value(); }
   /// For HomingSpec. Of an axis with a home switch.
   [[nodiscard]] SwitchSettings home_switch(std::size_t axis) const;
   /// Of the last tick; limit_hit while a limit switch of the axis is active. What the drive tells is not in

@@ -169,8 +169,6 @@ TEST_F(RigLinesTest, AnAxisThatStandsOnItsLimitSwitchAtFirstHasNotJustReachedIt)
 }
 
 TEST_F(RigLinesTest, AHomeSwitchIsAtItsPlaceAndTellsTheTimeOfItsEdge) {
-  ASSERT_TRUE(lines->has_home(0));
-  EXPECT_FALSE(lines->has_home(1));
   const SwitchSettings home = lines->home_switch(0);
   EXPECT_EQ(lines->homing_input(0).level, !home.active_level);
   hardware->inputs().follow(0, 0, now_ns + tick_ns);

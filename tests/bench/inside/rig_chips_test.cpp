@@ -1,6 +1,4 @@
 // The lines of a rig, looked for on chips of the kernel before any of them is taken.
-#include "host_tools/rig/machine_hardware.hpp"
-
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "host_tools/rig/machine_hardware.hpp"
 #include "tests/bench/inside/simulated_chip.hpp"
 
 namespace inbetween {

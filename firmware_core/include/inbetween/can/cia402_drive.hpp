@@ -139,7 +139,6 @@ class Cia402Drive {
   [[nodiscard]] HeartbeatState heartbeat() const { return heartbeat_.state(); }
   /// The watchdogs of the drive, as read back.
   [[nodiscard]] const SetupRunner& setup() const { return runner_; }
-  [[nodiscard]] std::size_t setup_steps_in_all() const { return script_.size(); }
   /// What the drive told last; all 0 before the first.
   [[nodiscard]] const DriveFeedback& feedback() const { return feedback_; }
   [[nodiscard]] Cia402State state() const { return state_of(feedback_.statusword); }

@@ -154,7 +154,6 @@ class Playhead {
   [[nodiscard]] Real top_travel_rate() const;
   [[nodiscard]] Result<Journey> journey_of(const Exposure<Real>& exposure) const;
   PlayheadEvent tick_travel();
-  void set_travelled(const FrameTime<Real>& from, Real way_s, Real rate, Real change);
   [[nodiscard]] Real scrub_rate() const;
   PlayheadEvent tick_ramp(Real target);
   void change_to(Real target);
