@@ -60,6 +60,9 @@ struct Extremes {
 /// One-sided limits, where a function steps.
 enum class Side { before, after };
 
+/// How near to a standstill in t nothing is sampled.
+inline constexpr long double standstill_reach = 1e-9L;
+
 /// What becomes of the maxima between samples.
 enum class Between { skipped, climbed };
 
@@ -112,8 +115,8 @@ class IdealMotion {
   struct SpanCubic {
     long double c0 = 0, c1 = 0, c2 = 0, c3 = 0;
     long double value(long double u) const { return c0 + u * (c1 + u * (c2 + u * c3)); }
-    long double slope(long double u) const { return c1 + u * (2 * c2 + u * 3 * c3); }
-    long double bend(long double u) const { return 2 * c2 + 6 * u * c3; }
+    long double derivative(long double u) const { return c1 + u * (2 * c2 + u * 3 * c3); }
+    long double second_derivative(long double u) const { return 2 * c2 + 6 * u * c3; }
     long double integral(long double u) const { return u * (c0 + u * (c1 / 2 + u * (c2 / 3 + u * c3 / 4))); }
     /// The u in [low, high] up to which the integral is `wanted`, the nearer end where there is none.
     long double inverse(long double wanted, long double low, long double high, long double guess) const;

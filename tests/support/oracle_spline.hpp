@@ -19,6 +19,12 @@ struct Keys {
 
 /// c[0] + c[1] t + c[2] t^2 + c[3] t^3 on 0 <= t <= 1.
 using Cubic = std::array<long double, 4>;
+inline long double derivative(const Cubic& c, long double t) {
+  return c[1] + t * (2 * c[2] + t * 3 * c[3]);
+}
+inline long double second_derivative(const Cubic& c, long double t) {
+  return 2 * c[2] + 6 * t * c[3];
+}
 
 /// [segment][axis]. n keys make n - 1 segments, closed n; a sole key makes one constant segment.
 ///

@@ -6,23 +6,11 @@
 
 #include "base/scaled_norm.hpp"
 #include "path/frame_curves.hpp"
+#include "path/path_checks.hpp"
 #include "path/tcb_tangent.hpp"
 
 namespace inbetween {
 namespace {
-
-template <Precise Real>
-Error bad_number(Real value, const char* not_finite, const char* too_large) {
-  const bool finite = std::isfinite(value);
-  return {.code = finite ? ErrorCode::out_of_range : ErrorCode::not_finite,
-          .what = finite ? too_large : not_finite,
-          .remedy = "use ordinary numbers in the units of the axis"};
-}
-
-template <Precise Real>
-bool usable(Real value) {
-  return std::fabs(value) <= Precision<Real>::largest;  // false for a NaN
-}
 
 /// The keys of a spec and where the coefficients go, while the path is being made.
 template <Precise Real>
@@ -325,108 +313,6 @@ class Construction {
   std::size_t segments_;
   int exponent_ = 0;
 };
-
-template <Precise Real>
-Status check_counts(const PathSpec<Real>& spec) {
-  const auto axes = static_cast<std::size_t>(std::max<std::int32_t>(spec.axis_count, 0));
-  if (axes == 0) {
-    return Error{
-        .code = ErrorCode::wrong_count, .what = "the path has no axes", .remedy = "name at least one"};
-  }
-  if (spec.keys.empty() || spec.keys.size() % axes != 0) {
-    return Error{.code = ErrorCode::wrong_count,
-                 .what = spec.keys.empty() ? "the path has no keys" : "the keys are of unequal length",
-                 .remedy = "give at least one key, each with one number per axis",
-                 .key = static_cast<std::int32_t>(spec.keys.size() / axes)};
-  }
-  if (!spec.weights.empty() && spec.weights.size() != axes) {
-    return Error{.code = ErrorCode::wrong_count,
-                 .what = "there are not as many weights as axes",
-                 .remedy = "give one weight per axis, or none"};
-  }
-  if (!spec.shapes.empty() && spec.shapes.size() != spec.keys.size() / axes) {
-    return Error{.code = ErrorCode::wrong_count,
-                 .what = "there are not as many tensions, continuities and biases as keys",
-                 .remedy = "give one set per key, or none"};
-  }
-  return Done{};
-}
-
-template <Precise Real>
-Status check_numbers(const PathSpec<Real>& spec) {
-  const auto axes = static_cast<std::size_t>(spec.axis_count);
-  for (std::size_t d = 0; d < spec.weights.size(); ++d) {
-    const Real weight = spec.weights[d];
-    if (usable(weight) && weight >= 0) continue;
-    Error error = bad_number(weight, "a weight is not a finite number",
-                             weight < 0 ? "a weight is negative" : "a weight is too large");
-    error.remedy = "use 0 or more: how much one unit of the axis counts as distance";
-    error.axis = static_cast<std::int32_t>(d);
-    return error;
-  }
-  for (std::size_t i = 0; i < spec.keys.size(); ++i) {
-    const Real value = spec.keys[i];
-    const Real weight = spec.weights.empty() ? Real(1) : spec.weights[i % axes];
-    if (usable(value) && usable(value * weight)) continue;
-    Error error = bad_number(value, "a coordinate is not a finite number", "a coordinate is too large");
-    error.key = static_cast<std::int32_t>(i / axes);
-    error.axis = static_cast<std::int32_t>(i % axes);
-    return error;
-  }
-  for (std::size_t k = 0; k < spec.shapes.size(); ++k) {
-    const KeyShape<Real>& shape = spec.shapes[k];
-    const auto inside = [](Real x) { return x >= -1 && x <= 1; };
-    if (inside(shape.tension) && inside(shape.continuity) && inside(shape.bias)) continue;
-    const bool finite =
-        std::isfinite(shape.tension) && std::isfinite(shape.continuity) && std::isfinite(shape.bias);
-    return Error{.code = finite ? ErrorCode::out_of_range : ErrorCode::not_finite,
-                 .what = "a tension, continuity or bias is outside -1..1",
-                 .remedy = "use numbers from -1 to 1; 0, 0, 0 is a Catmull-Rom key",
-                 .key = static_cast<std::int32_t>(k)};
-  }
-  return Done{};
-}
-
-template <Precise Real>
-Status check_key_frames(const PathSpec<Real>& spec) {
-  const std::span<const std::int32_t> frames = spec.key_frames;
-  if (frames.empty()) return Done{};
-  const std::size_t keys = spec.keys.size() / static_cast<std::size_t>(spec.axis_count);
-  if (keys < 2 || frames.size() != keys + (spec.closed ? 1 : 0)) {
-    return Error{.code = ErrorCode::wrong_count,
-                 .what = "a path over frames needs two keys, and a frame for every key",
-                 .remedy = "give every key its frame; a closed path one more, for the return to key 0"};
-  }
-  for (std::size_t k = 1; k < frames.size(); ++k) {
-    // In 64 bits, because any two frames are allowed here.
-    const std::int64_t step = static_cast<std::int64_t>(frames[k]) - frames[k - 1];
-    if (step > 0 && step <= std::numeric_limits<std::int32_t>::max()) continue;
-    return Error{.code = ErrorCode::out_of_range,
-                 .what = "this key is not behind the key before it in time",
-                 .remedy = "give it a later frame",
-                 .key = static_cast<std::int32_t>(k),
-                 .frame = frames[k]};
-  }
-  return Done{};
-}
-
-template <Precise Real>
-Status check_memory(const PathSpec<Real>& spec, const PathMemory<Real>& memory) {
-  const auto axes = static_cast<std::size_t>(spec.axis_count);
-  const std::size_t keys = spec.keys.size() / axes;
-  const bool by_frames = !spec.key_frames.empty();
-  const std::size_t segments =
-      by_frames ? FrameCurves<Real>(spec, memory).segments() : (spec.closed && keys > 1 ? keys : keys - 1);
-  const std::size_t rows = segments + 1;
-  if (memory.cubics.size() < rows * axes || memory.weights.size() < axes ||
-      (by_frames && memory.knots.size() < segments)) {
-    return Error{.code = ErrorCode::capacity,
-                 .what = "the path has more keys and axes than its memory",
-                 .remedy = "give it a larger capacity",
-                 .needed = static_cast<std::int64_t>(rows * axes)};
-  }
-  return Done{};
-}
 
 }  // namespace
 

@@ -1,0 +1,305 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "inbetween/path/arc_length.hpp"
+#include "piece_fit.hpp"
+#include "segment_speed.hpp"
+
+/// The pieces of the inverse of arc length, fitted segment by segment as long as each may be.
+
+namespace inbetween {
+
+/// Takes pieces in order of t and keeps counting when the memory is full, so that the error can say
+/// what would have sufficed.
+template <Precise Real>
+class PieceList {
+ public:
+  explicit PieceList(const ArcLengthMemory<Real>& memory) : memory_(memory) {}
+
+  void add(const ArcPiece<Real>& piece, Real begin) {
+    if (fits(count_)) {
+      memory_.pieces[count_] = piece;
+      memory_.begins[count_] = begin;
+    }
+    ++count_;
+  }
+  [[nodiscard]] std::size_t count() const { return count_; }
+  [[nodiscard]] bool complete() const { return count_ == 0 || fits(count_ - 1); }
+
+  /// Turns round the pieces from `first` on, which were added from an anchor backwards.
+  void reverse_from(std::size_t first) {
+    if (!complete()) return;
+    std::ranges::reverse(memory_.pieces.subspan(first, count_ - first));
+    std::ranges::reverse(memory_.begins.subspan(first, count_ - first));
+  }
+  [[nodiscard]] std::span<ArcPiece<Real>> pieces_from(std::size_t first) {
+    return complete() ? memory_.pieces.subspan(first, count_ - first) : std::span<ArcPiece<Real>>{};
+  }
+  [[nodiscard]] Real& begin(std::size_t index) { return memory_.begins[index]; }
+
+ private:
+  [[nodiscard]] bool fits(std::size_t index) const {
+    return index < memory_.pieces.size() && index < memory_.begins.size();
+  }
+  ArcLengthMemory<Real> memory_;
+  std::size_t count_ = 0;
+};
+
+/// x^(1/5) to 2 % for x in [2^-10, 2^15] and its value at the nearer end outside: enough for a step
+/// size, from multiplications alone and so the same on every target.
+template <Precise Real>
+Real rough_fifth_root(Real x) {
+  Real root = 1;
+  for (int i = 0; i < 15 && x >= 2; ++i) {
+    x /= 2;
+    root *= Real(1.148698355);
+  }
+  for (int i = 0; i < 10 && x < 1; ++i) {
+    x *= 2;
+    root /= Real(1.148698355);
+  }
+  return root * (Real(0.8514) + Real(0.1486) * (x < 2 ? x : Real(2)));
+}
+
+/// What rounding alone may show as a residual of a piece: the Hermite coefficients add numbers up to 15
+/// times their sum. In single precision it is of the size of the default delta, and without it pieces
+/// would be divided for nothing (held by HardCases and NoAllocation in float).
+template <Precise Real>
+inline constexpr Real residual_rounding = 48 * std::numeric_limits<Real>::epsilon();
+
+/// A segment this much shorter than the path is passed in no distance: it is below the last bit of a
+/// length that is carried in two numbers.
+template <Precise Real>
+inline constexpr Real unresolved_share =
+    std::numeric_limits<Real>::epsilon() * std::numeric_limits<Real>::epsilon();
+
+/// What came of a batch of stretches: the errors of its pieces over what is allowed.
+template <Precise Real>
+struct BatchErrors {
+  Real first = 0;
+  Real last = 0;
+  Real worst = 0;
+};
+
+/// The lengths of stretches in tau, outward from the anchor: as long as the last errors allow.
+template <Precise Real>
+class Stride {
+ public:
+  explicit Stride(Real extent) : extent_(extent), length_(extent / 32) {}
+
+  [[nodiscard]] bool at_end() const { return begin_ >= extent_; }
+  /// Sets the ends of the next stretches, all of one length, and returns how many they are; the ends of more
+  /// are the last end again. Near the end what is left is divided evenly, so that no sliver remains.
+  [[nodiscard]] std::size_t divide(Lanes<Real>& ends) const {
+    constexpr auto lanes = static_cast<Real>(lane_count);
+    const Real rest = extent_ - begin_;
+    Real length = std::max(length_, min_length());
+    std::size_t count = lane_count;
+    if (rest <= lanes * length) {
+      count = 1;
+      while (static_cast<Real>(count) * length < rest) ++count;
+      length = rest / static_cast<Real>(count);
+    } else if (rest < (lanes + 2) * length) {
+      length = rest / (lanes + 2);
+    }
+    for (std::size_t i = 0; i < lane_count; ++i) {
+      const bool is_last = rest <= lanes * length && i + 1 >= count;
+      ends.set(i, is_last ? extent_ : begin_ + static_cast<Real>(i + 1) * length);
+    }
+    return count;
+  }
+  /// Whether the stretch to `end` can be made shorter.
+  [[nodiscard]] bool is_divisible(Real end) const { return end - begin_ > 2 * min_length(); }
+  /// Goes on behind the first `done` stretches, of which a later one was refused. The error grows with the
+  /// fifth power of the length (quintic Hermite interpolation); 0.7 of what is allowed is aimed at.
+  void shorten(const Lanes<Real>& ends, std::size_t done, Real worst) {
+    const Real length = ends[0] - begin_;
+    // Not finite: the derivatives at an end are useless, and much shorter is the only remedy.
+    length_ = std::isfinite(worst) ? length / rough_fifth_root(worst / Real(0.7)) : length / 8;
+    if (done > 0) begin_ = ends[done - 1];
+  }
+  /// Goes on behind the last stretch, with lengths chosen by comparisons: the processor guesses them and
+  /// begins with the next batch before the errors of this one are known. The steps were found by measurement
+  /// (pieces and time over random paths); hard_cases_test holds the number of pieces.
+  void advance(const Lanes<Real>& ends, const BatchErrors<Real>& errors) {
+    length_ = (ends[0] - begin_) * factor(errors);
+    begin_ = ends[lane_count - 1];
+  }
+
+ private:
+  static Real factor(const BatchErrors<Real>& errors) {
+    const Real last = errors.last;
+    const bool rises = last >= errors.worst && last > 2 * errors.first;  // and will go on rising
+    if (last < Real(0.003)) return rises ? Real(1.5) : Real(2.2);
+    if (last < Real(0.02)) return rises ? Real(1.3) : Real(1.7);
+    if (last < Real(0.06)) return rises ? Real(1.05) : Real(1.45);
+    if (last < Real(0.13)) return rises ? Real(1.05) : Real(1.28);
+    if (last < Real(0.25)) return rises ? Real(1.05) : Real(1.12);
+    if (rises) return last < Real(0.5) ? Real(0.87) : Real(0.8);
+    return last < Real(0.65) ? Real(1) : Real(0.92);
+  }
+  /// So short that the piece is below the negligible share for every curve that floating point can tell
+  /// from a cusp, and long enough that `end` is behind `begin`.
+  [[nodiscard]] Real min_length() const {
+    return std::max(extent_ * Real(1e-18), begin_ * (4 * std::numeric_limits<Real>::epsilon()));
+  }
+
+  Real extent_;
+  Real length_;
+  Real begin_ = 0;
+};
+
+/// Fits the pieces of one segment after another.
+template <Precise Real>
+class InverseBuilder {
+ public:
+  InverseBuilder(const ArcLengthOptions<Real>& options, Real shortest_total,
+                 const ArcLengthMemory<Real>& memory)
+      : options_(options),
+        shortest_total_(shortest_total),
+        per_estimate_(4 / (2 * options.delta)),
+        negligible_(shortest_total * Precision<Real>::negligible_share),
+        list_(memory) {}
+
+  void add_segment(const Path<Real>& path, std::int32_t segment) {
+    const SegmentSpeed<Real> speed(path.segment(segment), path.weights());
+    if (!(speed.largest() > shortest_total_ * unresolved_share<Real>)) return;
+    segment_ = segment;
+    scale_ = std::ldexp(Real(1), speed.exponent());
+    inverse_scale_ = 1 / scale_;
+    const AnchoredIntervals<Real> split = split_where_slow(speed);
+    for (std::size_t i = 0; i < split.count; ++i) add_interval(split.intervals[i]);
+  }
+
+  [[nodiscard]] const TwoSum<Real>& length() const { return length_; }
+  [[nodiscard]] const PieceList<Real>& list() const { return list_; }
+  /// Every piece so far is as accurate as asked, or too short to matter.
+  [[nodiscard]] bool reachable() const { return reachable_; }
+
+ private:
+  void add_interval(const AnchoredInterval<Real>& interval) {
+    const std::size_t first = list_.count();
+    const TwoSum<Real> begin = length_;
+    if (!interval.forward) length_ = {};  // distances from the anchor, until `turn_round`
+    const TwoSum<Real> anchor = length_;
+    const PieceFitter<Real> fitter(interval);
+    PieceBatch<Real> batch;
+    batch.near = fitter.at_anchor();
+    Stride<Real> stride(interval.extent);
+    while (!stride.at_end()) {
+      const std::size_t count = stride.divide(batch.tau);
+      fitter.fit(length_.minus(anchor) * inverse_scale_, batch);
+      BatchErrors<Real> errors;
+      std::size_t done = 0;
+      bool refused = false;
+      for (std::size_t i = 0; i < count; ++i) {
+        errors.last = error_over_allowed(fitter, batch, i);
+        if (!(errors.last <= 1) && is_negligible(batch.length[i])) {
+          errors.last = 0;
+          straighten(interval, batch, i);
+        }
+        if (i == 0) errors.first = errors.last;
+        errors.worst = std::max(errors.worst, errors.last);
+        refused = refused || !(errors.last <= 1);
+        if (!refused) add_piece(interval, batch, done++, anchor);
+      }
+      if (done == 0 && !stride.is_divisible(batch.tau[0])) {
+        reachable_ = false;
+        return;
+      }
+      if (refused) {
+        stride.shorten(batch.tau, done, errors.worst);
+      } else {
+        stride.advance(batch.tau, errors);
+      }
+      if (done > 0) batch.near = batch.far_end(done - 1);
+    }
+    if (!interval.forward) turn_round(first, begin);
+  }
+
+  [[nodiscard]] Real error_over_allowed(const PieceFitter<Real>& fitter, const PieceBatch<Real>& batch,
+                                        std::size_t index) const {
+    const Real length = batch.length[index];
+    const Real estimate = (batch.largest_residual(index) - residual_rounding<Real>)*per_estimate_;
+    if (options_.acceptance == Acceptance::estimated || !(estimate <= 1)) return weighed(estimate, length);
+    return weighed(fitter.certified_residual(batch, index) / (2 * options_.delta), length);
+  }
+  /// A relative error of the speed over a piece moves its inside by less than that share of its length.
+  [[nodiscard]] Real weighed(Real error, Real length) const {
+    // Where a derivative at an end is useless the residual is not a number.
+    if (!std::isfinite(error)) return std::numeric_limits<Real>::infinity();
+    const Real absolute = error * options_.delta * length * scale_;
+    return absolute < error * negligible_ ? absolute / negligible_ : error;
+  }
+  [[nodiscard]] bool is_negligible(Real length) const { return length * scale_ <= negligible_; }
+  /// Where the derivatives are useless the piece is so short that a straight line does.
+  static void straighten(const AnchoredInterval<Real>& interval, PieceBatch<Real>& batch, std::size_t index) {
+    const Real near = batch.near_end(index).tau;
+    const Real far = batch.tau[index];
+    const std::array<Real, 6> c{interval.t(interval.forward ? near : far), far - near, 0, 0, 0, 0};
+    for (std::size_t i = 0; i < c.size(); ++i) batch.c[i].set(index, c[i]);
+  }
+
+  void add_piece(const AnchoredInterval<Real>& interval, const PieceBatch<Real>& batch, std::size_t index,
+                 const TwoSum<Real>& anchor) {
+    ArcPiece<Real> piece;
+    piece.c = batch.coefficients(index);
+    piece.segment = segment_;
+    const Real step = batch.step[index];
+    const TwoSum<Real> near = length_;
+    length_.add(batch.length[index] * scale_);
+    length_.renormalize();
+    const TwoSum<Real>& begin = interval.forward ? near : length_;
+    if (interval.stands_still) {
+      using Kind = typename ArcPiece<Real>::Kind;
+      piece.kind = interval.forward ? Kind::root_after : Kind::root_before;
+      piece.inverse_step = 1 / (step * std::sqrt(scale_));
+      piece.shift = (interval.forward ? batch.near_end(index).y : batch.y[index]) / step;
+      piece.origin = anchor.high;
+    } else {
+      piece.inverse_step = step > 0 ? batch.inverse_step[index] * inverse_scale_ : Real(0);
+      piece.origin = begin.high;
+      piece.shift = begin.low;
+    }
+    list_.add(piece, begin.high);
+  }
+
+  /// The pieces from `first` on were added outward from an anchor that lies behind them: their
+  /// distances are turned into those from the start of the path, and their order into that of t.
+  void turn_round(std::size_t first, const TwoSum<Real>& begin) {
+    const TwoSum<Real> outward = length_;
+    length_ = begin;
+    length_.add(outward.high);
+    length_.low += outward.low;
+    length_.renormalize();
+    list_.reverse_from(first);
+    std::size_t index = first;
+    for (ArcPiece<Real>& piece : list_.pieces_from(first)) {
+      const bool plain = piece.kind == ArcPiece<Real>::Kind::plain;
+      TwoSum<Real> from_start = length_;
+      from_start.add(-list_.begin(index));
+      if (plain) from_start.low -= piece.shift;
+      from_start.renormalize();
+      list_.begin(index++) = from_start.high;
+      piece.origin = plain ? from_start.high : length_.high;
+      if (plain) piece.shift = from_start.low;
+    }
+  }
+
+  ArcLengthOptions<Real> options_;
+  Real shortest_total_;
+  Real per_estimate_;
+  Real negligible_;
+  PieceList<Real> list_;
+  TwoSum<Real> length_;
+  bool reachable_ = true;
+  std::int32_t segment_ = 0;
+  Real scale_ = 1;
+  Real inverse_scale_ = 1;
+};
+
+}  // namespace inbetween
