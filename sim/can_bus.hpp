@@ -9,7 +9,7 @@
 
 namespace inbetween {
 
-/// What becomes of a frame on a simulated bus.
+/// The fate of a frame on a simulated bus.
 struct FrameFate {
   int copies = 1;  ///< 0: lost
   std::int64_t delay_ns = 0;

@@ -1,4 +1,4 @@
-// What a simulated drive says and hears: NMT, heartbeats, SYNC, EMCY, SDO and PDO.
+// A simulated drive speaks and hears NMT, heartbeats, SYNC, EMCY, SDO and PDO.
 #include <algorithm>
 
 #include "inbetween/can/pdo.hpp"

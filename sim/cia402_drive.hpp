@@ -19,7 +19,7 @@
 
 namespace inbetween {
 
-/// What goes wrong with a simulated drive, and when.
+/// A fault of a simulated drive, and its time.
 struct DriveTrouble {
   enum class Kind : std::uint8_t {
     lose_feedback,   ///< TPDOs are not sent
@@ -78,7 +78,7 @@ class SimulatedCia402Drive {
   void advance(std::int64_t now_ns);
   /// A frame that it hears at the time to which it was advanced.
   void receive(const can::Frame& frame);
-  /// What it has to send since the last call, in order.
+  /// Takes the frames that it has to send since the last call, in order.
   std::vector<can::Frame> take_frames();
 
   /// A target that was applied by SYNC while the drive was in operation.
@@ -114,7 +114,7 @@ class SimulatedCia402Drive {
   [[nodiscard]] can::NodeId node() const { return settings_.node; }
   [[nodiscard]] can::Cia402State state() const { return state_; }
   [[nodiscard]] can::NmtState nmt() const { return nmt_; }
-  /// Where the motor is, in counts, whatever the drive believes.
+  /// The true position of the motor in counts, whatever the drive believes.
   [[nodiscard]] double position() const { return motor_.position(); }
   [[nodiscard]] double velocity() const { return motor_.velocity(); }
   [[nodiscard]] const ObjectDictionary& objects() const { return objects_; }

@@ -1,4 +1,4 @@
-// What goes wrong with a simulated drive.
+// The faults of a simulated drive.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>

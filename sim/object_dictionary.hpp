@@ -10,7 +10,7 @@
 namespace inbetween {
 
 /// The objects of a simulated CANopen device: numbers of one to four bytes with their access and range.
-/// What is refused, is refused with the abort code of CiA 301.
+/// Each refusal has the abort code of CiA 301.
 class ObjectDictionary {
  public:
   /// write_refused: not in the state of the device. write_ignored: a broken device, which says yes and keeps

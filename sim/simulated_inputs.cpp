@@ -6,7 +6,7 @@
 namespace inbetween {
 namespace {
 
-/// Of all lines, a tick; more take memory.
+/// So many edges in a tick need no memory.
 constexpr std::size_t usual_events = 256;
 
 }  // namespace

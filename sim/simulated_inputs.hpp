@@ -24,7 +24,7 @@ class SimulatedInputs {
   void follow(std::size_t axis, double position, std::int64_t now_ns);
   /// Somebody sets a line that is no switch.
   void set(std::size_t line, bool level, std::int64_t now_ns);
-  /// What goes wrong with the switch on a line.
+  /// Gives the switch on a line a fault.
   void set_fault(std::size_t line, SimulatedSwitch::Fault fault);
 
   [[nodiscard]] bool level(std::size_t line) const { return levels_[line]; }

@@ -13,7 +13,7 @@ class SimulatedMotor {
     double viscous_friction = 1;     ///< 1/s
     double coasting_friction = 2e5;  ///< counts/s^2 without current: the load brakes
   };
-  /// Where the controller wants it.
+  /// The motion that the controller wants.
   struct Demand {
     double position = 0;
     double velocity = 0;

@@ -26,7 +26,7 @@ class SimulatedRig {
   /// An ideal drive stands where it was told last.
   void quick_stop() {}
 
-  /// Where they really are.
+  /// The axes where they really are.
   [[nodiscard]] const std::vector<SimulatedAxis>& axes() const { return axes_; }
   /// How often setpoints have been written.
   [[nodiscard]] std::size_t writes() const { return writes_; }

@@ -41,7 +41,7 @@ class SimulatedStepChip {
   void remove() { has_ended_ = true; }
 
   [[nodiscard]] const SimulatedStepper& stepper(std::size_t number) const { return steppers_[number]; }
-  /// Of all lines, bit i of line i.
+  /// The levels of all lines: bit i belongs to line i.
   [[nodiscard]] std::uint64_t levels() const { return levels_; }
 
  private:

@@ -62,7 +62,7 @@ class SimulatedStepper {
   /// Errors: out_of_range (an instant before the last one).
   Status take(const EdgeInstant& instant);
 
-  /// Where the shaft is, in units.
+  /// The position of the shaft, in units.
   [[nodiscard]] double position() const {
     return start_ + static_cast<double>(made_) / settings_.steps_per_unit;
   }

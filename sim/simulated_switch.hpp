@@ -40,7 +40,7 @@ class SimulatedSwitch {
   /// The axis moves from one setpoint to the next, and the edges on the way are added to `events`, in order.
   void move(std::int64_t from_ns, const Setpoint<double>& from, std::int64_t to_ns,
             const Setpoint<double>& to, std::vector<LineEvent>& events);
-  /// Of the line, at the end of the last motion.
+  /// The level of the line at the end of the last motion.
   [[nodiscard]] bool level() const { return level_; }
   /// From now on.
   void set_fault(Fault fault) { settings_.fault = fault; }

@@ -1,4 +1,4 @@
-// What a loop without the rights of a real-time program may do (SessionOptions::allow_jitter).
+// The limits of a loop without the rights of a real-time program (SessionOptions::allow_jitter).
 #pragma once
 
 namespace inbetween {

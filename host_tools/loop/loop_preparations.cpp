@@ -43,7 +43,7 @@ Status Disarming::begin() {
 void Disarming::tick(std::int32_t ticks, std::int64_t now_ns) {
   loop_.tick(ticks, now_ns);
   const SupervisorState state = loop_.state();
-  // What moved is stopped by the first wish, and switched off by another.
+  // The first wish stops what moves; another one switches it off.
   if (state != SupervisorState::stopping && state != SupervisorState::disarmed) {
     loop_.post(SupervisorEvent::disarm);
   }

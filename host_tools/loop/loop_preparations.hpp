@@ -1,4 +1,4 @@
-// What comes before a move and after it: the drives are switched on, arrive, and are switched off.
+// The acts before a move and after it: drives are switched on, arrive, and are switched off.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,7 @@ class Arming {
   void tick(std::int32_t ticks, std::int64_t now_ns);
   [[nodiscard]] bool is_over() const { return loop_.state() != SupervisorState::enabling; }
   [[nodiscard]] RunSnapshot snapshot() const { return {.state = loop_.state()}; }
-  /// Where the axes stand, as their drives tell. Once it is over.
+  /// The positions of the axes as their drives told them, once it is over.
   [[nodiscard]] const std::vector<double>& positions() const { return positions_; }
 
  private:

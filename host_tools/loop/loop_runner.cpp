@@ -32,7 +32,7 @@ void LoopTrace::take(const RunLoop& loop) {
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     AxisTrace& axis = axes_[i];
     axis.actual = loop.drive_states()[i].actual;
-    // What a drive tells at the beginning of a tick is its answer to the setpoint before.
+    // At the beginning of a tick a drive answers the setpoint before.
     if (commands && commanded_) {
       axis.following_error_peak =
           std::max(axis.following_error_peak, std::fabs(axis.commanded - axis.actual));
@@ -109,7 +109,7 @@ void TimedRunner::loop() {
       }
     }
     if (act_ != nullptr) latencies_.add(latency_ns, now_ns);
-    // Where time stands still it does so for the simulated drives as well.
+    // Time that stands still stands still for the simulated drives as well.
     tick(ticks, lateness_ == Lateness::time_stands_still ? time_of_tick(number, rate_hz_) : now_ns);
   }
 }

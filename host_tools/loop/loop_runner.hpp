@@ -21,7 +21,7 @@ namespace inbetween {
 
 /// Whoever sits before the run: what is typed, what is shown. Each may be left out.
 struct LoopAudience {
-  /// What has been typed since the last call (TransportKeys); without it nothing can be typed.
+  /// Returns the keys that were typed since the last call (TransportKeys). Without it nobody can type.
   std::function<std::string()> keys = {};
   /// Whether somebody wants the run to end: it is stopped on the path.
   std::function<bool()> interrupted = {};
@@ -106,7 +106,7 @@ class TimedRunner {
   TimedRunner(const TimedRunner&) = delete;
   TimedRunner& operator=(const TimedRunner&) = delete;
 
-  /// What the thread was refused of its rights; empty without wishes.
+  /// The rights that the thread was refused; empty without wishes.
   [[nodiscard]] const std::vector<RealTimeRight>& rights() const { return rights_; }
   /// Until it is over. Where the audience throws, somebody wants to leave: the act is told so, and what was
   /// thrown is thrown on once the act is over, since the thread uses it until then.

@@ -17,7 +17,7 @@ class LoopStorage {
   LoopStorage& operator=(const LoopStorage&) = delete;
 
   [[nodiscard]] LoopMemory<double> memory() { return {states_, setpoints_, next_, positions_, motions_}; }
-  /// Where the drives are to be, as they were told last.
+  /// The setpoints that the drives were told last.
   [[nodiscard]] std::vector<double> targets() const {
     std::vector<double> targets;
     for (const Setpoint<double>& setpoint : setpoints_) targets.push_back(setpoint.position);

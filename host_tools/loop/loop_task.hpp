@@ -1,4 +1,4 @@
-// What a motion loop does for a while, as whoever runs the loop sees it.
+// A task that a motion loop does for a while, as its runner sees it.
 #pragma once
 
 #include <cstdint>

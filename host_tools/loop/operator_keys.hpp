@@ -1,4 +1,4 @@
-// What an operator can do to any running move: stop it, acknowledge, leave.
+// An operator can stop any running move, acknowledge a stop, and leave.
 #pragma once
 
 #include "host_tools/loop/run_loop.hpp"
@@ -9,7 +9,7 @@ namespace inbetween {
 /// Refers to the loop. Allocates nothing: it works in the loop's own thread.
 class OperatorKeys {
  public:
-  /// Where nobody attends, nobody can acknowledge a stop: it is the end.
+  /// Without somebody who attends nobody can acknowledge a stop: it is the end.
   OperatorKeys(RunLoop& loop, bool is_attended) : loop_(loop), is_attended_(is_attended) {}
 
   /// Whether it was one of stop, acknowledge, quit and refused, which mean the same everywhere.
@@ -25,11 +25,11 @@ class OperatorKeys {
   /// Nothing moves, and nothing will.
   [[nodiscard]] bool has_left() const;
 
-  /// What a tick brought about.
+  /// Takes the result of a tick.
   void note(const LoopTick& tick);
   /// A tick came so late that an axis would have jumped: the rig was stopped.
   [[nodiscard]] bool has_lost_time() const { return has_lost_time_; }
-  /// What to tell about the last key, a literal; "" for nothing.
+  /// Sets the answer to the last key, a literal; "" for none.
   void say(const char* words) { words_ = words; }
   void say(const Status& status) { words_ = status ? "" : status.error().what; }
   [[nodiscard]] const char* words() const { return words_; }

@@ -12,7 +12,7 @@
 namespace inbetween {
 namespace {
 
-/// What the drives tell on a tick, for whoever is not the thread of the loop.
+/// Copies what the drives tell on a tick, for threads other than that of the loop.
 class Looking {
  public:
   explicit Looking(RunLoop& loop) : loop_(loop), states_(loop.drive_states().size()) {}
@@ -39,7 +39,7 @@ class Looking {
   bool has_looked_ = false;
 };
 
-/// Of a simulated rig.
+/// The places of the axes of a simulated rig.
 std::vector<double> standing(const RigFile& rig, const RigReference& reference,
                              const SessionOptions& options) {
   std::vector<double> positions;
@@ -157,7 +157,7 @@ std::optional<LoopLogEnd> RigSession::end_record() {
 }
 
 std::int64_t RigSession::delay_ns() const {
-  // What is written on a tick is reached at the next; steps begin a tick later.
+  // A drive reaches the setpoint of a tick at the next one; steps begin a tick later.
   return ns_per_s / rig_.rate_hz * (drives_.steps() != nullptr ? 2 : 1);
 }
 

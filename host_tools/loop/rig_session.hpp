@@ -33,10 +33,10 @@ struct SessionOptions {
   bool fast = false;
   /// A real rig: without the rights of a real-time program.
   bool allow_jitter = false;
-  /// Where simulated axes really stand, by name. The others stand where the reference knows them, or else as
+  /// The true places of simulated axes, by name. The others stand where the reference knows them, or else as
   /// near to 0 as their limits allow.
   std::map<std::string, double> standing = {};
-  /// What goes wrong with simulated drives; of the same rig.
+  /// The faults of simulated drives, for the same rig.
   FaultScript faults = {};
   /// A line a tick goes there (run_record.hpp).
   std::optional<std::string> record = {};
@@ -63,7 +63,7 @@ class RigSession {
   std::string use(const std::function<void()>& task);
   /// Whether the drives are on; otherwise trouble() says why they are not.
   bool arm();
-  /// Where every axis stands as its drive tells, after arm() and after rest().
+  /// The position of every axis as its drive told it, after arm() and after rest().
   [[nodiscard]] const std::vector<double>& positions() const { return positions_; }
   /// Until it is over. With the `last` of its ticks, if that is known, progress is told.
   ActEnd perform(const LoopTask& act, std::optional<std::int64_t> last = std::nullopt);
@@ -76,7 +76,7 @@ class RigSession {
   /// Disarmed, and no tick follows.
   void end();
 
-  /// What is wrong with a line or a drive and what to do; "" for nothing.
+  /// Says what is wrong with a line or a drive and what to do; "" if nothing is.
   [[nodiscard]] std::string trouble() const;
   [[nodiscard]] const SessionOptions& options() const { return options_; }
   [[nodiscard]] RunLoop& loop() { return loop_; }

@@ -1,4 +1,4 @@
-// What every axis was told and where it was, tick by tick, in a file.
+// A file with the setpoint and the position of every axis, tick by tick.
 #pragma once
 
 #include <array>
@@ -22,7 +22,7 @@ class RunRecord {
   /// the loop has time, and waits for room instead.
   RunRecord(const std::string& file, const RigFile& rig, bool waits);
 
-  /// Of the loop's thread, after a tick. No allocation, no system call unless it waits.
+  /// The loop's thread calls it after a tick. It allocates nothing and makes no system call unless it waits.
   void take(const RunLoop& loop);
   /// Writes what is left; a reader that takes nothing for a second is given up. Records are ticks.
   LoopLogEnd finish() { return log_.finish("it was written more slowly than the rig moved"); }

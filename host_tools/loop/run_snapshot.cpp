@@ -5,7 +5,7 @@
 namespace inbetween {
 namespace {
 
-/// What can be pressed while nothing runs.
+/// The keys that mean something while nothing runs.
 const char* hint_at_rest(SupervisorState state) {
   switch (state) {
     case SupervisorState::stopping:

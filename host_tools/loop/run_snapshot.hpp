@@ -1,4 +1,4 @@
-// What a run is doing at a tick, for whoever looks at it.
+// The state of a run at a tick, for people who look at it.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace inbetween {
 
-/// Of a move that is shot frame by frame.
+/// The state of a move that is shot frame by frame.
 struct ShootSnapshot {
   ShootPhase phase = ShootPhase::idle;
   std::int32_t frame = 0;
@@ -19,7 +19,7 @@ struct ShootSnapshot {
   bool camera = false;
 };
 
-/// Of an axis that is moved by hand. The words live longer than this.
+/// The state of an axis that is moved by hand. The words live longer than this.
 struct JogSnapshot {
   const char* axis = "";
   const char* unit = "";

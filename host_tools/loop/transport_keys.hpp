@@ -27,7 +27,7 @@ enum class TransportKey {
 /// what follows it in the same read decides (a terminal sends an arrow key in one piece).
 class TransportKeys {
  public:
-  /// What one read gave.
+  /// Takes the text of one read.
   void feed(std::string_view bytes);
   [[nodiscard]] std::optional<TransportKey> next();
 

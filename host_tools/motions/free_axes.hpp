@@ -12,7 +12,7 @@
 
 namespace inbetween {
 
-/// Where a rig limits no jerk, a free axis takes so long to its acceleration: without any limit a stop would
+/// If a rig limits no jerk, a free axis takes so long to reach its acceleration: without a limit a stop would
 /// be a step of the force.
 inline constexpr double seconds_to_acceleration = 0.05;
 

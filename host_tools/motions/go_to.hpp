@@ -16,7 +16,7 @@ namespace inbetween {
 std::vector<GoTarget> go_targets(const RigFile& rig, const std::map<std::string, double>& positions);
 
 struct GoOptions {
-  /// Of the limits of velocity, acceleration and jerk, what the axes may use: above 0, up to 1.
+  /// The axes may use this share of their limits of velocity, acceleration and jerk: above 0, up to 1.
   double share = slow_share;
   SessionOptions session = {};
 };

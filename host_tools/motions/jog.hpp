@@ -20,9 +20,9 @@ namespace inbetween {
 inline constexpr double jog_stops_within_s = 0.2;
 /// ... of which the key may be missed for so long: terminals repeat a key 11 to 30 times a second.
 inline constexpr double jog_key_missed_s = 0.1;
-/// Of the share of its velocity that an axis has, what it has that does not know where it is.
+/// An axis that does not know where it is gets this part of the share that another axis gets.
 inline constexpr double unreferenced_jog_share = 0.1;
-/// Of the way between its limits, how far such an axis goes until the key is let go.
+/// Such an axis goes this part of the way between its limits, until the key is let go.
 inline constexpr double unreferenced_way_share = 0.01;
 
 /// At up to `share` of its velocity, the speed at which an axis can be held to run. With a tick so long that
@@ -70,7 +70,7 @@ class Jog {
   [[nodiscard]] std::size_t selected() const { return selected_; }
   void marked();
   void kept();
-  /// Of all drives, in the last tick.
+  /// The states of all drives in the last tick.
   [[nodiscard]] const std::vector<DriveState<double>>& states() const { return states_; }
   /// The operator is the reason that it is over, and nothing else is.
   [[nodiscard]] bool was_left() const {
@@ -102,7 +102,7 @@ class Jog {
 };
 
 struct JogOptions {
-  /// Of max_velocity, up to 1.
+  /// The share of max_velocity that an axis may use, up to 1.
   double share = 0.1;
   SessionOptions session = {};
 };

@@ -28,12 +28,12 @@ concept HomeLines = requires(const Lines& lines, std::size_t axis) {
   { lines.home_switch(axis) } -> std::convertible_to<SwitchSettings>;
 };
 
-/// What AxisHoming takes of the rig's `home`. An axis that stands on its switch leaves it by no more than the
-/// way that it runs over it and four times the way to back off: a switch that is stuck does not send it
-/// through the rig.
+/// The spec of AxisHoming from the `home` of the rig. An axis that stands on its switch leaves it by at most
+/// the way that it runs over it and four times the way to back off: a stuck switch does not send it through
+/// the rig.
 HomingSpec<double> homing_spec_of(const RigAxis& axis, const SwitchSettings& home);
 
-/// Of an axis with a `home`. Throws InputError at the place of one that cannot be done.
+/// The homing of an axis with a `home`. Throws InputError at the place of a homing that is not possible.
 AxisHoming<double> axis_homing_of(const RigAxis& axis, const SwitchSettings& home, FreeAxis<double>& free);
 
 /// A FreeSource: the axes home together from where they stand when the loop begins. Refers to the rig, the
@@ -92,7 +92,7 @@ class RigHoming {
   // Once it rests.
 
   [[nodiscard]] bool is_done() const { return !refusal_ && homing_->state() == HomingState::done; }
-  /// What to add to what the drive of axis `i` of those that home tells.
+  /// The distance to add to what the drive of the i-th homing axis tells.
   [[nodiscard]] double shift(std::size_t i) const { return homings_[i].shift(); }
   /// Which axis was not referenced, why, and what to do; "" if nothing of the axes was the reason.
   [[nodiscard]] std::string reason() const {

@@ -18,7 +18,7 @@ struct RunOptions {
   double top_rate = 1;
   /// The move is shot frame by frame instead of played.
   std::optional<ShootOptions> shoot = {};
-  /// Where the positions of axes are kept that no drive knows (position_file.hpp). None: on a rig its usual
+  /// The file that keeps positions which no drive knows (position_file.hpp). None: on a rig its usual
   /// place, in a simulation nowhere.
   std::optional<std::string> positions = {};
   /// A line a pulse on an output goes there (cue_log.hpp).

@@ -1,4 +1,4 @@
-// What is held against the rig before a move is played on it.
+// The checks of a move against its rig, before it is played.
 #pragma once
 
 #include <memory>

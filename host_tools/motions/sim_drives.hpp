@@ -12,13 +12,13 @@
 namespace inbetween {
 
 struct SimDrivesOptions {
-  /// Where axes stand, by name; the others at 0, or as near to it as their limits allow.
+  /// The positions of axes, by name; the others stand at 0, or as near to it as their limits allow.
   std::map<std::string, double> standing = {};
   /// Whether somebody wants it to end.
   std::function<bool()> interrupted = {};
   /// Called once the buses are open and the drives have power.
   std::function<void()> ready = {};
-  /// What goes wrong with them; of the same rig.
+  /// Their faults, for the same rig.
   FaultScript faults = {};
   /// Receives a line per target that a drive applied: axis, nanoseconds of the monotonic clock, counts; one
   /// per state of CiA 402 that it entered, with its velocity at that moment; one per emergency that it sent;

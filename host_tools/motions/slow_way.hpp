@@ -17,7 +17,7 @@ namespace inbetween {
 /// The usual share of the limits of velocity, acceleration and jerk that a slow way may use.
 inline constexpr double slow_share = 0.1;
 
-/// Where an axis of the rig is to go.
+/// The position to which an axis of the rig is to go.
 struct GoTarget {
   std::size_t axis = 0;
   double position = 0;

@@ -1,4 +1,4 @@
-// What a move waits for that is begun by something outside.
+// The signal that begins a move which waits for something outside.
 #pragma once
 
 #include <cstdint>

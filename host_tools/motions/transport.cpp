@@ -25,10 +25,10 @@ Status Transport::start() {
 }
 
 void Transport::tick(std::int32_t ticks, std::int64_t now_ns) {
-  // What stops a rig while it waits ends the waiting.
+  // A stop of the rig ends the waiting.
   if (loop_.state() != SupervisorState::ready) is_waiting_ = false;
   if (is_waiting_) {
-    // What came before anybody waited is dropped, as a key would be: the rig does not start for it.
+    // A signal from before anybody waited is dropped, as a key would be: the rig does not start for it.
     const bool has_come = lines_.start.has_come(lines_.start.of, now_ns);
     if (has_come && is_heard_) keys_.say(start());
     is_heard_ = true;

@@ -11,7 +11,7 @@
 
 namespace inbetween {
 
-/// What else a move that is played has to do with lines of the rig.
+/// The lines of the rig that a played move uses.
 struct TransportLines {
   CueOutputs* cues = nullptr;  ///< the pulses of the move
   StartSignal start = {};      ///< the move is begun and waits for it

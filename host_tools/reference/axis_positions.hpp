@@ -13,7 +13,7 @@ namespace inbetween {
 /// The index of an axis of the rig. Throws InputError where there is none of that name.
 std::size_t axis_named(const RigFile& rig, const std::string& name);
 
-/// Where a simulated axis stands before anything moves it: as near to 0 as its limits allow.
+/// The place of a simulated axis before anything moves it: as near to 0 as its limits allow.
 double parked(const RigAxis& axis);
 
 /// `positions`, in the order of the rig's axes, but where somebody has said that an axis stands elsewhere.

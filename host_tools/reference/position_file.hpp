@@ -1,4 +1,4 @@
-// Where open-loop axes rest, kept in a file from one run to the next.
+// A file keeps where open-loop axes rest, from one run to the next.
 //
 // Nothing reports where a stepper or a hobby servo is, so this program remembers it: before an axis moves,
 // the file says that it moves, and after it has come to rest, where. Both are on the disk, not only on their
@@ -37,14 +37,14 @@ std::uint64_t position_identity(const RigFile& rig);
 /// Throws std::runtime_error if there is neither.
 std::string position_file_path(const std::string& rig_name, const char* xdg_state_home, const char* home);
 
-/// That of a rig in this process's environment.
+/// The usual file of a rig in this process's environment.
 std::string usual_position_file(const RigFile& rig);
 
 /// One program at a time reads a file and writes it, whatever name it has it by. Held from before the file is
 /// read until its axes move no more. Throws InputError where another program has it.
 std::unique_ptr<InstanceLock> lock_positions(const std::string& path);
 
-/// What is known of a kept axis.
+/// A kept axis, with its position if it is known.
 struct KnownAxis {
   std::size_t axis = 0;            // of the rig
   std::optional<double> position;  // at rest, in the unit of the axis; absent: unreferenced
@@ -60,14 +60,14 @@ class PositionFile {
   PositionFile(std::string path, const RigFile& rig, FileLayer files = system_files());
 
   [[nodiscard]] const std::string& path() const { return path_; }
-  /// What is known now, an entry per kept axis.
+  /// The kept axes as they are known now.
   [[nodiscard]] const std::vector<KnownAxis>& axes() const { return known_; }
 
   /// Before any of `axes` (of the rig; those that are not kept are passed over) moves. If it throws, nothing
   /// may move.
   void about_to_move(std::span<const std::size_t> axes);
 
-  /// Where axis `axis` rests now, or std::nullopt if that is not known any more.
+  /// The position at which axis `axis` rests now, or std::nullopt if it is not known any more.
   struct Rest {
     std::size_t axis = 0;            // of the rig, kept
     std::optional<double> position;  // finite, in the unit of the axis

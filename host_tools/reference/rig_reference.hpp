@@ -27,7 +27,7 @@ class RigReference {
   explicit RigReference(const RigFile& rig) : rig_(rig), axes_(rig.axes.size()) {}
   RigReference(const RigFile& rig, std::string file, FileLayer files = system_files());
 
-  /// Where an axis rests, if this knows it.
+  /// The position at which an axis rests, if it is known.
   [[nodiscard]] std::optional<double> position(std::size_t axis) const { return axes_[axis].position; }
   /// Tells the drives where their axes rest. Before they are switched on.
   void place(RigDrives& drives) const;
@@ -45,7 +45,7 @@ class RigReference {
   /// Before any of `axes` moves; those that are under way already are passed over. If it throws, nothing may
   /// move.
   void about_to_move(std::span<const std::size_t> axes);
-  /// What was to move rests, where the drives of the rig tell. An axis that was referenced stays so, unless
+  /// The axes that were to move rest where their drives tell. An axis that was referenced stays so, unless
   /// it has lost its steps, its drive is out of reach, or its motor was without power (`power_was_cut`) and
   /// nothing reports where it went. What has not moved stays as it is.
   void at_rest(const RigDrives& drives, std::span<const DriveState<double>> states, bool power_was_cut);

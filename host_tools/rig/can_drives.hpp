@@ -39,7 +39,7 @@ class CanDrives final : public PortDrives<can::Cia402Port<double, BusLink>> {
   void place(std::size_t drive, double position) override;
   [[nodiscard]] bool has_lost_position(std::size_t drive) const override;
 
-  /// What is wrong with a bus, or with a drive, and what to do, the first found; "" for nothing.
+  /// Each says the first thing that is wrong, with a bus or with a drive, and what to do; "" if nothing is.
   [[nodiscard]] std::string bus_trouble() const;
   [[nodiscard]] std::string drive_trouble() const;
   /// RigDrives::left_on.

@@ -1,4 +1,4 @@
-// What is counted on the buses and outputs of a rig while it is used.
+// The counters of the buses and outputs of a rig while it is used.
 #pragma once
 
 #include <cstdint>
@@ -33,7 +33,7 @@ struct Counters {
   std::vector<Count> pulses;    ///< on the outputs; empty for a rig without
 };
 
-/// Of a bus; `socket` is null for a simulated one.
+/// The counters of a bus; `socket` is null for a simulated one.
 std::vector<Count> counts_of(const can::LaneCounters& lane, const can::CanCounters* socket);
 std::vector<Count> counts_of(const can::DriveCounters& drive);
 std::vector<Count> counts_of(const gpio::StepPlayerCounters& edges);

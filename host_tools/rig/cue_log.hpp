@@ -18,7 +18,7 @@ class CueLog {
   /// their move.
   CueLog(const std::string& file, const std::vector<CuePulse>& pulses, bool waits);
 
-  /// Of the loop's thread. No allocation, no system call unless it waits.
+  /// The loop's thread calls it. It allocates nothing and makes no system call unless it waits.
   void take(const PlayedPulse& pulse) { log_.take(pulse); }
   /// Writes what is left; a reader that takes nothing for a second is given up. Records are pulses.
   LoopLogEnd finish() { return log_.finish("it was written more slowly than pulses came"); }

@@ -23,7 +23,7 @@
 
 namespace inbetween {
 
-/// What a playhead did in a tick of the loop.
+/// The way of a playhead in a tick of the loop.
 struct CuePassage {
   PlayheadPlace<double> from, to;
   Repeat repeated = Repeat::none;
@@ -47,7 +47,7 @@ class CueOutputs {
   /// Before the first tick: every pulse goes there. CueLog says what it throws.
   void log_to(const std::string& file, bool waits);
 
-  // Of the loop's thread. Nothing waits but the log, if it was told to; nothing is allocated.
+  // The loop's thread calls these. Nothing waits but the log, if it was told to; nothing is allocated.
 
   /// `ticks` have passed since the last call, usually 1. Begins and ends pulses.
   void tick(const CuePassage& passage, std::int32_t ticks, std::int64_t now_ns);
@@ -60,11 +60,11 @@ class CueOutputs {
   void finish(const std::function<bool()>& interrupted);
   [[nodiscard]] std::optional<LoopLogEnd> end_log();
   [[nodiscard]] const CueCounters& counters() const { return timer_->counters(); }
-  /// Of the chips that count.
+  /// The counters of the chips that count.
   [[nodiscard]] std::vector<Counted> chip_counts() const;
-  /// What is wrong and what to do, the first found; "" for nothing.
+  /// Says the first thing that is wrong and what to do; "" if nothing is.
   [[nodiscard]] std::string trouble() const;
-  /// What was put out on a line, by its name.
+  /// Whether the line of that name is on, as the pulses have set it.
   [[nodiscard]] bool is_on(std::string_view line) const;
 
  private:

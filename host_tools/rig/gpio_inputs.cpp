@@ -120,7 +120,7 @@ void RigInputs::look_at_emergency_stop() {
   if (!emergency_) return;
   const Line& line = lines_[*emergency_];
   const bool healthy_level = line.input->active == Level::low;
-  // What another chip has lost was none of this line's edges.
+  // Edges that another chip has lost were none of this line's.
   const std::span<const LineEvent> events = chips_[line.chip].events;
   const EmergencyInput button{.line = static_cast<std::uint8_t>(line.number), .healthy_level = healthy_level};
   if (!button.asks_to_stop(line.level, events)) return;

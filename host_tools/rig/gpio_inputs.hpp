@@ -50,7 +50,7 @@ class RigInputs {
   }
   [[nodiscard]] bool is_gone() const;
 
-  /// Of all lines in the last tick, in the order of their times. Lines are numbered through the rig.
+  /// The edges of all lines in the last tick, in the order of their times. Each line has a number in the rig.
   [[nodiscard]] std::span<const LineEvent> events() const { return events_; }
   /// For HomingSpec. Of an axis with a home switch.
   [[nodiscard]] SwitchSettings home_switch(std::size_t axis) const;

@@ -45,12 +45,13 @@ class RigDrives {
   /// Null where the rig has no stepper.
   [[nodiscard]] const StepDrives* steps() const { return steps_; }
 
-  /// What is wrong with a drive and what to do, the first found; "" for nothing. Not for the loop's thread.
+  /// Says the first thing that is wrong with a drive and what to do; "" if nothing is. Not for the loop's
+  /// thread.
   [[nodiscard]] std::string trouble() const;
   /// Once disable() was over: which drive may have power, or will report that this program is gone, and what
   /// to do; "" for none.
   [[nodiscard]] std::string left_on() const { return can_ != nullptr ? can_->left_on() : ""; }
-  /// Of the buses, the drives on them and the chips that steps go to. Once no tick follows.
+  /// The counters of the buses, the drives on them and the chips that steps go to. Once no tick follows.
   [[nodiscard]] Counters counts() const;
 
  private:
@@ -61,7 +62,7 @@ class RigDrives {
     std::vector<DriveState<double>> states = std::vector<DriveState<double>>(axes.size());
     std::vector<Setpoint<double>> setpoints = std::vector<Setpoint<double>>(axes.size());
   };
-  /// Where an axis of the rig is.
+  /// The drives that an axis of the rig belongs to, and its number among them.
   struct OfPart {
     AxisDrives* drives = nullptr;
     std::size_t number = 0;

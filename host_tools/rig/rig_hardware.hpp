@@ -130,6 +130,8 @@ class RigHardware {
   /// lines follow.
   virtual std::unique_ptr<ChipOutputs> open_steps(const std::string& chip, std::span<const std::size_t> axes,
                                                   std::span<const StepLines> wires) = 0;
+  /// The position from which the steps of an axis are counted.
+  [[nodiscard]] virtual double counted_from(std::size_t /*axis*/) const { return 0; }
   /// The lines are idle until the first pulse, and 1 is active whatever the wire has then.
   virtual std::unique_ptr<ChipOutputs> open_pulses(const std::string& chip,
                                                    std::span<const PulseLine> lines) = 0;

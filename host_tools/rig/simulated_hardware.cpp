@@ -25,7 +25,7 @@ double overrun_of(const RigAxis& axis) {
   return fast * (fast / axis.max_acceleration + ramp + seconds_until_known);
 }
 
-/// Where the simulated limit switches of an axis are.
+/// The place of a simulated limit switch of an axis.
 double limit_place(const RigAxis& axis, bool is_max) {
   const double margin = limit_margin * (axis.max - axis.min);
   double end = is_max ? axis.max : axis.min;

@@ -38,6 +38,7 @@ class SimulatedHardware final : public RigHardware {
   std::unique_ptr<BusLink> open_bus(const std::string& bus, std::span<const std::size_t> axes) override;
   std::unique_ptr<ChipOutputs> open_steps(const std::string& chip, std::span<const std::size_t> axes,
                                           std::span<const StepLines> wires) override;
+  [[nodiscard]] double counted_from(std::size_t axis) const override { return positions_[axis]; }
   std::unique_ptr<ChipOutputs> open_pulses(const std::string& chip,
                                            std::span<const PulseLine> lines) override;
   std::string chip_of(const LineAddress& line) override { return line.chip; }
@@ -45,7 +46,7 @@ class SimulatedHardware final : public RigHardware {
   std::vector<OpenedInputs> open_inputs(std::span<const InputLine* const> lines) override;
   std::unique_ptr<AxisDrives> open_others(std::span<const std::size_t> axes) override;
 
-  /// Where an axis really is, whatever its drive was told. Its drive has been opened.
+  /// The true position of an axis, whatever its drive was told. Its drive has been opened.
   [[nodiscard]] double true_position(std::size_t axis) const { return where_[axis](); }
   /// The input lines that have been opened.
   [[nodiscard]] SimulatedInputs& inputs() { return inputs_.value(); }

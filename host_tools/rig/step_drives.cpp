@@ -16,7 +16,7 @@ const StepDirDrive* step_dir_of(const RigAxis& axis) {
   return std::get_if<StepDirDrive>(&axis.drive);
 }
 
-/// Of an axis that has one.
+/// The drive of an axis that has one.
 const StepDirDrive& its_drive(const RigAxis& axis) {
   return std::get<StepDirDrive>(axis.drive);
 }
@@ -59,6 +59,9 @@ StepDrives::StepDrives(const RigFile& rig, RigHardware& hardware) : rig_(rig) {
         chip.label, std::span(indices_).subspan(chip.lanes.front(), chip.lanes.size()), chip.wires);
   }
   make_port();
+  for (std::size_t lane = 0; lane < lanes_.size(); ++lane) {
+    place(lane, hardware.counted_from(indices_[lane]));
+  }
 }
 
 void StepDrives::add_lanes(Chip& chip) {

@@ -40,9 +40,9 @@ class StepDrives final : public PortDrives<StepPort<double, ChipOutputs>> {
   }
   /// When the motion of the last setpoints is played.
   [[nodiscard]] const TickChain& chain() const { return port_->chain(); }
-  /// What is wrong and what to do, the first found; "" for nothing. Not for the loop's thread.
+  /// Says the first thing that is wrong and what to do; "" if nothing is. Not for the loop's thread.
   [[nodiscard]] std::string trouble() const;
-  /// Of the chips that count.
+  /// The counters of the chips that count.
   [[nodiscard]] std::vector<Counted> counts() const;
 
  private:

@@ -199,7 +199,7 @@ TEST(FreeAxis, HaltedItIsAtRestWhereItIs) {
   EXPECT_FALSE(axis.go_to(11));
 }
 
-/// From 100 mm/s, 0.75 s and 37.5 mm; with 4 times the limits 100/800 + 800/3200 s, 100/2 times as many mm.
+/// With 4 times the limits 3200 mm/s^3 alone decide: 2 sqrt(100/3200) s, and half of 100 mm/s meanwhile.
 TEST(FreeAxis, AStopMayUseMoreThanTheMotion) {
   FreeAxisLimits<double> limits = track;
   limits.stop_share = 4;
@@ -207,11 +207,11 @@ TEST(FreeAxis, AStopMayUseMoreThanTheMotion) {
   ASSERT_TRUE(axis.drive(100));
   tick_for(axis, 250);
   EXPECT_EQ(axis.state().velocity, 100) << "it speeds up as ever";
-  EXPECT_NEAR(axis.stop_seconds(), 0.375, 1e-12);
+  EXPECT_NEAR(axis.stop_seconds(), 2 * std::sqrt(1.0 / 32), 1e-12);
   const double from = axis.position();
   axis.stop();
-  EXPECT_EQ(ticks_to_rest(axis), 94);
-  EXPECT_NEAR(axis.position() - from, 18.75, 1e-9);
+  EXPECT_EQ(ticks_to_rest(axis), 89);
+  EXPECT_NEAR(axis.position() - from, 100 * std::sqrt(1.0 / 32), 1e-9);
 }
 
 TEST(FreeAxis, IllegalNumbersAreRefused) {
