@@ -31,7 +31,7 @@ bool PathTurns::find(const Path<double>& path, const PathPoint<double>& point) {
   const double t3 = t1 * (q1 * q1 / q - q2 / 2) / (q * q);
   const double t4 = ((13 * q1 * q2 / 4 - 7 * q1 * q1 * q1 / (2 * q)) / q - q3 / 2) / (q * q * q);
   curvature = 0;
-  double twist = 0;
+  double third_derivative = 0;
   axes.clear();
   for (std::size_t d = 0; d < cubics.size(); ++d) {
     const double first = cubics[d].derivative(t);
@@ -42,9 +42,9 @@ bool PathTurns::find(const Path<double>& path, const PathPoint<double>& point) {
         6 * third * t1 * t1 * t2 + 3 * second * t2 * t2 + 4 * second * t1 * t3 + first * t4};
     axes.push_back(turn);
     curvature = std::hypot(curvature, weights[d] * turn[1]);
-    twist = std::hypot(twist, weights[d] * turn[2]);
+    third_derivative = std::hypot(third_derivative, weights[d] * turn[2]);
   }
-  scale = 1 / std::max(curvature, std::sqrt(twist));
+  scale = 1 / std::max(curvature, std::sqrt(third_derivative));
   return true;
 }
 

@@ -182,7 +182,7 @@ class PaceProgram {
 
   /// visit(terms, factor) for phi''_k = sum of terms at every inner knot k, and for the products of
   /// neighbours: the integral of phi''^2 over a span is (s0^2 + s0 s1 + s1^2) / 3.
-  [[nodiscard]] std::vector<Term> bend(std::int32_t knot) const {
+  [[nodiscard]] std::vector<Term> second_derivative(std::int32_t knot) const {
     std::vector<Term> terms;
     if (knot <= 0 || knot >= f_) return terms;
     for (const auto& [i, w] : {std::pair{knot - 1, 1.0}, std::pair{knot, -2.0}, std::pair{knot + 1, 1.0}}) {
@@ -193,9 +193,9 @@ class PaceProgram {
   /// Entries of Q and of the rows, by place: the part of the matrix that stays.
   template <class Visit>
   void for_each_entry(const Visit& visit) const {
-    std::vector<Term> here = bend(0);
+    std::vector<Term> here = second_derivative(0);
     for (std::int32_t knot = 0; knot < f_; ++knot) {
-      const std::vector<Term> next = bend(knot + 1);
+      const std::vector<Term> next = second_derivative(knot + 1);
       const auto add = [&](const std::vector<Term>& one, const std::vector<Term>& other, double factor) {
         for (const Term& x : one) {
           for (const Term& y : other) {

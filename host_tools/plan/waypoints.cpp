@@ -40,8 +40,8 @@ std::optional<Direction> direction_of(const Path<Real>& path, std::int32_t segme
                      (leaving ? 1 : -1));  // P' is about P'' (t - t0)
     third.push_back(weight * static_cast<double>(cubic.third()));
   }
-  const double bend = length_of(second) + length_of(third);
-  Direction& shown = length_of(first) > still_share<Real> * bend                ? first
+  const double higher = length_of(second) + length_of(third);
+  Direction& shown = length_of(first) > still_share<Real> * higher              ? first
                      : length_of(second) > still_share<Real> * length_of(third) ? second
                                                                                 : third;
   const double length = length_of(shown);

@@ -74,10 +74,10 @@ AxisMotion<Real> RollAxis<Real>::at_share(Real s, Real u) const {
   const auto& [position, velocity, acceleration, jerk] = joint_;
   const Real h = signed_seconds_;
   const Real cubic = (2 * drift() - 3 * velocity) / 3;
-  return {.position = position + h * (s * (velocity + s * (drift() / 2 + s * (cubic + s * (bend_ / 4))))),
-          .velocity = u * u * (velocity + bend_ * s),
-          .acceleration = u * (acceleration + 3 * (bend_ / h) * s),
-          .jerk = (acceleration + 3 * (bend_ / h) * (s + u)) / h};
+  return {.position = position + h * (s * (velocity + s * (drift() / 2 + s * (cubic + s * (quartic_ / 4))))),
+          .velocity = u * u * (velocity + quartic_ * s),
+          .acceleration = u * (acceleration + 3 * (quartic_ / h) * s),
+          .jerk = (acceleration + 3 * (quartic_ / h) * (s + u)) / h};
 }
 
 template <Precise Real>
@@ -103,7 +103,7 @@ template <Precise Real>
 std::array<Real, 5> RollAxis<Real>::coefficients() const {
   const Real h = signed_seconds_;
   return {joint_.position, joint_.velocity, joint_.acceleration / 2,
-          (2 * drift() - 3 * joint_.velocity) / 3 / h / h, bend_ / 4 / h / h / h};
+          (2 * drift() - 3 * joint_.velocity) / 3 / h / h, quartic_ / 4 / h / h / h};
 }
 
 // --- bounds of one axis; u is 0 at rest and 1 at the joint, v (3 - r) u^2 - v (2 - r) u^3 the velocity
@@ -158,7 +158,7 @@ void RollAxis<Real>::bound_position(Real rounding, AxisPeaks<Real>& peaks) const
     }
     return;
   }
-  const Real m = v / bend_;  // 1 - u of the turn
+  const Real m = v / quartic_;  // 1 - u of the turn
   const Real turn = joint_.position - h * (v * (m * (6 - m * (4 - m)) / 12));
   if (from_below) {
     lower(peaks.lowest, turn - slack, frame_at(1 - m));
@@ -174,9 +174,9 @@ void RollAxis<Real>::bound_velocity(Real rounding, AxisPeaks<Real>& peaks) const
   const Real v = joint_.velocity;
   const Real rise = 3 * v - drift();
   const bool overshoots = (v > 0 && drift() < 0) || (v < 0 && drift() > 0);  // r < 0
-  const bool from_standstill = v == 0 && bend_ != 0;
+  const bool from_standstill = v == 0 && quartic_ != 0;
   if (!overshoots && !turns_back() && !from_standstill) return;
-  const Real u = std::min(-2 * rise / (3 * bend_), Real{1});
+  const Real u = std::min(-2 * rise / (3 * quartic_), Real{1});
   raise(peaks.velocity, u * u * std::fabs(rise) / 3 + rounding, frame_at(u));
 }
 
@@ -188,7 +188,7 @@ void RollAxis<Real>::bound_acceleration(Real rounding, AxisPeaks<Real>& peaks) c
   // hides on which side, both differ by epsilon squared, which is still something.
   if (v == 0 || 2 * along >= 3 * std::fabs(v) * (1 + rounding_share<Real>)) return;
   const Real rise = 3 * v - drift();
-  const Real u = std::min(-rise / (3 * bend_), Real{1});
+  const Real u = std::min(-rise / (3 * quartic_), Real{1});
   raise(peaks.acceleration, (u * std::fabs(rise) + rounding) / seconds(), frame_at(u));
 }
 

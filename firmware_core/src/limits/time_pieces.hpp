@@ -26,13 +26,13 @@ struct TimePiece {
   Real frames = 1;       ///< from x = 0 to x = 1
   Real seconds = 1;      ///< the same
   std::array<Real, 4> speed{};
-  std::array<Real, 3> change{};  ///< d speed / d time
-  std::array<Real, 2> bend{};    ///< d change / d time
+  std::array<Real, 3> change{};         ///< d speed / d time
+  std::array<Real, 2> second_change{};  ///< d change / d time
 
   [[nodiscard]] Real frame(Real x) const { return first_frame + x * frames; }
   void differentiate() {
     change = derivative(speed, 1 / seconds);
-    bend = derivative(change, 1 / seconds);
+    second_change = derivative(change, 1 / seconds);
   }
   /// The integral of the speed over the time from 0 to x.
   [[nodiscard]] Real distance(Real x) const {

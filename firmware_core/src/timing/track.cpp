@@ -99,11 +99,12 @@ struct Standstill {
 
   /// Whether this axis' derivative is 0 at the standstill as far as can be told from here.
   [[nodiscard]] bool holds(const Cubic<Real>& cubic, Real t) const {
-    const Real bend = std::fabs(cubic.second(t));
-    const Real twist = std::fabs(cubic.third());
+    const Real second_of_axis = std::fabs(cubic.second(t));
+    const Real third_of_axis = std::fabs(cubic.third());
     const Real margin = 4;  // where P'' and P''' both count, time() is up to half too short
-    const Real rounding = still_speed_share<Real> * (bend + twist);
-    return std::fabs(cubic.derivative(t)) <= margin * time() * (bend + time() * twist) + rounding;
+    const Real rounding = still_speed_share<Real> * (second_of_axis + third_of_axis);
+    return std::fabs(cubic.derivative(t)) <=
+           margin * time() * (second_of_axis + time() * third_of_axis) + rounding;
   }
 };
 

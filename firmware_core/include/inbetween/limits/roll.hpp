@@ -85,7 +85,7 @@ class RollAxis {
       : span_(span),
         joint_(joint),
         signed_seconds_(signed_seconds),
-        bend_(joint.acceleration * signed_seconds - 2 * joint.velocity) {}
+        quartic_(joint.acceleration * signed_seconds - 2 * joint.velocity) {}
 
   [[nodiscard]] AxisMotion<Real> at_share(Real s, Real u) const;
   [[nodiscard]] Real frame_at(Real u) const;
@@ -99,7 +99,7 @@ class RollAxis {
   RollSpan span_;
   AxisMotion<Real> joint_;
   Real signed_seconds_ = 1;  ///< h
-  Real bend_ = 0;            ///< b
+  Real quartic_ = 0;         ///< b
 };
 
 enum class RollQuantity : std::uint8_t { position, velocity, acceleration, jerk };
