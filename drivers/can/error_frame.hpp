@@ -5,7 +5,7 @@
 
 namespace inbetween::can {
 
-/// What a controller reports about itself and its bus, in a frame that was never on the bus.
+/// A report of a controller about itself and its bus, in a frame that was never on the bus.
 struct ErrorFrame {
   bool is_transmit_timeout = false;    ///< a frame could not be sent in time
   bool is_arbitration_lost = false;    ///< one-shot sending only

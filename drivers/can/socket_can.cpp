@@ -211,7 +211,7 @@ void SocketCan::note_error_frame(const ErrorFrame& error) {
   if (error.is_bus_off) {
     controller_ = ControllerState::bus_off;
   } else if (controller_ == ControllerState::bus_off && !error.is_restarted) {
-    // What comes in now was counted before it left the bus.
+    // The controller sent this before it left the bus.
   } else if (error.is_passive) {
     controller_ = ControllerState::passive;
   } else if (error.is_warning) {

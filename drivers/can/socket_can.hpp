@@ -27,7 +27,7 @@ enum class LinkState : std::uint8_t {
 /// The controller, as far as its error frames have told. A virtual interface sends none.
 enum class ControllerState : std::uint8_t { active, warning, passive, bus_off };
 
-/// What has been seen since `open`. Nothing is lost without one of these growing.
+/// Counters since `open`. Nothing is lost without one of these growing.
 struct CanCounters {
   std::uint64_t sent = 0;           ///< frames that the kernel took; whether anybody heard them is not known
   std::uint64_t unsent = 0;         ///< frames that it did not take; they are never sent later
@@ -55,11 +55,11 @@ struct CanFilter {
 /// Classic CAN through SocketCAN (CAN_RAW), for a real-time loop. After `open` nothing is allocated, nothing
 /// waits, and `send` and `receive` are one system call each. Of one thread.
 ///
-/// What other programs on this machine send is received too; what this socket sends is not.
+/// It receives what other programs on this machine send, too, but not what it sends itself.
 /// Source: Linux Documentation/networking/can.rst.
 class SocketCan {
  public:
-  /// Of one system call, to send or to receive.
+  /// The most frames of one system call, to send or to receive.
   static constexpr std::size_t max_frames = 64;
 
   SocketCan();

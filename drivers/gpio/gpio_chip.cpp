@@ -11,7 +11,7 @@
 namespace inbetween::gpio {
 namespace {
 
-/// What other programs see as the one who uses our lines.
+/// The name that other programs see as the user of our lines.
 constexpr const char* consumer = "inbetween";
 /// The most that the kernel keeps; more than it would by itself, for a switch that chatters.
 constexpr std::size_t kept_events = 1024;

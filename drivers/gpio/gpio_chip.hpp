@@ -28,10 +28,10 @@ enum class ChipState : std::uint8_t {
 };
 [[nodiscard]] ChipState state_after(int error);
 
-/// What holds a line when nobody drives it.
+/// The pull that holds a line when nobody drives it.
 enum class Bias : std::uint8_t { as_it_is, none, pull_up, pull_down };
 
-/// What a line is taken for.
+/// The use for which a line is taken.
 struct LineUse {
   unsigned offset = 0;
   bool is_output = false;
@@ -52,7 +52,7 @@ using HeldLines = std::unique_ptr<gpiod_line_request, GiveBack>;
 /// Source: libgpiod 2, gpiod.h; Linux include/uapi/linux/gpio.h.
 class GpioChip {
  public:
-  /// Of one request.
+  /// The most lines of one request.
   static constexpr std::size_t max_lines = 64;
 
   GpioChip();
@@ -66,7 +66,7 @@ class GpioChip {
   /// The same, of the one chip that has a line of this name. No such line, or several, are refused.
   [[nodiscard]] std::optional<Refusal> open_with_line(const std::string& name);
   [[nodiscard]] bool is_open() const { return chip_ != nullptr; }
-  /// Of the chip that is open.
+  /// The label of the open chip.
   [[nodiscard]] const std::string& label() const { return label_; }
 
   /// The offsets of lines, in their order: each of them is there, is meant once, and is free. Nothing is

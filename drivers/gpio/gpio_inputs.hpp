@@ -28,7 +28,7 @@ struct InputLine {
 /// decision in place of the time of the edge.
 class GpioInputs {
  public:
-  /// Of one `read`.
+  /// The most edges of one `read`.
   static constexpr std::size_t max_events = 64;
 
   GpioInputs() = default;

@@ -46,7 +46,7 @@ std::optional<Refusal> GpioOutputs::open(const GpioChip& chip, std::span<const O
 
 void GpioOutputs::note(int error) {
   int none = 0;
-  // What failed first is the cause.
+  // The first failure is the cause.
   error_.compare_exchange_strong(none, error, std::memory_order_relaxed);
 }
 

@@ -5,7 +5,7 @@
 namespace inbetween::gpio {
 namespace {
 
-/// Of a number that only one thread writes: no read-modify-write is needed.
+/// Adds to a number that only one thread writes: no read-modify-write is needed.
 void count(std::atomic<std::uint64_t>& number) {
   number.store(number.load(std::memory_order_relaxed) + 1, std::memory_order_release);
 }

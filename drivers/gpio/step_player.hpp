@@ -15,7 +15,7 @@ namespace inbetween::gpio {
 
 struct StepPlayerSettings {
   StepPaceLimits pace{};
-  /// Of an instant against its plan; beyond it the rig is to be stopped.
+  /// The lateness of an instant against its plan beyond which the rig is to be stopped.
   std::int64_t max_late_ns = 1'000'000;
   /// How long before an instant the sleep ends and the clock is watched instead: longer than waking up takes.
   /// The processor does nothing else meanwhile. 0: the sleep ends at the instant.
@@ -64,7 +64,7 @@ class StepPlayer {
   /// there is one, for the thread that pops it.
   StepPlayer(GpioOutputs& outputs, const StepPlayerSettings& settings, PlayedRing* played = nullptr);
 
-  // Of the feeding thread. All of them return at once.
+  // The feeding thread calls these. All of them return at once.
 
   /// Adds an instant behind the others, at_ns on CLOCK_MONOTONIC, not before theirs; one that is too early
   /// for the order counts as late. false: it will not be played, for the ring is full or `run` has returned.
@@ -78,7 +78,7 @@ class StepPlayer {
   /// Instants that are neither played nor discarded.
   [[nodiscard]] std::uint64_t waiting() const;
 
-  // Of any thread.
+  // Any thread may call these.
 
   /// An instant was later than `max_late_ns`. Stays true.
   [[nodiscard]] bool is_too_late() const { return is_too_late_.load(std::memory_order_relaxed); }
@@ -86,7 +86,7 @@ class StepPlayer {
   [[nodiscard]] bool has_ended() const { return has_ended_.load(std::memory_order_acquire); }
   [[nodiscard]] StepPlayerCounters counters() const;
 
-  /// Of the playing thread, once: plays until `end`, or until the chip has failed, and sets the safe levels.
+  /// The playing thread calls it once: plays until `end` or until the chip fails, and sets the safe levels.
   void run();
 
  private:

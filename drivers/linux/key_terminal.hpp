@@ -16,7 +16,7 @@ class KeyTerminal {
   KeyTerminal(const KeyTerminal&) = delete;
   KeyTerminal& operator=(const KeyTerminal&) = delete;
 
-  /// What has been typed since the last call; never waits.
+  /// Returns what was typed since the last call; never waits.
   std::string read();
 
  private:

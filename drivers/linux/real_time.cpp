@@ -34,7 +34,7 @@ std::string reason_of(int error) {
   page[page_bytes - 1] = page[0];
 }
 
-/// What this thread has left of its stack; 0 if nobody knows.
+/// The rest of the stack of this thread; 0 if nobody knows.
 std::size_t stack_left() {
   pthread_attr_t attributes;
   if (::pthread_getattr_np(::pthread_self(), &attributes) != 0) return 0;

@@ -10,7 +10,7 @@
 
 namespace inbetween {
 
-/// What a thread asks of Linux so that it wakes up when it should.
+/// The wishes of a thread to Linux, so that it wakes up when it should.
 struct RealTimeWishes {
   int priority = 80;                      ///< SCHED_FIFO, 1 to 99
   std::optional<int> cpu = std::nullopt;  ///< the only processor to run on; none: any

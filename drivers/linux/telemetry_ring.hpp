@@ -27,7 +27,7 @@ class TelemetryRing {
   TelemetryRing(const TelemetryRing&) = delete;
   TelemetryRing& operator=(const TelemetryRing&) = delete;
 
-  /// Of the pushing thread. false: the ring is full, and the record is counted in `dropped`.
+  /// The pushing thread calls it. false: the ring is full, and the record is counted in `dropped`.
   bool push(const Record& record) {
     const std::uint64_t at = pushed_.load(std::memory_order_relaxed);
     if (at - popped_.load(std::memory_order_acquire) == capacity) {
@@ -40,7 +40,7 @@ class TelemetryRing {
     return true;
   }
 
-  /// Of the popping thread: the oldest record, or none.
+  /// The popping thread calls it: the oldest record, or none.
   [[nodiscard]] std::optional<Record> pop() {
     const std::uint64_t at = popped_.load(std::memory_order_relaxed);
     if (at == pushed_.load(std::memory_order_acquire)) return std::nullopt;

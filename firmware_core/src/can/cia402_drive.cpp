@@ -179,7 +179,7 @@ void Cia402Drive::count_ticks() {
     if (is_supervised()) ++counters_.missed;
     missed_in_row_ = std::min(missed_in_row_ + 1, settings_.missing_limit);
   }
-  // What is still awaited after a tick with feedback was lost; without, it may come late.
+  // An answer still awaited after a tick with feedback was lost; after one without, it may come late.
   awaited_ = (is_fresh_ ? 0 : std::min<std::int32_t>(awaited_, 1)) + 1;
   is_fresh_ = false;
 }

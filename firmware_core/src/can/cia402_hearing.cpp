@@ -1,4 +1,4 @@
-// What a drive says, and what that means at once.
+// A drive is heard here, with what its words mean at once.
 #include "inbetween/can/cia402_drive.hpp"
 
 namespace inbetween::can {

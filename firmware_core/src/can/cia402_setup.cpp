@@ -50,7 +50,7 @@ void switch_off(ScriptWriter& writer, const Pdo& pdo, bool may_be_absent) {
   writer.add({.action = SetupAction::switch_off, .object = cob_id_of(pdo), .may_be_absent = may_be_absent});
 }
 
-/// What comes before the timers: switched off, no objects, then one after the other, then how many.
+/// The order of a mapping: switched off, no objects, then one after the other, then how many.
 void map(ScriptWriter& writer, const Pdo& pdo, const PdoMapping& mapping) {
   switch_off(writer, pdo, false);
   writer.write({.index = pdo.mapping}, 1, 0);

@@ -17,7 +17,7 @@ constexpr std::size_t index_of(DriveEvent event) {
 
 using Row = std::array<DriveStep, drive_events>;
 
-/// Where nothing else is said: connect, enable and leave are refused, everything else changes nothing.
+/// The default: connect, enable and leave are refused, everything else changes nothing.
 constexpr Row usual(DrivePhase phase) {
   Row row;
   row.fill({phase, false});

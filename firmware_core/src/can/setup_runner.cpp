@@ -113,7 +113,7 @@ void SetupRunner::has_read(const SetupScript& script, const SetupStep& step) {
   }
 }
 
-/// What the drive has in an object, after it was written or after it has refused that.
+/// Whether the drive has the right value in an object, after it was written or has refused that.
 bool SetupRunner::is_right(const SetupStep& step) {
   switch (step.action) {
     case SetupAction::write_near:

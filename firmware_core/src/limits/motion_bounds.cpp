@@ -12,11 +12,11 @@
 namespace inbetween {
 namespace {
 
-/// What is proven may be this much above the largest value found: half of what is promised.
+/// A proven bound may be this much above the largest value found: half of what is promised.
 template <Precise Real>
 inline constexpr Real closeness = Real(0.005);
 constexpr HalvingLimits stretch_halvings{.max = 44, .before_rounding = 10};
-/// Of a stretch, before any of it is proven: a peak found early saves work on all that is lower.
+/// Samples of a stretch before any of it is proven: a peak found early saves work on all that is lower.
 constexpr int samples_per_stretch = 6;
 
 constexpr std::size_t quantities = motion_quantities;
@@ -59,7 +59,7 @@ class MotionBounds {
     }
   }
 
-  /// What is found without a bound needs no proof of another.
+  /// A value without a bound needs no proof of another.
   [[nodiscard]] Real allowed(std::size_t d, std::size_t quantity) const {
     const std::array<Real, quantities> values{out_[d].velocity.value, out_[d].acceleration.value,
                                               out_[d].jerk.value};
@@ -111,7 +111,7 @@ class MotionBounds {
     axis.lowest.frame = frame_of(lowest);
     axis.highest.frame = frame_of(highest);
   }
-  /// Where the derivative is 0; what is outside (0, 1) does not matter.
+  /// The zeros of the derivative; those outside (0, 1) do not matter.
   static std::array<Real, 2> turning_points(const Cubic<Real>& cubic) {
     const Real a = 3 * cubic.c3;
     const Real b = 2 * cubic.c2;

@@ -25,7 +25,7 @@ void raise_to(MotionTriple<Real>& to, const MotionTriple<Real>& from) {
 template <Precise Real>
 void raise_magnitude(MotionTriple<Real>& to, const MotionTriple<Real>& from) {
   for (std::size_t i = 0; i < motion_quantities; ++i) {
-    // What is no number is not found; the enclosure of its surroundings is without bound.
+    // NaN is not found; the enclosure of its surroundings is without bound.
     if (std::fabs(from[i]) <= std::numeric_limits<Real>::max()) to[i] = std::max(to[i], std::fabs(from[i]));
   }
 }

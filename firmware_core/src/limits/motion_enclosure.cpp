@@ -276,7 +276,7 @@ Real MotionEnclosure<Real>::tau_rounding(const Stretch<Real>& stretch, Real tau)
   const Real sigma = std::sqrt(std::max(shown_.interval.speed_squared.value(tau), Real(0)));
   const Real distance =
       4 * std::numeric_limits<Real>::epsilon() * track_.arc_length().total() * inverse_scale_;
-  // Where the path is that slow the place follows the square root of the distance.
+  // On such a slow path the place follows the square root of the distance.
   return std::min(sigma > 0 ? distance / sigma : shown_.interval.extent, std::sqrt(distance));
 }
 

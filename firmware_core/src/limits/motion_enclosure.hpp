@@ -41,7 +41,7 @@ struct MotionBox {
   [[nodiscard]] MotionBox middle() const { return {x, x, tau, tau, x, tau}; }
 };
 
-/// What the axes have in common on a box.
+/// The numbers that the axes have in common on a box.
 template <Precise Real>
 struct MotionSurroundings {
   Real tau = 0;
@@ -74,7 +74,7 @@ class MotionEnclosure {
         axes_(static_cast<std::size_t>(track.path().axis_count())),
         turns_(turns.first(axes_)) {}
 
-  /// What follows is about this piece of the path. O(axes^2), nothing if it is the one of before.
+  /// All calls that follow are about this piece of the path. O(axes^2), nothing if it is the one of before.
   void show(const PathPiece<Real>& piece);
 
   /// The surroundings of a single moment.
@@ -82,7 +82,7 @@ class MotionEnclosure {
   [[nodiscard]] MotionSurroundings<Real> around(const Stretch<Real>& stretch,
                                                 const MotionBox<Real>& box) const;
 
-  /// Of an axis in the middle of a box. O(1).
+  /// The motion of an axis in the middle of a box. O(1).
   [[nodiscard]] MotionTriple<Real> here(std::size_t d, const MotionSurroundings<Real>& box) const;
   /// The same, and how far it can be from that on the box. O(1).
   [[nodiscard]] MotionRange<Real> range(std::size_t d, const MotionSurroundings<Real>& box) const;

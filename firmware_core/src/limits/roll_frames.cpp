@@ -25,7 +25,7 @@ constexpr Real generous = 16 * std::numeric_limits<Real>::epsilon();
 template <Precise Real>
 using Breach = std::optional<RollBreach<Real>>;
 
-/// What the joint breaks, and so the move.
+/// The limit that the joint breaks, and so the move.
 template <Precise Real>
 Breach<Real> breach_at_joint(const AxisMotion<Real>& joint, const AxisLimits<Real>& limits) {
   const auto broken = [](RollQuantity quantity, Real value, Real limit) {

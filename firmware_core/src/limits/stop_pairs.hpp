@@ -12,7 +12,7 @@
 
 namespace inbetween {
 
-/// Of the rate change of a pair; its stop time is a thousandth of that off.
+/// The closeness of the rate change of a pair; its stop time is a thousandth of that off.
 template <Precise Real>
 inline constexpr Real pair_closeness = Real(1e-3);
 /// In 1/s and 1/s^2: a stop that takes weeks is none.

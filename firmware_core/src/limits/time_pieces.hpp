@@ -75,7 +75,7 @@ struct Stretch {
   TwoSum<Real> distance = {};  ///< at x = 0
   bool is_anchored = false;
 
-  /// Where a part of it is best divided: what happens beside an anchor may last very short.
+  /// The best place to divide a part of it: what happens beside an anchor may last very short.
   [[nodiscard]] Real divide(Real from, Real to) const {
     return is_anchored && from <= 0 ? to / 16 : from + (to - from) / 2;
   }
@@ -112,7 +112,7 @@ class StretchWalk {
     }
   }
 
-  /// Where the motion as asked is at x, as tau of the piece.
+  /// The tau of the piece at which the motion is at x.
   [[nodiscard]] Real tau_at(const Stretch<Real>& stretch, Real x) const {
     const PathPiece<Real>& path = stretch.path;
     if (!track_.has_profile()) return std::clamp(stretch.time.distance(x), Real(0), Real(1));

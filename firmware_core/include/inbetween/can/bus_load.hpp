@@ -25,7 +25,7 @@ struct BusUse {
   bool counts_sync = false;  ///< SYNC carries a counter
 };
 
-/// What may be used: the rest is for SDO, EMCY, heartbeats and whatever has to be sent again.
+/// The usable share: the rest is for SDO, EMCY, heartbeats and whatever has to be sent again.
 inline constexpr std::int64_t bus_load_limit_percent = 70;
 
 /// Worst-case bits of the cyclic frames in a second.

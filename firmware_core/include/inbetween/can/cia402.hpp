@@ -44,7 +44,7 @@ inline constexpr std::uint16_t control_disable_operation = 0x0007;
 inline constexpr std::uint16_t control_enable_operation = 0x000F;
 inline constexpr std::uint16_t control_fault_reset = 0x0080;  ///< acts where bit 7 rises
 
-/// Where the host wants a drive to be.
+/// The state to which the host wants to bring a drive.
 enum class Cia402Goal : std::uint8_t {
   off,          ///< no power; out of operation by the drive's own ramp (605C)
   reset_fault,  ///< no fault and no power
@@ -59,13 +59,13 @@ std::uint16_t controlword_for(Cia402Goal goal, Cia402State state);
 
 inline constexpr std::int8_t mode_cyclic_position = 8;
 
-/// What a drive receives in every tick (RPDO1, six bytes).
+/// A drive receives this in every tick (RPDO1, six bytes).
 struct DriveCommand {
   std::uint16_t controlword = control_disable_voltage;
   std::int32_t target = 0;  ///< counts
   friend bool operator==(const DriveCommand&, const DriveCommand&) = default;
 };
-/// What it tells in every tick (TPDO1, seven bytes).
+/// It tells this in every tick (TPDO1, seven bytes).
 struct DriveFeedback {
   std::uint16_t statusword = 0;
   std::int32_t actual = 0;  ///< counts

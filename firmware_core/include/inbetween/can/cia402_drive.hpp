@@ -45,7 +45,7 @@ struct Cia402Settings {
   std::int64_t heartbeat_timeout_ns = 150'000'000;
 };
 
-/// What the operator may see. They only grow.
+/// The operator may see these counters. They only grow.
 ///
 /// Process data carry no number, and one identifier stays in order on CAN. If a driver did swap two frames of
 /// a drive, that would not be seen as such: the feedback of one tick would be that of the tick before, or one
@@ -78,7 +78,7 @@ class Cia402Drive {
     return settings_.setup.host_timeout_ms * std::int64_t{1'000'000};
   }
 
-  // What the caller wants. False: not in this phase.
+  // The wishes of the caller. False: not in this phase.
   bool connect(std::int64_t now_ns) { return apply(DriveEvent::connect, now_ns); }
   /// Also refused while there are findings: acknowledge them first.
   bool enable(std::int64_t now_ns);
@@ -87,7 +87,7 @@ class Cia402Drive {
   bool disable(std::int64_t now_ns) {
     return apply(has_written_ ? DriveEvent::disable : DriveEvent::disconnect, now_ns);
   }
-  /// Of a disabled drive, and of no other: leads to off, or to abandoned within two boot_timeout_ns.
+  /// Only for a disabled drive: leads to off, or to abandoned within two boot_timeout_ns.
   bool leave(std::int64_t now_ns) { return apply(DriveEvent::leave, now_ns); }
   bool quick_stop(std::int64_t now_ns) { return apply(DriveEvent::quick_stop, now_ns); }
   bool disconnect(std::int64_t now_ns) { return apply(DriveEvent::disconnect, now_ns); }
@@ -139,7 +139,7 @@ class Cia402Drive {
   [[nodiscard]] HeartbeatState heartbeat() const { return heartbeat_.state(); }
   /// The watchdogs of the drive, as read back.
   [[nodiscard]] const SetupRunner& setup() const { return runner_; }
-  /// What the drive told last; all 0 before the first.
+  /// The last feedback of the drive; all 0 before the first.
   [[nodiscard]] const DriveFeedback& feedback() const { return feedback_; }
   [[nodiscard]] Cia402State state() const { return state_of(feedback_.statusword); }
   /// The target that was sent last, in counts.

@@ -28,7 +28,7 @@ concept FrameLink = requires(Link& link, std::span<Frame> in, std::span<const Fr
                              std::int64_t now_ns) {
   /// false: bus off, link down, gone. Until it is opened again, even where the bus comes back.
   { link.is_up() } -> std::convertible_to<bool>;
-  /// What has arrived, at most in.size(); how many.
+  /// Takes the frames that have arrived, at most in.size(), and says how many.
   { link.receive(in, now_ns) } -> std::convertible_to<std::size_t>;
   /// How many were taken, from the first on. The others are lost: nothing is ever sent later.
   { link.send(out) } -> std::convertible_to<std::size_t>;
@@ -36,7 +36,7 @@ concept FrameLink = requires(Link& link, std::span<Frame> in, std::span<const Fr
   { link.drain() } -> std::convertible_to<std::size_t>;
 };
 
-/// Of one drive, kept by the port.
+/// The notes of the port about one drive.
 struct PortDrive {
   DriveFindings seen;        ///< have been reported as a DriveCondition
   bool may_connect = false;  ///< the wish to be switched on allows one set-up
@@ -59,7 +59,7 @@ constexpr std::size_t frames_per_read(std::size_t drives) {
   return 4 * drives + 16;
 }
 
-/// Where an axis of the rig is, and its scale.
+/// The drive of an axis of the rig, and its scale.
 template <Precise Real>
 struct Cia402Axis {
   std::size_t lane = 0;
@@ -71,7 +71,7 @@ struct Cia402Axis {
   std::int64_t zero_counts = 0;  ///< the count of position 0, kept by the port
 };
 
-/// What the operator may see of a lane. They only grow.
+/// The operator may see these counters of a lane. They only grow.
 struct LaneCounters {
   std::uint32_t unsent = 0;   ///< frames that the link did not take
   std::uint32_t floods = 0;   ///< reads in which more had arrived than is taken in a tick

@@ -22,7 +22,7 @@ struct CountRange {
   std::int32_t max = 0;
 };
 
-/// What a drive is told before it is switched on. What is left empty stays as it is in the drive.
+/// The settings of a drive before it is switched on. An empty one stays as it is in the drive.
 struct Cia402Setup {
   NodeId node;
   NodeId host;
@@ -130,7 +130,7 @@ class SetupRunner {
   [[nodiscard]] const SetupRefusal& refusal() const { return refusal_; }
   /// How many steps are done.
   [[nodiscard]] std::size_t step() const { return step_; }
-  /// What the drive's own watchdogs have read back, in milliseconds; 0: it has none.
+  /// The times of the drive's own watchdogs as read back, in milliseconds; 0: it has none.
   [[nodiscard]] std::uint16_t host_timeout_ms() const { return host_timeout_ms_; }
   [[nodiscard]] std::uint16_t setpoint_timeout_ms() const { return setpoint_timeout_ms_; }
 

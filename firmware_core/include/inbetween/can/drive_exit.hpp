@@ -50,7 +50,7 @@ class DriveExit {
   std::optional<Frame> poll(std::optional<std::uint16_t> controlword, std::int64_t now_ns);
   /// An SDO answer of the drive. False: not what was waited for.
   bool receive(const Frame& frame) { return client_.receive(frame); }
-  /// What the drive has told, each answer once. The mode of operation is not asked for.
+  /// The answers of the drive, each once. The mode of operation is not asked for.
   std::optional<DriveFeedback> take_feedback();
 
   [[nodiscard]] ExitState state() const { return state_; }

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 
-/// What can be wrong with a drive on a bus, in words, and what has to follow.
+/// The faults of a drive on a bus, in words, and what has to follow.
 
 namespace inbetween::can {
 
@@ -51,7 +51,7 @@ enum class DriveFinding : std::uint8_t {
 };
 inline constexpr std::size_t drive_findings = 36;
 
-/// What the loop has to do with the whole rig (a drive decides nothing for the others).
+/// The reaction of the loop with the whole rig (a drive decides nothing for the others).
 enum class DriveReaction : std::uint8_t {
   refuse,                      ///< E: nothing is switched on
   controlled_stop,             ///< CS: all axes slow down together on the path

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 
-/// What the host does with a drive at present, and what leads from one phase to the next, as one table.
+/// The phases of a drive as its host sees them; one table says what leads from one to the next.
 
 namespace inbetween::can {
 

@@ -19,7 +19,7 @@ enum class NmtCommand : std::uint8_t {
   reset_communication = 0x82,
 };
 
-/// What a heartbeat says. boot_up is sent once, after power-on and after a reset.
+/// The state in a heartbeat. A device sends boot_up once, after power-on and after a reset.
 enum class NmtState : std::uint8_t {
   boot_up = 0x00,
   stopped = 0x04,

@@ -12,7 +12,7 @@
 
 namespace inbetween::can {
 
-/// Where an object is in the dictionary of a device.
+/// The address of an object in the dictionary of a device.
 struct ObjectAddress {
   std::uint16_t index = 0;
   std::uint8_t sub = 0;
@@ -52,7 +52,7 @@ Frame sdo_frame(std::uint32_t id, const SdoMessage& message);
 /// What a client says in a frame that has the right identifier. Nothing where it has not eight bytes or
 /// an unknown command. Bytes that the standard reserves are not looked at.
 std::optional<SdoMessage> read_sdo_request(const Frame& frame);
-/// What a device says.
+/// The same for what a device says.
 std::optional<SdoMessage> read_sdo_answer(const Frame& frame);
 
 /// Reasons of an abort that this project gives or looks for; words_of_abort knows all of CiA 301.

@@ -54,7 +54,7 @@ class SdoClient {
 
   [[nodiscard]] SdoState state() const { return state_; }
   [[nodiscard]] ObjectAddress object() const { return request_.object; }
-  /// What an upload has read, without the bytes that do not count.
+  /// The data that an upload has read, without the bytes that do not count.
   [[nodiscard]] std::uint32_t value() const { return value_; }
   [[nodiscard]] std::uint32_t abort_code() const { return abort_code_; }
 

@@ -5,7 +5,7 @@
 #include "inbetween/base/precision.hpp"
 #include "inbetween/base/result.hpp"
 
-/// What an axis of the machine can bear.
+/// The limits of an axis of the machine.
 
 namespace inbetween {
 

@@ -55,7 +55,7 @@ class Move {
   /// N, or N plus the frames of the post-roll.
   [[nodiscard]] std::int32_t last_frame() const { return last_frame_; }
 
-  /// Where tick k stands, counted from first_frame(), at `rate_hz` ticks a second. Exact
+  /// The time of tick k, counted from first_frame(), at `rate_hz` ticks a second. Exact
   /// (frame_time_of_tick).
   [[nodiscard]] FrameTime<Real> time_of_tick(std::int64_t tick, std::int32_t rate_hz) const {
     FrameTime<Real> time = frame_time_of_tick<Real>(tick, frame_rate(), rate_hz);

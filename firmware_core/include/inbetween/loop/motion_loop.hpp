@@ -117,7 +117,7 @@ class MotionLoop {
     return Done{};
   }
 
-  /// What the operator wants, or something outside the drives tells. False: refused in this state.
+  /// Takes a wish of the operator, or an event outside the drives. False: refused in this state.
   bool post(SupervisorEvent event) {
     if (event == SupervisorEvent::start) return static_cast<bool>(start(Direction::forward));
     return apply(event);
@@ -295,7 +295,7 @@ class MotionLoop {
     look_at(playhead, still == nullptr ? std::span<const bool>() : spec_.is_still, false);
     if (still != nullptr) look_at(*still, spec_.is_still, true);
   }
-  /// Of all axes, or of those that are still or are not.
+  /// For all axes, or for those that are still or are not.
   void look_at(const Playhead<Real>& playhead, std::span<const bool> is_still, bool wanted) {
     spec_.move->positions(playhead.time(), memory_.positions);
     spec_.move->motion(playhead.time(), memory_.motions);

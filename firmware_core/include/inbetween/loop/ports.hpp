@@ -7,18 +7,18 @@
 #include "inbetween/base/precision.hpp"
 #include "inbetween/base/setpoint.hpp"
 
-/// What the motion loop needs of a rig: hardware and simulation offer the same.
+/// The ports of a rig that the motion loop needs: hardware and simulation offer the same.
 
 namespace inbetween {
 
-/// What is wrong with a drive, by what the whole rig has to do.
+/// The condition of a drive, by what the whole rig has to do.
 enum class DriveCondition : std::uint8_t {
   fine,
   cannot_follow,  ///< the others can: all slow down together on the path
   unreachable,    ///< setpoints do not or must not arrive any more
 };
 
-/// What a drive has told until now.
+/// The state that a drive has told until now.
 template <Precise Real>
 struct DriveState {
   Real actual = 0;  ///< position in axis units

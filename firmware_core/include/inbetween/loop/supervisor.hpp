@@ -36,7 +36,7 @@ enum class SupervisorEvent : std::uint8_t {
 };
 inline constexpr std::size_t supervisor_events = 11;
 
-/// What has to be done on a transition, before anything else is sent.
+/// The action of a transition, before anything else is sent.
 enum class SupervisorAction : std::uint8_t {
   none,
   refuse,           ///< the operator's wish is not for this state: tell so

@@ -31,7 +31,7 @@ class TickChain {
 
   [[nodiscard]] bool is_running() const { return is_running_; }
   [[nodiscard]] std::int64_t lead_ns() const { return lead_ns_; }
-  /// Of the tick that `begin` or `next` spoke of last.
+  /// The times of the tick that `begin` or `next` spoke of last.
   [[nodiscard]] std::int64_t start_ns() const { return anchor_ns_ + time_of_tick(number_, rate_hz_); }
   [[nodiscard]] std::int64_t end_ns() const { return anchor_ns_ + time_of_tick(number_ + 1, rate_hz_); }
 
