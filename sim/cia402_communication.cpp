@@ -306,7 +306,7 @@ void SimulatedCia402Drive::hear_sync(const can::Frame& frame) {
   if (nmt_ != NmtState::operational) return;
   ++syncs_;
   show();
-  // What was received before this SYNC acts now; what it was when SYNC came is told.
+  // Frames received before this SYNC act now; the drive tells the state at the time of the SYNC.
   for (std::size_t n = 0; n < pdos; ++n) {
     if (!waiting_.at(n)) continue;
     apply_pdo({.communication = static_cast<std::uint16_t>(0x1400 + n),

@@ -139,7 +139,7 @@ class SimulatedCia402Drive {
   void enter(can::NmtState nmt);
   void watch_communication();
   void lose_communication(std::uint16_t code);
-  /// What it watches; an error lasts until that is there again, or its communication starts anew.
+  /// It watches these; an error lasts until that is there again, or its communication starts anew.
   enum Watched : std::uint8_t { host_heartbeat = 1, setpoints = 2, sync = 4 };
   void has_come(Watched what);
   void hear_host(const can::Frame& frame);
@@ -217,7 +217,7 @@ class SimulatedCia402Drive {
   bool is_following_error_ = false;
   bool is_limited_ = false;
   double zero_ = 0;  ///< the position of the motor that is reported as 0
-  /// Of each trouble.
+  /// The record of each trouble.
   struct Met {
     bool is_begun = false;
     std::int64_t frames = 0;  ///< that it has taken or, in a flood, sent

@@ -47,7 +47,7 @@ struct CheckedAxis {
   CheckedPeak velocity, acceleration, jerk;
 };
 
-/// Where the velocity or the acceleration of an axis jumps. At frames 0 and N, against the rest outside; a
+/// A jump of the velocity or the acceleration of an axis. At frames 0 and N, against the rest outside; a
 /// move that is moving there meets its roll and does not step.
 struct CheckedStep {
   std::optional<std::int32_t> key;  ///< nothing between keys, where the path turns on the spot
@@ -64,7 +64,7 @@ struct CheckRefusal {
   bool slower_helps = false;
 };
 
-/// What controlled stops ask of an axis of the rig, whenever they begin: against its stop limits.
+/// The demands of controlled stops on an axis of the rig, whenever they begin, against its stop limits.
 struct CheckedStopAxis {
   CheckedPeak velocity, acceleration, jerk;
 };

@@ -15,7 +15,7 @@ namespace {
 constexpr std::string_view turn_remedy =
     "let the speed touch 0 there with corners = \"ease\", or move a key so that the path goes round";
 
-/// What is wrong with one axis, in words.
+/// The faults of one axis, in words.
 class AxisRefusals {
  public:
   AxisRefusals(const Plan& plan, std::size_t index, CheckReport& report)
@@ -59,7 +59,7 @@ class AxisRefusals {
         false);
   }
 
-  /// Of the steps of this axis the largest, and how many there are beside it.
+  /// The largest step of this axis, and how many there are beside it.
   struct LargestStep {
     const CheckedStep* step = nullptr;
     std::size_t others = 0;
@@ -92,7 +92,7 @@ class AxisRefusals {
   void add_acceleration_step() {
     LargestStep largest;
     for (const CheckedStep& step : report_.steps) {
-      // Where the velocity steps, that has been said and cures both.
+      // A step of the velocity has been said, and its remedy cures both.
       const bool is_refused = step.velocity == 0 && breaks_jerk_limit(step, limits_);
       if (step.axis == index_ && is_refused) largest.take(step, &CheckedStep::acceleration);
     }
@@ -107,7 +107,7 @@ class AxisRefusals {
            limits_.max_acceleration_step.has_value());
   }
 
-  /// Where something has no bound, whatever is above it has none either: it is said once.
+  /// If something has no bound, its derivatives have none either: it is said once.
   bool add_unbounded() {
     if (!std::isfinite(axis_.velocity.value)) {
       add_unbounded("a velocity", axis_.velocity, "stands still for the axes that have a weight");

@@ -94,7 +94,7 @@ constexpr std::array<std::string_view, budget_object_count> object_names{
     "playhead",
     "Runge-Kutta solver, more"};
 
-// Of solving a move, and of what every tick calls: the stack of another function is in neither of these.
+// These solve a move, or every tick calls them: the stack of another function is in neither of these.
 constexpr std::array<FunctionBudget, 15> stack{{
     {"ArcLength::make", {3360, 2208}, {3680, 2208}},
     {"adjust_to_locks", {1024, 800}, {1632, 800}},

@@ -225,7 +225,7 @@ void read_kinetic(const TomlTable& table, MoveTrack& track) {
   }
 }
 
-/// What is to be done to the drawn curve. Each is kept with its place, so that a curve which has it already
+/// The wishes about the drawn curve. Each is kept with its place, so that a curve which has it already
 /// can be written into the file.
 void read_curve_wishes(const TomlTable& table, MoveTrack& track, std::int32_t frames) {
   const auto keep = [&](const TomlValue& value, std::string_view as_drawn) {

@@ -68,7 +68,7 @@ double read_count_scale(const TomlTable& table, std::string_view field, const Ri
   return read_scale(table, field, axis, std::numeric_limits<std::int32_t>::max());
 }
 
-/// What the drive is to brake by in a quick stop, in its own units.
+/// The deceleration of the drive in a quick stop, in its own units.
 std::uint32_t read_stop_deceleration(const TomlTable& table, double counts_per_unit, const RigAxis& axis) {
   const auto field = table.optional("deceleration_per_unit");
   const double scale = field ? field->positive_number() : std::abs(counts_per_unit);

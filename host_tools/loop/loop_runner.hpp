@@ -85,7 +85,7 @@ class FastRunner {
   std::int64_t next_show_ns_ = 0;
 };
 
-/// What a late tick means for the rig. One that is late by a second or more, because the program or the
+/// The meaning of a late tick for the rig. One that is late by a second or more, because the program or the
 /// machine was suspended, has every rig catch up, a simulated one with its drives too: whatever is played
 /// stops (docs/faults.md 36), and nobody who comes back is surprised by what moves.
 enum class Lateness {

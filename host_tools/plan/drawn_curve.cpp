@@ -43,7 +43,7 @@ std::vector<double> interpolating(const std::vector<double>& p) {
   return v;
 }
 
-/// Where the curve is lowest, looked at closely: a and phi.
+/// The lowest place of the curve, looked at closely: a and phi.
 struct Lowest {
   double a = 0, value = 0;
 };

@@ -19,11 +19,11 @@ constexpr std::int32_t spans_in_shortest = 6;
 constexpr std::int32_t min_pace_spans = 8;
 /// Twenty are usual. Where there is no curve the iteration makes no way.
 constexpr int max_pace_iterations = 200;
-/// Of a step, so that no control value reaches 0.
+/// The share of a step that is taken, so that no control value reaches 0.
 constexpr double step_share = 0.995;
-/// Of the complementarity and of the rows, with control values about 1.
+/// The tolerance of the complementarity and of the rows, with control values about 1.
 constexpr double pace_tolerance = 1e-13;
-/// Of a row, as a share of the length: more is no rounding.
+/// A row may miss by this share of the length: more is no rounding.
 constexpr double acceptable_miss = 1e-11;
 
 Error unmet(std::int32_t key, std::int32_t frame) {

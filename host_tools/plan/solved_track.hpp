@@ -52,7 +52,7 @@ struct TrackSpec {
   Kinetic kinetic = Kinetic::linear;
   /// Instead of `kinetic`: the smoothest speed curve that meets the key frames (smoothest_pace).
   bool pace = false;
-  /// Of curves and a pace: at rest at that end. Of a drawn curve its control values say so.
+  /// For curves and a pace: at rest at that end. The control values of a drawn curve say so themselves.
   bool rests_at_start = true;
   bool rests_at_end = true;
   /// The speed touches 0 wherever the path turns at once. Locks of a pace are its touches.
@@ -73,7 +73,7 @@ class SolvedTrack {
   [[nodiscard]] const FrameTable<Real>& table() const { return *table_; }
   /// The f + 1 control values that are played: the drawn ones, or what the locks made of them.
   [[nodiscard]] const std::vector<Real>& control_values() const { return control_values_; }
-  /// What the locks did to the drawn curve; nothing without locks other than breaks.
+  /// The changes of the drawn curve by its locks; nothing without locks other than breaks.
   [[nodiscard]] const std::optional<KeyTiming<Real>>& key_timing() const { return key_timing_; }
 
  private:

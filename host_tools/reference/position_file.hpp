@@ -5,7 +5,7 @@
 // way to it, when the call returns. So after a power cut an axis is where the file says, or the file does not
 // know. It never guesses, and never takes 0 for a position.
 //
-// What the file cannot know: that an axis was moved by hand, that a stepper has fallen into its nearest full
+// The file cannot know that an axis was moved by hand, that a stepper has fallen into its nearest full
 // step when its current went, and that the same motors have been moved by way of a rig of another name.
 #pragma once
 
@@ -31,7 +31,7 @@ std::vector<std::size_t> kept_axes(const RigFile& rig);
 /// home switches. Limits may change without a loss of position.
 std::uint64_t position_identity(const RigFile& rig);
 
-/// Where the positions of a rig are kept, by its name alone: a rig that is changed and changed back finds
+/// The file of the positions of a rig, by its name alone: a rig that is changed and changed back finds
 /// what was written in between. $XDG_STATE_HOME/inbetween/NAME-HASH.positions, or without an absolute
 /// XDG_STATE_HOME (or nullptr) $HOME/.local/state/inbetween/... (XDG Base Directory Specification 0.8).
 /// Throws std::runtime_error if there is neither.

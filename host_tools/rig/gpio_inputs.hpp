@@ -23,7 +23,7 @@ enum class RigInput : std::uint8_t { emergency_stop, start_trigger, camera_asks 
 /// A LinePort for the emergency stop, the limit and home switches, the start trigger and the line of the
 /// camera. SIGUSR1 is an emergency stop beside the wired one, SIGUSR2 releases it: one RigInputs at a time.
 ///
-/// What is wired is asked for by its level on every tick and by its edges, which have the times at which they
+/// A wired input is asked for its level on every tick and for its edges, which have the times at which they
 /// came. `read` makes two system calls for each chip, and on chips takes no memory.
 class RigInputs {
  public:
@@ -54,8 +54,8 @@ class RigInputs {
   [[nodiscard]] std::span<const LineEvent> events() const { return events_; }
   /// For HomingSpec. Of an axis with a home switch.
   [[nodiscard]] SwitchSettings home_switch(std::size_t axis) const;
-  /// Of the last tick; limit_hit while a limit switch of the axis is active. What the drive tells is not in
-  /// it.
+  /// The input of the last tick; limit_hit while a limit switch of the axis is active. It has nothing of the
+  /// drive.
   [[nodiscard]] HomingInput homing_input(std::size_t axis) const;
 
   /// The start trigger has become active, and stayed so, since the last call.
@@ -63,8 +63,8 @@ class RigInputs {
   /// The camera has asked since the last call: by a pulse however short, but not by the bounces after it.
   bool camera_asks();
 
-  /// What has stopped the rig and what to do, in order of weight: a chip, the emergency stop, a limit switch,
-  /// the last of them; "" for nothing. Not for the loop's thread.
+  /// Says what has stopped the rig and what to do, in order of weight: a chip, the emergency stop, the last
+  /// limit switch; "" if nothing has. Not for the loop's thread.
   [[nodiscard]] std::string trouble() const;
 
  private:

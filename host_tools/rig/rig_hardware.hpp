@@ -1,4 +1,4 @@
-// What a rig stands on: buses, GPIO chips and drives. The machine has them, and so has a simulation.
+// A rig stands on buses, GPIO chips and drives. The machine has them, and so has a simulation.
 #pragma once
 
 #include <algorithm>

@@ -66,8 +66,8 @@ void Cia402Bus::receive(const Frame& frame, std::int64_t now_ns) {
   if (!is_known) ++other_frames_;
 }
 
-/// Where setpoints have ceased, so has what feeds the drive's watchdogs. SYNC goes on: by it some drives
-/// measure how long they have had no setpoint.
+/// When setpoints cease, the frames that feed the watchdogs of drives cease too. SYNC goes on: by it some
+/// drives measure how long they have had no setpoint.
 bool Cia402Bus::wants_heartbeat(std::span<const std::int32_t> targets) const {
   const bool has_ceased = targets.empty() && std::ranges::any_of(drives_, &Cia402Drive::is_commanded);
   return !has_ceased && std::ranges::any_of(drives_, &Cia402Drive::is_in_use);

@@ -9,7 +9,7 @@
 namespace inbetween {
 namespace {
 
-/// Of what is found in the cell, and of what is found of the axis in all of them: a rate change that is 2 %
+/// The closeness to the peak of the cell, and to the peak of the axis in all cells: a rate change that is 2 %
 /// lower makes a stop that much longer, and a quarter of that costs twice the time.
 template <Precise Real>
 inline constexpr Real own_closeness = Real(0.02);

@@ -21,8 +21,8 @@ struct MotionCells {
 /// Suprema of |p1|, |p2|, |p3| over the open stretches within a cell, at most 2 % of what is found in the
 /// cell, 0.5 % of what is found of the axis anywhere, or the slack above the truth (more where rounding hides
 /// it, as bound_motion says), never below it. `turns` has an entry for every axis of the track that has most.
-/// Where a cell begins is known to the rounding of a frame number: who needs more looks at its neighbours
-/// too.
+/// The begin of a cell is known to the rounding of a frame number: a caller that needs more looks at the
+/// neighbours too.
 template <Precise Real>
 void bound_cells(const Move<Real>& move, std::span<AxisTurn<Real>> turns, const MotionCells<Real>& out);
 

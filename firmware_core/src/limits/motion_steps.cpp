@@ -60,8 +60,8 @@ FrameTime<Real> first_time(const Track<Real>& track, const TwoSum<Real>& target,
   return high < 1 ? FrameTime<Real>{before, high} : FrameTime<Real>{reached, 0};
 }
 
-/// Where on the speed curve a distance is reached. The curve is 0 only where a span begins or ends, or all
-/// along one: of the places that are as near as a lock is, the slowest beginning of a span.
+/// The place of the speed curve at which a distance is reached. The curve is 0 only where a span begins or
+/// ends, or all along one: of the places that are as near as a lock is, the slowest beginning of a span.
 template <Precise Real>
 CurvePlace<Real> place_of_distance(const Track<Real>& track, const TwoSum<Real>& target) {
   const Real margin = lock_share<Real> * track.arc_length().total();

@@ -18,7 +18,7 @@ bool all_at_rest(std::span<const AxisMotion<Real>> joints) {
   return true;
 }
 
-/// What is ruled out without looking at a roll is ruled out by this much more than its rounding.
+/// A roll that nobody looks at is ruled out by this much more than its rounding.
 template <Precise Real>
 constexpr Real generous = 16 * std::numeric_limits<Real>::epsilon();
 
@@ -129,7 +129,7 @@ std::int32_t fewest_frames(const RollRequest<Real>& request) {
   return std::max(static_cast<Real>(whole) < frames ? whole + 1 : whole, std::int32_t{1});
 }
 
-/// Of the limits that a roll of `frames` frames breaks: one that no longer roll keeps, else one that wants a
+/// Names a limit that a roll of `frames` frames breaks: one that no longer roll keeps, else one that wants a
 /// longer roll whatever else there is, else one of position.
 template <Precise Real>
 Result<Breach<Real>> weightiest_breach(const RollRequest<Real>& request, std::int32_t frames) {

@@ -107,7 +107,7 @@ class FrameCurves {
   // diagonal in c2, and in c3 the answer of row k to the last unknown of a closed path.
   [[nodiscard]] Cubic<Real>& slot(std::size_t k, std::size_t d) { return memory_.cubics[k * axes_ + d]; }
 
-  /// What the side of an interval at key k adds to the row of that key; `other` is the key at its other end.
+  /// Adds the side of an interval at key k to the row of that key; `other` is the key at its other end.
   void add_side(std::size_t interval, std::size_t other, std::size_t d, Real& beside, Row& row) const {
     const bool from_rest = rests(other, d);
     const Real h = frames(interval);

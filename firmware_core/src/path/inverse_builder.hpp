@@ -65,7 +65,7 @@ Real rough_fifth_root(Real x) {
   return root * (Real(0.8514) + Real(0.1486) * (x < 2 ? x : Real(2)));
 }
 
-/// What rounding alone may show as a residual of a piece: the Hermite coefficients add numbers up to 15
+/// Rounding alone may show this residual of a piece: the Hermite coefficients add numbers up to 15
 /// times their sum. In single precision it is of the size of the default delta, and without it pieces
 /// would be divided for nothing (held by HardCases and NoAllocation in float).
 template <Precise Real>
@@ -77,7 +77,7 @@ template <Precise Real>
 inline constexpr Real unresolved_share =
     std::numeric_limits<Real>::epsilon() * std::numeric_limits<Real>::epsilon();
 
-/// What came of a batch of stretches: the errors of its pieces over what is allowed.
+/// The result of a batch of stretches: the errors of its pieces over what is allowed.
 template <Precise Real>
 struct BatchErrors {
   Real first = 0;
@@ -230,13 +230,13 @@ class InverseBuilder {
   }
   /// A relative error of the speed over a piece moves its inside by less than that share of its length.
   [[nodiscard]] Real weighed(Real error, Real length) const {
-    // Where a derivative at an end is useless the residual is not a number.
+    // A useless derivative at an end makes the residual NaN.
     if (!std::isfinite(error)) return std::numeric_limits<Real>::infinity();
     const Real absolute = error * options_.delta * length * scale_;
     return absolute < error * negligible_ ? absolute / negligible_ : error;
   }
   [[nodiscard]] bool is_negligible(Real length) const { return length * scale_ <= negligible_; }
-  /// Where the derivatives are useless the piece is so short that a straight line does.
+  /// A piece whose derivatives are useless is so short that a straight line does.
   static void straighten(const AnchoredInterval<Real>& interval, PieceBatch<Real>& batch, std::size_t index) {
     const Real near = batch.near_end(index).tau;
     const Real far = batch.tau[index];

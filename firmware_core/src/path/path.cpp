@@ -156,7 +156,7 @@ class Construction {
     for (std::size_t d = axes_; d-- > 0;) write_smooth(d, steps);  // axis 0 last: its slots hold h
   }
 
-  /// Of the power of two that makes the longest chord about 1: only ratios of knots matter, and the roots of
+  /// The power of two that makes the longest chord about 1: only ratios of knots matter, and the roots of
   /// scaled chords round as those of unscaled ones.
   [[nodiscard]] int chord_exponent() const {
     Real longest = 0;

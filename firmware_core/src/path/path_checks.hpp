@@ -6,7 +6,7 @@
 #include "inbetween/path/path.hpp"
 #include "path/frame_curves.hpp"
 
-/// What is held against a path before it is made: the errors of Path::make.
+/// The checks of a path before it is made: the errors of Path::make.
 
 namespace inbetween {
 

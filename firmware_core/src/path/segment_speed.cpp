@@ -18,8 +18,8 @@ struct Anchors {
   }
 };
 
-/// Where q has its minimum on [a, b], to the last bit, if that is below `slow`; q' rises from negative to
-/// positive.
+/// The place of the minimum of q on [a, b], to the last bit, if that is below `slow`; q' rises from negative
+/// to positive.
 template <Precise Real>
 std::optional<Real> slow_minimum(const Quartic<Real>& q, Real a, Real b, Real slow) {
   for (int i = 0; i < std::numeric_limits<Real>::digits + 8; ++i) {
@@ -35,7 +35,7 @@ std::optional<Real> slow_minimum(const Quartic<Real>& q, Real a, Real b, Real sl
   return std::nullopt;
 }
 
-/// Where q has a minimum inside (0, 1): q' passes from negative to positive between two
+/// Adds the minima of q inside (0, 1): q' passes from negative to positive between two
 /// neighbouring zeros of q'' (a quadratic).
 template <Precise Real>
 void add_inner_minima(const Quartic<Real>& q, Real slow, Anchors<Real>& anchors) {
@@ -84,7 +84,7 @@ AnchoredInterval<Real> anchored(const SegmentSpeed<Real>& speed, Real anchor, Re
   interval.extent = std::fabs(end - anchor);
   interval.speed_squared = speed.about(anchor, interval.forward);
   const std::array<Real, 5>& q = interval.speed_squared.q;
-  // Where P' vanishes to second order (q[2] = 0 too) sqrt(d) fits no better than d.
+  // If P' vanishes to second order (q[2] = 0 too) sqrt(d) fits no better than d.
   interval.stands_still =
       q[0] <= still_share<Real> * largest && q[2] > slow_share<Real> * slow_share<Real> * largest;
   return interval;

@@ -50,7 +50,7 @@ std::int32_t part_count(const ArcPiece<Source>& piece) {
   return parts > 1 ? static_cast<std::int32_t>(parts) : 1;
 }
 
-/// What the parameter of a part starts from: distances in double.
+/// The start of the parameter of a part: distances in double.
 template <Precise Real, Precise Source>
 void set_begin(const ArcPiece<Source>& from, const Part& part, CountPiece<Real>& to) {
   using Kind = typename ArcPiece<Source>::Kind;
@@ -71,7 +71,7 @@ void set_begin(const ArcPiece<Source>& from, const Part& part, CountPiece<Real>&
   to.root = static_cast<Real>(root);
 }
 
-/// Where a part lies on its segment: t = begin + extent * w.
+/// The place of a part on its segment: t = begin + extent * w.
 struct Stretch {
   double begin = 0;
   double extent = 0;

@@ -16,7 +16,7 @@ namespace inbetween {
 
 /// Newton's method on a piecewise quadratic function ends in as many steps as pieces are met.
 inline constexpr int max_iterations = 200;
-/// Of a step, far enough for any multiplier that a curve from 0 to 100 can need.
+/// The doublings of a step, far enough for any multiplier that a curve from 0 to 100 can need.
 inline constexpr int max_doublings = 40;
 /// Every third step halves the interval that is searched.
 inline constexpr int max_secants = 60;
@@ -38,7 +38,7 @@ class NearestCurve {
         trial_(memory.multipliers.subspan(3 * rows_, rows_)) {}
 
   [[nodiscard]] IntegralRow<Real> row(std::size_t r) const { return {a(locks_[r]), a(locks_[r + 1]), f_}; }
-  /// Where a lock stands on the curve.
+  /// The place of a lock on the curve.
   [[nodiscard]] Real a(const KeyLock& lock) const {
     return lock.knot >= 0 ? static_cast<Real>(lock.knot) : a_of_frame(lock.frame);
   }

@@ -62,7 +62,7 @@ void write_motion(std::span<const Cubic<Real>> cubics, Real t, const ParameterRa
   }
 }
 
-/// Where a derivative is beyond the range of Real it is given as 0 and reported.
+/// A derivative beyond the range of Real is given as 0 and reported.
 template <Precise Real>
 Derivatives without_overflow(std::span<AxisMotion<Real>> motion, Derivatives derivatives) {
   for (AxisMotion<Real>& axis : motion) {

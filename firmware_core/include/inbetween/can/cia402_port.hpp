@@ -65,7 +65,7 @@ struct Cia402Axis {
   std::size_t lane = 0;
   std::size_t drive = 0;     ///< on its bus
   Real counts_per_unit = 1;  ///< not 0; negative turns the direction round
-  /// Where the axis stands, for a drive that counts from wherever it is switched on. Taken when it first
+  /// The place of the axis, for a drive that counts from wherever it is switched on. Taken when it first
   /// follows; none: its count 0 is position 0.
   std::optional<Real> stands_at = {};
   std::int64_t zero_counts = 0;  ///< the count of position 0, kept by the port
@@ -84,7 +84,7 @@ inline constexpr std::int32_t unsent_ticks_limit = 3;
 /// Per tick and bus: one bounded read, then SYNC, the targets, the host's heartbeat and at most one service
 /// frame in one send. O(axes + frames), no allocation.
 ///
-/// What is wrong with a drive is reported once when it is found, and then as long as it lasts while the drive
+/// A fault of a drive is reported once when it is found, and then as long as it lasts while the drive
 /// follows targets: a drive that is off can be switched on again, which finds out for itself.
 template <Precise Real, FrameLink Link>
 class Cia402Port {

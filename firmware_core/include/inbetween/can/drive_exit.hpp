@@ -9,7 +9,7 @@
 #include "inbetween/can/frame.hpp"
 #include "inbetween/can/sdo_client.hpp"
 
-/// What the host says to a drive by SDO at the end: where no process data flow it asks for the state and
+/// The words of the host to a drive by SDO at the end: where no process data flow it asks for the state and
 /// orders power off, and when the drive is off it takes the drive's watchdogs away.
 
 namespace inbetween::can {

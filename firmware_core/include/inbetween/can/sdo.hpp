@@ -49,7 +49,7 @@ struct SdoMessage {
 
 /// `id` is sdo_request_id or sdo_answer_id of the device.
 Frame sdo_frame(std::uint32_t id, const SdoMessage& message);
-/// What a client says in a frame that has the right identifier. Nothing where it has not eight bytes or
+/// Reads what a client says in a frame of the right identifier. Nothing where it has not eight bytes or
 /// an unknown command. Bytes that the standard reserves are not looked at.
 std::optional<SdoMessage> read_sdo_request(const Frame& frame);
 /// The same for what a device says.

@@ -7,7 +7,7 @@
 
 #include "inbetween/timing/track.hpp"
 
-/// Where the motion steps: a corner of the path, a key at which its curvature jumps, a break in the speed, a
+/// The steps of the motion: a corner of the path, a key at which its curvature jumps, a break in the speed, a
 /// move that does not begin or end at rest. Between keys nothing steps but at a cusp, which bound_motion
 /// tells.
 
@@ -34,7 +34,7 @@ struct AxisStep {
 template <Precise Real>
 Real steps_at_key(const Track<Real>& track, std::int32_t key, std::span<AxisStep<Real>> out);
 
-/// Where the path stands still, P' = 0, between the keys of a segment: there a drawn speed turns its
+/// The standstills of the path, P' = 0, between the keys of a segment: there a drawn speed turns its
 /// direction round. At most two. None in a move timed by frames, whose parameter passes such a point
 /// smoothly.
 template <Precise Real>

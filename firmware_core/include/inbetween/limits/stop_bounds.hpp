@@ -216,7 +216,7 @@ template <Precise Real>
 Result<std::optional<StopObstacle<Real>>> stop_obstacle(const StopRequest<Real>& request,
                                                         const StopBoundsMemory<Real>& memory);
 
-/// What an axis does over the whole time line, and the largest step of its acceleration (steps_at_key); 0
+/// The peaks of an axis over the whole time line, and the largest step of its acceleration (steps_at_key); 0
 /// where there is none worth the name.
 template <Precise Real>
 struct PlayedAxis {

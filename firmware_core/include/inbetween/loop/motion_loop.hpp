@@ -150,7 +150,7 @@ class MotionLoop {
     return Done{};
   }
 
-  /// What was begun is done, though the playhead is not at the end of the time line: ready again. Errors:
+  /// Ends what was begun, though the playhead is not at the end of the time line: ready again. Errors:
   /// out_of_range (it does not run, or moves).
   Status finish() {
     if (state_ != SupervisorState::running || !is_resting()) {

@@ -28,7 +28,7 @@ struct KeyShape {
   Real bias = 0;
 };
 
-/// What a path is made from. Nothing is kept: the spans may go when `Path::make` returns.
+/// A path is made from this. Nothing is kept: the spans may go when `Path::make` returns.
 template <Precise Real>
 struct PathSpec {
   Spline spline = Spline::smooth;
@@ -53,7 +53,7 @@ struct PathSpec {
   bool rests_at_end = true;
 };
 
-/// Where a segment of a path over frames begins: `part` of `parts` equal parts of the time from `key` to the
+/// The begin of a segment of a path over frames: `part` of `parts` equal parts of the time from `key` to the
 /// next key.
 struct FrameKnot {
   std::int32_t key = 0;

@@ -147,7 +147,7 @@ constexpr std::int32_t count_span_count(std::int32_t f) {
   return f;
 }
 
-/// What a count track of a track consists of. Spans: count_span_count(), and one more a break. Pieces: those
+/// The parts of the count track of a track. Spans: count_span_count(), and one more a break. Pieces: those
 /// of the arc length, and less than min_pieces_per_segment more a segment. For a move timed by frames: a
 /// portion between two keys, and min_pieces_per_segment spans and pieces a segment.
 struct CountSizes {

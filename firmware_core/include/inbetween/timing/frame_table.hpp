@@ -17,7 +17,7 @@ enum class Solver : std::uint8_t {
   runge_kutta,  ///< Bartels and Hardtke 1989, Figure 3: integration, with a root finder on K
 };
 
-/// Where a table comes from, and how good its maker says it is.
+/// The origin of a table, and how good its maker says it is.
 template <Precise Real>
 struct Provenance {
   Solver solver = Solver::closed_form;

@@ -58,7 +58,7 @@ constexpr std::int64_t last_tick(std::int32_t frames, FrameRate fps, std::int32_
   return (ticks + fps.numerator - 1) / fps.numerator;
 }
 
-/// Where tick k, at k / rate_hz seconds, stands on the time line. The division is exact in integers,
+/// The place of tick k, at k / rate_hz seconds, on the time line. The division is exact in integers,
 /// so that tick 10^9 is as precise as tick 1; only the fraction is rounded, once.
 /// Domain: k >= 0, k * fps.numerator < 2^63.
 template <Precise Real>

@@ -46,7 +46,7 @@ struct KeyTimingMemory {
   std::span<Real> matrix;       ///< (locks + 1)^2
 };
 
-/// What was done to the drawn curve.
+/// The changes of the drawn curve.
 template <Precise Real>
 struct KeyTiming {
   std::span<const Real> control_values;  ///< f + 1 of them, in KeyTimingMemory::adjusted
@@ -70,7 +70,7 @@ struct KeyTiming {
 /// side. w is 1, so that the change is the least in the ordinary sense, as long as the curve is not refined.
 /// On a refined curve w rises from 0 at what stands still to 1 within one drawn span: otherwise all of the
 /// change would be piled up beside the rests, and the rig would start with a jerk.
-/// Where no such curve exists, the drawn one is refined, f -> 2 f, up to the memory.
+/// If no such curve exists, the drawn one is refined, f -> 2 f, up to the memory.
 ///
 /// Method: the dual of the problem is smooth and concave in one multiplier per lock, x = clip(v + A^T
 /// lambda); semismooth Newton steps (Qi and Sun 1993), each followed to where the dual is highest. A dual

@@ -18,7 +18,7 @@ namespace inbetween {
 
 inline constexpr std::int32_t max_frames = 1'000'000;
 
-/// Where along the path and how fast, in weighted axis units and seconds.
+/// The place along the path and the speed, in weighted axis units and seconds.
 template <Precise Real>
 struct AlongPath {
   PathPoint<Real> point;
@@ -165,7 +165,7 @@ class Track {
   /// K = L / Phi(f); 0 for a path without length. With breaks each portion has its own instead.
   [[nodiscard]] Real constant() const { return constant_; }
 
-  /// Where a time is on the drawn curve, a = (frame + fraction) f / N, with an exact integer phase: the
+  /// The place of a time on the drawn curve, a = (frame + fraction) f / N, with an exact integer phase: the
   /// digits of t do not wear off. Domain: 0 <= time <= N.
   [[nodiscard]] CurvePlace<Real> place(const FrameTime<Real>& time) const {
     const std::int32_t f = profile_.span_count();
