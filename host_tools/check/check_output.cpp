@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <vector>
 
 #include "host_tools/check/checked_peaks.hpp"
 #include "host_tools/files/diagnostics.hpp"
@@ -139,51 +141,42 @@ void print_verdict(const Plan& plan, const CheckReport& report, const SmallestFr
 
 void write_peak(JsonWriter& json, const char* name, const CheckedPeak& peak) {
   json.line();
-  json.key(name);
-  json.begin_object();
-  json.member("peak", peak.value);
-  json.member("frame", peak.frame);
-  json.member("limit", peak.limit);
-  json.end_object();
+  json.object(name, [&] {
+    json.member("peak", peak.value);
+    json.member("frame", peak.frame);
+    json.member("limit", peak.limit);
+  });
 }
 
 void write_axis(JsonWriter& json, const CheckedAxis& axis) {
-  json.line();
-  json.begin_object();
   json.member("name", axis.name);
-  json.key("position");
-  json.begin_object();
-  json.member("min", axis.range ? std::optional(axis.range->lowest.value) : std::nullopt);
-  json.member("max", axis.range ? std::optional(axis.range->highest.value) : std::nullopt);
-  json.member("limit_min", axis.limit_min);
-  json.member("limit_max", axis.limit_max);
-  json.end_object();
+  json.object("position", [&] {
+    json.member("min", axis.range ? std::optional(axis.range->lowest.value) : std::nullopt);
+    json.member("max", axis.range ? std::optional(axis.range->highest.value) : std::nullopt);
+    json.member("limit_min", axis.limit_min);
+    json.member("limit_max", axis.limit_max);
+  });
   for (const auto& [name, per, peak] : peaks_of(axis)) write_peak(json, name, peak);
-  json.end_object();
 }
 
 /// Stops stay on the path, so that their positions are those of the motion.
 void write_stops(JsonWriter& json, const CheckReport& report) {
   json.line();
-  json.key("stop");
-  if (!report.stops) return json.null();
+  if (!report.stops) return json.member("stop", std::optional<double>());
   const LongestStop<double>& longest = report.stops->longest;
-  json.begin_object();
-  json.member("longest_s", longest.length.seconds);
-  json.member("longest_frames", longest.length.frames);
-  json.member("from_frame", longest.from_frame);
-  json.member("forward", longest.forward);
-  json.key("axes");
-  json.begin_array();
-  for (std::size_t a = 0; a < report.axes.size(); ++a) {
-    CheckedAxis axis = report.axes[a];
-    axis.velocity = report.stops->axes[a].velocity;
-    axis.acceleration = report.stops->axes[a].acceleration;
-    axis.jerk = report.stops->axes[a].jerk;
-    write_axis(json, axis);
-  }
-  json.end_array();
-  json.end_object();
+  json.object("stop", [&] {
+    json.member("longest_s", longest.length.seconds);
+    json.member("longest_frames", longest.length.frames);
+    json.member("from_frame", longest.from_frame);
+    json.member("forward", longest.forward);
+    std::vector<CheckedAxis> stopped = report.axes;
+    for (std::size_t a = 0; a < stopped.size(); ++a) {
+      stopped[a].velocity = report.stops->axes[a].velocity;
+      stopped[a].acceleration = report.stops->axes[a].acceleration;
+      stopped[a].jerk = report.stops->axes[a].jerk;
+    }
+    json.objects("axes", stopped, [&](const CheckedAxis& axis) { write_axis(json, axis); });
+  });
 }
 
 void write_smallest(JsonWriter& json, const SmallestFrames& smallest) {
@@ -215,24 +208,15 @@ void write_check(JsonWriter& json, const CheckReport& report, const SmallestFram
   json.member("fits", report.fits());
   write_smallest(json, smallest);
   json.line();
-  json.key("axes");
-  json.begin_array();
-  for (const CheckedAxis& axis : report.axes) write_axis(json, axis);
-  json.end_array();
+  json.objects("axes", report.axes, [&](const CheckedAxis& axis) { write_axis(json, axis); });
   json.line();
-  json.key("steps");
-  json.begin_array();
-  for (const CheckedStep& step : report.steps) {
-    json.line();
-    json.begin_object();
+  json.objects("steps", report.steps, [&](const CheckedStep& step) {
     json.member("key", step.key);
     json.member("frame", step.frame);
     json.member("axis", report.axes[step.axis].name);
     json.member("velocity_step", step.velocity);
     json.member("acceleration_step", step.acceleration);
-    json.end_object();
-  }
-  json.end_array();
+  });
   write_stops(json, report);
   json.line();
   json.member("highest_rate", report.highest_rate);

@@ -72,6 +72,33 @@ class JsonWriter {
     separate();
     append("null");
   }
+  /// An object of this name. `fill` writes its members.
+  template <class Fill>
+  void object(std::string_view name, const Fill& fill) {
+    key(name);
+    begin_object();
+    fill();
+    end_object();
+  }
+  /// An array of this name, an object a line. `fill` writes the members for each of the items, which are a
+  /// range, or a number of indices.
+  template <class Items, class Fill>
+  void objects(std::string_view name, const Items& items, const Fill& fill) {
+    const auto add = [&](const auto& one) {
+      line();
+      begin_object();
+      fill(one);
+      end_object();
+    };
+    key(name);
+    begin_array();
+    if constexpr (std::integral<Items>) {
+      for (Items index = 0; index < items; ++index) add(index);
+    } else {
+      for (const auto& one : items) add(one);
+    }
+    end_array();
+  }
   template <class Range>
   requires requires(const Range& range) { range.begin(); }
   void numbers(std::string_view name, const Range& range) {

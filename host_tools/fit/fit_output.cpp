@@ -12,27 +12,20 @@ namespace inbetween {
 
 void write_fit(JsonWriter& json, const SpeedFit& fit) {
   json.line();
-  json.key("fit");
-  json.begin_object();
-  json.member("found", fit.found);
-  json.member("reason", fit.found ? std::nullopt : std::optional(fit.reason));
-  json.member("least_frames", fit.fewest.frames);
-  json.key("tracks");
-  json.begin_array();
-  for (const TrackFit& track : fit.tracks) {
-    json.line();
-    json.begin_object();
-    json.member("track", static_cast<std::int64_t>(track.track));
-    json.numbers("speed", track.speed);
-    json.member("change", track.change);
-    json.member("change_share", track.change_share);
-    json.member("largest_change", track.largest_change);
-    json.member("alpha", track.largest_change_at);
-    json.member("frame", track.largest_change_frame);
-    json.end_object();
-  }
-  json.end_array();
-  json.end_object();
+  json.object("fit", [&] {
+    json.member("found", fit.found);
+    json.member("reason", fit.found ? std::nullopt : std::optional(fit.reason));
+    json.member("least_frames", fit.fewest.frames);
+    json.objects("tracks", fit.tracks, [&](const TrackFit& track) {
+      json.member("track", static_cast<std::int64_t>(track.track));
+      json.numbers("speed", track.speed);
+      json.member("change", track.change);
+      json.member("change_share", track.change_share);
+      json.member("largest_change", track.largest_change);
+      json.member("alpha", track.largest_change_at);
+      json.member("frame", track.largest_change_frame);
+    });
+  });
 }
 
 void print_fit(const Plan& plan, const SpeedFit& fit, const std::string& file, std::FILE* out) {

@@ -18,12 +18,11 @@ const char* name_of(Ending ending) {
 }
 
 void write_log(const char* name, const char* records, const LoopLogEnd& log, JsonWriter& json) {
-  json.key(name);
-  json.begin_object();
-  json.member(records, log.written);
-  json.member("lost", log.lost);
-  json.member("why", log.why);
-  json.end_object();
+  json.object(name, [&] {
+    json.member(records, log.written);
+    json.member("lost", log.lost);
+    json.member("why", log.why);
+  });
 }
 
 void write_counts(const std::vector<Count>& counts, JsonWriter& json) {
@@ -33,16 +32,10 @@ void write_counts(const std::vector<Count>& counts, JsonWriter& json) {
 /// An object each, with what it is of as `named`.
 void write_counted(const char* name, const char* named, const std::vector<Counted>& all, JsonWriter& json) {
   json.line();
-  json.key(name);
-  json.begin_array();
-  for (const Counted& each : all) {
-    json.line();
-    json.begin_object();
+  json.objects(name, all, [&](const Counted& each) {
     json.member(named, each.of);
     write_counts(each.counts, json);
-    json.end_object();
-  }
-  json.end_array();
+  });
 }
 
 }  // namespace
@@ -59,45 +52,35 @@ void write_run_json(const RunReport& report, std::FILE* file) {
   if (report.record) write_log("record", "ticks", *report.record, json);
   if (report.cue_log) write_log("cue_log", "pulses", *report.cue_log, json);
   json.line();
-  json.key("axes");
-  json.begin_array();
-  for (const RunAxis& axis : report.axes) {
-    json.line();
-    json.begin_object();
+  json.objects("axes", report.axes, [&](const RunAxis& axis) {
     json.member("name", axis.name);
     json.member("last_commanded", axis.last_commanded);
     json.member("last_actual", axis.last_actual);
     json.member("following_error_peak", axis.following_error_peak);
-    json.end_object();
-  }
-  json.end_array();
+  });
   json.line();
-  json.key("wake_latency_us");
-  json.begin_object();
-  json.member("p50", report.wake_latency.p50_us);
-  json.member("p99", report.wake_latency.p99_us);
-  json.member("p99_9", report.wake_latency.p99_9_us);
-  json.member("max", report.wake_latency.max_us);
-  json.member("max_at_s", report.wake_latency.max_at_s);
-  json.key("histogram");
-  json.begin_array();
-  for (const WakeLatency::Bucket& bucket : report.wake_latency.histogram) {
-    json.begin_object();
-    json.member("below_us", bucket.below_us);
-    json.member("ticks", bucket.ticks);
-    json.end_object();
-  }
-  json.end_array();
-  json.end_object();
+  json.object("wake_latency_us", [&] {
+    json.member("p50", report.wake_latency.p50_us);
+    json.member("p99", report.wake_latency.p99_us);
+    json.member("p99_9", report.wake_latency.p99_9_us);
+    json.member("max", report.wake_latency.max_us);
+    json.member("max_at_s", report.wake_latency.max_at_s);
+    json.key("histogram");
+    json.begin_array();
+    for (const WakeLatency::Bucket& bucket : report.wake_latency.histogram) {
+      json.begin_object();
+      json.member("below_us", bucket.below_us);
+      json.member("ticks", bucket.ticks);
+      json.end_object();
+    }
+    json.end_array();
+  });
   write_counted("buses", "name", report.counts.buses, json);
   write_counted("drives", "axis", report.counts.drives, json);
   write_counted("chips", "label", report.counts.chips, json);
   if (!report.counts.pulses.empty()) {
     json.line();
-    json.key("pulses");
-    json.begin_object();
-    write_counts(report.counts.pulses, json);
-    json.end_object();
+    json.object("pulses", [&] { write_counts(report.counts.pulses, json); });
   }
   json.end_object();
   json.finish();

@@ -62,11 +62,7 @@ const char* name_of(Solver solver) {
 }
 
 void write_segments(const Path<double>& path, JsonWriter& json) {
-  json.key("segments");
-  json.begin_array();
-  for (std::int32_t i = 0; i < path.segment_count(); ++i) {
-    json.line();
-    json.begin_object();
+  json.objects("segments", path.segment_count(), [&](std::int32_t i) {
     if (!path.knots().empty()) json.member("s", path.parameter({i, 0}));
     json.key("coefficients");
     json.begin_array();
@@ -76,27 +72,19 @@ void write_segments(const Path<double>& path, JsonWriter& json) {
       json.end_array();
     }
     json.end_array();
-    json.end_object();
-  }
-  json.end_array();
+  });
 }
 
 void write_table(const SolvedTrack<double>& solved, JsonWriter& json) {
-  json.key("table");
-  json.begin_array();
-  for (std::int32_t frame = 0; frame <= solved.table().frames(); ++frame) {
+  json.objects("table", solved.table().frames() + 1, [&](std::int32_t frame) {
     const FrameRow<double> row = frame_row(solved.track(), solved.table(), frame);
-    json.line();
-    json.begin_object();
     json.member("frame", frame);
     json.member("alpha", row.alpha);
     json.member("s", solved.track().path().parameter(row.point));  // one number, for people
     json.member("distance", row.distance);
     json.member("speed", row.speed);
     json.member("acceleration", row.acceleration);
-    json.end_object();
-  }
-  json.end_array();
+  });
 }
 
 /// K is null if no single K holds for the whole move.
@@ -122,7 +110,6 @@ void write_speed(const MoveTrack& track, const SolvedTrack<double>& solved, Json
 
 void write_track(const MoveTrack& track, const SolvedTrack<double>& solved, JsonWriter& json) {
   const Provenance<double>& provenance = solved.table().provenance();
-  json.begin_object();
   json.numbers("axes", track.axes);
   json.member("solver", name_of(provenance.solver));
   json.member("speed_error", provenance.speed_error);
@@ -133,7 +120,6 @@ void write_track(const MoveTrack& track, const SolvedTrack<double>& solved, Json
   write_segments(solved.track().path(), json);
   json.line();
   write_table(solved, json);
-  json.end_object();
 }
 
 /// Rows of a column, both included.
@@ -206,13 +192,8 @@ void write_plan_json(const Plan& plan, PlanRows rows, std::FILE* file) {
   json.member("duration_s", plan.duration_s());
   json.member("hash", fmt::format("{:016x}", hash_of(move)));
   json.line();
-  json.key("tracks");
-  json.begin_array();
-  for (std::size_t t = 0; t < move.tracks.size(); ++t) {
-    json.line();
-    write_track(move.tracks[t], plan.tracks()[t], json);
-  }
-  json.end_array();
+  json.objects("tracks", move.tracks.size(),
+               [&](std::size_t t) { write_track(move.tracks[t], plan.tracks()[t], json); });
   json.line();
   json.key("axes");
   json.begin_array();
