@@ -24,13 +24,6 @@ namespace {
 /// Without real-time rights a late tick makes the smaller a jump the slower the rig is.
 constexpr double jitter_rate = 0.1;
 
-/// A line of the rig that begins something.
-struct WiredSignal {
-  RigInputs* lines = nullptr;
-  bool (RigInputs::*has_come)() = nullptr;
-  bool start_triggered(std::int64_t /*now_ns*/) { return (lines->*has_come)(); }
-};
-
 /// The outputs of the rig; null where it has none.
 std::unique_ptr<CueOutputs> opened_cues(const Plan& plan, RigSession& session,
                                         const std::optional<std::string>& log) {
@@ -126,7 +119,8 @@ class Run {
     } else {
       TransportLines lines{.cues = cues_.get()};
       if (staged_.plan().move().start == Start::trigger) {
-        lines.start = is_simulated() ? start_signal_of(simulated_trigger_) : start_signal_of(trigger_);
+        lines.start = [&](std::int64_t) { return session_.lines().start_triggered(); };
+        if (is_simulated()) lines.start = SimulatedTrigger();
       }
       Transport transport(session_.loop(), staged_, is_attended(), lines);
       perform(transport, staged_.loop_spec().drive_of, last);
@@ -141,7 +135,7 @@ class Run {
     const bool asks_by_line = !is_simulated() && wired && wired->asks;
     SimulatedCamera camera(!is_attended() && !asks_by_line);
     ShootingLines lines{.cues = cues_.get()};
-    if (asks_by_line) lines.asks = start_signal_of(camera_);
+    if (asks_by_line) lines.asks = [&](std::int64_t) { return session_.lines().camera_asks(); };
     Shooting shooting(session_.loop(), staged_, camera, shoot_spec(*options_.shoot, session_.rig().rate_hz),
                       is_attended(), lines);
     perform(shooting, staged_.loop_spec().drive_of);
@@ -183,9 +177,6 @@ class Run {
   RigSession session_;
   std::unique_ptr<CueOutputs> cues_;
   const LoopAudience& audience_;
-  SimulatedTrigger simulated_trigger_;
-  WiredSignal trigger_{&session_.lines(), &RigInputs::start_triggered};
-  WiredSignal camera_{&session_.lines(), &RigInputs::camera_asks};
   RunReport report_;
 };
 

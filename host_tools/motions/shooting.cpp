@@ -72,7 +72,7 @@ void Shooting::tick(std::int32_t ticks, std::int64_t now_ns) {
   camera_.signal(shoot_.camera());
   if (lines_.cues != nullptr) lines_.cues->signal(shoot_.camera(), now_ns);
   // One that nobody waits for is dropped, as a key would be: the rig does not start later for it.
-  const bool asks = lines_.asks.has_come != nullptr && lines_.asks.has_come(lines_.asks.of, now_ns);
+  const bool asks = lines_.asks && lines_.asks(now_ns);
   if (camera_.has_triggered() || asks) keys_.say(shoot_.trigger());
   if (is_done() && loop_.state() == SupervisorState::running) keys_.say(loop_.finish());
 }

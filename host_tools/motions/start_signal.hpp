@@ -2,36 +2,25 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <optional>
 
 namespace inbetween {
 
-/// Refers to anything with a function `bool start_triggered(std::int64_t now_ns)`, which is asked once a tick
-/// while a move waits, and tells whether it shall begin. Empty: nothing is waited for.
-struct StartSignal {
-  void* of = nullptr;
-  bool (*has_come)(void*, std::int64_t now_ns) = nullptr;
-};
+/// Asked once a tick while a move waits; true: the move shall begin. Empty: nothing is waited for.
+using StartSignal = std::function<bool(std::int64_t now_ns)>;
 
-template <class Trigger>
-StartSignal start_signal_of(Trigger& trigger) {
-  return {.of = &trigger, .has_come = [](void* of, std::int64_t now_ns) {
-            return static_cast<Trigger*>(of)->start_triggered(now_ns);
-          }};
-}
-
-/// Comes by itself a second after it was asked for the first time.
+/// A StartSignal that comes by itself a second after it was asked for the first time.
 class SimulatedTrigger {
  public:
-  bool start_triggered(std::int64_t now_ns) {
+  bool operator()(std::int64_t now_ns) {
     constexpr std::int64_t after_ns = 1'000'000'000;
-    if (!is_asked_) asked_at_ns_ = now_ns;
-    is_asked_ = true;
-    return now_ns - asked_at_ns_ >= after_ns;
+    if (!asked_at_ns_) asked_at_ns_ = now_ns;
+    return now_ns - *asked_at_ns_ >= after_ns;
   }
 
  private:
-  bool is_asked_ = false;
-  std::int64_t asked_at_ns_ = 0;
+  std::optional<std::int64_t> asked_at_ns_;
 };
 
 }  // namespace inbetween

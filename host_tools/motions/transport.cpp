@@ -12,7 +12,7 @@ constexpr double min_override = 0.1;
 
 Status Transport::begin() {
   if (const Status loaded = loop_.load(spec_); !loaded) return loaded;
-  if (lines_.start.has_come == nullptr) return start();
+  if (!lines_.start) return start();
   is_waiting_ = true;
   is_heard_ = false;
   keys_.say("waits for the start trigger");
@@ -29,8 +29,7 @@ void Transport::tick(std::int32_t ticks, std::int64_t now_ns) {
   if (loop_.state() != SupervisorState::ready) is_waiting_ = false;
   if (is_waiting_) {
     // A signal from before anybody waited is dropped, as a key would be: the rig does not start for it.
-    const bool has_come = lines_.start.has_come(lines_.start.of, now_ns);
-    if (has_come && is_heard_) keys_.say(start());
+    if (lines_.start(now_ns) && is_heard_) keys_.say(start());
     is_heard_ = true;
   }
   const PlayheadPlace<double> from = place_of(playhead_);

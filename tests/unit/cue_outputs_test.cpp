@@ -165,11 +165,10 @@ TEST_F(Ticked, WhatHasBegunEndsThoughNoTickFollows) {
 }
 
 TEST(SimulatedTrigger, ComesASecondAfterItIsAskedFirst) {
-  SimulatedTrigger trigger;
-  const StartSignal signal = start_signal_of(trigger);
-  EXPECT_FALSE(signal.has_come(signal.of, 5'000'000'000));
-  EXPECT_FALSE(signal.has_come(signal.of, 5'999'999'999));
-  EXPECT_TRUE(signal.has_come(signal.of, 6'000'000'000));
+  const StartSignal signal = SimulatedTrigger();
+  EXPECT_FALSE(signal(5'000'000'000));
+  EXPECT_FALSE(signal(5'999'999'999));
+  EXPECT_TRUE(signal(6'000'000'000));
 }
 
 TEST(CueOutputs, AMoveThatStartsByATriggerWaitsASecondInSimulation) {

@@ -8,8 +8,10 @@
 #include <optional>
 #include <stdexcept>
 
+#include "host_tools/loop/loop_storage.hpp"
 #include "host_tools/rig/gpio_inputs.hpp"
 #include "host_tools/rig/rig_drives.hpp"
+#include "host_tools/rig/simulated_hardware.hpp"
 
 namespace inbetween {
 namespace loop_runner_test {

@@ -183,11 +183,6 @@ TEST(Transport, ALoopThatWouldStepIsRefusedWithItsAxis) {
 }
 
 /// A line that has told once, before anybody waited.
-struct PressedTooEarly {
-  bool has_told = true;
-  bool start_triggered(std::int64_t /*now_ns*/) { return std::exchange(has_told, false); }
-};
-
 TEST(Transport, ATriggerThatCameBeforeAnybodyWaitedStartsNothing) {
   const RigFile rig = read_rig_file(camera_rig);
   const Plan plan(read_move_file(reveal), rig, {});
@@ -201,8 +196,9 @@ TEST(Transport, ATriggerThatCameBeforeAnybodyWaitedStartsNothing) {
   LoopStorage room(rig.axes.size(), rig.axes.size());
   RunLoop loop(drives, lines, room.memory());
   StagedMove staged(plan);
-  PressedTooEarly trigger;
-  Transport transport(loop, staged, true, {.start = start_signal_of(trigger)});
+  bool has_told = true;
+  const auto trigger = [&](std::int64_t) { return std::exchange(has_told, false); };
+  Transport transport(loop, staged, true, {.start = trigger});
   std::int64_t now_ns = 0;
   const auto tick = [&](auto& of, int count) {
     for (int i = 0; i < count; ++i) of.tick(1, now_ns += 1'000'000'000 / rig.rate_hz);
@@ -212,7 +208,7 @@ TEST(Transport, ATriggerThatCameBeforeAnybodyWaitedStartsNothing) {
   ASSERT_TRUE(transport.begin());
   tick(transport, 100);
   EXPECT_EQ(loop.state(), SupervisorState::ready) << "it waits";
-  trigger.has_told = true;
+  has_told = true;
   tick(transport, 2);
   EXPECT_EQ(loop.state(), SupervisorState::running);
 }
