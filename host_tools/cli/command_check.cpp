@@ -25,6 +25,7 @@ struct CheckArguments {
   std::string move, rig;
   std::optional<std::string> json, plot, fit;
   std::string start = "drawn";
+  std::optional<std::int32_t> turns;
 };
 
 /// Looks for a speed curve that fits, and writes the move with it.
@@ -60,13 +61,16 @@ void complain_of_no_fit(const Plan& plan, const SpeedFit& fit, const SmallestFra
 }
 
 int check_command(const CheckArguments& arguments) {
+  if (arguments.fit && arguments.turns) {
+    throw UsageError("--fit writes the move as it is, of one turn; leave out --turns");
+  }
   refuse_unknown_picture(arguments.plot);
   refuse_outputs_in_one_place(
       {{"MOVE", arguments.move}, {"--rig", arguments.rig}},
       {{"--json", arguments.json}, {"--plot", arguments.plot}, {"--fit", arguments.fit}});
   if (arguments.json) check_output(*arguments.json);
   if (arguments.fit) check_output(*arguments.fit);
-  const Plan plan = make_plan(arguments.move, arguments.rig, Solver::closed_form);
+  const Plan plan = make_plan(arguments.move, arguments.rig, Solver::closed_form, arguments.turns);
   const CheckReport report = check(plan);
   SmallestFrames smallest;
   {
@@ -102,6 +106,7 @@ void describe(CLI::App& app, CheckArguments& arguments) {
   app.add_option("MOVE", arguments.move, "the move: a TOML file with keys, a speed curve and a frame count")
       ->required();
   app.add_option("--rig", arguments.rig, "the rig: gives the axes their limits")->required();
+  add_turns(app, arguments.turns);
   app.add_option("--json", arguments.json, "write everything that was found (- is standard output)");
   app.add_option("--plot", arguments.plot,
                  "draw velocity, acceleration and jerk of every axis with its limits (.svg, .png or .pdf)");

@@ -144,8 +144,7 @@ class Run {
     SimulatedCamera camera(!is_attended() && !asks_by_line);
     ShootingLines lines{.cues = cues_.get()};
     if (asks_by_line) lines.asks = start_signal_of(camera_);
-    Shooting shooting(session_.loop(), staged_, camera, shoot_spec(*options_.shoot, session_.rig().rate_hz),
-                      is_attended(), lines);
+    Shooting shooting(session_.loop(), staged_, camera, *options_.shoot, is_attended(), lines);
     perform(shooting, staged_);
     report_.exposures = shooting.exposures();
   }
