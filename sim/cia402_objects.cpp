@@ -74,6 +74,8 @@ ObjectDictionary factory_objects(can::NodeId node) {
   objects.add({.index = 0x6066}, {.size = u16, .value = 10});
   shown(0x606C, u32, 0);
   objects.add({.index = 0x607A}, {.size = u32});
+  objects.add({.index = 0x607B, .sub = 1}, {.size = u32, .value = 0x80000000});
+  objects.add({.index = 0x607B, .sub = 2}, {.size = u32, .value = 0x7FFFFFFF});
   objects.add({.index = 0x607D, .sub = 1}, {.size = u32});
   objects.add({.index = 0x607D, .sub = 2}, {.size = u32});
   objects.add({.index = 0x6085}, {.size = u32, .value = 500'000, .min = 1});

@@ -105,6 +105,13 @@ MoveFile with_frames(const MoveFile& move, std::int32_t frames) {
       if (key.frame) key.frame = scaled(*key.frame, frames, move.frames);
       if (key.hold) key.hold = std::max(scaled(*key.hold, frames, move.frames), 1);
     }
+    for (std::optional<EaseWish>* ease : {&track.ease_in, &track.ease_out}) {
+      if (*ease && (*ease)->frames > 0)
+        (*ease)->frames = std::max(scaled((*ease)->frames, frames, move.frames), 1);
+    }
+  }
+  for (MoveCue& cue : other.cues) {
+    for (std::int32_t& frame : cue.frames) frame = scaled(frame, frames, move.frames);
   }
   return other;
 }

@@ -10,13 +10,16 @@
 
 namespace inbetween {
 
-/// The same move in so many frames: locked keys and holds are scaled by the same factor and rounded to whole
-/// frames, a hold to one at least. Frames 0 and N stay the first and the last.
+/// The same move in so many frames: locked keys, holds, ease_in, ease_out and listed cues are scaled by the
+/// same factor and rounded to whole frames, a hold and an ease to one at least. Frames 0 and N stay the first
+/// and the last.
 MoveFile with_frames(const MoveFile& move, std::int32_t frames);
 
 struct SmallestFrames {
   std::optional<std::int32_t> frames;
   std::string reason;  ///< why there is none
+  /// Found by fit_in_fewest_frames, where it was asked: as few as another speed curve needs.
+  std::optional<std::int32_t> with_other_curve = {};
 };
 
 /// A number of frames, at most max_frames, at which the move as a whole is solved again and fits, while at

@@ -122,18 +122,26 @@ void print_stops(const CheckReport& report, std::FILE* out) {
 void print_verdict(const Plan& plan, const CheckReport& report, const SmallestFrames& smallest,
                    std::FILE* out) {
   const std::int32_t frames = plan.move().frames;
+  const std::int32_t known = report.fits() ? frames : max_frames;
+  const bool is_fewer = smallest.with_other_curve &&
+                        *smallest.with_other_curve < std::min(known, smallest.frames.value_or(known));
+  const std::string other =
+      is_fewer ? fmt::format("{} with another speed curve", counted(*smallest.with_other_curve, "frame"))
+               : "";
   if (report.fits()) {
     fmt::print(out, "fits in {}", counted(frames, "frame"));
-    if (smallest.frames && *smallest.frames < frames)
-      fmt::print(out, "; {} would do", counted(*smallest.frames, "frame"));
-    fmt::print(out, "\n");
+    const bool would_do = smallest.frames && *smallest.frames < frames;
+    if (would_do) fmt::print(out, "; {} would do", counted(*smallest.frames, "frame"));
+    fmt::print(out, "{}{}\n", other.empty() ? "" : (would_do ? ", " : "; "), other);
     return;
   }
   fmt::print(out, "does not fit in {}; ", counted(frames, "frame"));
   if (smallest.frames) {
-    fmt::print(out, "{} would do\n", counted(*smallest.frames, "frame"));
+    fmt::print(out, "{} would do{}{}\n", counted(*smallest.frames, "frame"), other.empty() ? "" : ", ",
+               other);
   } else {
-    fmt::print(out, "no number of frames would do: {}\n", smallest.reason);
+    fmt::print(out, "no number of frames would do: {}{}{}\n", smallest.reason, other.empty() ? "" : "; ",
+               other);
   }
 }
 
@@ -181,6 +189,7 @@ void write_stops(JsonWriter& json, const CheckReport& report) {
 
 void write_smallest(JsonWriter& json, const SmallestFrames& smallest) {
   json.member("smallest_frames", smallest.frames);
+  json.member("smallest_frames_other_curve", smallest.with_other_curve);
   json.member("reason", smallest.frames ? std::nullopt : std::optional(smallest.reason));
 }
 

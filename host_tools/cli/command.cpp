@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <utility>
 
+#include "host_tools/plan/turns.hpp"
 #include "host_tools/plot/plot_canvas.hpp"
 
 namespace inbetween {
@@ -58,12 +60,19 @@ void refuse_unknown_picture(const std::optional<std::string>& plot) {
   }
 }
 
-Plan make_plan(const std::string& move, const std::optional<std::string>& rig, Solver solver) {
+Plan make_plan(const std::string& move, const std::optional<std::string>& rig, Solver solver,
+               std::optional<std::int32_t> turns) {
   std::optional<RigFile> rig_file;
   if (rig) rig_file = read_rig_file(*rig);
   Plan plan(read_move_file(move), std::move(rig_file), {.solver = solver});
+  if (turns) plan = Plan(turns_of(plan.move(), *turns), plan.rig(), {.solver = solver});
   for (const Warning& warning : plan.warnings()) fmt::print(stderr, "{}\n", to_string(warning));
   return plan;
+}
+
+void add_turns(CLI::App& app, std::optional<std::int32_t>& turns) {
+  app.add_option("--turns", turns, "so many turns of a periodic move, as one move through its seams")
+      ->check(CLI::Range(1, max_frames));
 }
 
 std::FILE* summary_stream(bool data_on_standard_output) {

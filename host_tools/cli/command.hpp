@@ -69,8 +69,12 @@ void refuse_outputs_in_one_place(const std::vector<NamedFile>& inputs, const std
 /// Throws UsageError if the name of a picture has no known ending.
 void refuse_unknown_picture(const std::optional<std::string>& plot);
 
-/// Reads and solves; warnings go to standard error.
-Plan make_plan(const std::string& move, const std::optional<std::string>& rig, Solver solver);
+/// Reads and solves; warnings go to standard error. `turns`: so many turns of a periodic move.
+Plan make_plan(const std::string& move, const std::optional<std::string>& rig, Solver solver,
+               std::optional<std::int32_t> turns = {});
+
+/// Adds --turns.
+void add_turns(CLI::App& app, std::optional<std::int32_t>& turns);
 
 /// The stream for the summary: standard error if standard output carries data.
 std::FILE* summary_stream(bool data_on_standard_output);

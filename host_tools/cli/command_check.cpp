@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "host_tools/check/check.hpp"
 #include "host_tools/check/check_frames.hpp"
@@ -13,7 +14,9 @@
 #include "host_tools/files/output_file.hpp"
 #include "host_tools/files/speed_rewrite.hpp"
 #include "host_tools/files/toml_source.hpp"
+#include "host_tools/fit/fewest_fit.hpp"
 #include "host_tools/fit/fit_output.hpp"
+#include "host_tools/fit/fit_plot.hpp"
 #include "host_tools/fit/speed_fit.hpp"
 #include "host_tools/plot/plot_limits.hpp"
 
@@ -24,23 +27,68 @@ struct CheckArguments {
   std::string move, rig;
   std::optional<std::string> json, plot, fit;
   std::string start = "drawn";
+  std::string frames = "given";
+  std::optional<std::int32_t> turns;
 };
 
-/// Looks for a speed curve that fits, and writes the move with it.
-SpeedFit fit_command(const CheckArguments& arguments, const Plan& plan, const CheckReport& report) {
-  SpeedFit fit;
-  {
-    ProgressBar bar;
-    fit = fit_speed(plan, report, arguments.start == "drawn" ? FitStart::drawn : FitStart::curvature,
-                    [&](double share) { bar.show(share, "looking for a speed curve"); });
+FitStart start_of(const CheckArguments& arguments) {
+  return arguments.start == "drawn" ? FitStart::drawn : FitStart::curvature;
+}
+
+/// The move with the fewest frames for which a curve is found; where nobody wants it written, one with as
+/// many control values, which is quick.
+FewestFit find_fewest(const CheckArguments& arguments, const Plan& plan, const CheckReport& report,
+                      const SmallestFrames& smallest, ProgressBar& bar) {
+  return fit_in_fewest_frames(plan, report, smallest, start_of(arguments),
+                              arguments.fit ? max_refinements : 0, [&](double share, std::int32_t frames) {
+                                bar.show(share, fmt::format("fitting in {}", counted(frames, "frame")));
+                              });
+}
+
+/// What the searches find: how few frames would do, and the move that --fit writes.
+struct Searched {
+  SmallestFrames smallest;
+  std::optional<FewestFit> fitted;
+};
+Searched search(const CheckArguments& arguments, const Plan& plan, const CheckReport& report) {
+  Searched found;
+  ProgressBar bar;
+  found.smallest = smallest_frames(plan, report, [&](double share, std::int32_t frames) {
+    bar.show(share, fmt::format("trying {}", counted(frames, "frame")));
+  });
+  if (arguments.frames == "fewest" || (!arguments.fit && is_quick_to_fit(plan))) {
+    FewestFit fewest = find_fewest(arguments, plan, report, found.smallest, bar);
+    if (fewest.fit.found) found.smallest.with_other_curve = fewest.move.frames;
+    if (arguments.fit) found.fitted = std::move(fewest);
+  } else if (arguments.fit) {
+    found.fitted = {plan.move(), fit_speed(plan, report, start_of(arguments), [&](double share) {
+                      bar.show(share, "looking for a speed curve");
+                    })};
   }
-  if (!fit.found) return fit;
+  return found;
+}
+
+/// Writes the move with its new curves, in its new frames.
+void write_fitted(const CheckArguments& arguments, const Plan& plan, const FewestFit& fitted) {
+  if (!fitted.fit.found) return;
   std::string text = read_text_file(arguments.move);
-  for (const TrackFit& track : fit.tracks) {
+  if (fitted.move.frames != plan.move().frames) text = with_frames_of(text, arguments.move, fitted.move);
+  for (const TrackFit& track : fitted.fit.tracks) {
     text = with_speed(text, arguments.move, track.track, track.speed);
   }
   write_output(*arguments.fit, [&](std::FILE* file) { std::fwrite(text.data(), 1, text.size(), file); });
-  return fit;
+}
+
+/// The limits of the move, or of what the fit has made of it, with its curves before and after.
+void draw_limits(const CheckArguments& arguments, const Plan& plan, const CheckReport& report,
+                 const std::optional<FewestFit>& fitted) {
+  if (!fitted || !fitted->fit.found) return draw_limits_plot(limits_plot_of(plan, report), *arguments.plot);
+  MoveFile move = fitted->move;
+  for (const TrackFit& track : fitted->fit.tracks) replace_curve(move.tracks[track.track], track.speed);
+  const Plan after(std::move(move), plan.rig(), {});
+  LimitsPlot plot = limits_plot_of(after, check(after));
+  add_fitted_curves(plan, after, fitted->fit, plot);
+  draw_limits_plot(plot, *arguments.plot);
 }
 
 void complain_of_no_fit(const Plan& plan, const SpeedFit& fit, const SmallestFrames& smallest) {
@@ -59,41 +107,38 @@ void complain_of_no_fit(const Plan& plan, const SpeedFit& fit, const SmallestFra
 }
 
 int check_command(const CheckArguments& arguments) {
+  if (arguments.fit && arguments.turns) {
+    throw UsageError("--fit writes the move as it is, of one turn; leave out --turns");
+  }
   refuse_unknown_picture(arguments.plot);
   refuse_outputs_in_one_place(
       {{"MOVE", arguments.move}, {"--rig", arguments.rig}},
       {{"--json", arguments.json}, {"--plot", arguments.plot}, {"--fit", arguments.fit}});
   if (arguments.json) check_output(*arguments.json);
   if (arguments.fit) check_output(*arguments.fit);
-  const Plan plan = make_plan(arguments.move, arguments.rig, Solver::closed_form);
+  const Plan plan = make_plan(arguments.move, arguments.rig, Solver::closed_form, arguments.turns);
   const CheckReport report = check(plan);
-  SmallestFrames smallest;
-  {
-    ProgressBar bar;
-    smallest = smallest_frames(plan, report, [&](double share, std::int32_t frames) {
-      bar.show(share, fmt::format("trying {}", counted(frames, "frame")));
-    });
-  }
-  std::optional<SpeedFit> fit;
-  if (arguments.fit) fit = fit_command(arguments, plan, report);
+  const auto [smallest, fitted] = search(arguments, plan, report);
+  if (fitted) write_fitted(arguments, plan, *fitted);
+  const SpeedFit* fit = fitted ? &fitted->fit : nullptr;
   if (arguments.json) {
-    write_output(*arguments.json, [&](std::FILE* file) {
+    write_output(*arguments.json, [&, &smallest = smallest, &fitted = fitted](std::FILE* file) {
       JsonWriter json(file);
       json.begin_object();
       write_check(json, report, smallest);
-      if (fit) write_fit(json, *fit);
+      if (fitted) write_fit(json, fitted->fit, fitted->move.frames);
       json.end_object();
       json.finish();
     });
   }
-  if (arguments.plot) draw_limits_plot(limits_plot_of(plan, report), *arguments.plot);
+  if (arguments.plot) draw_limits(arguments, plan, report, fitted);
   std::FILE* out = summary_stream(arguments.json == "-" || arguments.fit == "-");
   print_check(plan, report, smallest, out);
-  if (fit) print_fit(plan, *fit, *arguments.fit, out);
-  if (fit && fit->found) return 0;
+  if (fit != nullptr) print_fit(plan, *fit, fitted->move.frames, *arguments.fit, out);
+  if (fit != nullptr && fit->found) return 0;
   for (const CheckRefusal& refusal : report.refusals)
     complain(LimitError(refusal.place, refusal.message).what());
-  if (fit) complain_of_no_fit(plan, *fit, smallest);
+  if (fit != nullptr) complain_of_no_fit(plan, *fit, smallest);
   return report.fits() ? 0 : exit_limit;
 }
 
@@ -101,6 +146,7 @@ void describe(CLI::App& app, CheckArguments& arguments) {
   app.add_option("MOVE", arguments.move, "the move: a TOML file with keys, a speed curve and a frame count")
       ->required();
   app.add_option("--rig", arguments.rig, "the rig: gives the axes their limits")->required();
+  add_turns(app, arguments.turns);
   app.add_option("--json", arguments.json, "write everything that was found (- is standard output)");
   app.add_option("--plot", arguments.plot,
                  "draw velocity, acceleration and jerk of every axis with its limits (.svg, .png or .pdf)");
@@ -111,6 +157,11 @@ void describe(CLI::App& app, CheckArguments& arguments) {
          "--start", arguments.start,
          "what the fitted curve is near to: the drawn one, or one that follows the curvature of the path")
       ->check(CLI::IsMember({"drawn", "curvature"}))
+      ->needs(fit)
+      ->capture_default_str();
+  app.add_option("--frames", arguments.frames,
+                 "of the fitted move: those that are given, or the fewest for which a curve is found")
+      ->check(CLI::IsMember({"given", "fewest"}))
       ->needs(fit)
       ->capture_default_str();
   app.footer(
@@ -129,14 +180,22 @@ void describe(CLI::App& app, CheckArguments& arguments) {
       "its ends.\n\n"
       "The last line tells in how many frames the move would fit, its locked keys and holds moved in "
       "proportion.\n"
-      "At one frame less it was tried and does not fit. Where slowing down cures nothing, it says why.\n\n"
+      "At one frame less it was tried and does not fit. Where slowing down cures nothing, it says why. Where "
+      "another\n"
+      "speed curve with as many control values (32 at most) needs fewer, it tells how many; --fit OUT "
+      "--frames "
+      "fewest\n"
+      "looks for one with more control values too, and writes the move in the fewest frames.\n\n"
       "--fit OUT writes the same file with another speed curve, comments and all else kept. It covers the "
       "same\n"
       "distance by the same frames, so that locked keys stay locked; rests stay rests. Where no curve with "
       "as\n"
       "many control values fits, it is given twice as many, and again. Where none is found, it says why, "
       "and\n"
-      "below how many frames there can be none.\n\n"
+      "below how many frames there can be none. With --plot the picture is of the fitted move, with its "
+      "speed "
+      "curves\n"
+      "before and after.\n\n"
       "A controlled stop from any moment, forward or backward, is proven as well: how long the longest "
       "takes,\n"
       "and that it keeps the stop limits of the rig.\n\n"

@@ -16,6 +16,7 @@ namespace {
 struct PlanArguments {
   std::string move, per = "frame", solver = "closed-form";
   std::optional<std::string> rig, csv, json, plot;
+  std::optional<std::int32_t> turns;
 };
 
 /// Prints the change that locked keys and holds made to the drawn curve.
@@ -86,7 +87,7 @@ void check_usage(const PlanArguments& arguments) {
 int plan_command(const PlanArguments& arguments) {
   check_usage(arguments);
   const Solver solver = arguments.solver == "closed-form" ? Solver::closed_form : Solver::runge_kutta;
-  const Plan plan = make_plan(arguments.move, arguments.rig, solver);
+  const Plan plan = make_plan(arguments.move, arguments.rig, solver, arguments.turns);
   const PlanRows rows = arguments.per == "tick" ? PlanRows::tick : PlanRows::frame;
   if (arguments.csv) {
     write_output(*arguments.csv, [&](std::FILE* file) { write_plan_csv(plan, rows, file); });
@@ -103,6 +104,7 @@ void describe(CLI::App& app, PlanArguments& arguments) {
   app.add_option("MOVE", arguments.move, "the move: a TOML file with keys, a speed curve and a frame count")
       ->required();
   app.add_option("--rig", arguments.rig, "the rig: gives the axes their units, and ticks their rate");
+  add_turns(app, arguments.turns);
   app.add_option("--per", arguments.per, "rows of the CSV and of the JSON's axes")
       ->check(CLI::IsMember({"frame", "tick"}))
       ->capture_default_str();

@@ -17,6 +17,7 @@
 #include "host_tools/files/fault_script.hpp"
 #include "host_tools/files/output_file.hpp"
 #include "host_tools/motions/run.hpp"
+#include "host_tools/plan/turns.hpp"
 #include "host_tools/rig/rig_watch.hpp"
 
 namespace inbetween {
@@ -39,6 +40,7 @@ struct RunArguments {
   std::optional<double> exposure;
   std::optional<std::string> shutter;
   std::vector<std::string> still;
+  std::optional<std::int32_t> turns;
 };
 
 /// Reads a shutter such as "0..180", in degrees of a frame.
@@ -64,9 +66,10 @@ std::optional<ShootOptions> shoot_options(const RunArguments& arguments) {
     return std::nullopt;
   }
   ShootOptions options;
-  if (arguments.loop || arguments.ping_pong) {
-    throw UsageError("a move that is shot frame by frame is not repeated; leave out --loop and --ping-pong");
+  if (arguments.ping_pong) {
+    throw UsageError("a move that is shot frame by frame is not repeated; leave out --ping-pong");
   }
+  options.is_loop = arguments.loop || arguments.turns;
   if (arguments.settle) options.settle_s = *arguments.settle;
   if (arguments.exposure) options.exposure_s = *arguments.exposure;
   if (!arguments.shutter) {
@@ -131,7 +134,7 @@ RunReport play(const Plan& plan, const RunArguments& arguments, const RigWatch& 
                      .shoot = shoot_options(arguments),
                      .positions = arguments.positions,
                      .cue_log = arguments.cue_log};
-  if (arguments.loop) options.repeat = Repeat::loop;
+  if (arguments.loop && !is_periodic(plan.move())) options.repeat = Repeat::loop;
   if (arguments.ping_pong) options.repeat = Repeat::ping_pong;
   FaultScript faults;
   if (arguments.faults) faults = read_fault_script(*arguments.faults, *plan.rig());
@@ -177,6 +180,19 @@ void refuse_no_camera(const Plan& plan) {
                                in_quotes(plan.rig()->name)));
 }
 
+/// A periodic move in as many turns as there can be; shot frame by frame, in one.
+Plan looped(Plan plan, const RunArguments& arguments) {
+  const bool is_shot = arguments.step || arguments.shutter;
+  if (is_periodic(plan.move()) && !is_shot) {
+    const std::int32_t turns = most_turns(plan);
+    fmt::print(stderr, "{}: --loop plays up to {}\n", plan.move().name, counted(turns, "turn"));
+    return {turns_of(plan.move(), turns), plan.rig(), {}};
+  }
+  if (!is_shot || is_periodic(plan.move())) return plan;
+  throw UsageError(
+      "a move that is shot frame by frame is not repeated unless it is periodic; leave out --loop");
+}
+
 int run_command(const RunArguments& arguments) {
   shoot_options(arguments);  // refuses wrong arguments before any file is read
   positions_of(arguments.from);
@@ -191,7 +207,8 @@ int run_command(const RunArguments& arguments) {
   } else if (arguments.allow_jitter) {
     throw UsageError("--allow-jitter is for a real rig; leave out --sim");
   }
-  if (arguments.fast && (arguments.loop || arguments.ping_pong)) {
+  const bool is_shot = arguments.step || arguments.shutter;
+  if (arguments.fast && ((arguments.loop && !is_shot) || arguments.ping_pong)) {
     throw UsageError("--loop and --ping-pong go on until somebody stops them; leave out --fast");
   }
   refuse_outputs_in_one_place(
@@ -199,8 +216,9 @@ int run_command(const RunArguments& arguments) {
       {{"--json", arguments.json}, {"--record", arguments.record}, {"--cue-log", arguments.cue_log}});
   if (arguments.json) check_output(*arguments.json);
   const RigWatch watch(arguments.rig);
-  const Plan plan = make_plan(arguments.move, arguments.rig, Solver::closed_form);
-  if (!arguments.simulated && (arguments.step || arguments.shutter)) refuse_no_camera(plan);
+  Plan plan = make_plan(arguments.move, arguments.rig, Solver::closed_form, arguments.turns);
+  if (arguments.loop && !arguments.turns) plan = looped(std::move(plan), arguments);
+  if (!arguments.simulated && is_shot) refuse_no_camera(plan);
   const RunReport report = play(plan, arguments, watch);
   release_lost_terminal();
   if (arguments.json) {
@@ -230,7 +248,11 @@ void explain(CLI::App& app) {
       "and\n"
       "leaves, as Ctrl-C and a lost terminal do. Whatever changes, the axes stay on the path and inside "
       "their stop limits.\n\n"
-      "--loop is refused for a move that does not end where it starts.\n\n"
+      "--loop is refused for a move that does not end where it starts. A periodic move goes on through its "
+      "seam at its\n"
+      "speed: --turns K plays K turns between one pre-roll and one post-roll, --loop as many as the limits "
+      "of the rig\n"
+      "leave. With --step or --shutter either shoots N frames a turn: frame N is frame 0.\n\n"
       "--step rests on each of the frames 0 to N until space (or Enter, or without a terminal the camera) "
       "asks "
       "for the\n"
@@ -284,6 +306,7 @@ void describe(CLI::App& app, RunArguments& arguments) {
   app.add_flag("--fast", arguments.fast, "on a virtual clock, as fast as it can be computed");
   CLI::Option* loop = app.add_flag("--loop", arguments.loop, "begin again at the end, until stopped");
   app.add_flag("--ping-pong", arguments.ping_pong, "play to and fro, until stopped")->excludes(loop);
+  add_turns(app, arguments.turns);
   app.add_option("--top-rate", arguments.top_rate, "let + go up to so many times the drawn speed (1 to 10)")
       ->check(CLI::Range(1.0, 10.0))
       ->capture_default_str();

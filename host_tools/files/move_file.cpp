@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "host_tools/files/move_cue_reader.hpp"
+#include "host_tools/files/move_key_reader.hpp"
 #include "host_tools/files/toml_source.hpp"
 #include "host_tools/files/toml_value.hpp"
 
@@ -18,11 +19,9 @@ namespace {
 
 constexpr std::array<std::string_view, 7> move_fields = {"name", "fps",     "frames", "track",
                                                          "cue",  "clapper", "start"};
-constexpr std::array<std::string_view, 14> track_fields = {
-    "axes",    "spline", "closed",  "keys",      "speed",   "weights",  "timing",
-    "kinetic", "rest",   "corners", "overshoot", "ease_in", "ease_out", "through"};
-constexpr std::array<std::string_view, 8> key_fields = {"at",    "tension", "continuity", "bias",
-                                                        "frame", "break",   "hold",       "ease"};
+constexpr std::array<std::string_view, 17> track_fields = {
+    "axes", "unit",    "wrap",    "spline",    "closed",  "periodic", "keys",     "timing", "speed",
+    "rest", "kinetic", "weights", "overshoot", "corners", "ease_in",  "ease_out", "through"};
 
 constexpr std::int64_t max_fps = 1'000;
 constexpr std::int64_t max_fps_part = 1'000'000;
@@ -83,66 +82,6 @@ WrittenFrameRate read_frame_rate(const TomlValue& value) {
     value.refuse(fmt::format("is {}; write a rate of at most {}", in_quotes(text), max_fps));
   }
   return {{*numerator, *denominator}, text, false};
-}
-
-/// The properties of a track that its keys depend on.
-struct KeyContext {
-  const std::vector<std::string>& axes;
-  Spline spline;
-  std::int32_t frames;
-};
-
-void read_shape(const TomlTable& table, const KeyContext& track, MoveKey& key) {
-  const std::array<std::pair<std::string_view, double*>, 3> parameters = {
-      {{"tension", &key.tension}, {"continuity", &key.continuity}, {"bias", &key.bias}}};
-  for (const auto& [name, parameter] : parameters) {
-    const auto value = table.optional(name);
-    if (!value) continue;
-    if (track.spline != Spline::tcb) {
-      value->refuse(R"(has a meaning only with spline = "tcb"; remove it or change the spline)");
-    }
-    *parameter = value->number(-1, 1);
-  }
-}
-
-void read_lock(const TomlTable& table, const KeyContext& track, MoveKey& key) {
-  if (const auto frame = table.optional("frame")) {
-    key.frame = static_cast<std::int32_t>(frame->integer(0, track.frames));
-  }
-  if (const auto breaks = table.optional("break")) {
-    key.breaks = breaks->boolean();
-    if (!key.frame)
-      breaks->refuse("needs the frame at which the key is met; add frame = ..., or remove break");
-  }
-  if (const auto hold = table.optional("hold")) {
-    key.hold = static_cast<std::int32_t>(hold->integer(1, track.frames));
-  }
-  if (const auto ease = table.optional("ease")) {
-    key.ease = ease->boolean();
-    if (key.ease && key.hold) ease->refuse("is what a hold does anyway; remove one of the two");
-    if (key.ease && key.breaks)
-      ease->refuse("contradicts break, where the speed jumps; remove one of the two");
-  }
-}
-
-MoveKey read_key(const TomlValue& value, std::size_t index, const KeyContext& track) {
-  const TomlTable table(value.table(), fmt::format("key {}", index), key_fields);
-  MoveKey key;
-  key.place = table.place();
-  const TomlValue at = table.required("at", "at = [...], a number for each axis");
-  const std::vector<TomlValue> coordinates = at.list(max_track_axes);
-  if (coordinates.size() != track.axes.size()) {
-    throw InputError(at.place(), fmt::format("key {} has {}; write {}, one for each of its axes ({})", index,
-                                             counted(static_cast<std::int64_t>(coordinates.size()), "number"),
-                                             track.axes.size(), comma_separated(track.axes)));
-  }
-  for (const TomlValue& coordinate : coordinates) {
-    key.at.push_back(coordinate.number());
-    key.at_places.push_back(coordinate.place());
-  }
-  read_shape(table, track, key);
-  read_lock(table, track, key);
-  return key;
 }
 
 void read_axes(const TomlTable& table, MoveTrack& track, std::map<std::string, Place>& taken) {
@@ -264,6 +203,43 @@ void read_curve_wishes(const TomlTable& table, MoveTrack& track, std::int32_t fr
   });
 }
 
+/// A loop has no ends at which anything could be said to happen, and its curve is one all round.
+void read_periodic(const TomlTable& table, MoveTrack& track) {
+  const auto periodic = table.optional("periodic");
+  if (!periodic) return;
+  track.periodic = periodic->boolean();
+  if (!track.periodic) return;
+  if (!track.closed || track.keys.size() < 2) {
+    periodic->refuse("needs a closed path of two keys or more; add closed = true, or remove it");
+  }
+  const RestingEnds none{false, false};
+  if (track.rest.value_or(none) != none) {
+    periodic->refuse(R"(contradicts rest: a loop does not rest at its seam; remove one of the two)");
+  }
+  if (track.timing == Timing::frames) {
+    if (kinetic_of(track) != MoveKinetic::curves) {
+      periodic->refuse(R"(needs a drawn speed or kinetic = "curves"; change kinetic or remove it)");
+    }
+    track.rest = none;
+    return;
+  }
+  if (!track.curve_wishes.empty() || track.ease_corners) {
+    periodic->refuse(
+        R"(has a speed curve without ends; remove rest, ease_in, ease_out, through and corners = "ease")");
+  }
+  for (const MoveKey& key : track.keys) {
+    if (!key.frame && !key.hold && !key.ease) continue;
+    throw InputError(key.place,
+                     R"(a track with periodic = true has a speed curve that no key changes; remove frame, )"
+                     R"(hold, break and ease, or write timing = "frames")");
+  }
+  if (track.speed.front() == track.speed.back()) return;
+  throw InputError(track.speed_places.back(),
+                   fmt::format("the speed is {:g} at the end and {:g} at the start, and with periodic = true "
+                               "the one goes on as the other; write the same",
+                               track.speed.back(), track.speed.front()));
+}
+
 MoveTrack read_track(const TomlValue& value, std::int32_t frames, std::map<std::string, Place>& taken_axes) {
   const TomlTable table(value.table(), "a track", track_fields);
   MoveTrack track;
@@ -285,13 +261,11 @@ MoveTrack read_track(const TomlValue& value, std::int32_t frames, std::map<std::
       overshoot->refuse(R"(has a meaning with spline = "smooth" and "catmull-rom"; remove it)");
     }
   }
-  const TomlValue keys = table.required("keys", "keys = [ { at = [...] }, ... ]");
-  track.keys_place = keys.place();
-  for (const TomlValue& key : keys.tables(max_keys)) {
-    track.keys.push_back(read_key(key, track.keys.size(), {track.axes, track.spline, frames}));
-  }
+  read_counting(table, track);
+  read_keys(table, frames, track);
   read_speed(table, track);
   read_weights(table, track);
+  read_periodic(table, track);
   return track;
 }
 

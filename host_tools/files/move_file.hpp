@@ -15,6 +15,7 @@
 
 #include "host_tools/files/diagnostics.hpp"
 #include "host_tools/files/move_cue.hpp"
+#include "host_tools/files/move_unit.hpp"
 #include "inbetween/path/path.hpp"
 #include "inbetween/timing/frame_time.hpp"
 #include "inbetween/timing/track.hpp"
@@ -46,9 +47,18 @@ struct RestingEnds {
   bool operator==(const RestingEnds&) const = default;
 };
 
+/// Which way round an axis with a wrap goes to a key.
+struct WayRound {
+  bool is_long = false;
+  std::optional<std::int32_t> turns;  // more than the short way
+  bool operator==(const WayRound&) const = default;
+};
+
 struct MoveKey {
-  std::vector<double> at;  // one coordinate per axis of the track, in the units of the axes
-  double tension = 0;      // these three -1..1, 0 unless the spline is tcb
+  std::vector<double> at;       // one coordinate per axis of the track, in its unit
+  std::vector<MoveUnit> units;  // of each coordinate; empty: the unit of the rig
+  std::vector<WayRound> ways;   // of each coordinate; empty: the short way
+  double tension = 0;           // these three -1..1, 0 unless the spline is tcb
   double continuity = 0;
   double bias = 0;
   std::optional<std::int32_t> frame;  // 0..frames of the move
@@ -57,6 +67,8 @@ struct MoveKey {
   bool ease = false;                 // the speed touches 0 here
   Place place;
   std::vector<Place> at_places;  // of each coordinate
+  Place frame_place = {};        // of `frame` and `hold`, where the key has them
+  Place hold_place = {};
 };
 
 /// How many frames an end of the speed curve takes between rest and what is drawn.
@@ -74,8 +86,12 @@ struct CurveWish {
 struct MoveTrack {
   std::vector<std::string> axes;
   std::vector<Place> axis_places;
+  std::vector<MoveUnit> units;  // one per axis; empty: the unit of the rig
+  std::vector<double> wraps;    // one per axis, in its unit, 0: none; empty: none
+  std::vector<double> lap;      // how far beyond key 0 a closed path returns (key_positions.hpp); empty: 0
   Spline spline = Spline::smooth;
   bool closed = false;
+  bool periodic = false;  // the closed path is passed at a speed through its seam
   std::vector<MoveKey> keys;
   std::vector<double> speed;  // control values 0..100; empty with Timing::frames
   std::vector<Place> speed_places;

@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <functional>
 #include <iterator>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "host_tools/files/diagnostics.hpp"
@@ -105,8 +107,9 @@ std::string rewritten(std::string_view text, const WrittenList& list, std::span<
 }
 
 bool same_key(const MoveKey& a, const MoveKey& b) {
-  return a.at == b.at && a.tension == b.tension && a.continuity == b.continuity && a.bias == b.bias &&
-         a.frame == b.frame && a.breaks == b.breaks && a.hold == b.hold && a.ease == b.ease;
+  return a.at == b.at && a.units == b.units && a.ways == b.ways && a.tension == b.tension &&
+         a.continuity == b.continuity && a.bias == b.bias && a.frame == b.frame && a.breaks == b.breaks &&
+         a.hold == b.hold && a.ease == b.ease;
 }
 
 std::int32_t frames_of(const std::optional<EaseWish>& ease) {
@@ -114,9 +117,10 @@ std::int32_t frames_of(const std::optional<EaseWish>& ease) {
 }
 
 bool same_but_speed(const MoveTrack& a, const MoveTrack& b) {
-  return a.axes == b.axes && a.spline == b.spline && a.closed == b.closed && a.weights == b.weights &&
-         a.timing == b.timing && a.kinetic == b.kinetic && a.rest == b.rest &&
-         a.ease_corners == b.ease_corners && a.overshoot == b.overshoot && a.through == b.through &&
+  return a.axes == b.axes && a.units == b.units && a.wraps == b.wraps && a.spline == b.spline &&
+         a.closed == b.closed && a.periodic == b.periodic && a.weights == b.weights && a.timing == b.timing &&
+         a.kinetic == b.kinetic && a.rest == b.rest && a.ease_corners == b.ease_corners &&
+         a.overshoot == b.overshoot && a.through == b.through &&
          frames_of(a.ease_in) == frames_of(b.ease_in) && frames_of(a.ease_out) == frames_of(b.ease_out) &&
          std::equal(a.keys.begin(), a.keys.end(), b.keys.begin(), b.keys.end(), same_key);
 }
@@ -137,14 +141,18 @@ bool only_speed_changed(MoveFile before, const MoveFile& after, std::size_t trac
   return same;
 }
 
+/// Where a word or number without quotes that begins there ends.
+std::size_t end_of_word(std::string_view text, std::size_t begin) {
+  return std::min(text.find_first_of(" \t\r\n,#}]", begin), text.size());
+}
+
 /// The file with every wish of the track about its curve as drawn: the new one has what they asked for.
 std::string without_wishes(std::string text, const MoveTrack& track) {
   for (std::size_t i = track.curve_wishes.size(); i-- > 0;) {
     const CurveWish& wish = track.curve_wishes[i];
     const std::size_t begin = offset_of(text, wish.place);
     const bool is_quoted = text[begin] == '"' || text[begin] == '\'';
-    const std::size_t end = is_quoted ? text.find(text[begin], begin + 1) + 1
-                                      : std::min(text.find_first_of(" \t\r\n,#}]", begin), text.size());
+    const std::size_t end = is_quoted ? text.find(text[begin], begin + 1) + 1 : end_of_word(text, begin);
     text.replace(begin, end - begin, wish.as_drawn);
   }
   return text;
@@ -159,6 +167,18 @@ void refuse_unusable(std::span<const double> speed) {
 }
 
 }  // namespace
+
+std::string with_numbers(std::string_view text, std::vector<NumberAt> numbers) {
+  // From the last to the first, so that the places of those that are left stay.
+  std::ranges::sort(numbers, std::ranges::greater{},
+                    [](const NumberAt& number) { return std::pair(number.place.line, number.place.column); });
+  std::string result(text);
+  for (const NumberAt& number : numbers) {
+    const std::size_t begin = offset_of(result, number.place);
+    result.replace(begin, end_of_word(result, begin) - begin, fmt::format("{}", number.number));
+  }
+  return result;
+}
 
 std::string with_speed(std::string_view text, const std::string& file_name, std::size_t track,
                        std::span<const double> speed) {

@@ -2,11 +2,24 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
+
+#include "host_tools/files/diagnostics.hpp"
 
 namespace inbetween {
+
+/// A whole number in a file, and what is to stand in its place.
+struct NumberAt {
+  Place place;
+  std::int64_t number = 0;
+};
+
+/// Returns `text` with other whole numbers at places that a reader gave, and all else as it is.
+std::string with_numbers(std::string_view text, std::vector<NumberAt> numbers);
 
 /// Returns `text`, a move, with `speed` in place of the numbers in the `speed` of track `track` (counted from
 /// 0). All other bytes stay: comments, also inside the list, spacing, line ends, a byte order mark, the other

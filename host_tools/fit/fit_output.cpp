@@ -10,11 +10,12 @@
 
 namespace inbetween {
 
-void write_fit(JsonWriter& json, const SpeedFit& fit) {
+void write_fit(JsonWriter& json, const SpeedFit& fit, std::int32_t frames) {
   json.line();
   json.object("fit", [&] {
     json.member("found", fit.found);
     json.member("reason", fit.found ? std::nullopt : std::optional(fit.reason));
+    json.member("frames", fit.found ? std::optional(frames) : std::nullopt);
     json.member("least_frames", fit.fewest.frames);
     json.objects("tracks", fit.tracks, [&](const TrackFit& track) {
       json.member("track", static_cast<std::int64_t>(track.track));
@@ -28,10 +29,11 @@ void write_fit(JsonWriter& json, const SpeedFit& fit) {
   });
 }
 
-void print_fit(const Plan& plan, const SpeedFit& fit, const std::string& file, std::FILE* out) {
+void print_fit(const Plan& plan, const SpeedFit& fit, std::int32_t frames, const std::string& file,
+               std::FILE* out) {
   if (!fit.found) return;
   const std::string name = file == "-" ? "the file on standard output" : file;
-  if (fit.tracks.empty()) {
+  if (fit.tracks.empty() && frames == plan.move().frames) {
     fmt::print(out, "nothing to change; {} is the move as it is\n", name);
     return;
   }
@@ -47,7 +49,12 @@ void print_fit(const Plan& plan, const SpeedFit& fit, const std::string& file, s
         track.change, 100 * track.change_share, track.largest_change, track.largest_change_at,
         track.largest_change_frame);
   }
-  fmt::print(out, "with it the move fits in its {}: {}\n", counted(plan.move().frames, "frame"), name);
+  if (frames == plan.move().frames) {
+    fmt::print(out, "with it the move fits in its {}: {}\n", counted(frames, "frame"), name);
+  } else {
+    fmt::print(out, "the move fits in {}, and in one less no curve was found: {}\n", counted(frames, "frame"),
+               name);
+  }
 }
 
 }  // namespace inbetween

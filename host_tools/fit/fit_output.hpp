@@ -1,6 +1,7 @@
 // The result of a fit, for people and as JSON. docs/formats.md describes the JSON.
 #pragma once
 
+#include <cstdint>
 #include <cstdio>
 #include <string>
 
@@ -9,11 +10,12 @@
 
 namespace inbetween {
 
-/// Writes the member "fit" into the JSON object of a check.
-void write_fit(JsonWriter& json, const SpeedFit& fit);
+/// Writes the member "fit" into the JSON object of a check. `frames` are those of the fitted move.
+void write_fit(JsonWriter& json, const SpeedFit& fit, std::int32_t frames);
 
 /// Prints what the fit changed and where. Prints nothing if it found no curve. `file` is the name of the file
-/// with the new curve.
-void print_fit(const Plan& plan, const SpeedFit& fit, const std::string& file, std::FILE* out);
+/// with the new curve, and `frames` are its frames.
+void print_fit(const Plan& plan, const SpeedFit& fit, std::int32_t frames, const std::string& file,
+               std::FILE* out);
 
 }  // namespace inbetween

@@ -17,7 +17,6 @@
 namespace inbetween {
 namespace {
 
-constexpr int max_refinements = 4;
 /// The margin below a limit at first, as a share of it. It covers what check() adds to the truth and what the
 /// samples miss.
 constexpr double first_margin = 0.006;
@@ -44,14 +43,15 @@ class TrackSearch {
  public:
   using Found = std::optional<std::vector<double>>;
 
-  TrackSearch(const FittedTrack& fitted, FitStart start, std::function<void(double)> progress)
-      : fitted_(fitted), start_(start), progress_(std::move(progress)) {}
+  TrackSearch(const FittedTrack& fitted, FitStart start, int most_refinements,
+              std::function<void(double)> progress)
+      : fitted_(fitted), start_(start), progress_(std::move(progress)), most_refinements_(most_refinements) {}
 
   /// The new values, or none and why.
   Found run() {
     std::vector<double> baseline = fitted_.solved().control_values();
     std::vector<Level> levels;
-    for (int refinements = 0; refinements <= max_refinements; ++refinements) {
+    for (int refinements = 0; refinements <= most_refinements_; ++refinements) {
       if (refinements > 0) baseline = refined(baseline);
       if (refinements > 0 && baseline.size() > max_refined_values) break;
       progress_(0.1 + 0.15 * refinements);
@@ -229,6 +229,7 @@ class TrackSearch {
   const FittedTrack& fitted_;
   FitStart start_;
   std::function<void(double)> progress_;
+  int most_refinements_;
   int refinements_ = 0;
   std::string reason_;
 };
@@ -239,6 +240,10 @@ std::string hopeless(const FittedTrack& fitted) {
   if (file.timing == Timing::frames) {
     return "the track has timing = \"frames\" and no speed curve to change; give its keys other frames, or "
            "time it by speed";
+  }
+  if (file.periodic) {
+    return "the track is periodic, and a curve that is fitted has ends; draw its speed lower where it is "
+           "highest, or give it more frames";
   }
   for (const CheckRefusal& refusal : fitted.report().refusals) {
     if (!refusal.slower_helps) return refusal.message;
@@ -284,7 +289,7 @@ std::optional<std::string> refusal_of(const Plan& plan, const std::vector<TrackF
 }  // namespace
 
 SpeedFit fit_speed(const Plan& plan, const CheckReport& report, FitStart start,
-                   const std::function<void(double share)>& progress) {
+                   const std::function<void(double share)>& progress, int refinements) {
   SpeedFit fit;
   fit.fewest = fewest_frames(plan);
   if (report.fits()) {
@@ -309,7 +314,7 @@ SpeedFit fit_speed(const Plan& plan, const CheckReport& report, FitStart start,
                       fewest.by_acceleration ? "max_velocity and max_acceleration" : "max_velocity",
                       in_quotes(plan.rig()->axes[fewest.axis].name)));
     }
-    TrackSearch search(fitted, start, [&](double share) {
+    TrackSearch search(fitted, start, refinements, [&](double share) {
       if (progress) progress((static_cast<double>(t) + share) / count);
     });
     std::optional<std::vector<double>> values = search.run();

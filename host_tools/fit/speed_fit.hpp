@@ -33,6 +33,9 @@ struct TrackFit {
   double largest_change_frame = 0;
 };
 
+/// How often the played curve is given twice as many control values at most.
+inline constexpr int max_refinements = 4;
+
 struct SpeedFit {
   std::vector<TrackFit> tracks;  ///< only those that change; none where nothing was found
   bool found = false;            ///< the move with these curves passes check()
@@ -43,7 +46,7 @@ struct SpeedFit {
 /// Finds new speed curves for the tracks that break a limit. The other tracks, N and the path stay. A new
 /// curve has the same Phi(f), the same Phi at locked keys and breaks, and the same rests; it has the smallest
 /// integral of the squared change of phi over a. If no curve fits with as many control values, the played
-/// curve is refined, f -> 2 f, at most 4 times and up to 600 control values.
+/// curve is refined, f -> 2 f, at most `refinements` times and up to 600 control values.
 ///
 /// The move plays the new curve exactly as it stands in the file: the curve meets its locked keys already, so
 /// that reading it changes it by no more than rounding. Therefore one more control value may go to 0 on
@@ -59,6 +62,6 @@ struct SpeedFit {
 /// `report` is that of the plan. `progress` gets the share of the work that is done, roughly. Cost: about 0.1
 /// s for a track of 10 control values, up to minutes for hundreds of them.
 SpeedFit fit_speed(const Plan& plan, const CheckReport& report, FitStart start,
-                   const std::function<void(double share)>& progress);
+                   const std::function<void(double share)>& progress, int refinements = max_refinements);
 
 }  // namespace inbetween

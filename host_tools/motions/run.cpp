@@ -136,8 +136,7 @@ class Run {
     SimulatedCamera camera(!is_attended() && !asks_by_line);
     ShootingLines lines{.cues = cues_.get()};
     if (asks_by_line) lines.asks = [&](std::int64_t) { return session_.lines().camera_asks(); };
-    Shooting shooting(session_.loop(), staged_, camera, shoot_spec(*options_.shoot, session_.rig().rate_hz),
-                      is_attended(), lines);
+    Shooting shooting(session_.loop(), staged_, camera, *options_.shoot, is_attended(), lines);
     perform(shooting, staged_.loop_spec().drive_of);
     report_.exposures = shooting.exposures();
   }

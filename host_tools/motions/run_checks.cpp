@@ -69,7 +69,7 @@ std::unique_ptr<StagedMove> checked_move(const Plan& plan, double top_rate, Repe
       plan, top_rate == 1 ? checked.planned_stops : StagedMove::stops_of(plan, top_rate),
       shoot ? exposure_rate(*shoot, plan) : 0, still);
   staged->set_repeat(repeat);
-  if (shoot) refuse_exposures(*staged, shoot_spec(*shoot, plan.rig()->rate_hz));
+  if (shoot) refuse_exposures(*staged, *shoot);
   return staged;
 }
 

@@ -17,9 +17,15 @@ ShootSpec<double> shoot_spec(const ShootOptions& options, std::int32_t rate_hz) 
           .exposure_s = options.exposure_s};
 }
 
-void refuse_exposures(StagedMove& staged, const ShootSpec<double>& spec) {
+std::int32_t last_shot(const MoveFile& move, const ShootOptions& options) {
+  return options.is_loop ? move.frames - 1 : move.frames;
+}
+
+void refuse_exposures(StagedMove& staged, const ShootOptions& options) {
   const MoveFile& move = staged.plan().move();
-  const Status possible = FrameShoot<double>(spec, move.frames, staged.playhead(), nullptr).check();
+  const ShootSpec<double> spec = shoot_spec(options, staged.plan().rig()->rate_hz);
+  const Status possible =
+      FrameShoot<double>(spec, last_shot(move, options), staged.playhead(), nullptr).check();
   if (possible) return;
   throw LimitError(move.frames_place,
                    fmt::format("frame {} cannot be exposed in motion: {}; {}", possible.error().frame,
@@ -79,7 +85,7 @@ void Shooting::tick(std::int32_t ticks, std::int64_t now_ns) {
 
 RunSnapshot Shooting::snapshot() const {
   return {.state = loop_.state(),
-          .share = static_cast<double>(shoot_.frame()) / frames_,
+          .share = static_cast<double>(shoot_.frame()) / std::max(frames_, 1),
           .words = keys_.words(),
           .shoot = ShootSnapshot{.phase = shoot_.phase(),
                                  .frame = shoot_.frame(),

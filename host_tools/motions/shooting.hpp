@@ -22,13 +22,17 @@ struct ShootOptions {
   double exposure_s = 0.1;                      ///< of the camera's signal; with a shutter, of the exposure
   std::optional<Shutter<double>> shutter = {};  ///< the rig moves while it is open
   std::vector<std::string> still = {};          ///< axes that stand still meanwhile
+  bool is_loop = false;  ///< the last frame of the move is its first, and is not shot again
 };
 
 /// In ticks of a rig, rounded up.
 ShootSpec<double> shoot_spec(const ShootOptions& options, std::int32_t rate_hz);
 
+/// The last frame that is shot.
+std::int32_t last_shot(const MoveFile& move, const ShootOptions& options);
+
 /// Throws LimitError, at the place of the number of frames, where a frame cannot be exposed as wanted.
-void refuse_exposures(StagedMove& staged, const ShootSpec<double>& spec);
+void refuse_exposures(StagedMove& staged, const ShootOptions& options);
 
 /// The lines of the rig's own camera.
 struct ShootingLines {
@@ -39,13 +43,13 @@ struct ShootingLines {
 /// Shoots a move in a loop. Refers to all of them. Allocates nothing.
 class Shooting {
  public:
-  Shooting(RunLoop& loop, StagedMove& staged, SimulatedCamera& camera, const ShootSpec<double>& spec,
+  Shooting(RunLoop& loop, StagedMove& staged, SimulatedCamera& camera, const ShootOptions& options,
            bool is_attended, const ShootingLines& lines = {})
       : loop_(loop),
         spec_(staged.loop_spec()),
         camera_(camera),
-        frames_(staged.plan().move().frames),
-        shoot_(spec, frames_, staged.playhead(), staged.still()),
+        frames_(last_shot(staged.plan().move(), options)),
+        shoot_(shoot_spec(options, staged.plan().rig()->rate_hz), frames_, staged.playhead(), staged.still()),
         keys_(loop, is_attended),
         lines_(lines) {}
 

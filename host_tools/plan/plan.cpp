@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "host_tools/plan/drawn_curve.hpp"
+#include "host_tools/plan/key_positions.hpp"
 
 namespace inbetween {
 namespace {
@@ -31,11 +32,13 @@ struct TrackNumbers {
                  .closed = track.closed,
                  .axis_count = static_cast<std::int32_t>(track.axes.size()),
                  .keys = keys,
+                 .lap = track.lap,
                  .weights = track.weights,
                  .shapes = shapes,
                  .overshoot = track.overshoot};
     if (track.timing == Timing::speed) speed = drawn_curve(track, move.frames);
     spec.control_values = speed;
+    if (track.periodic) spec.ends = CurveEnds::periodic;
     spec.ease_corners = track.ease_corners;
     if (track.timing == Timing::frames) {
       take_key_frames(track, move.frames);
@@ -156,6 +159,7 @@ SolvedTrack<double> solve_track(const MoveTrack& track, const MoveFile& move, co
 Plan::Plan(MoveFile move, std::optional<RigFile> rig, const PlanOptions& options)
     : move_(std::move(move)), rig_(std::move(rig)) {
   list_axes();
+  settle_positions(move_, rig_);
   warn_of_mixed_units();
   if (rig_) check_cues(move_, *rig_);
   solve(options);
@@ -191,7 +195,7 @@ void Plan::list_axes() {
       const std::string& name = track.axes[d];
       const std::size_t move_axis = next++;
       if (!rig_) {
-        axes_.push_back({name, std::nullopt, t, d, move_axis});
+        axes_.push_back({name, unit_without_rig(track, d), t, d, move_axis});
         continue;
       }
       const auto found = std::ranges::find(axes_, name, &PlanAxis::name);

@@ -25,7 +25,7 @@ struct PlanOptions {
 /// An axis of the plan, with its place in the rig, the tracks and the move.
 struct PlanAxis {
   std::string name;
-  std::optional<AxisUnit> unit;      // known with a rig
+  std::optional<AxisUnit> unit;      // known with a rig, or where the move gives it one
   std::optional<std::size_t> track;  // index of its track; absent: in no track, the rig holds it where it is
   std::size_t track_axis = 0;        // its index within the track
   std::size_t move_axis = 0;         // its index in Plan::played(): through all tracks
@@ -39,6 +39,7 @@ class Plan {
   /// rig's, or where the move, rolls included, has more than max_ticks ticks of the rig.
   Plan(MoveFile move, std::optional<RigFile> rig, const PlanOptions& options);
 
+  /// The move, the positions of its keys settled (key_positions.hpp).
   [[nodiscard]] const MoveFile& move() const { return move_; }
   [[nodiscard]] const std::optional<RigFile>& rig() const { return rig_; }
   [[nodiscard]] const std::vector<SolvedTrack<double>>& tracks() const { return tracks_; }

@@ -33,8 +33,8 @@ std::uint64_t hash_of(const MoveFile& move) {
         static_cast<std::int32_t>(track.timing == Timing::frames ? kinetic_of(track) : MoveKinetic::linear));
     hash.add(static_cast<std::int32_t>(track.closed));
     const RestingEnds rest = track.rest.value_or(RestingEnds{});
-    for (const bool flag :
-         {track.rest.has_value(), rest.start, rest.end, track.ease_corners, track.overshoot}) {
+    for (const bool flag : {track.rest.has_value(), rest.start, rest.end, track.ease_corners, track.overshoot,
+                            track.periodic}) {
       hash.add(static_cast<std::int32_t>(flag));
     }
     for (const MoveKey& key : track.keys) {
@@ -49,7 +49,7 @@ std::uint64_t hash_of(const MoveFile& move) {
       hash.add(ease ? ease->frames : 0);
     }
     hash.add(static_cast<std::int32_t>(track.through));
-    for (const std::vector<double>* list : {&track.speed, &track.weights}) {
+    for (const std::vector<double>* list : {&track.speed, &track.weights, &track.lap}) {
       hash.add(static_cast<std::int32_t>(list->size()));
       for (const double value : *list) hash.add(value);
     }
@@ -95,6 +95,7 @@ void write_speed(const MoveTrack& track, const SolvedTrack<double>& solved, Json
   json.line();
   json.numbers("speed", solved.control_values());
   json.numbers("speed_drawn", track.speed);
+  json.member("periodic", track.periodic);
   if (solved.track().portions().empty()) return;
   json.line();
   json.key("portions");

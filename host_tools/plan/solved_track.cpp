@@ -50,7 +50,7 @@ Track<Real> SolvedTrack<Real>::make_track(const TrackSpec<Real>& spec, const Pat
   } else if (!spec.locks.empty() || spec.ease_corners) {
     apply_locks(spec, find_waypoints(spec, path, arc_length));
   }
-  const SpeedProfile<Real> profile = make_profile(control_values_);
+  const SpeedProfile<Real> profile = make_profile(control_values_, spec.ends);
   span_distances_.resize(control_values_.size() + 1);
   portions_.resize(breaks_.size() + 1);
   return value_or_throw(
@@ -63,7 +63,7 @@ std::vector<Waypoint> SolvedTrack<Real>::find_waypoints(const TrackSpec<Real>& s
                                                         const ArcLength<Real>& arc_length) {
   if (control_values_.empty()) control_values_ = {Real(1), Real(1)};
   // The profile's own checks come first, so that a bad control value is named as such.
-  const SpeedProfile<Real> profile = make_profile(control_values_);
+  const SpeedProfile<Real> profile = make_profile(control_values_, spec.ends);
   span_distances_.resize(control_values_.size() + 1);
   return waypoints_of(value_or_throw(Track<Real>::make(path, arc_length, profile, spec.frames, spec.fps,
                                                        {.span_distances = span_distances_})));
@@ -195,10 +195,10 @@ ArcLength<Real> SolvedTrack<Real>::make_arc_length(const Path<Real>& path,
 }
 
 template <Precise Real>
-SpeedProfile<Real> SolvedTrack<Real>::make_profile(std::span<const Real> control_values) {
+SpeedProfile<Real> SolvedTrack<Real>::make_profile(std::span<const Real> control_values, CurveEnds ends) {
   spans_.resize(control_values.size() + 1);
   integrals_.resize(control_values.size() + 2);
-  return value_or_throw(SpeedProfile<Real>::make(control_values, {spans_, integrals_}));
+  return value_or_throw(SpeedProfile<Real>::make(control_values, {spans_, integrals_}, ends));
 }
 
 template class SolvedTrack<double>;

@@ -42,6 +42,7 @@ template <Precise Real>
 struct TrackSpec {
   PathSpec<Real> path;
   std::span<const Real> control_values;
+  CurveEnds ends = CurveEnds::natural;  ///< periodic: without locks
   std::int32_t frames = 0;
   FrameRate fps;
   ArcLengthOptions<Real> arc_length;
@@ -87,7 +88,7 @@ class SolvedTrack {
   [[nodiscard]] Path<Real> make_path(const TrackSpec<Real>& spec);
   [[nodiscard]] ArcLength<Real> make_arc_length(const Path<Real>& path,
                                                 const ArcLengthOptions<Real>& options);
-  [[nodiscard]] SpeedProfile<Real> make_profile(std::span<const Real> control_values);
+  [[nodiscard]] SpeedProfile<Real> make_profile(std::span<const Real> control_values, CurveEnds ends);
 
   std::vector<Cubic<Real>> cubics_;
   std::vector<Real> weights_;

@@ -63,6 +63,7 @@ double rows_height(const LimitsPlot& plot) {
     if (i > 0) height += row_gap + (plot.rows[i].axis == plot.rows[i - 1].axis ? 0 : axis_gap);
     height += row_height;
   }
+  for (std::size_t i = 0; i < plot.curves.size(); ++i) height += axis_gap + row_gap + row_height;
   return height;
 }
 
@@ -161,6 +162,34 @@ void draw_frames(Canvas& canvas, const Box& rows, const LimitsPlot& plot) {
   canvas.text({rows.x - 24, rows.bottom() + 16}, "frames", name);
 }
 
+/// Two lines over one scale: dashed as drawn, whole as fitted.
+void draw_curve(Canvas& canvas, const Box& area, const LimitsPlot& plot, const FittedCurve& curve,
+                Color color) {
+  double top = 0;
+  for (const std::vector<Point>* samples : {&curve.before, &curve.after}) {
+    for (const Point& sample : *samples) top = std::max(top, sample.y);
+  }
+  const Scale y({0, top > 0 ? 1.08 * top : 1}, area.bottom(), area.y);
+  const Scale x(range_in_frames(plot), area.x, area.right());
+  shade_outside(canvas, area, x, {0, static_cast<double>(plot.frames)});
+  draw_left_ticks(canvas, area, y);
+  canvas.outline(area, {plot_color::frame});
+  const auto line_of_curve = [&](const std::vector<Point>& samples) {
+    std::vector<Point> line;
+    for (const Point& sample : samples) line.push_back({x(sample.x), y(sample.y)});
+    return simplified(line, 0.1);
+  };
+  canvas.polyline(line_of_curve(curve.before), {plot_color::ink.faded(0.7), 1.4, true});
+  canvas.polyline(line_of_curve(curve.after), {color, 2.2});
+  const TextStyle bold{.size = 12, .color = plot_color::ink, .bold = true};
+  const TextStyle plain{.size = 11, .color = plot_color::quiet};
+  const double middle = area.y + area.height / 2;
+  canvas.text({area.x - left_room, middle - 16}, elided(canvas, curve.axes, bold, left_room - 62), bold);
+  canvas.text({area.x - left_room, middle}, "speed curve", plain);
+  canvas.text({area.right() + 10, middle - 8}, "dashed: as drawn", plain);
+  canvas.text({area.right() + 10, middle + 7}, "line: as fitted", plain);
+}
+
 }  // namespace
 
 void draw_limits_plot(const LimitsPlot& plot, const std::filesystem::path& file) {
@@ -189,6 +218,11 @@ void draw_limits_plot(const LimitsPlot& plot, const std::filesystem::path& file)
       ++axis;
     }
     draw_row(canvas, area, plot, plot.rows[i], track_color(axis), i == 0 || is_next_axis);
+    area.y += row_height + row_gap;
+  }
+  for (std::size_t i = 0; i < plot.curves.size(); ++i) {
+    area.y += axis_gap;
+    draw_curve(canvas, area, plot, plot.curves[i], track_color(i));
     area.y += row_height + row_gap;
   }
   canvas.write(plot.name, fmt::format("{}; velocity, acceleration and jerk against the limits", summary));

@@ -26,6 +26,12 @@ struct LimitsRow {
   bool exceeded = false;        // the peak is beyond the limit
 };
 
+/// The speed curve of a track as it was drawn and as it was fitted.
+struct FittedCurve {
+  std::string axes;
+  std::vector<Point> before, after;  // x: frame of the picture, y: phi, both ascending in x
+};
+
 struct LimitsPlot {
   std::string name;
   std::string frame_rate;        // as written
@@ -34,6 +40,7 @@ struct LimitsPlot {
   std::int32_t first_frame = 0;  // below 0 with a pre-roll
   std::int32_t last_frame = 0;   // N, or above it with a post-roll
   std::vector<LimitsRow> rows;
+  std::vector<FittedCurve> curves = {};  // drawn below the rows
 };
 
 /// Draws one page, 1400 pixels wide, and writes it as SVG, PNG or PDF by the ending of the file's name: a row

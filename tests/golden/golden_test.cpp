@@ -114,5 +114,27 @@ TEST_P(GoldenTable, IsWhatTheOracleComputesToday) {
 INSTANTIATE_TEST_SUITE_P(Examples, GoldenTable, testing::ValuesIn(golden_examples()),
                          [](const auto& test) { return test.param; });
 
+class TimedGoldenTable : public testing::TestWithParam<std::string> {};
+
+TEST_P(TimedGoldenTable, IsWhatThePlanDoesAndWhatTheOracleComputesToday) {
+  const std::vector<GoldenRow> rows = committed(GetParam());
+  const std::vector<GoldenRow> today = timed_golden_table(example_file(GetParam()));
+  const Plan plan(read_move_file(example_file(GetParam())), std::nullopt, {.solver = Solver::closed_form});
+  ASSERT_EQ(rows.size(), today.size());
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    SCOPED_TRACE(fmt::format("line {}; scripts/update-golden writes it anew", i + 2));
+    ASSERT_EQ(rows[i].position.size(), today[i].position.size());
+    std::vector<double> position(rows[i].position.size());
+    plan.tracks()[static_cast<std::size_t>(rows[i].track)].track().positions({rows[i].frame, 0}, position);
+    for (std::size_t d = 0; d < position.size(); ++d) {
+      EXPECT_NEAR(rows[i].position[d], today[i].position[d], 1e-14);
+      EXPECT_NEAR(position[d], rows[i].position[d], 1e-12);
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Examples, TimedGoldenTable, testing::ValuesIn(timed_golden_examples()),
+                         [](const auto& test) { return test.param; });
+
 }  // namespace golden_test
 }  // namespace inbetween

@@ -13,6 +13,8 @@
 #include "inbetween/limits/motion_steps.hpp"
 #include "inbetween/timing/track.hpp"
 #include "tests/support/oracle_curves.hpp"
+#include "tests/support/oracle_pace.hpp"
+#include "tests/support/oracle_path.hpp"
 #include "tests/support/property.hpp"
 
 /// Random moves with timing = "frames", on every path and with every kinetic.
@@ -333,6 +335,132 @@ TEST(KeyFramesProperty, APaceMeetsItsKeysAndNoCurveThatDoesIsSmoother) {
           if (v[from] <= 1e-2 || is_fixed) continue;
           RC_ASSERT(gradient[to] - gradient[from] >= -1e-5 * scale - 1e-10);
         }
+      }
+    }
+  });
+}
+
+/// The control values themselves, from an independent quadratic program.
+TEST(KeyFramesProperty, APaceIsThatOfAnIndependentQuadraticProgram) {
+  int compared = 0;
+  check_property(40, [&] {
+    const int count = *rc::gen::inRange(3, 6);
+    std::vector<double> distances{0};
+    std::vector<std::int32_t> frames{0};
+    for (int k = 1; k < count; ++k) {
+      distances.push_back(distances.back() + *rc::gen::inRange(1, 400) / 8.0);
+      frames.push_back(frames.back() + *rc::gen::inRange(10, 31));
+    }
+    PaceSpec spec{.key_distances = distances,
+                  .key_frames = frames,
+                  .rests_at_start = *rc::gen::arbitrary<bool>(),
+                  .rests_at_end = *rc::gen::arbitrary<bool>()};
+    const std::vector<double> found = smoothest_pace(spec);
+    RC_PRE(found.size() <= 80);  // the oracle is slow
+    const auto f = static_cast<int>(found.size()) - 1;
+    oracle::PaceProblem problem{.spans = f, .places = {}, .distances = {}, .is_zero = {}};
+    problem.is_zero.assign(found.size(), 0);
+    if (spec.rests_at_start) problem.is_zero[0] = problem.is_zero[1] = 1;
+    if (spec.rests_at_end) problem.is_zero[found.size() - 1] = problem.is_zero[found.size() - 2] = 1;
+    for (std::size_t k = 0; k < frames.size(); ++k) {
+      problem.places.push_back(static_cast<long double>(frames[k]) * f / frames.back());
+      problem.distances.push_back(distances[k]);
+    }
+    const std::vector<long double> wanted = oracle::smoothest(problem);
+    const auto largest = static_cast<double>(*std::max_element(wanted.begin(), wanted.end()));
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      RC_ASSERT(std::fabs(found[i] - static_cast<double>(wanted[i]) / largest * 100) <= 1e-4);
+    }
+    std::vector<long double> scaled(found.begin(), found.end());
+    for (long double& value : scaled) value *= static_cast<long double>(largest) / 100;
+    RC_ASSERT(oracle::bending(scaled) <= oracle::bending(wanted) * (1 + 1e-8L) + 1e-12L);
+    ++compared;
+  });
+  if (counts_mean_something()) {
+    EXPECT_GE(compared, 20);
+  }
+}
+
+/// Where the direction of the path goes on, so does the velocity under a pace; and of a smooth path, C2 in
+/// distance, the acceleration.
+TEST(KeyFramesProperty, APaceIsContinuousWhereTheDirectionOfThePathIs) {
+  check_property(200, [] {
+    TimedMove move;
+    move.spline = *rc::gen::element(Spline::smooth, Spline::catmull_rom, Spline::tcb);
+    move.pace = true;
+    move.axes = 2;
+    const int count = *rc::gen::inRange(3, 8);
+    move.closed = *rc::gen::inRange(0, 4) == 0;
+    move.frames = {0};
+    // Keys round a circle, with a shake: no corner and no way back.
+    for (int k = 0; k < count; ++k) {
+      const double angle = (k + *rc::gen::inRange(-20, 21) / 100.0) * 6.28 / count;
+      const double radius = *rc::gen::inRange(80, 121);
+      move.keys.insert(move.keys.end(), {radius * std::cos(angle), radius * std::sin(angle)});
+      if (move.spline == Spline::tcb) {
+        move.shapes.push_back({.tension = *rc::gen::inRange(-5, 6) / 10.0, .continuity = 0, .bias = 0});
+      }
+      if (k + 1 < count || move.closed) move.frames.push_back(move.frames.back() + *rc::gen::inRange(12, 49));
+    }
+    const SolvedTrack<double> track = move.solved();
+    expect_keys_met(move, track);
+    for (std::int32_t d = 0; d < move.axes; ++d) {
+      const double velocity = largest(track, d, &AxisMotion<double>::velocity);
+      const double acceleration = largest(track, d, &AxisMotion<double>::acceleration);
+      for (std::size_t k = 1; k + 1 < move.frames.size(); ++k) {
+        constexpr double step = 0.02;  // of a frame
+        const Sided arriving = rediff(track, d, move.frames[k], -step);
+        const Sided leaving = rediff(track, d, move.frames[k], step);
+        RC_ASSERT(std::fabs(leaving.velocity - arriving.velocity) <= 1e-4 * velocity);
+        if (move.spline != Spline::smooth) continue;
+        RC_ASSERT(std::fabs(leaving.acceleration - arriving.acceleration) <= 0.02 * acceleration + 1e-3);
+      }
+    }
+  });
+}
+
+/// ds / dframe on both sides of a key, and with it the step: for linear the secants, for monotone Fritsch and
+/// Butland's harmonic mean, written down again from their paper.
+TEST(KeyFramesProperty, TheStepsOfMonotoneAndLinearAreThoseOfTheOracle) {
+  constexpr std::array kinds{oracle::Kind::smooth, oracle::Kind::catmull_rom, oracle::Kind::tcb,
+                             oracle::Kind::linear};
+  constexpr std::array splines{Spline::smooth, Spline::catmull_rom, Spline::tcb, Spline::linear};
+  check_property(500, [&] {
+    const auto kind = *rc::gen::inRange<std::size_t>(0, kinds.size());
+    TimedMove move = random_timed_move(splines[kind]);
+    move.kinetic = *rc::gen::element(Kinetic::linear, Kinetic::monotone);
+    const SolvedTrack<double> track = move.solved();
+    oracle::Keys keys;
+    keys.kind = kinds[kind];
+    keys.closed = move.closed;
+    for (std::size_t k = 0; k < move.key_count(); ++k) {
+      std::vector<long double> at;
+      for (std::int32_t d = 0; d < move.axes; ++d) at.push_back(move.at(k, d));
+      keys.at.push_back(at);
+      if (move.shapes.empty()) continue;
+      const KeyShape<double>& shape = move.shapes[k];
+      keys.tension_continuity_bias.push_back({shape.tension, shape.continuity, shape.bias});
+    }
+    const oracle::Path path(keys);
+    const auto interval = [&](std::size_t i) {
+      return static_cast<long double>(move.frames[i + 1] - move.frames[i]);
+    };
+    std::vector<AxisStep<double>> steps(static_cast<std::size_t>(move.axes));
+    for (std::size_t k = 1; k + 1 < move.frames.size(); ++k) {
+      long double before = 1 / interval(k - 1);
+      long double behind = 1 / interval(k);
+      if (move.kinetic == Kinetic::monotone) {
+        const long double share = (interval(k - 1) + 2 * interval(k)) / (3 * (interval(k - 1) + interval(k)));
+        before = behind = before * behind / (share * behind + (1 - share) * before);
+      }
+      const double frame = steps_at_key<double>(track.track(), static_cast<std::int32_t>(k), steps);
+      RC_ASSERT(frame == move.frames[k]);
+      const auto segment = static_cast<int>(k);
+      for (std::int32_t d = 0; d < move.axes; ++d) {
+        const long double step = 24 * std::fabs(path.derivative(1, segment, 0, d) * behind -
+                                                path.derivative(1, segment - 1, 1, d) * before);
+        RC_ASSERT(std::fabs(static_cast<double>(step) - steps[static_cast<std::size_t>(d)].velocity) <=
+                  1e-9 * (static_cast<double>(step) + 24 * (move.range(d) + 1)));
       }
     }
   });

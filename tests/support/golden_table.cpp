@@ -7,6 +7,7 @@
 #include <fstream>
 #include <stdexcept>
 
+#include "tests/support/oracle_curves.hpp"
 #include "tests/support/oracle_table.hpp"
 
 namespace inbetween {
@@ -123,6 +124,38 @@ std::vector<GoldenRow> read_golden_csv(const std::filesystem::path& file) {
                     {cells.begin() + 4, cells.end()}});
   }
   return rows;
+}
+
+std::vector<GoldenRow> timed_golden_table(const std::filesystem::path& move) {
+  const toml::table root = toml::parse_file(move.string());
+  const int frames = root["frames"].value<int>().value();
+  std::vector<GoldenRow> golden;
+  for (const toml::node& track : list(root, "track")) {
+    std::vector<oracle::TimedKeys> axes;
+    for (const toml::node& node : list(*track.as_table(), "keys")) {
+      const toml::table& key = *node.as_table();
+      const std::vector<double> at = numbers(list(key, "at"));
+      axes.resize(at.size());
+      for (std::size_t d = 0; d < at.size(); ++d) {
+        axes[d].at.push_back(at[d]);
+        axes[d].frames.push_back(key["frame"].value<int>().value());
+      }
+    }
+    std::vector<std::vector<oracle::TimedPiece>> curves;
+    for (const oracle::TimedKeys& axis : axes) curves.push_back(smooth_curve(axis));
+    const int index = golden.empty() ? 0 : golden.back().track + 1;
+    for (int frame = 0; frame <= frames; ++frame) {
+      GoldenRow row{.track = index, .frame = frame, .position = {}};
+      for (const auto& curve : curves) row.position.push_back(static_cast<double>(curve_at(curve, frame, 0)));
+      golden.push_back(std::move(row));
+    }
+  }
+  return golden;
+}
+
+const std::vector<std::string>& timed_golden_examples() {
+  static const std::vector<std::string> names = {"blink"};
+  return names;
 }
 
 const std::vector<std::string>& golden_examples() {

@@ -31,6 +31,10 @@ struct GoldenRow {
 /// Every frame of every track, by quadrature and inversion in long double; rounded once, at the end.
 std::vector<GoldenRow> golden_table(const std::vector<DrawnTrack>& tracks);
 
+/// The same of a move with timing = "frames" whose tracks are smooth curves that rest at their ends. Its s
+/// and its distance are 0: nobody drew a speed.
+std::vector<GoldenRow> timed_golden_table(const std::filesystem::path& move);
+
 /// A header and a line per row; numbers read back exactly.
 std::string as_csv(const std::vector<GoldenRow>& rows);
 /// Throws std::runtime_error for what as_csv would not write.
@@ -38,5 +42,7 @@ std::vector<GoldenRow> read_golden_csv(const std::filesystem::path& file);
 
 /// The examples that have a golden table, by the name of both files without the ending.
 const std::vector<std::string>& golden_examples();
+/// Those of timed_golden_table().
+const std::vector<std::string>& timed_golden_examples();
 
 }  // namespace inbetween

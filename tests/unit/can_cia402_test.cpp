@@ -220,6 +220,24 @@ TEST_F(SetupOfNode5, RefusesADisabledFollowingErrorWindow) {  // docs/faults.md 
   objects.set(0x6065, 0, 4, 0xFFFFFFFF);
   expect_refused(DriveFinding::window_disabled, 0x6065);
 }
+TEST_F(SetupOfNode5, RefusesADriveThatCountsItsPositionsRound) {
+  for (const auto& [begin, end] : {std::pair{0U, 360'000U}, std::pair{0xFFFE7960U, 0x7FFFFFFFU},
+                                   std::pair{0U, 0x7FFFFFFFU}, std::pair{0x80000000U, 0U}}) {
+    objects.set(0x607B, 1, 4, begin);
+    objects.set(0x607B, 2, 4, end);
+    expect_refused(DriveFinding::counts_round, 0x607B);
+  }
+}
+TEST_F(SetupOfNode5, TakesADriveWhoseRangeIsOffOrThatHasNone) {
+  objects.set(0x607B, 1, 4, 0);
+  objects.set(0x607B, 2, 4, 0);
+  work();
+  EXPECT_EQ(runner.state(), SetupState::done);
+  objects.remove(0x607B, 1);
+  objects.remove(0x607B, 2);
+  work();
+  EXPECT_EQ(runner.state(), SetupState::done);
+}
 TEST_F(SetupOfNode5, RefusesAPeriodThatIsNotTaken) {
   objects.freeze(0x60C2, 1);
   expect_refused(DriveFinding::read_back_differs, 0x60C2);

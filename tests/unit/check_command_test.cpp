@@ -68,7 +68,9 @@ TEST(CheckCommand, AMoveThatFitsIsStatus0WithATableAndAVerdict) {
         " deg/s ", " 88 %\n", "the drives follow this motion within 1e-06"}) {
     EXPECT_THAT(run.out, HasSubstr(words));
   }
-  EXPECT_THAT(run.out, testing::ContainsRegex("\nfits in 192 frames; [0-9]+ frames would do\n$"));
+  EXPECT_THAT(run.out,
+              testing::ContainsRegex(
+                  "\nfits in 192 frames; [0-9]+ frames would do, [0-9]+ frames with another speed curve\n$"));
 }
 
 TEST(CheckCommand, APeakJustAboveItsLimitIsShownWithTheDigitsThatDiffer) {
@@ -92,7 +94,10 @@ TEST(CheckCommand, AMoveThatDoesNotFitIsStatus3AndEveryReasonIsALine) {
   EXPECT_THAT(run.err, StartsWith(file + ":8:11: error: axis \"slide\" would reach "));
   EXPECT_THAT(run.err, HasSubstr(" mm/s at frame "));
   EXPECT_THAT(run.err, HasSubstr(", and max_velocity is 500; give the move more frames"));
-  EXPECT_THAT(run.out, testing::ContainsRegex("\ndoes not fit in 48 frames; [0-9]+ frames would do\n$"));
+  EXPECT_THAT(
+      run.out,
+      testing::ContainsRegex(
+          "\ndoes not fit in 48 frames; [0-9]+ frames would do, [0-9]+ frames with another speed curve\n$"));
 }
 
 TEST(CheckCommand, TheNumberOfFramesItNamesFitsAndOneLessDoesNot) {
@@ -103,7 +108,7 @@ TEST(CheckCommand, TheNumberOfFramesItNamesFitsAndOneLessDoesNot) {
   EXPECT_EQ(check_text(reveal_in(smallest)).status, 0);
   EXPECT_EQ(check_text(reveal_in(smallest - 1)).status, 3);
   EXPECT_THAT(check_text(reveal_in(smallest)).out,
-              EndsWith("\nfits in " + std::to_string(smallest) + " frames\n"));
+              HasSubstr("\nfits in " + std::to_string(smallest) + " frames; "));
 }
 
 TEST(CheckCommand, ACornerIsRefusedWithItsRemedyAndNoNumberOfFramesCuresIt) {
@@ -121,8 +126,8 @@ TEST(CheckCommand, ItsJsonHasTheFieldsOfItsFormatInTheirOrder) {
   EXPECT_EQ(run.status, 0);
   EXPECT_THAT(run.err, StartsWith("reveal on slider")) << "the table makes way";
   const Json json = Json::parse(run.out);
-  EXPECT_THAT(fields(json), ElementsAre("format", "fits", "smallest_frames", "reason", "axes", "steps",
-                                        "stop", "highest_rate"));
+  EXPECT_THAT(fields(json), ElementsAre("format", "fits", "smallest_frames", "smallest_frames_other_curve",
+                                        "reason", "axes", "steps", "stop", "highest_rate"));
   EXPECT_EQ(json["format"], 1);
   EXPECT_EQ(json["fits"], true);
   EXPECT_EQ(json["reason"], nullptr);
@@ -345,13 +350,43 @@ TEST(CheckCommand, FitThatFindsNothingSaysWhyAndWritesNothing) {
   EXPECT_THAT(json["fit"]["tracks"], SizeIs(0));
 }
 
+double height_of_picture(const std::string& svg) {
+  const std::string text = file_contents(svg);
+  const std::size_t at = text.find("height=\"");
+  return at == std::string::npos ? 0 : std::stod(text.substr(at + 8));
+}
+
+TEST(CheckCommand, FitsInTheFewestFramesForWhichACurveIsFound) {
+  const std::string move =
+      "name = \"slide\"\nfps = 24\nframes = 120 # five seconds\n[[track]]\naxes = [\"slide\"]\n"
+      "keys = [{ at = [60] }, { at = [500], frame = 60 }, { at = [1240] }]\nspeed = [0, 0, 2, 30, 2, 0, 0]\n";
+  const TemporaryFolder folder;
+  const auto file = [&](const char* name) { return (folder.path() / name).string(); };
+  const ProgramRun run = check_text(move, {"--fit", file("fitted.toml"), "--frames", "fewest", "--json",
+                                           file("report.json"), "--plot", file("fitted.svg")});
+  ASSERT_EQ(run.status, 0) << run.err;
+  const Json report = Json::parse(file_contents(file("report.json")));
+  const int fewest = report["fit"]["frames"];
+  EXPECT_LT(fewest, report["smallest_frames"].get<int>());
+  EXPECT_GE(fewest, report["fit"]["least_frames"].get<int>());
+  EXPECT_EQ(report["smallest_frames_other_curve"], fewest);
+  EXPECT_THAT(run.out, HasSubstr(std::to_string(fewest) + " frames with another speed curve"));
+  const std::string text = file_contents(file("fitted.toml"));
+  EXPECT_THAT(text, HasSubstr("frames = " + std::to_string(fewest) + " # five seconds"));
+  EXPECT_THAT(text, HasSubstr("frame = " + std::to_string((fewest + 1) / 2) + " }"));
+  EXPECT_EQ(check_text(text).status, 0);
+  EXPECT_EQ(check_text(move, {"--plot", file("drawn.svg")}).status, 3);
+  EXPECT_GT(height_of_picture(file("fitted.svg")), height_of_picture(file("drawn.svg")) + 100)
+      << "with a row for the curves";
+}
+
 TEST(CheckCommand, FitIsInTheJsonWhereItIsAskedFor) {
   const TemporaryFolder folder;
   const std::string report = (folder.path() / "report.json").string();
   const ProgramRun run = check_text(reveal_in(150), {"--fit", "-", "--start", "curvature", "--json", report});
   EXPECT_EQ(run.status, 0) << run.err;
   const Json json = Json::parse(file_contents(report));
-  EXPECT_THAT(fields(json["fit"]), ElementsAre("found", "reason", "least_frames", "tracks"));
+  EXPECT_THAT(fields(json["fit"]), ElementsAre("found", "reason", "frames", "least_frames", "tracks"));
   const Json& track = json["fit"]["tracks"][0];
   EXPECT_THAT(fields(track),
               ElementsAre("track", "speed", "change", "change_share", "largest_change", "alpha", "frame"));

@@ -136,7 +136,7 @@ TEST(FormatsDocument, HasEveryFieldThatTheReadersAcceptAndNoOther) {
 TEST(FormatsDocument, ItsExamplesAreAccepted) {
   const std::vector<std::string> examples = documented_examples();
   ASSERT_EQ(examples.size(), 3U);
-  EXPECT_EQ(parse_move(examples[0], "docs/formats.md").tracks.size(), 2U);
+  EXPECT_EQ(parse_move(examples[0], "docs/formats.md").tracks.size(), 3U);
   EXPECT_EQ(parse_rig(examples[1], "docs/formats.md").axes.size(), 5U);
   EXPECT_EQ(parse_faults(examples[2], "docs/formats.md").faults.size(), 7U);
 }
@@ -216,7 +216,9 @@ TEST(FormatsDocument, HasEveryWordThatAFieldMayBe) {
       {"rest", words_after(parse_move, with(move, "rest    = \"both\"", "rest = \"?\""))},
       {"corners", words_after(parse_move, with(move, "corners = \"pass\"", "corners = \"?\""))},
       {"start", words_after(parse_move, with(move, "\"trigger\"", "\"?\""))},
-      {"unit", words_after(parse_rig, with(rig, "\"unit\"", "\"?\""))},
+      {"unit", words_after(parse_move, with(move, "unit = \"mm\"", "unit = \"?\""))},
+      {"way", words_after(parse_move, with(move, "\"long\"", "\"?\""))},
+      {"[[axis]] unit", words_after(parse_rig, with(rig, "\"unit\"", "\"?\""))},
       {"reference", words_after(parse_rig, with(rig, "reference = \"drive\"", "reference = \"?\""))},
       {"unpowered", words_after(parse_rig, with(rig, "unpowered = \"falls\"", "unpowered = \"?\""))},
       {"direction", words_after(parse_rig, with(rig, "\"negative\"", "\"?\""))},

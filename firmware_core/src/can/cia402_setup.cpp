@@ -1,5 +1,7 @@
 #include "inbetween/can/cia402_setup.hpp"
 
+#include <utility>
+
 #include "inbetween/can/pdo.hpp"
 
 namespace inbetween::can {
@@ -120,6 +122,14 @@ void set_motion(ScriptWriter& writer, const Cia402Setup& setup) {
               .object = {.index = 0x6065},
               .finding = DriveFinding::window_disabled,
               .value = 0xFFFFFFFF});
+  // Off is the whole range of counts, or 0 to 0 in drives that leave the factory so.
+  for (const auto& [sub, whole] : {std::pair{1, 0x80000000U}, std::pair{2, 0x7FFFFFFFU}}) {
+    writer.add({.action = SetupAction::expect_no_range,
+                .object = {.index = range_limit_index, .sub = static_cast<std::uint8_t>(sub)},
+                .may_be_absent = true,
+                .finding = DriveFinding::counts_round,
+                .value = whole});
+  }
   if (setup.position_limits) {
     writer.write({.index = 0x607D, .sub = 1}, 4, static_cast<std::uint32_t>(setup.position_limits->min));
     writer.write({.index = 0x607D, .sub = 2}, 4, static_cast<std::uint32_t>(setup.position_limits->max));

@@ -47,6 +47,9 @@ constexpr std::array table{
              "write on_host_lost = \"stops\" for the axis if the manual of the drive says that it brakes"}},
     Row{DriveFinding::window_disabled,
         {.what = "the drive does not watch its following error", .remedy = "set its window, object 6065"}},
+    Row{DriveFinding::counts_round,
+        {.what = "the drive counts its positions round (object 607B), and setpoints go on",
+         .remedy = "set its object 607B:1 to 80000000h and 607B:2 to 7FFFFFFFh, which is off"}},
     Row{DriveFinding::watchdog_unset,
         {.what = "the drive would run on if this program died",
          .remedy = "set its heartbeat consumer (1016), or use a drive that has none but a setpoint timeout "

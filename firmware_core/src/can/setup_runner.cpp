@@ -19,8 +19,9 @@ constexpr std::array<std::array<SetupState, setup_events>, setup_states> table{{
 }};
 
 constexpr bool reads_first(SetupAction action) {
-  return action == SetupAction::expect || action == SetupAction::forbid ||
-         action == SetupAction::switch_off || action == SetupAction::switch_on;
+  return action == SetupAction::expect || action == SetupAction::expect_no_range ||
+         action == SetupAction::forbid || action == SetupAction::switch_off ||
+         action == SetupAction::switch_on;
 }
 /// The reasons that the client itself gives: no answer, or a senseless one.
 constexpr bool is_of_host(std::uint32_t abort_code) {
@@ -49,6 +50,7 @@ void SetupRunner::begin(const SetupScript& script) {
   host_timeout_ms_ = 0;
   setpoint_timeout_ms_ = 0;
   fault_may_coast_ = false;
+  range_begin_ = 0;
   begin_step(script);
 }
 
@@ -102,6 +104,8 @@ void SetupRunner::has_read(const SetupScript& script, const SetupStep& step) {
   switch (step.action) {
     case SetupAction::expect:
       return is_equal ? next_step(script) : refuse(step, step.finding);
+    case SetupAction::expect_no_range:
+      return is_no_range(step) ? next_step(script) : refuse(step, step.finding);
     case SetupAction::forbid:
       return is_equal ? refuse(step, step.finding) : next_step(script);
     case SetupAction::switch_off:
@@ -129,6 +133,16 @@ bool SetupRunner::is_right(const SetupStep& step) {
     default:
       return *found_ == (written_ & mask_of(step.size));
   }
+}
+
+/// The begin may be either; the end must go with it: a range from 0 to the last count has an edge at 0.
+bool SetupRunner::is_no_range(const SetupStep& step) {
+  if (*found_ != step.value && *found_ != 0) return false;
+  if (step.object.sub == 1) {
+    range_begin_ = *found_;
+    return true;
+  }
+  return (*found_ == 0) == (range_begin_ == 0);
 }
 
 bool SetupRunner::is_right_code(const SetupStep& step) const {

@@ -31,7 +31,6 @@ class FrameCurves {
       : spec_(spec),
         memory_(memory),
         axes_(static_cast<std::size_t>(spec.axis_count)),
-        keys_(spec.keys.size() / axes_),
         intervals_(spec.key_frames.size() - 1) {}
 
   /// Segments of the path.
@@ -78,9 +77,7 @@ class FrameCurves {
   [[nodiscard]] Real frames(std::size_t k) const {
     return static_cast<Real>(spec_.key_frames[k + 1] - spec_.key_frames[k]);
   }
-  [[nodiscard]] Real key(std::size_t k, std::size_t d) const {
-    return spec_.keys[(k < keys_ ? k : k - keys_) * axes_ + d];
-  }
+  [[nodiscard]] Real key(std::size_t k, std::size_t d) const { return spec_.key(k, d); }
   [[nodiscard]] Real chord(std::size_t k, std::size_t d) const { return key(k + 1, d) - key(k, d); }
   /// The interval before key k; `intervals_` where there is none.
   [[nodiscard]] std::size_t before(std::size_t k) const {
@@ -252,7 +249,6 @@ class FrameCurves {
   const PathSpec<Real>& spec_;
   const PathMemory<Real>& memory_;
   std::size_t axes_;
-  std::size_t keys_;
   std::size_t intervals_;
 };
 

@@ -97,9 +97,7 @@ class Construction {
   [[nodiscard]] std::span<const Real> weights() const { return weights_; }
 
  private:
-  [[nodiscard]] Real key(std::size_t i, std::size_t d) const {
-    return spec_.keys[(i < keys_ ? i : i - keys_) * axes_ + d];
-  }
+  [[nodiscard]] Real key(std::size_t i, std::size_t d) const { return spec_.key(i, d); }
   [[nodiscard]] Real chord(std::size_t i, std::size_t d) const { return key(i + 1, d) - key(i, d); }
   /// The key from which a segment leads.
   [[nodiscard]] std::int32_t key_of(std::size_t segment) const {

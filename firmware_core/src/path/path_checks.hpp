@@ -41,6 +41,11 @@ Status check_counts(const PathSpec<Real>& spec) {
                  .what = "there are not as many weights as axes",
                  .remedy = "give one weight per axis, or none"};
   }
+  if (!spec.lap.empty() && (spec.lap.size() != axes || !spec.closed)) {
+    return Error{.code = ErrorCode::wrong_count,
+                 .what = "a lap is of a closed path, and of every axis",
+                 .remedy = "give one per axis, or none"};
+  }
   if (!spec.shapes.empty() && spec.shapes.size() != spec.keys.size() / axes) {
     return Error{.code = ErrorCode::wrong_count,
                  .what = "there are not as many tensions, continuities and biases as keys",
@@ -61,12 +66,12 @@ Status check_numbers(const PathSpec<Real>& spec) {
     error.axis = static_cast<std::int32_t>(d);
     return error;
   }
-  for (std::size_t i = 0; i < spec.keys.size(); ++i) {
-    const Real value = spec.keys[i];
+  for (std::size_t i = 0; i < spec.keys.size() + spec.lap.size(); ++i) {
+    const Real value = i < spec.keys.size() ? spec.keys[i] : spec.lap[i - spec.keys.size()];
     const Real weight = spec.weights.empty() ? Real(1) : spec.weights[i % axes];
     if (usable(value) && usable(value * weight)) continue;
     Error error = bad_number(value, "a coordinate is not a finite number", "a coordinate is too large");
-    error.key = static_cast<std::int32_t>(i / axes);
+    error.key = static_cast<std::int32_t>(i / axes % (spec.keys.size() / axes));
     error.axis = static_cast<std::int32_t>(i % axes);
     return error;
   }

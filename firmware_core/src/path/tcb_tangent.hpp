@@ -18,10 +18,7 @@ template <Precise Real>
 Real tcb_tangent(const PathSpec<Real>& spec, std::size_t i, std::size_t d, KeySide side) {
   const auto axes = static_cast<std::size_t>(spec.axis_count);
   const std::size_t keys = spec.keys.size() / axes;
-  const auto chord = [&](std::size_t from) {
-    const std::size_t to = from + 1 < keys ? from + 1 : 0;
-    return spec.keys[to * axes + d] - spec.keys[from * axes + d];
-  };
+  const auto chord = [&](std::size_t from) { return spec.key(from + 1, d) - spec.key(from, d); };
   const bool has_previous = spec.closed || i > 0;
   const bool has_next = spec.closed || i + 1 < keys;
   const std::size_t k = i < keys ? i : i - keys;

@@ -27,7 +27,7 @@ template Status check_control_value(float, std::int32_t);
 
 template <Precise Real>
 Result<SpeedProfile<Real>> SpeedProfile<Real>::make(std::span<const Real> control_values,
-                                                    const SpeedProfileMemory<Real>& memory) {
+                                                    const SpeedProfileMemory<Real>& memory, CurveEnds ends) {
   if (control_values.empty()) {
     return Error{.code = ErrorCode::wrong_count,
                  .what = "the speed curve has no control values",
@@ -36,6 +36,12 @@ Result<SpeedProfile<Real>> SpeedProfile<Real>::make(std::span<const Real> contro
   for (std::size_t i = 0; i < control_values.size(); ++i) {
     const Status valid = check_control_value(control_values[i], static_cast<std::int32_t>(i));
     if (!valid) return valid.error();
+  }
+  if (ends == CurveEnds::periodic && control_values.back() != control_values.front()) {
+    return Error{.code = ErrorCode::out_of_range,
+                 .what = "the last control value of a periodic speed curve is not its first",
+                 .remedy = "write the same speed at both ends",
+                 .control_value = static_cast<std::int32_t>(control_values.size()) - 1};
   }
   const std::size_t f = control_values.size() > 1 ? control_values.size() - 1 : 1;
   if (memory.spans.size() < f || memory.integrals.size() < f + 1) {
@@ -50,7 +56,7 @@ Result<SpeedProfile<Real>> SpeedProfile<Real>::make(std::span<const Real> contro
   memory.integrals[0] = integral;
   for (std::size_t i = 0; i < f; ++i) {
     SpeedSpan<Real>& span = memory.spans[i];
-    span = speed_span(control_values, i);
+    span = speed_span(control_values, i, ends);
     integral.add(span.integral());
     integral.renormalize();
     memory.integrals[i + 1] = integral;

@@ -7,6 +7,7 @@
 
 #include "inbetween/path/path.hpp"
 #include "inbetween/timing/frame_time.hpp"
+#include "inbetween/timing/speed_profile.hpp"
 
 /// Moves that are the same on every target, because they are constants of the program.
 
@@ -25,7 +26,9 @@ struct Move {
   std::span<const double> keys;
   std::span<const double> weights = {};
   std::span<const KeyShape<double>> shapes = {};
+  std::span<const double> lap = {};
   std::span<const double> speed = {};
+  CurveEnds ends = CurveEnds::natural;
   std::span<const std::int32_t> key_frames = {};  ///< instead of a speed: curves over the frames
   std::int32_t frames = 24;
   FrameRate fps{24, 1};
@@ -72,6 +75,14 @@ inline constexpr std::array lone_key{12.5, -3.0, 99.0};
 inline constexpr std::array far_keys{1'000'000.0, 1'000'012.0, 1'000'030.0, 1'000'031.0};
 inline constexpr std::array far_speed{3.0, 3.0, 8.0, 1.0, 0.0, 0.0};
 
+/// Keys on frames: it rests at both ends, and one axis holds its value for a while.
+inline constexpr std::array timed_keys{0.0, 0.0, 33.0, 21.0, 50.0, 21.0, 80.0, 5.0, 64.0, -12.0};
+inline constexpr std::array<std::int32_t, 5> key_frames{0, 11, 30, 37, 72};
+
+/// Round and round: one axis goes on by a turn, the other comes back.
+inline constexpr std::array turning_keys{0.0, 0.0, 100.0, 7.5, 250.0, -3.0};
+inline constexpr std::array one_turn{360.0, 0.0};
+inline constexpr std::array turning_speed{8.0, 3.0, 9.0, 12.0, 8.0};
 }  // namespace data
 
 inline constexpr std::array moves{
@@ -138,6 +149,19 @@ inline constexpr std::array moves{
          .speed = data::far_speed,
          .frames = 100,
          .fps = {24000, 1001}},
+    Move{.name = "curves",
+         .axis_count = 2,
+         .keys = data::timed_keys,
+         .key_frames = data::key_frames,
+         .frames = 72},
+    Move{.name = "turntable",
+         .closed = true,
+         .axis_count = 2,
+         .keys = data::turning_keys,
+         .lap = data::one_turn,
+         .speed = data::turning_speed,
+         .ends = CurveEnds::periodic,
+         .frames = 60},
 };
 
 }  // namespace inbetween::embedded

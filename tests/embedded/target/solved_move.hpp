@@ -25,6 +25,7 @@ class SolvedMove {
                                         .closed = move.closed,
                                         .axis_count = move.axis_count,
                                         .keys = keys,
+                                        .lap = rounded(move.lap, lap_),
                                         .weights = weights,
                                         .shapes = std::span(shapes_).first(move.shapes.size()),
                                         .key_frames = move.key_frames},
@@ -36,7 +37,8 @@ class SolvedMove {
       return Track<Real>::make_with_key_frames(*path, *arc_length, move.key_frames, Kinetic::curves,
                                                move.frames, move.fps, {.key_intervals = key_intervals_});
     }
-    const auto profile = SpeedProfile<Real>::make(rounded(move.speed, speed_), storage_.profile.memory());
+    const auto profile =
+        SpeedProfile<Real>::make(rounded(move.speed, speed_), storage_.profile.memory(), move.ends);
     if (!profile) return profile.error();
     return Track<Real>::make(*path, *arc_length, *profile, move.frames, move.fps, storage_.memory());
   }
@@ -56,6 +58,7 @@ class SolvedMove {
   std::array<KeyInterval<Real>, max_segments> key_intervals_;
   std::array<Real, max_keys * max_axes> keys_;
   std::array<Real, max_axes> weights_;
+  std::array<Real, max_axes> lap_;
   std::array<KeyShape<Real>, max_keys> shapes_;
   std::array<Real, max_values> speed_;
   std::array<PathPoint<Real>, max_move_frames + 1> points_;

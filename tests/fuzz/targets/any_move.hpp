@@ -15,6 +15,7 @@
 #include "inbetween/path/path.hpp"
 #include "inbetween/timing/frame_time.hpp"
 #include "inbetween/timing/key_timing.hpp"
+#include "inbetween/timing/speed_profile.hpp"
 #include "inbetween/timing/track.hpp"
 
 /// A move made from any bytes: mostly one that an animator could draw, often one of the hard cases, and now
@@ -38,14 +39,25 @@ struct AnyMove {
   std::vector<KeyLock> locks;
   std::vector<std::int32_t> key_frames;  ///< not empty: timed by these, without a speed curve
   Kinetic kinetic = Kinetic::linear;
+  bool overshoot = true;
+  std::vector<Real> lap;  ///< of a closed path
+  bool rests_at_start = true;
+  bool rests_at_end = true;
+  CurveEnds ends = CurveEnds::natural;
 
   [[nodiscard]] PathSpec<Real> path_spec() const {
-    return {.spline = spline,
-            .closed = closed,
-            .axis_count = axis_count,
-            .keys = keys,
-            .weights = weights,
-            .shapes = shapes};
+    PathSpec<Real> spec{.spline = spline,
+                        .closed = closed,
+                        .axis_count = axis_count,
+                        .keys = keys,
+                        .lap = lap,
+                        .weights = weights,
+                        .shapes = shapes,
+                        .overshoot = overshoot,
+                        .rests_at_start = rests_at_start,
+                        .rests_at_end = rests_at_end};
+    if (kinetic == Kinetic::curves) spec.key_frames = key_frames;
+    return spec;
   }
 };
 
@@ -78,6 +90,7 @@ class MoveFromBytes {
     offset_ = bytes_.PickValueInArray<Real>({0, 0, 0, 0, Real(1e6), Real(1e12)});
     for (std::size_t i = 0; i < key_count * axes; ++i) move.keys.push_back(coordinate(move.keys, axes));
     draw_timing(move, static_cast<std::int32_t>(key_count));
+    draw_more(move, axes);
     return move;
   }
 
@@ -104,6 +117,25 @@ class MoveFromBytes {
         const std::int32_t hold = is_held ? bytes_.ConsumeIntegralInRange(0, 12) : 0;
         move.locks.push_back({key, frame, hold, bytes_.ConsumeIntegralInRange(0, 3) == 0});
       }
+    }
+  }
+  /// From what is left behind all that, so that a string means what it did before there was more.
+  void draw_more(AnyMove<Real>& move, std::size_t axes) {
+    move.overshoot = bytes_.ConsumeIntegralInRange(0, 3) != 1;
+    if (!move.key_frames.empty() && bytes_.ConsumeIntegralInRange(0, 1) == 1) move.kinetic = Kinetic::curves;
+    move.rests_at_start = bytes_.ConsumeIntegralInRange(0, 1) == 0;
+    move.rests_at_end = bytes_.ConsumeIntegralInRange(0, 1) == 0;
+    if (bytes_.ConsumeIntegralInRange(0, 3) == 1) {
+      for (std::size_t axis = 0; axis < axes; ++axis) {
+        move.lap.push_back(std::ldexp(static_cast<Real>(bytes_.ConsumeIntegral<std::int8_t>()), scale_));
+      }
+    }
+    for (KeyLock& lock : move.locks) {
+      lock.ease = lock.hold == 0 && !lock.breaks && bytes_.ConsumeIntegralInRange(0, 3) == 1;
+    }
+    if (move.key_frames.empty() && move.locks.empty() && bytes_.ConsumeIntegralInRange(0, 3) == 1) {
+      move.ends = CurveEnds::periodic;
+      if (bytes_.ConsumeIntegralInRange(0, 7) != 7) move.control_values.back() = move.control_values.front();
     }
   }
   std::int32_t frames() {
@@ -204,15 +236,19 @@ void print(const AnyMove<Real>& move) {
       static_cast<double>(move.options.delta),
       static_cast<int>(move.options.acceptance == Acceptance::certified), move.substeps);
   for (const KeyLock& lock : move.locks) {
-    std::fprintf(stderr, "  lock {%d, %d, %d, %d}\n", lock.key, lock.frame, lock.hold,
-                 static_cast<int>(lock.breaks));
+    std::fprintf(stderr, "  lock {%d, %d, %d, %d, %d}\n", lock.key, lock.frame, lock.hold,
+                 static_cast<int>(lock.breaks), static_cast<int>(lock.ease));
   }
   if (!move.key_frames.empty()) {
-    std::fprintf(stderr, "  %s key frames", move.kinetic == Kinetic::linear ? "linear" : "smooth");
+    std::fprintf(stderr, "  key frames of kinetic %d", static_cast<int>(move.kinetic));
     for (const std::int32_t frame : move.key_frames) std::fprintf(stderr, " %d", frame);
     std::fprintf(stderr, "\n");
   }
+  std::fprintf(stderr, "  overshoot %d, rests %d %d, periodic %d\n", static_cast<int>(move.overshoot),
+               static_cast<int>(move.rests_at_start), static_cast<int>(move.rests_at_end),
+               static_cast<int>(move.ends == CurveEnds::periodic));
   list("keys", move.keys);
+  list("lap", move.lap);
   list("weights", move.weights);
   list("speed", move.control_values);
   std::fprintf(stderr, "  .shapes = {");

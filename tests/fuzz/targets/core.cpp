@@ -25,6 +25,8 @@ constexpr std::int32_t max_frames_by_runge_kutta = 300;
 constexpr std::int32_t max_frames_here = 2000;
 /// How far a curve with locked keys may be refined.
 constexpr std::size_t max_values = 200;
+/// Of a path over frames.
+constexpr std::size_t max_segments_between_keys = 4;
 /// Far above what is needed at the smallest delta (about 80) even with cusps; a count that runs away is a
 /// find.
 constexpr std::size_t max_pieces_per_segment = 4000;
@@ -39,11 +41,20 @@ class MoveUnderTest {
     const std::size_t keys = move_.keys.size() / axes;
     // Memory is as large as documented and not an entry more, so that the sanitizer sees the first one too
     // many.
-    const std::size_t segments = move_.closed && keys > 1 ? keys : keys - 1;
+    std::size_t segments = move_.closed && keys > 1 ? keys : keys - 1;
+    if (move_.kinetic == Kinetic::curves) {
+      segments *= max_segments_between_keys;  // where it rests
+      knots_.resize(segments);
+    }
     cubics_.resize((segments + 1) * axes);
     weights_.resize(axes);
-    const auto path = Path<Real>::make(move_.path_spec(), {cubics_, weights_});
+    const auto path = Path<Real>::make(move_.path_spec(), {cubics_, weights_, knots_});
     if (!checked(path)) return;
+    if (move_.kinetic == Kinetic::curves) {
+      require(static_cast<std::size_t>(path->segment_count()) <= segments,
+              "a path over frames has its segments");
+      segments = static_cast<std::size_t>(path->segment_count());
+    }
     require(static_cast<std::size_t>(path->segment_count()) == segments, "a path has its segments");
     const auto arc_length = measure(*path, segments);
     if (!checked(arc_length)) return;
@@ -111,7 +122,7 @@ class MoveUnderTest {
     const std::size_t f = values.size() - 1;
     spans_.resize(f);
     integrals_.resize(f + 1);
-    const auto drawn = SpeedProfile<Real>::make(values, {spans_, integrals_});
+    const auto drawn = SpeedProfile<Real>::make(values, {spans_, integrals_}, move_.ends);
     if (!checked(drawn)) return drawn.error();
     if (move_.locks.empty()) {
       span_distances_.resize(f + 1);
@@ -163,6 +174,7 @@ class MoveUnderTest {
                                                      breaks_, {span_distances_, portions_});
     if (!track) return track;
     for (const KeyLock& lock : timing.locks) {
+      if (lock.knot >= 0) continue;  // met on a knot of the curve, which need not be a frame
       const Real early = arc_length.segment_begin(lock.key).minus(track->distance({lock.frame, 0}));
       require(std::fabs(early) <= lock_tolerance * arc_length.total(), "a locked key is met on its frame");
     }
@@ -229,6 +241,7 @@ class MoveUnderTest {
   const AnyMove<Real>& move_;
   std::vector<Cubic<Real>> cubics_;
   std::vector<Real> weights_;
+  std::vector<FrameKnot> knots_;
   std::vector<ArcPiece<Real>> pieces_;
   std::vector<Real> begins_;
   std::vector<std::int32_t> buckets_;

@@ -50,10 +50,12 @@ struct Cia402Setup {
 inline constexpr ObjectAddress heartbeat_consumer{.index = 0x1016, .sub = 1};
 inline constexpr std::uint16_t fault_reaction_index = 0x605E;
 inline constexpr std::uint16_t host_loss_index = 0x6007;
+inline constexpr std::uint16_t range_limit_index = 0x607B;
 
 enum class SetupAction : std::uint8_t {
-  expect,  ///< (object & mask) must be `value`, or `finding`
-  forbid,  ///< (object & mask) must not be `value`, or `finding`
+  expect,           ///< (object & mask) must be `value`, or `finding`
+  forbid,           ///< (object & mask) must not be `value`, or `finding`
+  expect_no_range,  ///< it must be `value`, or 0 as the other end of the range, or `finding`
   // All of these write. What the drive has then, is read and judged; also where it has refused to be written.
   write,           ///< it must be `value`
   write_near,      ///< it must be `value`, or off by no more than a drive rounds
@@ -146,6 +148,7 @@ class SetupRunner {
   void refuse(const SetupStep& step, DriveFinding finding);
   bool is_right(const SetupStep& step);
   [[nodiscard]] bool is_right_code(const SetupStep& step) const;
+  bool is_no_range(const SetupStep& step);
   bool note_watchdog(const SetupStep& step);
 
   SdoClient client_;
@@ -156,6 +159,7 @@ class SetupRunner {
   std::optional<std::uint32_t> found_;  ///< of this step
   std::uint32_t abort_code_ = 0;        ///< of this step
   bool fault_may_coast_ = false;        ///< nobody knows what it does in a fault
+  std::uint32_t range_begin_ = 0;       ///< 607B:1
   std::uint16_t host_timeout_ms_ = 0;
   std::uint16_t setpoint_timeout_ms_ = 0;
 };

@@ -21,6 +21,7 @@ enum class DriveFinding : std::uint8_t {
   host_loss_unbraked,
   host_loss_unsaid,
   window_disabled,
+  counts_round,
   watchdog_unset,
   first_heartbeat_missing,
   not_operational,
@@ -49,7 +50,7 @@ enum class DriveFinding : std::uint8_t {
   moves_while_off,
   watchdog_stays,
 };
-inline constexpr std::size_t drive_findings = 36;
+inline constexpr std::size_t drive_findings = 37;
 
 /// The reaction of the loop with the whole rig (a drive decides nothing for the others).
 enum class DriveReaction : std::uint8_t {

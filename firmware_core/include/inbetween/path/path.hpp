@@ -37,6 +37,9 @@ struct PathSpec {
   std::int32_t axis_count = 0;
   /// Key-major: keys[key * axis_count + axis], in axis units.
   std::span<const Real> keys;
+  /// Of a closed path, one per axis: it returns so far beyond key 0, by whole turns of a rotary axis. Empty:
+  /// to key 0 itself.
+  std::span<const Real> lap = {};
   /// One per axis, >= 0: how much one unit of the axis counts as distance. Empty: 1 for every axis.
   std::span<const Real> weights = {};
   /// One per key, read for `tcb` only. Empty: all zero.
@@ -51,6 +54,15 @@ struct PathSpec {
   /// Only with `key_frames`: velocity and acceleration are 0 at that end.
   bool rests_at_start = true;
   bool rests_at_end = true;
+
+  /// The position of a key. The number of keys is the return to key 0, and so on round a closed path.
+  [[nodiscard]] Real key(std::size_t index, std::size_t axis) const {
+    const auto axes = static_cast<std::size_t>(axis_count);
+    const std::size_t count = keys.size() / axes;
+    if (index < count) return keys[index * axes + axis];
+    const Real first = keys[(index - count) * axes + axis];
+    return lap.empty() ? first : first + lap[axis];
+  }
 };
 
 /// The begin of a segment of a path over frames: `part` of `parts` equal parts of the time from `key` to the

@@ -45,11 +45,20 @@ struct SpeedSpan {
   [[nodiscard]] constexpr Real integral() const { return ((b0 + b1) + (b2 + b3)) / 4; }
 };
 
+/// What the curve knows of its control values beyond the ends.
+enum class CurveEnds : std::uint8_t {
+  natural,   ///< phi'' is 0 at both ends, and phi is v_0 and v_f there
+  periodic,  ///< v_f is v_0, and behind it comes v_1: the curve goes on from its end to its beginning
+};
+
 /// Span `index` of the curve that SpeedProfile describes, for f + 1 >= 2 control values of any sign and size.
 template <Precise Real>
-constexpr SpeedSpan<Real> speed_span(std::span<const Real> values, std::size_t index) {
+constexpr SpeedSpan<Real> speed_span(std::span<const Real> values, std::size_t index,
+                                     CurveEnds ends = CurveEnds::natural) {
+  const std::size_t f = values.size() - 1;
   const auto knot = [&](std::size_t i) {  // phi at a = i; the natural ends give the value itself
-    const bool is_end = i == 0 || i + 1 == values.size();
+    const bool is_end = i == 0 || i == f;
+    if (is_end && ends == CurveEnds::periodic) return (values[f - 1] + 4 * values[0] + values[1]) / 6;
     return is_end ? values[i] : (values[i - 1] + 4 * values[i] + values[i + 1]) / 6;
   };
   const Real here = values[index];
@@ -100,16 +109,19 @@ struct SpeedProfileMemory {
 /// Uniform cubic B-spline with control values v_0..v_f over a = 0..f and natural ends: the phantom
 /// values v_-1 = 2 v_0 - v_1 and v_f+1 = 2 v_f - v_f-1 make the second derivative zero there
 /// (Bartels, Beatty and Barsky 1987, ch. 4). Hence phi(0) = v_0, phi(f) = v_f and
-/// min v <= phi <= max v. Refers to the caller's memory.
+/// min v <= phi <= max v. With periodic ends phi, phi' and phi'' are at f what they are at 0. Refers to the
+/// caller's memory.
 template <Precise Real>
 class SpeedProfile {
  public:
   /// No curve, for a track that is timed by the frames of its keys: span_count() is 0.
   static SpeedProfile none() { return {}; }
   /// Errors: wrong_count (none), not_finite, out_of_range (outside [0, 100], with the index of the
-  /// control value), capacity. One value means two equal ones. Cost: linear in f.
+  /// control value; periodic ends of which the last control value is not the first), capacity. One value
+  /// means two equal ones. Cost: linear in f.
   static Result<SpeedProfile> make(std::span<const Real> control_values,
-                                   const SpeedProfileMemory<Real>& memory);
+                                   const SpeedProfileMemory<Real>& memory,
+                                   CurveEnds ends = CurveEnds::natural);
 
   /// f, the number of spans: a runs over [0, f].
   [[nodiscard]] std::int32_t span_count() const { return static_cast<std::int32_t>(spans_.size()); }

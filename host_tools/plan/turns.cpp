@@ -1,0 +1,124 @@
+#include "host_tools/plan/turns.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <utility>
+
+namespace inbetween {
+namespace {
+
+/// Of a lap: what the sum of many may be off by.
+constexpr double lap_rounding = 1e-9;
+
+double lap_of(const MoveTrack& track, std::size_t axis) {
+  return track.lap.empty() ? 0 : track.lap[axis];
+}
+
+/// A constant speed needs no more control values.
+bool is_even(const MoveTrack& track) {
+  return std::ranges::all_of(track.speed, [&](double value) { return value == track.speed.front(); });
+}
+
+void repeat_track(MoveTrack& track, std::int32_t frames, std::int32_t turns) {
+  const MoveTrack once = track;
+  for (std::int32_t turn = 1; turn < turns; ++turn) {
+    for (MoveKey key : once.keys) {
+      for (std::size_t d = 0; d < key.at.size(); ++d) key.at[d] += turn * lap_of(once, d);
+      if (key.frame) *key.frame += turn * frames;
+      track.keys.push_back(std::move(key));
+    }
+    if (is_even(once)) continue;
+    for (std::size_t i = 1; i < once.speed.size(); ++i) {
+      track.speed.push_back(once.speed[i]);
+      track.speed_places.push_back(once.speed_places[i]);
+    }
+  }
+  for (double& lap : track.lap) lap *= turns;
+}
+
+void repeat_cue(MoveCue& cue, std::int32_t frames, std::int32_t turns) {
+  if (!cue.frames.empty() && cue.frames.back() == frames) {
+    throw InputError(cue.frame_places.back(),
+                     fmt::format("frame {} of a periodic move is frame 0 of its next turn; write 0", frames));
+  }
+  std::vector<std::int32_t> of_turn = cue.frames;
+  std::vector<Place> places = cue.frame_places;
+  for (std::int32_t frame = 0; cue.every > 0 && frame < frames; frame += cue.every) of_turn.push_back(frame);
+  places.resize(of_turn.size(), cue.place);
+  cue.every = 0;
+  cue.frames.clear();
+  cue.frame_places.clear();
+  for (std::int32_t turn = 0; turn < turns; ++turn) {
+    for (std::size_t i = 0; i < of_turn.size(); ++i) {
+      cue.frames.push_back(of_turn[i] + turn * frames);
+      cue.frame_places.push_back(places[i]);
+    }
+  }
+}
+
+/// The lowest and the highest position of an axis on one turn and its rolls.
+std::pair<double, double> range_of(const Plan& plan, std::size_t move_axis) {
+  const Move<double>& move = plan.played();
+  std::vector<double> positions(move.axis_count());
+  double low = std::numeric_limits<double>::infinity();
+  double high = -low;
+  for (std::int32_t frame = move.first_frame(); frame <= move.last_frame(); ++frame) {
+    move.positions({frame, 0}, positions);
+    low = std::min(low, positions[move_axis]);
+    high = std::max(high, positions[move_axis]);
+  }
+  return {low, high};
+}
+
+}  // namespace
+
+bool is_periodic(const MoveFile& move) {
+  return std::ranges::all_of(move.tracks, &MoveTrack::periodic);
+}
+
+MoveFile turns_of(const MoveFile& move, std::int32_t turns) {
+  for (const MoveTrack& track : move.tracks) {
+    if (track.periodic) continue;
+    throw InputError(
+        track.place,
+        "only a periodic move has turns, and this track is none; add closed = true and periodic = "
+        "true, or leave out --turns");
+  }
+  if (turns > max_frames / move.frames) {
+    throw InputError(move.frames_place,
+                     fmt::format("{} of {} are more than {} frames; play fewer turns", counted(turns, "turn"),
+                                 counted(move.frames, "frame"), max_frames));
+  }
+  MoveFile all = move;
+  for (MoveTrack& track : all.tracks) repeat_track(track, move.frames, turns);
+  for (MoveCue& cue : all.cues) repeat_cue(cue, move.frames, turns);
+  all.frames = move.frames * turns;
+  return all;
+}
+
+std::int32_t most_turns(const Plan& plan) {
+  const MoveFile& move = plan.move();
+  double most = max_frames / move.frames;
+  for (const MoveTrack& track : move.tracks) {
+    most = std::min(most, static_cast<double>(max_keys / track.keys.size()));
+    if (track.timing == Timing::frames || is_even(track)) continue;
+    const double product = static_cast<double>(track.speed.size() - 1) * move.frames;
+    most = std::min(most, std::sqrt(std::numeric_limits<std::int32_t>::max() / product));
+  }
+  for (std::size_t a = 0; a < plan.axes().size(); ++a) {
+    const PlanAxis& axis = plan.axes()[a];
+    const double lap = axis.track ? lap_of(move.tracks[*axis.track], axis.track_axis) : 0;
+    if (lap == 0) continue;
+    const auto [low, high] = range_of(plan, axis.move_axis);
+    const RigAxis& limits = plan.rig()->axes[a];
+    const double room = lap > 0 ? limits.max - high : low - limits.min;
+    most = std::min(most, 1 + room / std::abs(lap) + lap_rounding);
+  }
+  return static_cast<std::int32_t>(std::max(most, 1.0));
+}
+
+}  // namespace inbetween
