@@ -26,6 +26,7 @@ std::string one_line(std::string_view text) {
 
 std::string to_string(const Place& place) {
   if (place.line == 0) return place.file;
+  if (place.column == 0) return fmt::format("{}:{}", place.file, place.line);
   return fmt::format("{}:{}:{}", place.file, place.line, place.column);
 }
 

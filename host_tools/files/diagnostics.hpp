@@ -14,7 +14,7 @@
 namespace inbetween {
 
 /// A place in a text file. Lines and columns count from 1, columns in Unicode code points; line 0 is the
-/// file as a whole.
+/// file as a whole, column 0 the line as a whole.
 struct Place {
   std::string file;
   std::uint32_t line = 0;
@@ -23,7 +23,7 @@ struct Place {
   bool operator==(const Place&) const = default;
 };
 
-/// "file:line:column", or "file" for the file as a whole.
+/// "file:line:column", "file:line" for a whole line, or "file" for the file as a whole.
 std::string to_string(const Place& place);
 
 /// Input that is refused. what() is "file:line:column: error: message", without a newline.

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <set>
 #include <utility>
 
 #include "host_tools/files/gpio_line_reader.hpp"
@@ -17,8 +18,8 @@
 namespace inbetween {
 namespace {
 
-constexpr std::array<std::string_view, 8> rig_fields = {
-    "name", "rate_hz", "bus", "axis", "emergency_stop", "start_trigger", "camera", "output"};
+constexpr std::array<std::string_view, 9> rig_fields = {
+    "name", "rate_hz", "bus", "axis", "emergency_stop", "start_trigger", "camera", "output", "kinematics"};
 constexpr std::array<std::string_view, 1> bus_fields = {"bitrate"};
 constexpr std::array<std::string_view, 18> axis_fields = {"name",
                                                           "unit",
@@ -44,6 +45,7 @@ constexpr std::array<std::string_view, 4> input_fields = {"chip", "line", "activ
 constexpr std::array<std::string_view, 4> emergency_stop_fields = {"chip", "line", "stops_at", "bias"};
 constexpr std::array<std::string_view, 4> camera_fields = {"chip", "line", "idle", "asks"};
 constexpr std::array<std::string_view, 3> output_fields = {"chip", "line", "idle"};
+constexpr std::array<std::string_view, 2> kinematics_fields = {"urdf", "tip"};
 
 constexpr std::array<std::string_view, 6> unit_names = {"mm", "m", "deg", "rad", "turn", "unit"};
 /// The name by which cues call the shutter of the camera.
@@ -257,6 +259,27 @@ std::vector<Output> read_outputs(const TomlTable& rig, TakenLines& lines) {
   return outputs;
 }
 
+std::optional<RigKinematics> read_rig_kinematics(const TomlTable& rig) {
+  const auto value = rig.optional("kinematics");
+  if (!value) return std::nullopt;
+  const TomlTable table(value->table(), "the kinematics", kinematics_fields);
+  RigKinematics kinematics;
+  kinematics.urdf = table.required("urdf", R"(urdf = "crane.urdf", say)").text();
+  const TomlValue tip = table.required("tip", R"(tip = "camera", the link whose way is of interest)");
+  if (tip.node().is_array()) {
+    for (const TomlValue& one : tip.list(max_rig_tips)) kinematics.tips.push_back({one.text(), one.place()});
+  } else {
+    kinematics.tips.push_back({tip.text(), tip.place()});
+  }
+  std::set<std::string_view> names;
+  for (const RigTip& one : kinematics.tips) {
+    if (!names.insert(one.name).second) {
+      throw InputError(one.place, fmt::format("tip {} is named twice; remove one", in_quotes(one.name)));
+    }
+  }
+  return kinematics;
+}
+
 /// STEP and DIR of a chip change in one call.
 void refuse_too_many_step_dir_drives(const RigFile& rig) {
   std::map<std::string, std::size_t> drives;
@@ -358,6 +381,7 @@ RigFile parse_rig(std::string_view text, const std::string& file_name) {
   rig.start_trigger = read_switch(table, "start_trigger", BrokenWire::reads_inactive, lines);
   rig.camera = read_camera(table, lines);
   rig.outputs = read_outputs(table, lines);
+  rig.kinematics = read_rig_kinematics(table);
   return rig;
 }
 

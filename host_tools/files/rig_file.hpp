@@ -22,6 +22,7 @@ namespace inbetween {
 inline constexpr std::int32_t max_rate_hz = 20'000;
 inline constexpr std::size_t max_rig_axes = 64;
 inline constexpr std::size_t max_rig_outputs = 64;
+inline constexpr std::size_t max_rig_tips = 16;
 /// libgpiod takes 64 lines in a request, and a drive has a STEP and a DIR line in one.
 inline constexpr std::size_t max_step_dir_drives_of_chip = 32;
 inline constexpr std::int32_t max_step_rate = 1'000'000;  // steps/s
@@ -151,6 +152,18 @@ struct Output {
   Place place;
 };
 
+/// A link of the rig whose way in space is of interest.
+struct RigTip {
+  std::string name;
+  Place place;
+};
+
+/// The geometry of the rig.
+struct RigKinematics {
+  std::string urdf;  // path from the folder of the rig's file
+  std::vector<RigTip> tips;
+};
+
 struct RigFile {
   std::string path;
   std::string name;
@@ -161,6 +174,7 @@ struct RigFile {
   std::optional<InputLine> start_trigger = {};
   std::optional<Camera> camera = {};
   std::vector<Output> outputs = {};  // in alphabetical order
+  std::optional<RigKinematics> kinematics = {};
 };
 
 /// The place of a bus by its name.

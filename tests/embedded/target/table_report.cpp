@@ -12,6 +12,7 @@
 #include "inbetween/timing/ode_frame_table.hpp"
 #include "inbetween/timing/track.hpp"
 #include "tests/embedded/target/console.hpp"
+#include "tests/embedded/target/joint_report.hpp"
 #include "tests/embedded/target/moves.hpp"
 #include "tests/embedded/target/play_report.hpp"
 #include "tests/embedded/target/report_line.hpp"
@@ -198,6 +199,7 @@ bool run() {
   report_runge_kutta(moves[1]);
   report_play(moves[0]);
   report_play(moves[2]);
+  report_joints();
   return passed;
 }
 

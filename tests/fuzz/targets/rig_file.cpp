@@ -150,6 +150,8 @@ void require_rig(const RigFile& rig) {
     fuzz_require(!counts_time || is_cia402_rate(rig.rate_hz), "CiA 402 can state the rate");
   }
   require_lines(rig);
+  const auto& kinematics = rig.kinematics;
+  fuzz_require(!kinematics || (!kinematics->tips.empty() && !kinematics->urdf.empty()), "a tree has a tip");
 }
 
 }  // namespace

@@ -1,0 +1,116 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "inbetween/base/precision.hpp"
+#include "inbetween/base/result.hpp"
+#include "inbetween/joints/pose.hpp"
+
+/// An articulated rig as a tree of links. Each link hangs on its parent by one joint. The coordinates are
+/// what drives move; a joint follows one of them.
+
+namespace inbetween {
+
+enum class JointKind : std::uint8_t {
+  fixed,
+  revolute,   ///< turns about its axis, by an angle in radians
+  prismatic,  ///< slides along its axis, by a way in metres
+};
+
+/// A link and the joint by which it hangs on its parent. The value of the joint is factor * coordinate +
+/// offset. The factor converts units (pi/180 for an axis in degrees), and several joints with factors of
+/// their own may follow one coordinate (mimic joints).
+template <Precise Real>
+struct Joint {
+  JointKind kind = JointKind::fixed;
+  /// The link it hangs on, an earlier one; -1 is the world.
+  std::int32_t parent = -1;
+  /// Which coordinate it follows; -1 exactly for a fixed joint.
+  std::int32_t coordinate = -1;
+  Real factor = 1;
+  Real offset = 0;
+  /// The frame of the link at joint value 0, in the frame of its parent.
+  Pose<Real> origin = {};
+  /// In the frame of the link; of any length above 0.
+  Vector3<Real> axis = {0, 0, 1};
+};
+
+/// How a point of a link moves when one coordinate does: metres and radians per unit of the coordinate.
+template <Precise Real>
+struct JacobianColumn {
+  Vector3<Real> linear;
+  Vector3<Real> angular;
+};
+
+/// The motion of a link in the world: of its origin (m, m/s, m/s^2) and of its turning (rad/s, rad/s^2).
+template <Precise Real>
+struct LinkMotion {
+  Pose<Real> pose;
+  Vector3<Real> velocity;
+  Vector3<Real> acceleration;
+  Vector3<Real> angular_velocity;
+  Vector3<Real> angular_acceleration;
+};
+
+/// A coordinate and its first two derivatives in time.
+template <Precise Real>
+struct CoordinateMotion {
+  Real position = 0;
+  Real velocity = 0;
+  Real acceleration = 0;
+};
+
+/// A tree that exists is valid: parents stand before children, axes have length 1, frames are rotations. A
+/// small value that refers to the caller's memory. A span of the wrong size is a defect of the caller and
+/// ends the program.
+template <Precise Real>
+class JointTree {
+ public:
+  /// Copies `joints` into `memory`, which needs as many places and stays alive as long as the tree.
+  ///
+  /// Errors, with the joint in Error::axis: not_finite, capacity, wrong_count (no joint, or a negative number
+  /// of coordinates), out_of_range (a parent that is not an earlier link, a coordinate that is not there, an
+  /// axis without length, an origin whose rotation is none, a place beyond 1e6 m). O(joints).
+  static Result<JointTree> make(std::span<const Joint<Real>> joints, std::int32_t coordinate_count,
+                                std::span<Joint<Real>> memory);
+
+  /// One link each, in the same order.
+  [[nodiscard]] std::span<const Joint<Real>> joints() const { return joints_; }
+  [[nodiscard]] std::size_t coordinate_count() const { return coordinate_count_; }
+
+  /// The pose of every link in the world, by transforms along each branch. `coordinates` has
+  /// coordinate_count() entries and `poses` one for each link. Error: out_of_range with the coordinate in
+  /// Error::axis, for an angle beyond max_angle or a way beyond 1e6 m; `poses` is then to be ignored.
+  /// O(joints), about 0.15 us a joint on a desktop.
+  Status poses(std::span<const Real> coordinates, std::span<Pose<Real>> poses) const;
+
+  /// The Jacobian of a link's origin, one column for each coordinate, from the poses of all links. O(length
+  /// of the branch + coordinates).
+  void jacobian(std::int32_t link, std::span<const Pose<Real>> poses,
+                std::span<JacobianColumn<Real>> columns) const;
+
+  /// The motion of every link in the world: pose, velocity and acceleration, by the recursion from the root
+  /// of Luh, Walker and Paul (1980). Errors as for poses(); derivatives are not checked. O(joints).
+  Status motion(std::span<const CoordinateMotion<Real>> coordinates, std::span<LinkMotion<Real>> links) const;
+
+  /// Whether the coordinate moves the link.
+  [[nodiscard]] bool moves(std::int32_t coordinate, std::int32_t link) const;
+
+ private:
+  JointTree() = default;
+
+  std::span<const Joint<Real>> joints_;
+  std::size_t coordinate_count_ = 0;
+};
+
+/// Memory for a tree of up to `Links` links.
+template <Precise Real, std::size_t Links>
+using JointStorage = std::array<Joint<Real>, Links>;
+
+extern template class JointTree<double>;
+extern template class JointTree<float>;
+
+}  // namespace inbetween

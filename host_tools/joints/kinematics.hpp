@@ -1,0 +1,48 @@
+// The geometry of a rig: the joint tree of its URDF file, driven by its axes.
+//
+// A joint has the name of the axis that moves it, or mimics one that has. The axis' unit says in what it
+// counts: degrees, radians or turns for a joint that turns, millimetres or metres for one that slides.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "host_tools/files/rig_file.hpp"
+#include "host_tools/joints/urdf_file.hpp"
+#include "inbetween/joints/joint_tree.hpp"
+
+namespace inbetween {
+
+/// A link that somebody asks for: the camera, a hand.
+struct Tip {
+  std::string name;
+  std::int32_t link = 0;
+};
+
+/// Movable.
+class Kinematics {
+ public:
+  /// `rig` has a section [kinematics]. Throws InputError, in the rig's file or the URDF file, where a joint
+  /// has no axis, an axis has a unit that the joint cannot have, an axis may go farther or faster than a
+  /// joint that it moves, or a tip is no link.
+  Kinematics(const UrdfFile& urdf, const RigFile& rig);
+
+  /// Coordinate i is axis i of the rig, in its unit; the world is the root link, in metres.
+  [[nodiscard]] const JointTree<double>& tree() const { return tree_; }
+  [[nodiscard]] const std::vector<Tip>& tips() const { return tips_; }
+  /// The name of each link of tree().
+  [[nodiscard]] const std::vector<std::string>& links() const { return links_; }
+
+ private:
+  std::vector<Joint<double>> memory_;
+  JointTree<double> tree_;
+  std::vector<Tip> tips_;
+  std::vector<std::string> links_;
+};
+
+/// Reads the URDF file that the rig names, from the folder of the rig's file. `rig` has a section
+/// [kinematics].
+Kinematics read_kinematics(const RigFile& rig);
+
+}  // namespace inbetween

@@ -1,0 +1,258 @@
+#include "host_tools/joints/urdf_file.hpp"
+
+#include <fmt/format.h>
+#include <tinyxml2.h>
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+#include "host_tools/files/toml_source.hpp"
+#include "host_tools/joints/xml_element.hpp"
+
+namespace inbetween {
+namespace {
+
+constexpr std::array<std::string_view, 4> kind_names = {"fixed", "revolute", "continuous", "prismatic"};
+constexpr std::array<std::string_view, 9> joint_parts = {
+    "origin", "parent", "child", "axis", "limit", "mimic", "calibration", "dynamics", "safety_controller"};
+
+/// What a joint says of others by their names, until all are known.
+struct JointNames {
+  std::string parent, child;
+  std::optional<std::string> mimicked;
+};
+
+/// Elements by the names that are taken. The place is where it was.
+using Names = std::map<std::string, std::size_t, std::less<>>;
+
+std::string name_of(const XmlElement& element, std::string_view example, Names& taken) {
+  std::string name = element.text("name", example);
+  if (!taken.emplace(name, taken.size()).second) {
+    element.refuse(fmt::format("has the name {}, which another has too; give each its own", in_quotes(name)));
+  }
+  return name;
+}
+
+UrdfJointKind read_kind(const XmlElement& joint) {
+  const std::string type = joint.text("type", "type=\"revolute\", say");
+  const auto found = std::ranges::find(kind_names, type);
+  if (found == kind_names.end()) {
+    joint.refuse(fmt::format("has the type {}; write {}", in_quotes(type), comma_separated(kind_names)));
+  }
+  return static_cast<UrdfJointKind>(found - kind_names.begin());
+}
+
+void read_origin(const XmlElement& element, UrdfJoint& joint) {
+  const auto origin = element.child("origin");
+  if (!origin) return;
+  origin->allow_attributes({"xyz", "rpy"});
+  joint.xyz = origin->numbers("xyz", {}, max_urdf_number);
+  joint.rpy = origin->numbers("rpy", {}, max_urdf_number);
+}
+
+void read_axis(const XmlElement& element, UrdfJoint& joint) {
+  const auto axis = element.child("axis");
+  if (!axis) return;
+  axis->allow_attributes({"xyz"});
+  joint.axis = axis->numbers("xyz", joint.axis, max_urdf_number);
+  const bool has_length = std::ranges::any_of(joint.axis, [](double x) { return x != 0; });
+  if (!has_length) axis->refuse("has no direction; write xyz=\"0 0 1\", say");
+}
+
+void read_limit(const XmlElement& element, UrdfJoint& joint) {
+  const bool needs_one = joint.kind == UrdfJointKind::revolute || joint.kind == UrdfJointKind::prismatic;
+  const auto limit = element.child("limit");
+  if (!limit) {
+    if (!needs_one) return;
+    element.refuse("has no <limit>; add <limit lower=\"-1\" upper=\"1\" effort=\"1\" velocity=\"1\"/>, say");
+  }
+  limit->allow_attributes({"lower", "upper", "effort", "velocity"});
+  UrdfLimit found;
+  found.place = limit->place();
+  found.lower = limit->number("lower", 0, max_urdf_number);
+  found.upper = limit->number("upper", 0, max_urdf_number);
+  found.velocity = limit->number("velocity", std::nullopt, max_urdf_number);
+  if (found.lower > found.upper) limit->refuse("has a lower above upper; exchange them");
+  if (found.velocity < 0) limit->refuse("has a negative velocity; write its magnitude");
+  if (needs_one) joint.limit = found;  // a continuous joint has an effort and a velocity there, and no ends
+}
+
+std::optional<std::string> read_mimic(const XmlElement& element, UrdfJoint& joint) {
+  const auto mimic = element.child("mimic");
+  if (!mimic) return std::nullopt;
+  if (joint.kind == UrdfJointKind::fixed) mimic->refuse("cannot move a fixed joint; remove it");
+  mimic->allow_attributes({"joint", "multiplier", "offset"});
+  joint.mimic = UrdfMimic{.joint = 0,
+                          .multiplier = mimic->number("multiplier", 1, max_urdf_number),
+                          .offset = mimic->number("offset", 0, max_urdf_number),
+                          .place = mimic->place()};
+  return mimic->text("joint", "joint=\"the joint that it follows\"");
+}
+
+std::string linked(const XmlElement& joint, const char* end) {
+  const XmlElement element = joint.required_child(end, fmt::format("<{} link=\"...\"/>", end));
+  element.allow_attributes({"link"});
+  return element.text("link", "link=\"the name of a link\"");
+}
+
+UrdfJoint read_joint(const XmlElement& element, Names& taken, JointNames& names) {
+  element.allow_attributes({"name", "type"});
+  element.allow_children(joint_parts);
+  UrdfJoint joint;
+  joint.place = element.place();
+  joint.name = name_of(element, "name=\"swing\", say", taken);
+  joint.kind = read_kind(element);
+  names.parent = linked(element, "parent");
+  names.child = linked(element, "child");
+  read_origin(element, joint);
+  read_axis(element, joint);
+  read_limit(element, joint);
+  names.mimicked = read_mimic(element, joint);
+  return joint;
+}
+
+/// A file as it is written, before its links are in order.
+struct ReadParts {
+  std::vector<std::string> links;
+  std::vector<Place> link_places;
+  std::vector<UrdfJoint> joints;
+  std::vector<JointNames> names;
+  Names link_index, joint_index;
+
+  explicit ReadParts(const XmlElement& robot) {
+    for (const XmlElement& link : robot.children("link")) {
+      links.push_back(name_of(link, "name=\"boom\", say", link_index));
+      link_places.push_back(link.place());
+      if (links.size() > max_urdf_links) {
+        link.refuse(fmt::format("is one more than the {} that are allowed; leave out what does not move",
+                                max_urdf_links));
+      }
+    }
+    if (links.empty()) robot.refuse("has no <link>; add <link name=\"base\"/>");
+    for (const XmlElement& joint : robot.children("joint")) {
+      names.emplace_back();
+      joints.push_back(read_joint(joint, joint_index, names.back()));
+    }
+  }
+};
+
+std::size_t index_of(const Names& names, const std::string& name, const Place& place, const char* what) {
+  const auto found = names.find(name);
+  if (found == names.end()) {
+    throw InputError(place, fmt::format("there is no {} {}; correct the name", what, in_quotes(name)));
+  }
+  return found->second;
+}
+
+/// The joint that holds each link; nothing for the roots.
+std::vector<std::optional<std::size_t>> connect(ReadParts& parts) {
+  std::vector<std::optional<std::size_t>> holder(parts.links.size());
+  for (std::size_t j = 0; j < parts.joints.size(); ++j) {
+    UrdfJoint& joint = parts.joints[j];
+    joint.parent = index_of(parts.link_index, parts.names[j].parent, joint.place, "link");
+    joint.child = index_of(parts.link_index, parts.names[j].child, joint.place, "link");
+    if (parts.names[j].mimicked) {
+      joint.mimic->joint = index_of(parts.joint_index, *parts.names[j].mimicked, joint.mimic->place, "joint");
+    }
+    std::optional<std::size_t>& held = holder[joint.child];
+    if (held) {
+      throw InputError(joint.place,
+                       fmt::format("link {} hangs on joint {} already; a link has one joint",
+                                   in_quotes(parts.links[joint.child]), in_quotes(parts.joints[*held].name)));
+    }
+    held = j;
+  }
+  return holder;
+}
+
+/// The links, each behind its parent: the root, then what hangs on it, and so on.
+std::vector<std::size_t> in_order(const ReadParts& parts,
+                                  const std::vector<std::optional<std::size_t>>& holder) {
+  std::vector<std::size_t> order;
+  for (std::size_t link = 0; link < holder.size(); ++link) {
+    if (holder[link]) continue;
+    if (!order.empty()) {
+      throw InputError(parts.link_places[link],
+                       fmt::format("link {} hangs on nothing, and so does {}; join them",
+                                   in_quotes(parts.links[link]), in_quotes(parts.links[order.front()])));
+    }
+    order.push_back(link);
+  }
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    for (const UrdfJoint& joint : parts.joints) {
+      if (joint.parent == order[i]) order.push_back(joint.child);
+    }
+  }
+  for (std::size_t link = 0; link < holder.size() && order.size() < holder.size(); ++link) {
+    if (std::ranges::find(order, link) != order.end()) continue;
+    throw InputError(parts.joints[*holder[link]].place,
+                     fmt::format("link {} is part of a circle; hang one of its links on the root",
+                                 in_quotes(parts.links[link])));
+  }
+  return order;
+}
+
+void refuse_circles_of_mimics(const std::vector<UrdfJoint>& joints) {
+  for (const UrdfJoint& joint : joints) {
+    const UrdfJoint* followed = &joint;
+    for (std::size_t steps = 0; followed->mimic; ++steps) {
+      if (steps > joints.size()) {
+        throw InputError(joint.mimic->place, fmt::format("joint {} follows itself; let it follow another",
+                                                         in_quotes(joint.name)));
+      }
+      followed = &joints[followed->mimic->joint];
+    }
+    if (joint.mimic && followed->kind == UrdfJointKind::fixed) {
+      throw InputError(joint.mimic->place,
+                       fmt::format("joint {} is fixed; follow one that moves", in_quotes(followed->name)));
+    }
+  }
+}
+
+UrdfFile ordered(ReadParts parts, const std::string& file_name) {
+  const auto holder = connect(parts);
+  refuse_circles_of_mimics(parts.joints);
+  const std::vector<std::size_t> order = in_order(parts, holder);
+  std::vector<std::size_t> place_of(order.size());
+  for (std::size_t i = 0; i < order.size(); ++i) place_of[order[i]] = i;
+  UrdfFile file{.path = file_name, .links = {}, .joints = {}};
+  for (const std::size_t link : order) {
+    file.links.push_back(parts.links[link]);
+    if (!holder[link]) continue;
+    UrdfJoint joint = parts.joints[*holder[link]];
+    joint.parent = place_of[joint.parent];
+    joint.child = place_of[joint.child];
+    // Joint i holds link i + 1, in the new order too.
+    if (joint.mimic) joint.mimic->joint = place_of[parts.joints[joint.mimic->joint].child] - 1;
+    file.joints.push_back(std::move(joint));
+  }
+  return file;
+}
+
+}  // namespace
+
+std::string_view to_string(UrdfJointKind kind) {
+  return kind_names.at(static_cast<std::size_t>(kind));
+}
+
+UrdfFile parse_urdf(std::string_view text, const std::string& file_name) {
+  tinyxml2::XMLDocument document;
+  if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS) {
+    const auto line = static_cast<std::uint32_t>(std::max(document.ErrorLineNum(), 0));
+    throw InputError({file_name, line, 0},
+                     fmt::format("not valid XML ({}); correct it here",
+                                 tinyxml2::XMLDocument::ErrorIDToName(document.ErrorID())));
+  }
+  const tinyxml2::XMLElement* root = document.RootElement();
+  if (root == nullptr || std::string_view(root->Name()) != "robot") {
+    throw InputError({file_name, 1, 0}, "the file does not begin with <robot>; is it a URDF file?");
+  }
+  return ordered(ReadParts(XmlElement(*root, file_name)), file_name);
+}
+
+UrdfFile read_urdf_file(const std::filesystem::path& path) {
+  return parse_urdf(read_text_file(path), path.string());
+}
+
+}  // namespace inbetween

@@ -1,0 +1,63 @@
+#include <benchmark/benchmark.h>
+
+#include <array>
+#include <numbers>
+#include <stdexcept>
+#include <vector>
+
+#include "inbetween/joints/joint_tree.hpp"
+
+/// A tick of an articulated rig: the pose, velocity and acceleration of every link, and the Jacobian of its
+/// tip.
+
+namespace inbetween {
+namespace {
+
+/// A track, then joints that turn about z and y in turns, 0.5 m apart.
+std::vector<Joint<double>> crane(std::int32_t axes) {
+  std::vector<Joint<double>> joints = {
+      {.kind = JointKind::prismatic, .coordinate = 0, .factor = 1e-3, .axis = {1, 0, 0}}};
+  for (std::int32_t i = 1; i < axes; ++i) {
+    const bool swings = i % 2 == 1;
+    joints.push_back({.kind = JointKind::revolute,
+                      .parent = i - 1,
+                      .coordinate = i,
+                      .factor = std::numbers::pi / 180,
+                      .origin = {{}, {0.5, 0, 0}},
+                      .axis = swings ? Vector3<double>{0, 0, 1} : Vector3<double>{0, 1, 0}});
+  }
+  return joints;
+}
+
+void kinematics_tick(benchmark::State& state) {
+  const auto axes = static_cast<std::int32_t>(state.range(0));
+  const std::vector<Joint<double>> joints = crane(axes);
+  std::vector<Joint<double>> memory(joints.size());
+  const auto tree = JointTree<double>::make(joints, axes, memory);
+  if (!tree) throw std::runtime_error(tree.error().what);
+  std::vector<CoordinateMotion<double>> coordinates(joints.size());
+  std::vector<double> positions(joints.size());
+  std::vector<LinkMotion<double>> motion(joints.size());
+  std::vector<Pose<double>> poses(joints.size());
+  std::vector<JacobianColumn<double>> jacobian(joints.size());
+  double angle = 0;
+  for ([[maybe_unused]] auto _ : state) {
+    angle = angle < 90 ? angle + 0.01 : 0;
+    for (std::size_t i = 0; i < joints.size(); ++i) {
+      coordinates[i] = {angle, 1, 1};
+      positions[i] = angle;
+    }
+    if (!tree->motion(coordinates, motion) || !tree->poses(positions, poses)) {
+      throw std::runtime_error("not placed");
+    }
+    tree->jacobian(axes - 1, poses, jacobian);
+    benchmark::DoNotOptimize(motion.back());
+    benchmark::DoNotOptimize(jacobian.front());
+  }
+}
+BENCHMARK(kinematics_tick)->Arg(6);
+
+}  // namespace
+}  // namespace inbetween
+
+BENCHMARK_MAIN();

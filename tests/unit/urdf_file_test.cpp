@@ -1,0 +1,212 @@
+#include "host_tools/joints/urdf_file.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <urdf_parser/urdf_parser.h>
+
+#include <algorithm>
+#include <cmath>
+#include <initializer_list>
+#include <random>
+#include <string>
+#include <string_view>
+
+#include "tests/support/property.hpp"
+#include "tests/support/refused_text.hpp"
+#include "tests/support/urdf_text.hpp"
+
+namespace inbetween {
+namespace urdf_file_test {
+
+const char* const crane = R"(<?xml version="1.0"?>
+<robot name="crane">
+  <link name="camera"/>
+  <link name="boom"><inertial><mass value="40"/></inertial></link>
+  <link name="base"/>
+  <joint name="level" type="revolute">
+    <parent link="boom"/>
+    <child link="camera"/>
+    <origin xyz="2.5 0 -0.1" rpy="0 0.5 0"/>
+    <axis xyz="0 1 0"/>
+    <limit lower="-1.5" upper="1.5" effort="10" velocity="2"/>
+    <mimic joint="tilt" multiplier="-1" offset="0.25"/>
+  </joint>
+  <joint name="tilt" type="revolute">
+    <parent link="base"/>
+    <child link="boom"/>
+    <limit lower="-1" upper="1" effort="100" velocity="1"/>
+  </joint>
+  <gazebo reference="boom"><material>Gazebo/Red</material></gazebo>
+</robot>
+)";
+
+TEST(UrdfFile, LinksStandBehindTheirParents) {
+  const UrdfFile file = parse_urdf(crane, "crane.urdf");
+  EXPECT_THAT(file.links, testing::ElementsAre("base", "boom", "camera"));
+  ASSERT_EQ(file.joints.size(), 2U);
+  EXPECT_EQ(file.joints[0].name, "tilt");
+  EXPECT_EQ(file.joints[0].parent, 0U);
+  EXPECT_EQ(file.joints[0].child, 1U);
+  const UrdfJoint& level = file.joints[1];
+  EXPECT_EQ(level.kind, UrdfJointKind::revolute);
+  EXPECT_EQ(level.parent, 1U);
+  EXPECT_EQ(level.child, 2U);
+  EXPECT_THAT(level.xyz, testing::ElementsAre(2.5, 0, -0.1));
+  EXPECT_THAT(level.rpy, testing::ElementsAre(0, 0.5, 0));
+  EXPECT_THAT(level.axis, testing::ElementsAre(0, 1, 0));
+  EXPECT_EQ(level.limit->lower, -1.5);
+  EXPECT_EQ(level.limit->velocity, 2);
+  EXPECT_EQ(level.mimic->joint, 0U);
+  EXPECT_EQ(level.mimic->multiplier, -1);
+  EXPECT_EQ(level.mimic->offset, 0.25);
+  EXPECT_EQ(level.place.line, 6U);
+  EXPECT_EQ(level.mimic->place.line, 12U);
+}
+
+TEST(UrdfFile, WhatIsNotWrittenHasTheDefaultsOfTheFormat) {
+  const UrdfJoint tilt = parse_urdf(crane, "crane.urdf").joints[0];
+  EXPECT_THAT(tilt.xyz, testing::ElementsAre(0, 0, 0));
+  EXPECT_THAT(tilt.rpy, testing::ElementsAre(0, 0, 0));
+  EXPECT_THAT(tilt.axis, testing::ElementsAre(1, 0, 0));
+  EXPECT_FALSE(tilt.mimic);
+}
+
+/// Expects a refusal of the crane with `from` replaced by `to`, at the line of `to` or `later` lines below
+/// it.
+void expect_refused_at(std::string_view from, std::string_view to,
+                       std::initializer_list<std::string_view> words, int later = 0) {
+  const std::string text = with(crane, from, to);
+  const auto before = text.begin() + static_cast<std::ptrdiff_t>(text.find(to));
+  const auto line = std::count(text.begin(), before, '\n') + 1 + later;
+  try {
+    parse_urdf(text, "crane.urdf");
+    FAIL() << "accepted:\n" << text;
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), testing::StartsWith("crane.urdf:" + std::to_string(line) + ": error: "));
+    for (const std::string_view word : words)
+      EXPECT_THAT(error.what(), testing::HasSubstr(std::string(word)));
+  }
+}
+
+TEST(UrdfFile, AMisspeltWordIsRefusedAtItsLine) {
+  expect_refused_at(R"(<origin xyz="2.5 0 -0.1" )", R"(<origin xzy="2.5 0 -0.1" )", {"\"xzy\"", "xyz, rpy"});
+  expect_refused_at("<axis xyz=\"0 1 0\"/>", "<axes xyz=\"0 1 0\"/>", {"<axes>", "axis"});
+  expect_refused_at("multiplier=\"-1\"", "multiplyer=\"-1\"", {"\"multiplyer\""});
+  expect_refused_at("lower=\"-1\" ", "low=\"-1\" ", {"\"low\""});
+  expect_refused_at("<joint name=\"tilt\" type=\"revolute\">", "<joint name=\"tilt\" type=\"hinge\">",
+                    {"\"hinge\"", "revolute"});
+  expect_refused_at("<joint name=\"tilt\" type=\"revolute\">", "<joint name=\"tilt\" type=\"floating\">",
+                    {"\"floating\""});
+  expect_refused_at("<joint name=\"tilt\" type", "<joint nam=\"tilt\" type", {"\"nam\""});
+}
+
+TEST(UrdfFile, AWrongNumberIsRefusedAtItsLine) {
+  for (const char* numbers : {"0 1", "0 1 0 0", "0 1 x", "0 1 0,5", "nan 0 0", "inf 0 0", "0 1e400 0",
+                              "0 2e6 0", "", "0 0 +-1", "0x1 0 0", "${a} 0 0"}) {
+    expect_refused_at("<axis xyz=\"0 1 0\"/>", std::string("<axis xyz=\"") + numbers + "\"/>",
+                      {"three numbers"});
+  }
+  expect_refused_at("<axis xyz=\"0 1 0\"/>", "<axis xyz=\"${axis}\"/>", {"xacro"});
+  expect_refused_at("<axis xyz=\"0 1 0\"/>", "<axis xyz=\"0 0 0\"/>", {"no direction"});
+  expect_refused_at("lower=\"-1\" ", "lower=\"-1 rad\" ", {"one number"});
+  expect_refused_at("lower=\"-1\" upper=\"1\"", "lower=\"1\" upper=\"-1\"", {"exchange"});
+  expect_refused_at("effort=\"100\" velocity=\"1\"", "effort=\"100\"", {"no velocity"});
+  expect_refused_at("effort=\"100\" velocity=\"1\"", "effort=\"100\" velocity=\"-1\"", {"magnitude"});
+}
+
+TEST(UrdfFile, WhatIsGivenTwiceIsRefused) {
+  expect_refused_at("<axis xyz=\"0 1 0\"/>", "<axis xyz=\"0 1 0\"/><axis xyz=\"0 0 1\"/>",
+                    {"<axis>", "second"});
+  expect_refused_at("<link name=\"base\"/>", "<link name=\"boom\"/>", {"\"boom\"", "another"});
+  expect_refused_at("<joint name=\"tilt\"", "<joint name=\"level\"", {"\"level\"", "another"}, 8);
+  expect_refused_at("<axis xyz=\"0 1 0\"/>", "<axis xyz=\"0 1 0\" xyz=\"0 0 1\"/>", {"not valid XML"});
+}
+
+TEST(UrdfFile, WhatIsNoTreeIsRefused) {
+  expect_refused_at("<joint name=\"tilt\" type=\"revolute\">\n    <parent link=\"base\"/>",
+                    "<joint name=\"tilt\" type=\"revolute\">\n    <parent link=\"floor\"/>", {"\"floor\""});
+  expect_refused_at("<joint name=\"tilt\" type=\"revolute\">\n    <parent link=\"base\"/>",
+                    "<joint name=\"tilt\" type=\"revolute\">\n", {"no <parent>"});
+  expect_refused_at("<link name=\"base\"/>", "<link name=\"base\"/>\n<link name=\"hook\"/>",
+                    {"\"hook\"", "nothing"}, 1);
+  expect_refused_at("<child link=\"camera\"/>", "<child link=\"boom\"/>", {"\"boom\"", "already"}, 6);
+  // base on camera, camera on boom, boom on base
+  expect_refused_at(
+      "  <gazebo",
+      "  <joint name=\"j\" type=\"fixed\"><parent link=\"camera\"/><child link=\"base\"/></joint>\n"
+      "  <gazebo",
+      {"\"camera\"", "circle"}, -13);
+  EXPECT_THROW(parse_urdf("<robot name=\"r\"/>", "r.urdf"), InputError);
+}
+
+TEST(UrdfFile, AMimicFollowsAnotherJointThatMoves) {
+  expect_refused_at("<mimic joint=\"tilt\"", "<mimic joint=\"pan\"", {"\"pan\""});
+  expect_refused_at("<mimic joint=\"tilt\"", "<mimic joint=\"level\"", {"\"level\"", "itself"});
+  expect_refused_at("<mimic joint=\"tilt\"", "<mimic", {"no joint"});
+}
+
+TEST(UrdfFile, WhatIsNoUrdfSaysSo) {
+  const auto message = [](const char* text) -> std::string {
+    try {
+      parse_urdf(text, "r.urdf");
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  EXPECT_THAT(message(""), testing::StartsWith("r.urdf: error: not valid XML"));
+  EXPECT_THAT(message("name = \"crane\"\n"), testing::HasSubstr("error: not valid XML"));
+  EXPECT_THAT(message("<robot>\n<link name=\"a\">\n</robot>"),
+              testing::StartsWith("r.urdf:2: error: not valid"));
+  EXPECT_THAT(message("<sdf/>"),
+              testing::StartsWith("r.urdf:1: error: the file does not begin with <robot>"));
+  EXPECT_THAT(message("<robot><link/></robot>"), testing::StartsWith("r.urdf:1: error: <link> has no name"));
+  EXPECT_THAT(message(std::string(100'000, '<').c_str()), testing::HasSubstr("not valid XML"));
+  std::string deep;
+  for (int i = 0; i < 100'000; ++i) deep += "<a>";
+  EXPECT_THAT(message(deep.c_str()), testing::HasSubstr("not valid XML"));
+  std::string many = "<robot>";
+  for (std::size_t i = 0; i <= max_urdf_links; ++i) many += "\n<link name=\"l" + std::to_string(i) + "\"/>";
+  EXPECT_THAT(message((many + "</robot>").c_str()),
+              testing::StartsWith("r.urdf:258: error: <link> is one more"));
+}
+
+/// urdfdom, the reader that the format comes with, is the oracle.
+TEST(UrdfFile, ReadsTheSameAsUrdfdom) {
+  check_property(300, [](std::uint64_t seed) {
+    std::mt19937_64 random(seed);
+    const UrdfText written = random_urdf(random, 7);
+    const UrdfFile file = parse_urdf(written.text, "arm.urdf");
+    const urdf::ModelInterfaceSharedPtr model = urdf::parseURDF(written.text);
+    RC_ASSERT(model != nullptr);
+    RC_ASSERT(model->links_.size() == file.links.size());
+    RC_ASSERT(model->getRoot()->name == file.links.front());
+    for (const UrdfJoint& joint : file.joints) {
+      const auto expected = model->getJoint(joint.name);
+      RC_ASSERT(expected != nullptr);
+      RC_ASSERT(expected->parent_link_name == file.links[joint.parent]);
+      RC_ASSERT(expected->child_link_name == file.links[joint.child]);
+      const urdf::Pose& origin = expected->parent_to_joint_origin_transform;
+      RC_ASSERT((joint.xyz == std::array{origin.position.x, origin.position.y, origin.position.z}));
+      urdf::Rotation turned;
+      turned.setFromRPY(joint.rpy[0], joint.rpy[1], joint.rpy[2]);
+      RC_ASSERT(std::fabs(turned.x - origin.rotation.x) + std::fabs(turned.w - origin.rotation.w) < 1e-12);
+      if (joint.kind != UrdfJointKind::fixed) {
+        RC_ASSERT((joint.axis == std::array{expected->axis.x, expected->axis.y, expected->axis.z}));
+      }
+      if (joint.limit) {
+        RC_ASSERT(joint.limit->lower == expected->limits->lower);
+        RC_ASSERT(joint.limit->upper == expected->limits->upper);
+        RC_ASSERT(joint.limit->velocity == expected->limits->velocity);
+      }
+      RC_ASSERT(joint.mimic.has_value() == (expected->mimic != nullptr));
+      if (!joint.mimic) continue;
+      RC_ASSERT(file.joints[joint.mimic->joint].name == expected->mimic->joint_name);
+      RC_ASSERT(joint.mimic->multiplier == expected->mimic->multiplier);
+      RC_ASSERT(joint.mimic->offset == expected->mimic->offset);
+    }
+  });
+}
+
+}  // namespace urdf_file_test
+}  // namespace inbetween
