@@ -50,7 +50,7 @@ run_line() {
   local status=0
   bash -c "$1" >output 2>&1 </dev/null || status=$?
   # A page may show how a move is refused.
-  if ((status == 3)) && [[ ${words[1]} == check ]] && grep --quiet ' would do$' output; then return; fi
+  if ((status == 3)) && [[ ${words[1]} == check ]] && grep --quiet ' would do' output; then return; fi
   ((status == 0)) || { failed "status $status of: $1"; cat output; return; }
   for ((option = 1; option < ${#words[@]} - 1; ++option)); do
     [[ ! ${words[option]} =~ ^--(plot|csv|json)$ || ${words[option + 1]} == - || -s ${words[option + 1]} ]] ||
