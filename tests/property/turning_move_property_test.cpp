@@ -255,7 +255,7 @@ TEST(TurningMoveProperty, ARestInsideASegmentIsBoundedByItsMotionOverTime) {
   std::cout << compared << " compared, with " << inside << " rests inside a segment; a bound is at most "
             << worst_ratio << " of what was found\n";
   if (!counts_mean_something()) return;
-  EXPECT_GT(compared, many_moves / 3);
+  EXPECT_GT(compared, many_moves / 6);
 }
 
 }  // namespace turning_move_property_test
