@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 
+#include <cstdint>
 #include <iostream>
 #include <optional>
 
@@ -52,6 +53,56 @@ TEST(SmallestFramesProperty, FitsAndOneFrameLessDoesNot) {
   if (!counts_mean_something()) return;
   EXPECT_GT(named, many_moves / 10);
   EXPECT_GT(with_roll, many_moves / 20);
+}
+
+/// The same keys on frames of their own, without a speed curve.
+MoveFile timed_by_frames(MoveFile move) {
+  MoveTrack& track = move.tracks.front();
+  track.timing = Timing::frames;
+  track.speed.clear();
+  track.speed_places.clear();
+  std::int32_t frame = 0;
+  for (MoveKey& key : track.keys) {
+    key.frame = frame;
+    frame += *rc::gen::resize(rc::kNominalSize, rc::gen::inRange(2, 48));
+  }
+  move.frames = *track.keys.back().frame;
+  return move;
+}
+
+/// Whole frames make what is needed jump up and down from one number to the next; the one that is named is
+/// one that was tried as it would be written.
+TEST(SmallestFramesProperty, OfKeysOnFramesTheNamedNumberFits) {
+  int named = 0;
+  int slower = 0;
+  check_property(many_moves, [&] {
+    const RandomMove random = *regular_move();
+    const std::optional<MoveFile> read = for_a_rig(random);
+    if (!read || read->tracks.front().closed || read->tracks.front().spline == Spline::linear) return;
+    const MoveFile move = timed_by_frames(*read);
+    const std::optional<RigFile> rig =
+        rig_near(move, {.share = [] { return *rc::gen::inRange(30, 160) / 100.0; },
+                        .limits_jerk = *rc::gen::arbitrary<bool>(),
+                        .allows_steps = *rc::gen::arbitrary<bool>()});
+    if (!rig) return;
+    const Plan plan(move, rig, {});
+    const CheckReport report = check(plan);
+    const SmallestFrames smallest = smallest_frames(plan, report, {});
+    RC_LOG() << as_toml(random) << "in " << move.frames << " frames, smallest "
+             << smallest.frames.value_or(-1) << " " << smallest.reason << '\n';
+    RC_ASSERT(smallest.frames.has_value() != !smallest.reason.empty());
+    if (!smallest.frames) {
+      RC_ASSERT(!report.fits());
+      return;
+    }
+    ++named;
+    if (*smallest.frames > move.frames) ++slower;
+    RC_ASSERT(check(Plan(with_frames(move, *smallest.frames), rig, {})).fits());
+  });
+  std::cout << named << " named a number of frames, " << slower << " of them a larger one\n";
+  if (!counts_mean_something()) return;
+  EXPECT_GT(named, many_moves / 10);
+  EXPECT_GT(slower, many_moves / 50);
 }
 
 }  // namespace smallest_frames_property_test

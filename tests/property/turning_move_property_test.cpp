@@ -54,12 +54,18 @@ struct Allowed {
   bool may_be_unbounded = false;
 };
 
+/// The most that a bound was above what was found, of all that are no noise.
+double worst_ratio = 0;
+
 void expect_tight(const char* what, double bound, const oracle::Found& found, const Allowed& allowed) {
   RC_LOG() << what << ": bound " << bound << ", found " << static_cast<double>(found.value) << " to "
            << static_cast<double>(found.most) << " at frame " << static_cast<double>(found.frame) << '\n';
   RC_ASSERT(bound >= static_cast<double>(found.value) * (1 - search_rounding) - allowed.noise);
   if (allowed.may_be_unbounded && std::isinf(bound)) return;
   RC_ASSERT(bound <= static_cast<double>(found.most) * allowed.most * (1 + search_rounding) + allowed.noise);
+  if (static_cast<double>(found.most) > 1e3 * allowed.noise && allowed.most == closeness) {
+    worst_ratio = std::max(worst_ratio, (bound - allowed.noise) / static_cast<double>(found.most));
+  }
 }
 
 TEST(TurningMoveProperty, IsRefusedForWhatItDoesAndForNothingElse) {
@@ -131,10 +137,125 @@ TEST(TurningMoveProperty, IsRefusedForWhatItDoesAndForNothingElse) {
   });
   std::cout << compared << " compared, " << unbounded << " pass a standstill at a speed, " << rested
             << " fit just below their limits, in " << unresolved
-            << " a peak is narrower than time is known\n";
+            << " a peak is narrower than time is known; a bound is at most " << worst_ratio
+            << " of what was found\n";
   if (!counts_mean_something()) return;
   EXPECT_GT(compared, many_moves / 2);
   EXPECT_GT(rested, many_moves / 5);
+}
+
+// --- rests between keys
+
+/// Keys on a line, to and fro: a spline through them turns back inside its segments. `corners = "ease"`
+/// brings the speed to 0 there.
+struct LineMove {
+  oracle::Keys keys;
+  std::string toml;
+  int frames = 0;
+};
+
+int any_int(int from, int below) {
+  return *rc::gen::resize(rc::kNominalSize, rc::gen::inRange(from, below));
+}
+
+LineMove line_move() {
+  const auto axes = static_cast<std::size_t>(any_int(1, 4));
+  const auto count = static_cast<std::size_t>(any_int(3, 6));
+  LineMove move;
+  move.frames = any_int(96, 400);
+  std::vector<long double> direction;
+  for (std::size_t d = 0; d < axes; ++d) {
+    direction.push_back(any_int(1, 64) / 16.0L);
+    move.keys.weights.push_back(any_int(1, 9) / 4.0L);
+  }
+  std::string at_keys;
+  int place = 0;
+  for (std::size_t k = 0; k < count; ++k) {
+    int step = any_int(-40, 41);
+    if (k > 0 && step == 0) step = 7;
+    place += k == 0 ? 0 : step;
+    std::vector<long double> at;
+    std::string numbers;
+    for (std::size_t d = 0; d < axes; ++d) {
+      at.push_back(place * direction[d]);
+      numbers += (d > 0 ? ", " : "") + std::to_string(static_cast<double>(at.back()));
+    }
+    move.keys.at.push_back(at);
+    at_keys += "  { at = [" + numbers + "] },\n";
+  }
+  std::string names;
+  std::string weights;
+  for (std::size_t d = 0; d < axes; ++d) {
+    names += (d > 0 ? ", \"x" : "\"x") + std::to_string(d) + "\"";
+    weights += (d > 0 ? ", " : "") + std::to_string(static_cast<double>(move.keys.weights[d]));
+  }
+  move.toml = "name = \"to and fro\"\nfps = 24\nframes = " + std::to_string(move.frames) +
+              "\n[[track]]\naxes = [" + names + "]\nkeys = [\n" + at_keys +
+              "]\ncorners = \"ease\"\nweights = [" + weights +
+              "]\nspeed = [0, 0, 6, 9, 7, 5, 8, 9, 6, 7, 6, 0, 0]\n";
+  return move;
+}
+
+/// The knot on which the curve rests where it has come so far.
+std::optional<int> rest_at(const std::vector<double>& values, long double share) {
+  const oracle::Profile profile(values);
+  const auto f = static_cast<int>(values.size()) - 1;
+  for (int knot = 1; knot < f; ++knot) {
+    const auto v = static_cast<std::size_t>(knot);
+    if (values[v - 1] != 0 || values[v] != 0 || values[v + 1] != 0) continue;
+    if (std::fabs(profile.integral(knot) / profile.integral(f) - share) < 1e-9L) return knot;
+  }
+  return std::nullopt;
+}
+
+TEST(TurningMoveProperty, ARestInsideASegmentIsBoundedByItsMotionOverTime) {
+  int compared = 0;
+  int inside = 0;
+  worst_ratio = 0;
+  check_property(many_moves, [&] {
+    const LineMove line = line_move();
+    RC_LOG() << line.toml;
+    const MoveFile move = parse_move(line.toml, "move.toml");
+    const std::optional<Plan> plan = planned(move, rig_with(move.tracks[0].axes));
+    if (!plan) return;
+    const std::vector<double>& values = plan->tracks()[0].control_values();
+    oracle::RestingMotion motion(line.keys, values, line.frames, 24, {});
+    const oracle::Path path(line.keys);
+    std::vector<oracle::MetKey> met;
+    const auto meet = [&](oracle::MetKey place) {
+      const long double way = path.travelled({0, 0}, {place.key, place.t});
+      const std::optional<int> knot = rest_at(values, way / path.total_length());
+      if (!knot) return false;
+      place.alpha = *knot;
+      met.push_back(place);
+      return true;
+    };
+    std::vector<oracle::MetKey> places = motion.standstills();
+    RC_ASSERT(std::ranges::all_of(places, meet));
+    if (places.empty()) return;
+    inside += static_cast<int>(places.size());
+    motion.meet(met);
+    const std::vector<oracle::RestPeaks> truth = motion.peaks();
+    RC_ASSERT(!motion.passes_standstill());
+    std::vector<AxisTurn<double>> turns(truth.size());
+    std::vector<AxisPeaks<double>> peaks(truth.size());
+    const std::vector<PeakSlack<double>> slack(truth.size());
+    RC_ASSERT(bound_motion<double>(plan->tracks()[0].track(), slack, {turns}, peaks).has_value());
+    ++compared;
+    const double rate = plan->tracks()[0].track().curve_rate();
+    for (std::size_t d = 0; d < truth.size(); ++d) {
+      RC_LOG() << "axis " << d << '\n';
+      const double noise = 1e-9 * static_cast<double>(truth[d].velocity.value);
+      expect_tight("velocity", peaks[d].velocity.value, truth[d].velocity, {closeness, noise, false});
+      expect_tight("acceleration", peaks[d].acceleration.value, truth[d].acceleration,
+                   {closeness, noise * rate, false});
+      expect_tight("jerk", peaks[d].jerk.value, truth[d].jerk, {closeness, noise * rate * rate, false});
+    }
+  });
+  std::cout << compared << " compared, with " << inside << " rests inside a segment; a bound is at most "
+            << worst_ratio << " of what was found\n";
+  if (!counts_mean_something()) return;
+  EXPECT_GT(compared, many_moves / 6);
 }
 
 }  // namespace turning_move_property_test

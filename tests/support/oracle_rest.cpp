@@ -58,26 +58,46 @@ RestingMotion::RestingMotion(const Keys& keys, const std::vector<double>& contro
       frames_(frames),
       spans_per_second_(static_cast<long double>(profile_.spans()) / static_cast<long double>(frames) *
                         frames_per_second),
-      met_(std::move(met)),
       best_(keys.at.front().size()) {
   distance_.push_back(0);
   for (int i = 0; i < path_.segments(); ++i) distance_.push_back(distance_.back() + path_.length(i, 0, 1));
+  meet(std::move(met));
+}
+
+void RestingMotion::meet(std::vector<MetKey> met) {
+  met_ = std::move(met);
   const auto last = static_cast<long double>(profile_.spans());
   for (const MetKey& each : met_) {
     const long double share = profile_.integral(each.alpha) / profile_.integral(last);
-    const long double asked = distance_[static_cast<std::size_t>(each.key)] / distance_.back();
-    largest_miss_ = std::max(largest_miss_, std::fabs(share - asked));
+    largest_miss_ = std::max(largest_miss_, std::fabs(share - distance_at(each) / distance_.back()));
   }
+}
+
+long double RestingMotion::distance_at(const MetKey& place) const {
+  const long double before = distance_[static_cast<std::size_t>(place.key)];
+  return place.t > 0 ? before + path_.length(place.key, 0, place.t) : before;
+}
+
+std::vector<MetKey> RestingMotion::standstills() const {
+  std::vector<MetKey> places;
+  for (int i = 0; i < path_.segments(); ++i) {
+    for (const long double t : borders_within(i)) {
+      if (t == 0 || t == 1) continue;
+      const std::vector<Slope> slopes = slopes_at({.segment = i, .t = t});
+      if (norm(weights_, [&](std::size_t d) { return slopes[d].a; }) == 0) places.push_back({i, 0, t});
+    }
+  }
+  return places;
 }
 
 std::vector<RestPeaks> RestingMotion::peaks() {
   const auto last = static_cast<long double>(profile_.spans());
-  MetKey from{0, 0};
+  MetKey from;
   for (const MetKey& to : met_) {
     add_section(from, to);
     from = to;
   }
-  add_section(from, {path_.segments(), last});
+  add_section(from, {path_.segments(), last, 0});
   return best_;
 }
 
@@ -123,8 +143,8 @@ long double RestingMotion::alpha_after(long double alpha, long double area, long
 /// Cuts the section at knots, keys and slow places, in the order of time, and searches each stretch.
 void RestingMotion::add_section(const MetKey& from, const MetKey& to) {
   const long double area = profile_.integral(from.alpha, to.alpha);
-  const long double begin = distance_[static_cast<std::size_t>(from.key)];
-  const long double length = distance_[static_cast<std::size_t>(to.key)] - begin;
+  const long double begin = distance_at(from);
+  const long double length = distance_at(to) - begin;
   if (!(length > 0)) return;
   if (!(area > 0)) throw std::invalid_argument("oracle: the curve stands still between two keys");
   const long double constant = length / area;
@@ -138,11 +158,14 @@ void RestingMotion::add_section(const MetKey& from, const MetKey& to) {
   knots.emplace_back(length, to.alpha);
   std::size_t knot = 0;
   long double alpha = from.alpha;
-  for (int i = from.key; i < to.key; ++i) {
+  const int last_segment = to.t > 0 ? to.key : to.key - 1;
+  for (int i = from.key; i <= last_segment; ++i) {
     if (!(path_.length(i, 0, 1) > 0)) continue;
-    const std::vector<long double> borders = borders_within(i);
-    long double t = 0;
+    std::vector<long double> borders = borders_within(i);
+    if (i == to.key) std::erase_if(borders, [&](long double t) { return t > to.t; });
+    long double t = i == from.key ? from.t : 0;
     for (std::size_t k = 1; k < borders.size(); ++k) {
+      if (borders[k] <= t) continue;
       const long double behind = distance_[static_cast<std::size_t>(i)] - begin;
       const long double border = behind + path_.length(i, 0, borders[k]);
       while (t < borders[k]) {
@@ -150,7 +173,7 @@ void RestingMotion::add_section(const MetKey& from, const MetKey& to) {
         while (knot + 1 < knots.size() && knots[knot].first <= behind + path_.length(i, 0, t) + near) {
           alpha = knots[knot++].second;
         }
-        const bool ends = i + 1 == to.key && k + 1 == borders.size();
+        const bool ends = i == last_segment && k + 1 == borders.size();
         const bool is_inner = knot + 1 < knots.size();
         const bool knot_is_first = is_inner && knots[knot].first < border - near;
         long double t_to = borders[k];

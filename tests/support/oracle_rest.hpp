@@ -11,10 +11,12 @@
 
 namespace inbetween::oracle {
 
-/// A key that is met exactly where the curve is at `alpha`: at a rest, or at a break.
+/// A key, or a place so far behind it in its segment, that is met exactly where the curve is at `alpha`: at a
+/// rest, or at a break.
 struct MetKey {
   int key = 0;
   long double alpha = 0;
+  long double t = 0;
 };
 
 /// Of the magnitude, in axis units and seconds, and a frame near which it is found. The true value there is
@@ -33,8 +35,8 @@ struct RestPeaks {
 /// curve whose integrals meet the keys to 1e-12 alone is taken to meet them exactly.
 class RestingMotion {
  public:
-  /// `met` are keys inside the path, in order. Throws as Path and Profile do, and std::invalid_argument where
-  /// the curve stands still from one key that is met to the next.
+  /// `met` are places inside the path, in order. Throws as Path and Profile do, and std::invalid_argument
+  /// where the curve stands still from one key that is met to the next.
   RestingMotion(const Keys& keys, const std::vector<double>& control_values, int frames,
                 long double frames_per_second, std::vector<MetKey> met);
 
@@ -50,6 +52,11 @@ class RestingMotion {
   /// there, beginning with 1e-12 of it: a peak beside a rest or a near-cusp is as wide as it is far away.
   /// 1 850 samples from every end.
   std::vector<RestPeaks> peaks();
+
+  /// The places inside segments where the path stands still, to 1e-12 of its speed: {segment, _, t}.
+  std::vector<MetKey> standstills() const;
+  /// Tells what is met only after the motion was made, from what it says of the path.
+  void meet(std::vector<MetKey> met);
 
  private:
   struct Slope {
@@ -69,6 +76,7 @@ class RestingMotion {
 
   void add_section(const MetKey& from, const MetKey& to);
   std::vector<long double> borders_within(int segment) const;
+  long double distance_at(const MetKey& place) const;
   void search(const End& end, long double reach);
   std::vector<Slope> slopes_at(const End& end) const;
   Phi phi_at(const End& end) const;

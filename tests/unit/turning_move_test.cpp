@@ -165,5 +165,19 @@ TEST(TurningMove, BesideATensionOfNearlyOneIsBoundedByTheTruth) {
   expect_true_certificate(bends_with_tension({0, 0.999999L, 0, 0}));
 }
 
+// A tension of nearly 1 lets the path turn so near its key that a lock does not tell the two apart.
+TEST(TurningMove, ThatRestsWhereItTurnsBesideItsKeyFits) {
+  for (const long double bias : {-1.0L, 1.0L}) {
+    expect_fits({.keys = {.kind = Kind::tcb,
+                          .closed = false,
+                          .at = {{0, 0}, {300, 200}, {150, 100}},
+                          .tension_continuity_bias = {{0, 0, 0}, {0.999999L, 0, bias}, {0, 0, 0}},
+                          .weights = {}},
+                 .speed = {0, 0, 6, 6, 6, 6, 0, 0},
+                 .frames = 480,
+                 .times = {{}, {.hold = 12}, {}}});
+  }
+}
+
 }  // namespace turning_move_test
 }  // namespace inbetween

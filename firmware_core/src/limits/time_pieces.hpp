@@ -169,6 +169,8 @@ class StretchWalk {
       piece.differentiate();
       return piece;
     }
+    [[nodiscard]] bool begins_at_rest() const { return span.b0 == 0 && begin == 0; }
+    [[nodiscard]] bool ends_at_rest() const { return span.b3 == 0 && end == 1; }
     [[nodiscard]] bool moves() const { return span.b0 > 0 || span.b1 > 0 || span.b2 > 0 || span.b3 > 0; }
   };
 
@@ -205,14 +207,17 @@ class StretchWalk {
     part.distance_before = part.travelled_before;
     part.distance_before.add(lag_);
     part.stretch = 1;
+    if (part.begins_at_rest()) skip_to_standstill(part);
     const std::int32_t met = part.ends_at_key ? key_met_at_end(part, is_last) : 0;
     const Real margin = lock_share<Real> * track_.arc_length().total();
     Real begin = part.begin;
     while (segment_ < track_.path().segment_count()) {
       const bool is_last_piece = path_.index + 1 == static_cast<std::int32_t>(split_.count);
       const Real missing = end_distance_.minus(distance_at(part, part.end));
-      const bool rests_inside =
-          met == 0 && part.ends_at_key && !is_last_piece && std::fabs(missing) <= margin;
+      const bool rests_before_key =
+          met == segment_ + 1 && part.ends_at_rest() && ends_at_standstill(path_.interval);
+      const bool rests_inside = (met == 0 || rests_before_key) && part.ends_at_key && !is_last_piece &&
+                                std::fabs(missing) <= margin;
       const bool leaves = segment_ < met || rests_inside || missing < 0;
       const bool is_met = rests_inside || (segment_ + 1 == met && is_last_piece);
       const Real end = is_met || !leaves ? part.end : crossing(part, begin);
@@ -222,11 +227,32 @@ class StretchWalk {
         visit_in_no_time(part, visit);
       }
       if (!leaves) return;
-      if (rests_inside) lag_ += missing;
+      if (rests_inside && met == 0) lag_ += missing;
       begin = end;
-      next_path_piece();
+      do next_path_piece();
+      while (rests_inside && segment_ + 1 == met);
       if (rests_inside) return;
     }
+  }
+
+  /// A rest is at the place beside its key where the path stands still, if both are one to a lock.
+  void skip_to_standstill(CurvePart& part) {
+    const Real margin = lock_share<Real> * track_.arc_length().total();
+    if (segment_ >= track_.path().segment_count() || !is_entered_) return;
+    for (auto index = static_cast<std::size_t>(path_.index); index + 1 < split_.count; ++index) {
+      const AnchoredInterval<Real>& interval = split_.intervals[index];
+      const Real end = interval.forward ? interval.anchor + interval.extent : interval.anchor;
+      const Real way = track_.arc_length().distance(track_.path(), {segment_, end}).minus(begin_distance_);
+      if (!(way <= margin)) return;
+      if (!ends_at_standstill(interval)) continue;
+      part.distance_before.add(way);
+      lag_ += way;
+      while (static_cast<std::size_t>(path_.index) <= index) next_path_piece();
+      return;
+    }
+  }
+  [[nodiscard]] static bool ends_at_standstill(const AnchoredInterval<Real>& interval) {
+    return interval.stands_still && !interval.forward;
   }
 
   /// The key that is met at the end of a part, 0 for none; the part is stretched so that it is met exactly.

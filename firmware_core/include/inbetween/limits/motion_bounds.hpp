@@ -78,7 +78,7 @@ struct MotionBoundsMemory {
 /// too: they are bounded by enclosing w / tau, tau the distance in the path's parameter. If it is passed at a
 /// speed, acceleration and jerk are infinite on every axis that turns there. A key that the speed curve comes
 /// to rest at, within what a lock promises (1e-12 of the length in double, 1e-5 in single precision), is met
-/// at rest.
+/// at rest, and so is a place beside it, no further away, where the path turns on the spot.
 ///
 /// A bound that cannot be closed to 1 % because rounding hides the truth (a peak that lasts less than 1e-10
 /// of the move in double, beside a near-cusp) is given as it is: too high, never too low.
