@@ -408,7 +408,7 @@ TEST(KeyFramesProperty, APaceIsContinuousWhereTheDirectionOfThePathIs) {
       const double velocity = largest(track, d, &AxisMotion<double>::velocity);
       const double acceleration = largest(track, d, &AxisMotion<double>::acceleration);
       for (std::size_t k = 1; k + 1 < move.frames.size(); ++k) {
-        constexpr double step = 0.005;  // of a frame
+        constexpr double step = 0.001;  // of a frame
         const Sided arriving = rediff(track, d, move.frames[k], -step);
         const Sided leaving = rediff(track, d, move.frames[k], step);
         RC_ASSERT(std::fabs(leaving.velocity - arriving.velocity) <= 1e-4 * velocity);
