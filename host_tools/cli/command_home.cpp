@@ -10,6 +10,7 @@
 #include "host_tools/cli/command.hpp"
 #include "host_tools/cli/setup_arguments.hpp"
 #include "host_tools/motions/home.hpp"
+#include "host_tools/motions/slow_way.hpp"
 #include "host_tools/rig/rig_watch.hpp"
 
 namespace inbetween {
@@ -25,9 +26,8 @@ void print_outside(const RigFile& rig, const std::vector<std::size_t>& axes,
   for (const std::size_t a : axes) {
     const RigAxis& axis = rig.axes[a];
     if (positions[a] >= axis.min && positions[a] <= axis.max) continue;
-    fmt::print("  {} is outside its limits {:g}..{:g}; bring it in with inbetween goto --rig {} {}={:g}\n",
-               axis.name, axis.min, axis.max, rig.path, axis.name,
-               positions[a] < axis.min ? axis.min : axis.max);
+    fmt::print("  {} is outside its limits {:g}..{:g}; {}\n", axis.name, axis.min, axis.max,
+               way_back_inside(rig, a, positions[a]));
   }
 }
 

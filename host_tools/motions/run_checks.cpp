@@ -85,10 +85,9 @@ std::vector<GoTarget> away_from_start(const Plan& plan, std::span<const double> 
     const double tolerance = start_tolerance(axis.max_acceleration, 1.0 / rig.rate_hz, count_of(axis.drive));
     if (std::fabs(target - actual[a]) <= tolerance) continue;
     if (actual[a] < axis.min || actual[a] > axis.max) {
-      throw InputError(axis.place,
-                       fmt::format("{} stands at {} {}, outside its limits {}..{}; bring it "
-                                   "back inside by hand",
-                                   named(axis), actual[a], to_string(axis.unit), axis.min, axis.max));
+      throw InputError(axis.place, fmt::format("{} stands at {:.10g} {}, outside its limits {}..{}; {}",
+                                               named(axis), actual[a], to_string(axis.unit), axis.min,
+                                               axis.max, way_back_inside(rig, a, actual[a])));
     }
     away.push_back({.axis = a, .position = target});
   }

@@ -36,6 +36,12 @@ FreeAxis<double> way_along(const RigFile& rig, std::span<const GoTarget> targets
 
 }  // namespace
 
+std::string way_back_inside(const RigFile& rig, std::size_t axis, double position) {
+  const RigAxis& of = rig.axes[axis];
+  return fmt::format("bring it in with inbetween goto --rig {} {}={:.15g}", rig.path, of.name,
+                     position < of.min ? of.min : of.max);
+}
+
 SlowWay::SlowWay(const RigFile& rig, std::span<const GoTarget> targets, std::span<const double> actual,
                  double share)
     : rig_(rig), share_(share), along_(way_along(rig, targets, actual, share)) {

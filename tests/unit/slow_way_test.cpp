@@ -124,7 +124,8 @@ TEST(SlowWay, FromOutsideTheLimitsIsRefusedAtTheAxis) {
         away_from_start(plan, std::vector<double>{-5, -62, -4});
       },
       testing::ThrowsMessage<InputError>(
-          AllOf(HasSubstr("axis \"slide\" stands at -5 mm, outside its limits"), HasSubstr("by hand"))));
+          AllOf(HasSubstr("axis \"slide\" stands at -5 mm, outside its limits"),
+                HasSubstr("bring it in with inbetween goto --rig "))));
 }
 
 TEST(SlowWay, IsDescribedForSomebodyWhoHasToAgree) {
