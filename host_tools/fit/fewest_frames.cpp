@@ -102,7 +102,8 @@ class TrackTime {
     for (std::size_t a = 0; a < plan.axes().size(); ++a) {
       if (plan.axes()[a].track == index) axes_[plan.axes()[a].track_axis] = {a, &plan.rig()->axes[a]};
     }
-    if (!track_.has_profile()) return;
+    // A periodic curve has no ends at which two zeros would be a rest.
+    if (!track_.has_profile() || plan.move().tracks[index].periodic) return;
     const std::vector<bool> rests = rests_of(plan.tracks()[index].control_values());
     begins_at_rest_ = rests.front();
     ends_at_rest_ = rests.back();

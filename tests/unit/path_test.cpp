@@ -69,6 +69,39 @@ void expect_refused(const Result<Path<Real>>& result, ErrorCode code, std::int32
 
 // --- keys
 
+/// Of three turns in one path each is the path of one turn, an axis that goes round a lap further on.
+TEST(Path, AClosedPathGoesOnByItsLap) {
+  const std::vector<double> keys = {0, 0, 100, 7, 250, -3};
+  const std::vector<double> lap = {360, 0};
+  std::vector<double> three;
+  for (const double turn : {0.0, 360.0, 720.0}) {
+    for (std::size_t k = 0; k < 3; ++k) three.insert(three.end(), {keys[2 * k] + turn, keys[2 * k + 1]});
+  }
+  const std::vector<double> three_laps = {1080, 0};
+  for (const Spline spline : every_kind) {
+    const DrawnPath<double> path(
+        {.spline = spline, .closed = true, .axis_count = 2, .keys = keys, .lap = lap});
+    const DrawnPath<double> turns(
+        {.spline = spline, .closed = true, .axis_count = 2, .keys = three, .lap = three_laps});
+    ASSERT_TRUE(path.result() && turns.result());
+    EXPECT_EQ(path->position({3, 0}, 0), 360);
+    EXPECT_EQ(path->position({3, 0}, 1), 0);
+    for (std::int32_t segment = 0; segment < 3; ++segment) {
+      for (const std::size_t axis : {0U, 1U}) {
+        Cubic<double> middle = turns.cubic(segment + 3, axis);
+        middle.c0 -= axis == 0 ? 360 : 0;
+        for (const double t : {0.0, 0.3, 1.0}) {
+          EXPECT_NEAR(path.cubic(segment, axis).value(t), middle.value(t), 1e-10);
+          EXPECT_NEAR(path.cubic(segment, axis).derivative(t), middle.derivative(t), 1e-10);
+        }
+      }
+    }
+  }
+  EXPECT_EQ(DrawnPath<double>({.axis_count = 2, .keys = keys, .lap = lap}).result().error().code,
+            ErrorCode::wrong_count)
+      << "an open path has none";
+}
+
 TYPED_TEST(PathIn, PassesThroughEveryKeyToTheLastBit) {
   using Real = TypeParam;
   const std::vector<Real> keys{Real(0.1), Real(-7.3), Real(3.7), Real(1e-7), Real(1e6),

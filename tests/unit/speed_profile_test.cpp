@@ -48,6 +48,26 @@ TYPED_TEST_SUITE(SpeedProfileIn, Precisions, PrecisionName);
 
 // --- the curve
 
+/// Against a natural curve through three turns of the same values, whose ends are far away.
+TEST(SpeedProfile, APeriodicCurveGoesOnFromItsEndToItsBeginning) {
+  const std::vector<double> values = {3, 8, 1, 12, 3};
+  SpeedProfileStorage<double, 16> storage;
+  const auto curve = SpeedProfile<double>::make(values, storage.memory(), CurveEnds::periodic);
+  ASSERT_TRUE(curve);
+  const DrawnCurve<double> unrolled({3, 8, 1, 12, 3, 8, 1, 12, 3, 8, 1, 12, 3});
+  for (const double a : {0.0, 0.25, 1.0, 1.7, 2.5, 3.0, 3.9, 4.0}) {
+    EXPECT_NEAR(curve->value(a), unrolled->value(4 + a), 1e-14) << a;
+    EXPECT_NEAR(curve->derivative(a), unrolled->derivative(4 + a), 1e-13) << a;
+    EXPECT_NEAR(curve->integral(a), unrolled->integral(4 + a) - unrolled->integral(4), 1e-13) << a;
+  }
+  EXPECT_NEAR(curve->value(0), curve->value(4), 1e-14);
+  EXPECT_NEAR(curve->second(0), curve->second(4), 1e-13);
+  const std::vector<double> open = {3, 8, 1};
+  const auto refused = SpeedProfile<double>::make(open, storage.memory(), CurveEnds::periodic);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().control_value, 2);
+}
+
 TEST(SpeedProfile, OneRaisedValueGivesTheBellThatPaperAndPencilGive) {
   // phi = 6 t - 2 t^3 up to the middle, and its mirror image after it.
   const DrawnCurve<double> curve({0, 6, 0});
