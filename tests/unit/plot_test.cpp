@@ -184,20 +184,6 @@ TEST(Plot, EveryFormatBeginsAsItMust) {
   EXPECT_THAT(contents(folder.path() / "move.pdf"), HasSubstr("%%EOF"));
 }
 
-TEST(Plot, APngHasThePixelsThatTheSvgHas) {
-  const TemporaryFolder folder;
-  const PlotMove move = straight_move(48, {100, 40});
-  draw_plot(move, folder.path() / "move.png");
-  const std::string png = contents(folder.path() / "move.png");
-  const auto word = [&](std::size_t at) {
-    unsigned value = 0;
-    for (std::size_t i = 0; i < 4; ++i) value = value << 8U | static_cast<unsigned char>(png.at(at + i));
-    return value;
-  };
-  EXPECT_EQ(word(16), 1400U);
-  EXPECT_EQ(word(20), page_height(svg_of(move)));
-}
-
 TEST(Plot, AnSvgTellsTheNamesOfTheMoveAndOfEveryAxis) {
   PlotMove move = straight_move(48, {100, 40});
   move.name = "pan & <tilt>";
