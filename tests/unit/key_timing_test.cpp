@@ -274,12 +274,13 @@ TEST(Hold, TheFirstAndTheLastKeyMayBeHeldToo) {
 // --- end to end
 
 TEST(KeyTiming, AHoldWithoutAFrameArrivesBetweenTheLockedKeysBesideIt) {
-  // Drawn evenly: keys at 0, 25, 50, 75, 100 of the way. Key 1 is locked late, key 3 later still.
+  // Drawn evenly: keys at 0, 25, 50, 75, 100 of the way. Key 1 is locked late and held, key 3 is locked later
+  // still.
   const auto storage = std::make_unique<Storage>();
   const std::vector<double> distances{0, 25, 50, 75, 100};
   const std::vector<double> speed{10, 10, 10, 10, 10, 10, 10, 10, 10, 10, 10, 10, 10};
   const std::vector<KeyLock> locks{
-      {.key = 1, .frame = 120}, {.key = 2, .hold = 20}, {.key = 3, .frame = 200}};
+      {.key = 1, .frame = 110, .hold = 10}, {.key = 2, .hold = 20}, {.key = 3, .frame = 200}};
   const auto timing = adjust_to_locks<double>(
       {.control_values = speed, .key_distances = distances, .locks = locks, .frames = 240},
       storage->memory());
