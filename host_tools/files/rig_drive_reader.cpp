@@ -14,8 +14,14 @@
 namespace inbetween {
 namespace {
 
-constexpr std::array<std::string_view, 5> cia402_fields = {"type", "bus", "node", "counts_per_unit",
-                                                           "deceleration_per_unit"};
+constexpr std::array<std::string_view, 8> cia402_fields = {"type",
+                                                           "bus",
+                                                           "node",
+                                                           "counts_per_unit",
+                                                           "deceleration_per_unit",
+                                                           "enable_timeout_s",
+                                                           "reset",
+                                                           "watches_following_error"};
 constexpr std::array<std::string_view, 4> turns_fields = {"type", "bus", "node", "turns_per_unit"};
 constexpr std::array<std::string_view, 13> step_dir_fields = {
     "type",     "chip",     "step",         "dir",         "enable",        "steps_per_unit", "max_step_rate",
@@ -83,6 +89,21 @@ std::uint32_t read_stop_deceleration(const TomlTable& table, double counts_per_u
           "takes 1 to {}",
           field ? scale : counts_per_unit, stop, to_string(axis.unit), deceleration,
           std::numeric_limits<std::uint32_t>::max()));
+}
+
+/// What a drive needs that does not do what most do.
+void read_habits(const TomlTable& table, Cia402Drive& drive) {
+  constexpr double min_enable_s = 0.1;
+  constexpr double max_enable_s = 60;
+  if (const auto timeout = table.optional("enable_timeout_s")) {
+    drive.enable_timeout_s = timeout->number(min_enable_s, max_enable_s);
+  }
+  if (const auto reset = table.optional("reset")) {
+    drive.resets_node = reset->choice({"communication", "node"}) == 1;
+  }
+  if (const auto watches = table.optional("watches_following_error")) {
+    drive.watches_following_error = watches->boolean();
+  }
 }
 
 /// `field` in microseconds, rounded up to nanoseconds; `time_ns` stays as it is without it.
@@ -167,7 +188,9 @@ Drive read_drive(const TomlValue& value, const RigAxis& axis, const RigContext& 
       const TomlTable table(fields, "a cia402 drive", cia402_fields);
       const auto [bus, node] = read_can_address(table, {1, 127}, rig);
       const double counts_per_unit = read_count_scale(table, "counts_per_unit", axis);
-      return Cia402Drive{bus, node, counts_per_unit, read_stop_deceleration(table, counts_per_unit, axis)};
+      Cia402Drive drive{bus, node, counts_per_unit, read_stop_deceleration(table, counts_per_unit, axis)};
+      read_habits(table, drive);
+      return drive;
     }
     case 1: {
       const TomlTable table(fields, "an odrive drive", turns_fields);

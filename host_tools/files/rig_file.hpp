@@ -44,7 +44,10 @@ struct Cia402Drive {
   std::string bus;
   int node = 0;  // 1..127
   double counts_per_unit = 0;
-  std::uint32_t stop_deceleration = 0;  // of a quick stop, in units of the drive (object 6085), above 0
+  std::uint32_t stop_deceleration = 0;   // of a quick stop, in units of the drive (object 6085), above 0
+  bool resets_node = false;              // reset node instead of reset communication
+  bool watches_following_error = false;  // though it has no object 6065
+  double enable_timeout_s = 5;
 };
 struct OdriveDrive {
   std::string bus;

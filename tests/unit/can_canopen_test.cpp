@@ -151,13 +151,13 @@ TEST(PdoMapping, CarriesOneToEightObjectsOfWholeBytes) {
 TEST(SdoClient, EveryStateTimesEveryEvent) {
   using enum SdoState;
   const std::array<std::array<SdoState, sdo_events>, sdo_states> expected{{
-      // begin, poll, deadline, answer, refusal, nonsense, other
-      {queued, idle, idle, idle, idle, idle, idle},
-      {queued, waiting, queued, queued, queued, queued, queued},
-      {waiting, waiting, aborting, done, failed, aborting, waiting},
-      {aborting, failed, aborting, aborting, aborting, aborting, aborting},
-      {queued, done, done, done, done, done, done},
-      {queued, failed, failed, failed, failed, failed, failed},
+      // begin, poll, deadline, answer, more, refusal, nonsense, other
+      {queued, idle, idle, idle, idle, idle, idle, idle},
+      {queued, waiting, queued, queued, queued, queued, queued, queued},
+      {waiting, waiting, aborting, done, queued, failed, aborting, waiting},
+      {aborting, failed, aborting, aborting, aborting, aborting, aborting, aborting},
+      {queued, done, done, done, done, done, done, done},
+      {queued, failed, failed, failed, failed, failed, failed, failed},
   }};
   for (std::size_t s = 0; s < sdo_states; ++s) {
     for (std::size_t e = 0; e < sdo_events; ++e) {
@@ -224,21 +224,44 @@ TEST_F(SdoClientOfNode5, LeavesAloneWhatItDidNotAskFor) {
   EXPECT_TRUE(client.receive(answer({.kind = SdoKind::download_done, .object = mode})));
 }
 
-TEST_F(SdoClientOfNode5, EndsATransferThatTheDriveAnswersInSegmentsOrAnotherSize) {
-  for (const SdoMessage& senseless : {
-           SdoMessage{.kind = SdoKind::announce_upload, .object = mode, .value = 12},
-           SdoMessage{.kind = SdoKind::upload_value, .object = mode, .size = 4, .value = 8},
-           SdoMessage{.kind = SdoKind::download_done, .object = mode},
-           SdoMessage{.kind = SdoKind::upload_segment, .size = 7},
+TEST_F(SdoClientOfNode5, EndsATransferWhoseAnswerIsNone) {
+  using Answers = std::vector<SdoMessage>;
+  const SdoMessage announced{.kind = SdoKind::announce_upload, .object = mode, .value = 1};
+  for (const auto& [code, answers] : {
+           std::pair(0x05040005U, Answers{{.kind = SdoKind::announce_upload, .object = mode, .value = 12}}),
+           std::pair(0x06070010U,
+                     Answers{{.kind = SdoKind::upload_value, .object = mode, .size = 4, .value = 0x108}}),
+           std::pair(0x05040001U, Answers{{.kind = SdoKind::download_done, .object = mode}}),
+           std::pair(0x05030000U,
+                     Answers{announced, {.kind = SdoKind::upload_segment, .size = 1, .toggle = true}}),
+           std::pair(0x06070010U,
+                     Answers{announced, {.kind = SdoKind::upload_segment, .size = 2, .is_last = true}}),
+           std::pair(0x06070010U, Answers{announced, {.kind = SdoKind::upload_segment, .size = 0}}),
+           std::pair(0x05040005U, Answers{announced, {.kind = SdoKind::upload_segment, .size = 7}}),
        }) {
     client.reset();
     client.begin_upload(mode, 1);
-    client.poll(0);
-    EXPECT_FALSE(client.receive(answer(senseless)));
+    for (std::size_t i = 0; i < answers.size(); ++i) {
+      ASSERT_TRUE(client.poll(0));
+      EXPECT_EQ(client.receive(answer(answers[i])), i + 1 < answers.size());
+    }
     const std::optional<Frame> abort = client.poll(ms);
     ASSERT_TRUE(abort);
-    EXPECT_EQ(read_sdo_request(*abort)->value, 0x05040001U);
+    EXPECT_EQ(read_sdo_request(*abort), (SdoMessage{.kind = SdoKind::abort, .object = mode, .value = code}));
     EXPECT_EQ(client.state(), SdoState::failed);
+    EXPECT_TRUE(client.has_given_up());
+  }
+}
+
+TEST_F(SdoClientOfNode5, ANumberMayHaveMoreBytesIfTheySayNothing) {
+  for (const auto& [told, value] : {std::pair(0x000000FDU, 0xFDU), std::pair(0xFFFFFFFDU, 0xFDU),
+                                    std::pair(0x00000008U, 8U), std::pair(0U, 0U)}) {
+    client.reset();
+    client.begin_upload(mode, 1);
+    client.poll(0);
+    EXPECT_TRUE(
+        client.receive(answer({.kind = SdoKind::upload_value, .object = mode, .size = 4, .value = told})));
+    EXPECT_EQ(client.value(), value);
   }
 }
 

@@ -288,6 +288,7 @@ TEST_F(SetupOfNode5, DoesNotDoWithoutTheCounterThatTheHostSends) {
 
 TEST_F(SetupOfNode5, ChangesTheCounterWhileSyncHasNoPeriodOnly) {
   setup.sync_overflow = 10;
+  objects.set(0x1006, 0, 4, 1000);
   objects.remove(0x1016, 1);
   work();
   using Key = DriveObjects::Key;

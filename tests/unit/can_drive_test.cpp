@@ -222,7 +222,7 @@ TEST_F(DriveOfNode5, AFaultThatStaysIsReported) {
 TEST_F(DriveOfNode5, OneThatDoesNotSwitchOnIsReported) {
   bring_to_idle();
   drive->enable(now);
-  for (int i = 0; i < 252; ++i) tick(switched_on, 700);
+  for (int i = 0; i < 1252; ++i) tick(switched_on, 700);
   EXPECT_EQ(drive->first_finding(), DriveFinding::not_enabled);
   EXPECT_EQ(drive->phase(), DrivePhase::idle);
   EXPECT_FALSE(drive->enable(now)) << "not before somebody has seen it";
@@ -245,7 +245,7 @@ TEST_F(DriveOfNode5, WhatIsFoundOnTheWayKeepsItOff) {
   tick(disabled, 700);
   tick(switched_on, 700);
   drive->receive(emergency_frame(node(5), {.code = 0x3220}), now);
-  EXPECT_EQ(tick(following, 700)->controlword, 0x0007);
+  for (int i = 0; i < 6; ++i) tick(enabled, 700);
   EXPECT_EQ(drive->phase(), DrivePhase::idle);
 
   for (int i = 0; i < 40; ++i) {
@@ -552,11 +552,31 @@ TEST_F(DriveOfNode5, AHeartbeatThatStopsIsFoundWithinItsTimeout) {  // docs/faul
 TEST_F(DriveOfNode5, AnEmergencyInMotionIsAFindingWithItsCode) {  // docs/faults.md 23
   bring_to_following();
   drive->receive(emergency_frame(node(5), {.code = 0x2310, .error_register = 3}), now);
-  EXPECT_EQ(drive->first_finding(), DriveFinding::emergency);
+  EXPECT_FALSE(drive->first_finding()) << "it may be a warning";
+  feedback(in_fault, 700);
+  EXPECT_EQ(drive->first_finding(), DriveFinding::emergency) << "at once";
   EXPECT_STREQ(words_of_emergency(drive->last_emergency().code), "over-current");
   drive->receive(emergency_frame(node(5), {}), now);
   EXPECT_EQ(drive->last_emergency().code, 0x2310) << "that it is gone does not say which it was";
   EXPECT_EQ(drive->counters().emergencies, 1U);
+}
+
+TEST_F(DriveOfNode5, AnEmergencyThatTheStatuswordDoesNotExplainIsAFindingAfterAMoment) {  // docs/faults.md 23
+  bring_to_following();
+  drive->receive(emergency_frame(node(5), {.code = 0x8110}), now);
+  for (int i = 0; i < 5; ++i) tick(following, 700, 700);
+  EXPECT_TRUE(drive->findings().empty());
+  tick(following, 700, 700);
+  EXPECT_EQ(drive->first_finding(), DriveFinding::emergency);
+}
+
+TEST_F(DriveOfNode5, AnEmergencyThatWarnsIsCounted) {  // docs/faults.md 23
+  bring_to_following();
+  drive->receive(emergency_frame(node(5), {.code = 0x4210}), now);
+  for (int i = 0; i < 20; ++i) tick(following | 0x80, 700, 700);
+  EXPECT_TRUE(drive->findings().empty());
+  EXPECT_EQ(drive->counters().emergencies, 1U);
+  EXPECT_EQ(drive->last_emergency().code, 0x4210);
 }
 
 TEST_F(DriveOfNode5, AFaultInMotionIsAFinding) {  // docs/faults.md 23
@@ -610,8 +630,12 @@ TEST_F(DriveOfNode5, AFollowingErrorAsksForAStopAndThenAQuickStop) {  // docs/fa
   EXPECT_EQ(drive->phase(), DrivePhase::following);
 }
 
-TEST_F(DriveOfNode5, AnInternalLimitIsAFinding) {
+TEST_F(DriveOfNode5, AnInternalLimitMayBeThereForAMomentOnly) {  // docs/faults.md 26
   bring_to_following();
+  for (int i = 0; i < 5; ++i) tick(following | 0x0800, 700, 700);
+  tick(following, 700, 700);
+  for (int i = 0; i < 5; ++i) tick(following | 0x0800, 700, 700);
+  EXPECT_TRUE(drive->findings().empty());
   tick(following | 0x0800, 700, 700);
   EXPECT_EQ(drive->first_finding(), DriveFinding::internal_limit);
 }

@@ -10,10 +10,6 @@ using enum DrivePhase;
 
 constexpr std::int64_t never = std::numeric_limits<std::int64_t>::max();
 
-bool is_faulty(Cia402State state) {
-  return state == Cia402State::fault || state == Cia402State::fault_reaction_active;
-}
-
 /// How far `a` is from `b`; counts may be at opposite ends of their range.
 std::int64_t distance(std::int32_t a, std::int32_t b) {
   const std::int64_t off = std::int64_t{a} - b;
@@ -39,7 +35,8 @@ Cia402Goal goal_of(DrivePhase phase) {
 Result<Cia402Drive> Cia402Drive::make(const Cia402Settings& settings) {
   const std::int64_t heartbeat_ns = settings.setup.drive_heartbeat_ms * std::int64_t{1'000'000};
   const bool is_sensible =
-      settings.max_step_counts > 0 && settings.hold_tolerance_counts >= 0 && settings.missing_limit > 0 &&
+      settings.max_step_counts > 0 && settings.hold_tolerance_counts >= 0 &&
+      settings.first_step_counts >= 1 && settings.missing_limit > 0 && settings.stop_timeout_ns > 0 &&
       settings.bad_frame_limit >= 0 && settings.bad_frame_ticks > 0 && settings.boot_timeout_ns > 0 &&
       settings.sdo_timeout_ns > 0 && settings.enable_timeout_ns > 0 &&
       settings.disable_timeout_ns > settings.rest_ns && settings.rest_ns >= 0 && settings.rest_counts >= 0 &&
@@ -69,6 +66,7 @@ bool Cia402Drive::enable(std::int64_t now_ns) {
 void Cia402Drive::acknowledge() {
   findings_.clear();
   first_finding_.reset();
+  emergency_ns_.reset();
   bad_frame_level_ = 0;
 }
 
@@ -86,12 +84,14 @@ void Cia402Drive::enter(DrivePhase phase, std::int64_t now_ns) {
   is_seeded_ = false;
   switch (phase) {
     case booting:
-      order_ = NmtCommand::reset_communication;
+      order_ = settings_.reset;
       phase_deadline_ns_ = now_ns + settings_.boot_timeout_ns;
       heartbeat_.stop();
       feedback_ = {};
       has_feedback_ = false;
       has_written_ = false;
+      was_sent_back_ = false;
+      emergency_ns_.reset();
       has_lost_touch_ = false;
       break;
     case configuring:
@@ -100,18 +100,23 @@ void Cia402Drive::enter(DrivePhase phase, std::int64_t now_ns) {
     case starting:
       order_ = NmtCommand::start;
       phase_deadline_ns_ = now_ns + settings_.boot_timeout_ns;
-      heartbeat_.start(now_ns);
+      watch_heartbeat(now_ns);
       host_heartbeat_sent_ = false;
       missed_in_row_ = 0;
       awaited_ = 0;
       break;
     case clearing:
-    case enabling:
     case stopping:
+      phase_deadline_ns_ = now_ns + settings_.stop_timeout_ns;
+      break;
+    case enabling:
       phase_deadline_ns_ = now_ns + settings_.enable_timeout_ns;
+      modeless_ns_.reset();
+      enabled_ns_.reset();
       break;
     case following:
       followed_ns_ = now_ns;
+      unlimited_ns_ = now_ns;
       is_commanded_ = false;
       break;
     case disabling:
@@ -133,6 +138,15 @@ void Cia402Drive::enter(DrivePhase phase, std::int64_t now_ns) {
     case refused:
       break;
   }
+}
+
+/// A drive may send heartbeats less often than it was told to; three of them are waited for.
+void Cia402Drive::watch_heartbeat(std::int64_t now_ns) {
+  constexpr std::int64_t three_heartbeats_ns_per_ms = 3'000'000;
+  const std::int64_t rounded_ns = runner_.drive_heartbeat_ms() * three_heartbeats_ns_per_ms;
+  heartbeat_ = HeartbeatConsumer({.timeout_ns = std::max(settings_.heartbeat_timeout_ns, rounded_ns),
+                                  .boot_timeout_ns = settings_.boot_timeout_ns});
+  heartbeat_.start(now_ns);
 }
 
 void Cia402Drive::find(DriveFinding finding) {
@@ -163,6 +177,7 @@ void Cia402Drive::tick(std::int64_t now_ns) {
   lasting_.clear();
   if (has_process_data()) count_ticks();
   if (is_supervised()) watch_connection(now_ns);
+  judge_emergency(now_ns);
   advance(now_ns);
   watch_deadline(now_ns);
   const bool is_on_its_way = phase_ == clearing || phase_ == enabling;
@@ -222,9 +237,21 @@ void Cia402Drive::advance(std::int64_t now_ns) {
   }
 }
 
+/// A node may start by itself after its boot-up, and then it refuses to have its process data changed.
+bool Cia402Drive::may_have_been_operational() const {
+  return runner_.refusal().abort_code == abort_device_state ||
+         (runner_.refusal().abort_code != 0 && heard_ == NmtState::operational);
+}
+
 void Cia402Drive::advance_configuring(std::int64_t now_ns) {
   if (runner_.state() == SetupState::done) apply(DriveEvent::configured, now_ns);
   if (runner_.state() != SetupState::refused) return;
+  if (may_have_been_operational() && !was_sent_back_) {
+    was_sent_back_ = true;
+    order_ = NmtCommand::enter_pre_operational;
+    runner_.begin(script_);
+    return;
+  }
   find(runner_.refusal().finding);
   apply(DriveEvent::refused, now_ns);
 }
@@ -242,18 +269,39 @@ void Cia402Drive::advance_clearing(std::int64_t now_ns) {
   if (is_clear) apply(DriveEvent::cleared, now_ns);
 }
 
+bool Cia402Drive::holds_its_place() const {
+  return distance(feedback_.actual, target_) <= settings_.hold_tolerance_counts;
+}
+
+/// It is in the right mode; or it shows none, for so long that it may do that until it is enabled.
+bool Cia402Drive::may_be_enabled(std::int64_t now_ns) {
+  if (is_in_mode()) return true;
+  if (feedback_.mode != 0 || !runner_.has_no_other_target()) {
+    modeless_ns_.reset();
+    return false;
+  }
+  if (!modeless_ns_) modeless_ns_ = now_ns;
+  return now_ns - *modeless_ns_ >= settings_.mode_wait_ns;
+}
+
 void Cia402Drive::advance_enabling(std::int64_t now_ns) {
   const Cia402State at = state();
   if (is_faulty(at)) return find(DriveFinding::drive_fault);
-  const bool is_powered = at == Cia402State::switched_on || at == Cia402State::operation_enabled;
-  const bool can_hold = is_powered && is_in_mode();
+  const bool is_enabled = at == Cia402State::operation_enabled;
+  const bool is_powered = is_enabled || at == Cia402State::switched_on;
+  if (is_enabled && !enabled_ns_) enabled_ns_ = now_ns;
+  const bool has_time_left = is_enabled && now_ns - *enabled_ns_ <= settings_.ignore_grace_ns;
+  if (is_enabled && is_seeded_ && !is_in_mode() && (feedback_.mode != 0 || !has_time_left)) {
+    find(DriveFinding::mode_not_shown);
+    apply(DriveEvent::quick_stop, now_ns);
+    return;
+  }
+  const bool can_hold = is_powered && may_be_enabled(now_ns);
   if (can_hold && !is_seeded_) target_ = feedback_.actual;
   is_seeded_ = can_hold;
-  const bool is_following = at == Cia402State::operation_enabled && status_has(status_follows_target);
+  const bool is_following = is_enabled && is_in_mode() && status_has(status_follows_target);
   if (!is_seeded_ || !is_following) return;
-  if (distance(feedback_.actual, target_) > settings_.hold_tolerance_counts) {
-    return find(DriveFinding::moved_while_enabling);
-  }
+  if (!holds_its_place()) return find(DriveFinding::moved_while_enabling);
   if (findings_.empty()) apply(DriveEvent::enabled, now_ns);
 }
 
@@ -269,10 +317,19 @@ void Cia402Drive::watch_following(std::int64_t now_ns) {
     find_lasting(DriveFinding::wrong_mode);  // and the other bits mean something else
     return;
   }
+  if (!is_commanded_ && !holds_its_place()) find(DriveFinding::moved_while_enabling);
   if (status_has(status_follows_target)) followed_ns_ = now_ns;
   if (now_ns - followed_ns_ > settings_.ignore_grace_ns) find_lasting(DriveFinding::target_ignored);
   if (status_has(status_following_error)) find_lasting(DriveFinding::following_error);
-  if (status_has(status_internal_limit)) find_lasting(DriveFinding::internal_limit);
+  if (!status_has(status_internal_limit)) unlimited_ns_ = now_ns;
+  if (now_ns - unlimited_ns_ > settings_.ignore_grace_ns) find_lasting(DriveFinding::internal_limit);
+}
+
+DriveFinding Cia402Drive::why_not_enabled() const {
+  const bool is_enabled = state() == Cia402State::operation_enabled;
+  const bool is_powered = is_enabled || state() == Cia402State::switched_on;
+  if (is_powered && !is_in_mode()) return DriveFinding::mode_not_shown;
+  return is_enabled ? DriveFinding::follow_bit_missing : DriveFinding::not_enabled;
 }
 
 void Cia402Drive::watch_stopping() {
@@ -295,7 +352,7 @@ void Cia402Drive::watch_deadline(std::int64_t now_ns) {
       find(DriveFinding::fault_stays);
       break;
     case enabling:
-      find(DriveFinding::not_enabled);
+      find(why_not_enabled());
       break;
     case stopping:
       find_lasting(DriveFinding::quick_stop_ignored);
@@ -328,8 +385,7 @@ void Cia402Drive::choose_target(std::optional<std::int32_t> target) {
   }
   if (!target) return;
   const std::int64_t step = distance(*target, target_);
-  if (!is_commanded_ && step > settings_.hold_tolerance_counts)
-    return find(DriveFinding::moved_while_enabling);
+  if (!is_commanded_ && step > settings_.first_step_counts) return find(DriveFinding::moved_while_enabling);
   is_commanded_ = true;
   if (step > settings_.max_step_counts) return find(DriveFinding::setpoint_jump);
   target_ = *target;

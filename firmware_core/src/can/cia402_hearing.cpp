@@ -9,7 +9,7 @@ void Cia402Drive::receive(const Frame& frame, std::int64_t now_ns) {
   if (phase_ == off) return;
   if (frame.id == heartbeat_id(node())) return take_heartbeat(frame, now_ns);
   if (frame.id == emergency_id(node())) return take_emergency(frame, now_ns);
-  if (frame.id == tpdo1_id(node())) return take_feedback(frame);
+  if (frame.id == tpdo1_id(node())) return take_feedback(frame, now_ns);
   if (frame.id != sdo_answer_id(node())) return;
   const bool is_awaited = is_leaving() ? exit_.receive(frame) : runner_.receive(frame);
   if (!is_awaited) ++counters_.stray_answers;
@@ -52,13 +52,26 @@ void Cia402Drive::take_emergency(const Frame& frame, std::int64_t now_ns) {
   ++counters_.emergencies;
   // A drive without power may tell of an error that is over: many repeat the last one when they are started.
   // If it is not over, the fault stays when it is to be cleared.
-  if (phase_ == enabling || phase_ == following || phase_ == stopping) find(DriveFinding::emergency);
+  const bool may_have_power = phase_ == enabling || phase_ == following || phase_ == stopping;
+  if (may_have_power && !emergency_ns_) emergency_ns_ = now_ns;
   if (has_lost_touch_ || !is_of_communication(emergency->code)) return;
   has_lost_touch_ = true;
   if (phase_ == leaving) enter_leaving(now_ns);
 }
 
-void Cia402Drive::take_feedback(const Frame& frame) {
+/// An emergency may be a warning: then bit 7 of the statusword is set soon, and the drive stays in operation.
+/// Anything else is a finding: a fault at once, and an emergency that nothing explains after the grace.
+void Cia402Drive::judge_emergency(std::int64_t now_ns) {
+  if (!emergency_ns_) return;
+  const bool is_well = phase_ == following ? state() == Cia402State::operation_enabled
+                                           : phase_ == enabling && !is_faulty(state());
+  if (is_well && is_fresh_ && status_has(status_warning)) return emergency_ns_.reset();
+  if (is_well && now_ns - *emergency_ns_ <= settings_.ignore_grace_ns) return;
+  emergency_ns_.reset();
+  find(DriveFinding::emergency);
+}
+
+void Cia402Drive::take_feedback(const Frame& frame, std::int64_t now_ns) {
   if (!has_process_data()) return;
   const std::optional<DriveFeedback> feedback = read_feedback(frame, node());
   if (!feedback) {
@@ -75,6 +88,7 @@ void Cia402Drive::take_feedback(const Frame& frame) {
   feedback_ = *feedback;
   has_feedback_ = true;
   is_fresh_ = true;
+  judge_emergency(now_ns);
 }
 
 }  // namespace inbetween::can

@@ -20,6 +20,10 @@ class ScriptWriter {
   void write_if_there(ObjectAddress object, std::uint8_t size, std::uint32_t value) {
     add({.object = object, .size = size, .may_be_absent = true, .value = value});
   }
+  void compare(ObjectAddress object, std::uint8_t size, std::uint32_t value,
+               std::uint32_t mask = 0xFFFFFFFF) {
+    add({.action = SetupAction::compare, .object = object, .size = size, .value = value, .mask = mask});
+  }
   [[nodiscard]] const Status& status() const { return status_; }
 
  private:
@@ -48,20 +52,34 @@ constexpr std::uint32_t bit_of(unsigned code) {
   return std::uint32_t{1} << code;
 }
 
-void switch_off(ScriptWriter& writer, const Pdo& pdo, bool may_be_absent) {
-  writer.add({.action = SetupAction::switch_off, .object = cob_id_of(pdo), .may_be_absent = may_be_absent});
+/// Whether it is as map() and switch_on() make it: some drives have a PDO that cannot be changed.
+void compare(ScriptWriter& writer, const Pdo& pdo, const PdoMapping& mapping, std::uint32_t cob_id) {
+  writer.compare(cob_id_of(pdo), 4, cob_id, ~cob_id_without_rtr);
+  writer.compare({.index = pdo.mapping}, 1, static_cast<std::uint32_t>(mapping.entries().size()));
+  std::uint8_t sub = 0;
+  for (const PdoEntry& entry : mapping.entries()) {
+    writer.compare({.index = pdo.mapping, .sub = ++sub}, 4, mapping_value(entry));
+  }
+  writer.compare({.index = pdo.communication, .sub = pdo_sub_type}, 1, every_sync);
 }
 
 /// The order of a mapping: switched off, no objects, then one after the other, then how many.
 void map(ScriptWriter& writer, const Pdo& pdo, const PdoMapping& mapping) {
-  switch_off(writer, pdo, false);
-  writer.write({.index = pdo.mapping}, 1, 0);
+  writer.add({.action = SetupAction::switch_off, .object = cob_id_of(pdo), .unless_so = true});
+  const auto write = [&](ObjectAddress object, std::uint8_t size, std::uint32_t value) {
+    writer.add({.action = SetupAction::write_at_once,
+                .object = object,
+                .size = size,
+                .unless_so = true,
+                .value = value});
+  };
+  write({.index = pdo.mapping}, 1, 0);
   std::uint8_t count = 0;
   for (const PdoEntry& entry : mapping.entries()) {
-    writer.write({.index = pdo.mapping, .sub = ++count}, 4, mapping_value(entry));
+    write({.index = pdo.mapping, .sub = ++count}, 4, mapping_value(entry));
   }
-  writer.write({.index = pdo.mapping}, 1, count);
-  writer.write({.index = pdo.communication, .sub = pdo_sub_type}, 1, every_sync);
+  write({.index = pdo.mapping}, 1, count);
+  write({.index = pdo.communication, .sub = pdo_sub_type}, 1, every_sync);
 }
 
 void switch_on(ScriptWriter& writer, const Pdo& pdo, std::uint32_t cob_id) {
@@ -70,26 +88,36 @@ void switch_on(ScriptWriter& writer, const Pdo& pdo, std::uint32_t cob_id) {
 
 void check_identity(ScriptWriter& writer, const Cia402Setup& setup) {
   constexpr std::uint32_t profile = 402;
-  const auto expect = [&](ObjectAddress object, std::uint32_t value, std::uint32_t mask,
-                          DriveFinding finding) {
-    writer.add(
-        {.action = SetupAction::expect, .object = object, .finding = finding, .value = value, .mask = mask});
+  const auto expect = [&](ObjectAddress object, std::uint32_t value, std::uint32_t mask, DriveFinding finding,
+                          bool may_be_absent = false) {
+    writer.add({.action = SetupAction::expect,
+                .finding = finding,
+                .object = object,
+                .may_be_absent = may_be_absent,
+                .value = value,
+                .mask = mask});
   };
   constexpr std::uint32_t all = 0xFFFFFFFF;
   expect({.index = 0x1000}, profile, 0xFFFF, DriveFinding::wrong_device);
   if (setup.vendor) expect({.index = 0x1018, .sub = 1}, *setup.vendor, all, DriveFinding::wrong_device);
   if (setup.product) expect({.index = 0x1018, .sub = 2}, *setup.product, all, DriveFinding::wrong_device);
   constexpr std::uint32_t mode_bit = 1U << (mode_cyclic_position - 1);
-  expect({.index = 0x6502}, mode_bit, mode_bit, DriveFinding::no_cyclic_position);
-  // No producer of SYNC, and the identifier that the host uses.
-  expect({.index = 0x1005}, sync_id, 0x40000000 | cob_id_number, DriveFinding::sync_of_another);
+  // A drive that does not say which modes it has is told to take this one, and must show it before it is
+  // enabled.
+  expect({.index = 0x6502}, mode_bit, mode_bit, DriveFinding::no_cyclic_position, true);
+  // No producer of SYNC, and the identifier that the host uses: without the object it has no other.
+  expect({.index = 0x1005}, sync_id, 0x40000000 | cob_id_number, DriveFinding::sync_of_another, true);
 }
 
 void set_pdos(ScriptWriter& writer, const Cia402Setup& setup) {
+  const auto switch_off = [&](const Pdo& pdo) {
+    writer.add({.action = SetupAction::switch_off, .object = cob_id_of(pdo), .may_be_absent = true});
+  };
   for (unsigned number = 2; number <= 4; ++number) {
-    switch_off(writer, rpdo(number), true);
-    switch_off(writer, tpdo(number), true);
+    switch_off(rpdo(number));
+    switch_off(tpdo(number));
   }
+  compare(writer, rpdo(1), command_mapping(), rpdo1_id(setup.node));
   map(writer, rpdo(1), command_mapping());
   writer.add({.action = SetupAction::watchdog,
               .object = {.index = rpdo(1).communication, .sub = pdo_sub_event_timer},
@@ -98,6 +126,7 @@ void set_pdos(ScriptWriter& writer, const Cia402Setup& setup) {
               .value = setup.setpoint_timeout_ms});
   switch_on(writer, rpdo(1), rpdo1_id(setup.node));
 
+  compare(writer, tpdo(1), feedback_mapping(), tpdo1_id(setup.node));
   map(writer, tpdo(1), feedback_mapping());
   writer.write_if_there({.index = tpdo(1).communication, .sub = pdo_sub_inhibit}, 2, 0);
   writer.write_if_there({.index = tpdo(1).communication, .sub = pdo_sub_event_timer}, 2, 0);
@@ -106,34 +135,39 @@ void set_pdos(ScriptWriter& writer, const Cia402Setup& setup) {
 
 void set_period(ScriptWriter& writer, const Cia402Setup& setup, const InterpolationPeriod& period) {
   // The counter may be changed while the period is 0 only.
-  writer.add({.action = SetupAction::write_anything, .object = {.index = 0x1006}, .may_be_absent = true});
+  writer.add({.action = SetupAction::try_write, .object = {.index = 0x1006}, .may_be_absent = true});
   writer.add({.object = {.index = 0x1019},
               .size = 1,
               .may_be_absent = setup.sync_overflow == 0,
               .value = setup.sync_overflow});
-  writer.write({.index = 0x60C2, .sub = 1}, 1, period.value);
-  writer.write({.index = 0x60C2, .sub = 2}, 1, static_cast<std::uint8_t>(period.index));
+  writer.write_if_there(interpolation_time, 1, period.value);
+  writer.write_if_there(interpolation_exponent, 1, static_cast<std::uint8_t>(period.index));
 }
 
 void set_motion(ScriptWriter& writer, const Cia402Setup& setup) {
-  if (setup.following_error_window) writer.write({.index = 0x6065}, 4, *setup.following_error_window);
+  if (setup.following_error_window) writer.write({.index = window_index}, 4, *setup.following_error_window);
   if (setup.following_error_timeout_ms) writer.write({.index = 0x6066}, 2, *setup.following_error_timeout_ms);
   writer.add({.action = SetupAction::forbid,
-              .object = {.index = 0x6065},
               .finding = DriveFinding::window_disabled,
+              .object = {.index = window_index},
+              .may_be_absent = setup.watches_following_error,
               .value = 0xFFFFFFFF});
   // Off is the whole range of counts, or 0 to 0 in drives that leave the factory so.
   for (const auto& [sub, whole] : {std::pair{1, 0x80000000U}, std::pair{2, 0x7FFFFFFFU}}) {
     writer.add({.action = SetupAction::expect_no_range,
+                .finding = DriveFinding::counts_round,
                 .object = {.index = range_limit_index, .sub = static_cast<std::uint8_t>(sub)},
                 .may_be_absent = true,
-                .finding = DriveFinding::counts_round,
                 .value = whole});
   }
-  if (setup.position_limits) {
-    writer.write({.index = 0x607D, .sub = 1}, 4, static_cast<std::uint32_t>(setup.position_limits->min));
-    writer.write({.index = 0x607D, .sub = 2}, 4, static_cast<std::uint32_t>(setup.position_limits->max));
-  }
+  if (!setup.position_limits) return;
+  // Drives compare the two at each write. Where min is above the old max, it is taken after the new one.
+  constexpr ObjectAddress min{.index = 0x607D, .sub = 1};
+  constexpr ObjectAddress max{.index = 0x607D, .sub = 2};
+  const auto min_counts = static_cast<std::uint32_t>(setup.position_limits->min);
+  writer.add({.action = SetupAction::try_write, .object = min, .may_be_absent = true, .value = min_counts});
+  writer.write_if_there(max, 4, static_cast<std::uint32_t>(setup.position_limits->max));
+  writer.write_if_there(min, 4, min_counts);
 }
 
 /// How it leaves operation, each time by a ramp. The profile does not ask for these objects, and a drive that
@@ -141,10 +175,10 @@ void set_motion(ScriptWriter& writer, const Cia402Setup& setup) {
 void set_ramps(ScriptWriter& writer, const Cia402Setup& setup) {
   const auto choose = [&](std::uint16_t index, std::int16_t code, std::uint32_t codes) {
     writer.add({.action = SetupAction::write_code,
+                .finding = DriveFinding::would_coast,
                 .object = {.index = index},
                 .size = 2,
                 .may_be_absent = true,
-                .finding = DriveFinding::would_coast,
                 .value = static_cast<std::uint16_t>(code),
                 .mask = setup.coasts ? codes | bit_of(0) : codes});
   };
@@ -157,9 +191,9 @@ void set_ramps(ScriptWriter& writer, const Cia402Setup& setup) {
   choose(fault_reaction_index, 2, four_ramps);
   if (!setup.quick_stop_deceleration) return;
   writer.add({.action = SetupAction::write_near,
+              .finding = DriveFinding::stop_differs,
               .object = {.index = 0x6085},
               .may_be_absent = true,
-              .finding = DriveFinding::stop_differs,
               .value = *setup.quick_stop_deceleration});
 }
 
@@ -169,17 +203,17 @@ void set_watch(ScriptWriter& writer, const Cia402Setup& setup, const Interpolati
   // 3 is a quick stop; 1 a fault, with its reaction; 2 takes the power away.
   constexpr std::uint32_t brakes = bit_of(3) | bit_of(1);
   writer.add({.action = SetupAction::write_code,
+              .finding = DriveFinding::host_loss_unbraked,
               .object = {.index = host_loss_index},
               .size = 2,
               .may_be_absent = setup.stops_without_host,
-              .finding = DriveFinding::host_loss_unbraked,
               .value = 3,
               .mask = setup.coasts ? brakes | bit_of(2) : brakes});
   // It makes the drive notice a dead host. A setpoint timeout stands in where it does not exist.
   writer.add({.action = SetupAction::watchdog,
+              .finding = DriveFinding::watchdog_unset,
               .object = heartbeat_consumer,
               .may_be_absent = true,
-              .finding = DriveFinding::watchdog_unset,
               .value = (std::uint32_t{setup.host.value()} << 16) | setup.host_timeout_ms});
   // The period of SYNC is exactly that or 0: drives tune their clocks by it. With it many drives are in fault
   // when SYNC is half a period late, which one late tick brings about; without, they watch SYNC no more, and
@@ -189,7 +223,10 @@ void set_watch(ScriptWriter& writer, const Cia402Setup& setup, const Interpolati
               .object = {.index = 0x1006},
               .may_be_absent = true,
               .value = static_cast<std::uint32_t>(period.microseconds)});
-  writer.write({.index = 0x1017}, 2, setup.drive_heartbeat_ms);
+  writer.add({.action = SetupAction::watchdog,
+              .object = heartbeat_producer,
+              .size = 2,
+              .value = setup.drive_heartbeat_ms});
 }
 
 Status check(const Cia402Setup& setup) {
@@ -232,7 +269,15 @@ Result<SetupScript> make_setup_script(const Cia402Setup& setup) {
   set_motion(writer, setup);
   set_ramps(writer, setup);
   set_watch(writer, setup, *period);
-  writer.write({.index = 0x6060}, 1, static_cast<std::uint8_t>(mode_cyclic_position));
+  // 6061 in the process data shows whether it was taken.
+  writer.add({.action = SetupAction::write_at_once,
+              .object = {.index = 0x6060},
+              .size = 1,
+              .may_be_hidden = true,
+              .value = static_cast<std::uint8_t>(mode_cyclic_position)});
+  // A drive that shows its mode only once it is enabled may be in another one until then.
+  writer.add({.action = SetupAction::look, .object = {.index = 0x60FF}});
+  writer.add({.action = SetupAction::look, .object = {.index = 0x6071}, .size = 2});
   if (!writer.status()) return writer.status().error();
   return script;
 }

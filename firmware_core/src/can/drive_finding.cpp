@@ -15,7 +15,8 @@ struct Row {
 constexpr std::array table{
     Row{DriveFinding::never_booted,
         {.what = "no boot-up message came from the drive",
-         .remedy = "look at its supply, node number and bitrate"}},
+         .remedy = "look at its supply, node number and bitrate; if it obeys reset node only, write reset = "
+                   "\"node\" in the drive of the axis"}},
     Row{DriveFinding::wrong_device,
         {.what = "the device is not the drive that the rig has there", .remedy = "look at its node number"}},
     Row{DriveFinding::no_cyclic_position,
@@ -47,6 +48,10 @@ constexpr std::array table{
              "write on_host_lost = \"stops\" for the axis if the manual of the drive says that it brakes"}},
     Row{DriveFinding::window_disabled,
         {.what = "the drive does not watch its following error", .remedy = "set its window, object 6065"}},
+    Row{DriveFinding::window_unsaid,
+        {.what = "the drive does not say whether it watches its following error (it has no object 6065)",
+         .remedy = "write watches_following_error = true in the drive of the axis if the manual of the drive "
+                   "says that it does"}},
     Row{DriveFinding::counts_round,
         {.what = "the drive counts its positions round (object 607B), and setpoints go on",
          .remedy = "set its object 607B:1 to 80000000h and 607B:2 to 7FFFFFFFh, which is off"}},
@@ -64,6 +69,14 @@ constexpr std::array table{
     Row{DriveFinding::not_enabled,
         {.what = "the drive did not switch on in time",
          .remedy = "look at its power stage, enable input and brake"}},
+    Row{DriveFinding::mode_not_shown,
+        {.what = "the drive did not go into cyclic synchronous position (6061 does not show 8)",
+         .remedy = "look whether it has mode 8, and what else sets its mode"}},
+    Row{DriveFinding::follow_bit_missing,
+        {.what = "the drive is in operation, but does not tell that it follows its target (statusword bit 12 "
+                 "stays clear)",
+         .remedy =
+             "look at its limits and halt input; a drive that never sets bit 12 in mode 8 cannot be used"}},
     Row{DriveFinding::moved_while_enabling,
         {.what = "the axis is not where its first setpoint is", .remedy = "look what moved it"}},
     Row{DriveFinding::feedback_missing,

@@ -19,13 +19,7 @@ constexpr std::array<std::array<SetupState, setup_events>, setup_states> table{{
 }};
 
 constexpr bool reads_first(SetupAction action) {
-  return action == SetupAction::expect || action == SetupAction::expect_no_range ||
-         action == SetupAction::forbid || action == SetupAction::switch_off ||
-         action == SetupAction::switch_on;
-}
-/// The reasons that the client itself gives: no answer, or a senseless one.
-constexpr bool is_of_host(std::uint32_t abort_code) {
-  return abort_code == abort_timeout || abort_code == abort_unknown_command;
+  return action < SetupAction::write_at_once;
 }
 constexpr std::uint32_t mask_of(std::uint8_t size) {
   return 0xFFFFFFFFU >> (8U * (4U - size));
@@ -49,8 +43,11 @@ void SetupRunner::begin(const SetupScript& script) {
   step_ = 0;
   host_timeout_ms_ = 0;
   setpoint_timeout_ms_ = 0;
+  drive_heartbeat_ms_ = 0;
   fault_may_coast_ = false;
   range_begin_ = 0;
+  has_period_ = true;
+  has_no_other_target_ = true;
   begin_step(script);
 }
 
@@ -61,7 +58,16 @@ std::optional<Frame> SetupRunner::poll(const SetupScript& script, std::int64_t n
   return client_.poll(now_ns);
 }
 
+bool SetupRunner::is_left_out(const SetupScript& script) {
+  const SetupStep& step = script[step_];
+  if (step.action != SetupAction::compare) return step.unless_so && is_so_;
+  const bool is_first = step_ == 0 || script[step_ - 1].action != SetupAction::compare;
+  if (is_first) is_so_ = true;
+  return !is_so_;
+}
+
 void SetupRunner::begin_step(const SetupScript& script) {
+  while (step_ != script.size() && is_left_out(script)) ++step_;
   if (step_ == script.size()) {
     state_ = next_state(state_, SetupEvent::finished);
     return;
@@ -69,8 +75,7 @@ void SetupRunner::begin_step(const SetupScript& script) {
   const SetupStep& step = script[step_];
   found_.reset();
   abort_code_ = 0;
-  const bool is_needless = step.action == SetupAction::sync_watch && host_timeout_ms_ != 0;
-  if (!reads_first(step.action)) return write(step, is_needless ? 0 : step.value);
+  if (!reads_first(step.action)) return write(step);
   state_ = next_state(state_, SetupEvent::begin_reading);
   client_.begin_upload(step.object, step.size);
 }
@@ -80,10 +85,27 @@ void SetupRunner::next_step(const SetupScript& script) {
   begin_step(script);
 }
 
-void SetupRunner::write(const SetupStep& step, std::uint32_t value) {
+/// What a step is to write, once it has read what it had to know.
+std::uint32_t SetupRunner::value_for(const SetupStep& step) const {
+  switch (step.action) {
+    case SetupAction::switch_off:
+      return found_.value_or(0) | cob_id_is_invalid;
+    case SetupAction::switch_on:
+      return step.value | (found_.value_or(0) & cob_id_without_rtr);
+    case SetupAction::sync_watch: {
+      // A drive that has no 60C2 has nothing else that tells it how long a tick is.
+      const bool is_needless = host_timeout_ms_ != 0 && has_period_;
+      return is_needless ? 0 : step.value;
+    }
+    default:
+      return step.value;
+  }
+}
+
+void SetupRunner::write(const SetupStep& step) {
   state_ = next_state(state_, SetupEvent::begin_writing);
-  written_ = value;
-  client_.begin_download(step.object, step.size, value);
+  written_ = value_for(step);
+  client_.begin_download(step.object, step.size, written_);
 }
 
 void SetupRunner::read_back(const SetupStep& step) {
@@ -108,12 +130,14 @@ void SetupRunner::has_read(const SetupScript& script, const SetupStep& step) {
       return is_no_range(step) ? next_step(script) : refuse(step, step.finding);
     case SetupAction::forbid:
       return is_equal ? refuse(step, step.finding) : next_step(script);
-    case SetupAction::switch_off:
-      return write(step, *found_ | cob_id_is_invalid);
-    case SetupAction::switch_on:
-      return write(step, step.value | (*found_ & cob_id_without_rtr));
+    case SetupAction::look:
+      has_no_other_target_ = has_no_other_target_ && *found_ == 0;
+      return next_step(script);
+    case SetupAction::compare:
+      is_so_ = is_equal;
+      return next_step(script);
     default:
-      return;  // the others do not read first
+      return *found_ == (value_for(step) & mask_of(step.size)) ? next_step(script) : write(step);
   }
 }
 
@@ -126,10 +150,10 @@ bool SetupRunner::is_right(const SetupStep& step) {
       return *found_ == step.value || *found_ == 0;
     case SetupAction::write_code:
       return is_right_code(step);
-    case SetupAction::write_anything:
+    case SetupAction::try_write:
       return true;
     case SetupAction::watchdog:
-      return note_watchdog(step) || step.object != heartbeat_consumer;
+      return note_watchdog(step) || step.object.index == 0x1400;  // the heartbeat of the host is watched, too
     default:
       return *found_ == (written_ & mask_of(step.size));
   }
@@ -151,19 +175,46 @@ bool SetupRunner::is_right_code(const SetupStep& step) const {
   return *found_ < 32 && ((step.mask >> *found_) & 1) != 0;
 }
 
+bool SetupRunner::can_do_without(const SetupStep& step) const {
+  // Without an exponent the period is in milliseconds.
+  const bool has_period_without_exponent =
+      step.object == interpolation_exponent && abort_code_ == abort_no_sub_index && has_period_;
+  constexpr std::uint32_t milliseconds = 0xFD;
+  return step.may_be_absent && (!has_period_without_exponent || step.value == milliseconds);
+}
+
 void SetupRunner::has_failed(const SetupScript& script, const SetupStep& step) {
   abort_code_ = client_.abort_code();
-  const bool has_none = abort_code_ == abort_no_object || abort_code_ == abort_no_sub_index;
-  if (has_none && step.may_be_absent) return is_absent(script, step);
+  const bool is_silent = client_.has_given_up() && abort_code_ == abort_timeout;
+  if (is_silent) return refuse(step, DriveFinding::sdo_silent);
+  if (step.action == SetupAction::compare) {
+    is_so_ = false;
+    return next_step(script);
+  }
+  const bool is_there = abort_code_ != abort_no_object && abort_code_ != abort_no_sub_index;
+  if (step.action == SetupAction::look) {
+    if (is_there) has_no_other_target_ = false;
+    return next_step(script);
+  }
+  const bool has_none = !is_there;
+  if (has_none && can_do_without(step)) return is_absent(script, step);
   if (has_none && step.object.index == host_loss_index) return refuse(step, DriveFinding::host_loss_unsaid);
+  if (has_none && step.object.index == window_index) return refuse(step, DriveFinding::window_unsaid);
+  const bool is_refused = !has_none && !client_.has_given_up();
+  const bool can_write = step.action >= SetupAction::write;
+  const bool needs_old = step.action == SetupAction::switch_off || step.action == SetupAction::switch_on;
+  if (state_ == reading && is_refused && can_write && !needs_old) return write(step);
   // A drive may refuse to be written and have what is wanted: set by somebody, or so from the factory.
-  if (state_ == writing && !has_none && !is_of_host(abort_code_)) return read_back(step);
-  refuse(step, abort_code_ == abort_timeout ? DriveFinding::sdo_silent : DriveFinding::sdo_failed);
+  if (state_ == writing && is_refused) return read_back(step);
+  const bool is_hidden = abort_code_ == abort_write_only || abort_code_ == abort_unsupported_access;
+  if (state_ == verifying && is_hidden && step.may_be_hidden) return next_step(script);
+  refuse(step, DriveFinding::sdo_failed);
 }
 
 void SetupRunner::is_absent(const SetupScript& script, const SetupStep& step) {
   const bool may_coast = (step.mask & 1) != 0;
   if (step.object.index == fault_reaction_index) fault_may_coast_ = !may_coast;
+  if (step.object == interpolation_time) has_period_ = false;
   if (step.object == heartbeat_consumer && setpoint_timeout_ms_ == 0) return refuse(step, step.finding);
   next_step(script);
 }
@@ -184,7 +235,13 @@ bool SetupRunner::note_watchdog(const SetupStep& step) {
   const auto found_ms = static_cast<std::uint16_t>(*found_);
   const bool is_same_node = (*found_ >> 16) == (step.value >> 16);
   if (!is_same_node || found_ms == 0 || found_ms > 2 * asked_ms) return false;
-  (step.object == heartbeat_consumer ? host_timeout_ms_ : setpoint_timeout_ms_) = found_ms;
+  if (step.object == heartbeat_consumer) {
+    host_timeout_ms_ = found_ms;
+  } else if (step.object == heartbeat_producer) {
+    drive_heartbeat_ms_ = found_ms;
+  } else {
+    setpoint_timeout_ms_ = found_ms;
+  }
   return true;
 }
 

@@ -32,6 +32,11 @@ Cia402State state_of(std::uint16_t statusword);
 /// In words: "switched on".
 const char* name_of(Cia402State state);
 
+constexpr bool is_faulty(Cia402State state) {
+  return state == Cia402State::fault || state == Cia402State::fault_reaction_active;
+}
+
+inline constexpr std::uint16_t status_warning = 1U << 7;
 inline constexpr std::uint16_t status_internal_limit = 1U << 11;
 inline constexpr std::uint16_t status_follows_target = 1U << 12;  ///< in this mode of operation
 inline constexpr std::uint16_t status_following_error = 1U << 13;

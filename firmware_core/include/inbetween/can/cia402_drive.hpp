@@ -25,9 +25,12 @@ struct Cia402Settings {
   /// The furthest that a target may be from the last one, in counts: 1.2 times what max_velocity covers in a
   /// tick. A larger step is not sent.
   std::int32_t max_step_counts = 0;
-  /// The furthest that the axis may be from its held target when it has been switched on, and the first
-  /// target from that one. A first target that is further is not sent.
+  /// The furthest that the axis may be from its held target from when it is switched on until its first
+  /// target.
   std::int32_t hold_tolerance_counts = 100;
+  /// The furthest that the first target may be from the held one: what the axis covers from rest in a tick,
+  /// at least a count. A first target that is further is not sent.
+  std::int32_t first_step_counts = 100;
   /// Ticks in a row without feedback that are a finding; one may always come late.
   std::int32_t missing_limit = 3;
   /// Bad frames that are still no finding; one is forgiven in every `bad_frame_ticks`.
@@ -35,13 +38,21 @@ struct Cia402Settings {
   std::int32_t bad_frame_ticks = 250;
   std::int64_t boot_timeout_ns = 5'000'000'000;
   std::int64_t sdo_timeout_ns = 500'000'000;
-  std::int64_t enable_timeout_ns = 1'000'000'000;  ///< a brake may take some 100 ms
+  std::int64_t enable_timeout_ns = 5'000'000'000;  ///< for brake and commutation
+  std::int64_t stop_timeout_ns = 1'000'000'000;    ///< until it answers a quick stop, or its fault is reset
+  /// How it is told to start anew. A drive that is reset as a whole may forget where it is.
+  NmtCommand reset = NmtCommand::reset_communication;
   /// How long the drive may take for its ramp, its brake and its power stage on the way off.
   std::int64_t disable_timeout_ns = 2'000'000'000;
   /// The axis rests where it has not been further than this, in counts, from one place for rest_ns.
   std::int32_t rest_counts = 10;
   std::int64_t rest_ns = 50'000'000;
-  std::int64_t ignore_grace_ns = 20'000'000;  ///< some drives clear bit 12 for a moment
+  /// Some drives clear bit 12, or set bit 11, for a moment; and bit 7 a moment after the emergency that
+  /// warns.
+  std::int64_t ignore_grace_ns = 20'000'000;
+  /// Some drives show no mode, 0, until they are enabled. One that does so for this long is enabled first,
+  /// and stopped where it does not show the right mode within ignore_grace_ns.
+  std::int64_t mode_wait_ns = 200'000'000;
   std::int64_t heartbeat_timeout_ns = 150'000'000;
 };
 
@@ -154,12 +165,17 @@ class Cia402Drive {
   void take_bad_frame();
   void take_heartbeat(const Frame& frame, std::int64_t now_ns);
   void take_emergency(const Frame& frame, std::int64_t now_ns);
-  void take_feedback(const Frame& frame);
+  void take_feedback(const Frame& frame, std::int64_t now_ns);
+  void judge_emergency(std::int64_t now_ns);
+  [[nodiscard]] DriveFinding why_not_enabled() const;
+  bool may_be_enabled(std::int64_t now_ns);
   void take_boot_up(std::int64_t now_ns);
+  void watch_heartbeat(std::int64_t now_ns);
   void count_ticks();
   void watch_connection(std::int64_t now_ns);
   void advance(std::int64_t now_ns);
   void advance_configuring(std::int64_t now_ns);
+  [[nodiscard]] bool may_have_been_operational() const;
   void advance_starting(std::int64_t now_ns);
   void advance_clearing(std::int64_t now_ns);
   void advance_enabling(std::int64_t now_ns);
@@ -179,6 +195,7 @@ class Cia402Drive {
   [[nodiscard]] bool is_in_mode() const { return feedback_.mode == mode_cyclic_position; }
   [[nodiscard]] bool status_has(std::uint16_t bit) const { return (feedback_.statusword & bit) != 0; }
   [[nodiscard]] bool is_supervised() const;
+  [[nodiscard]] bool holds_its_place() const;
   [[nodiscard]] std::uint16_t controlword() const;
   void choose_target(std::optional<std::int32_t> target);
 
@@ -197,18 +214,24 @@ class Cia402Drive {
   std::optional<NmtCommand> order_;  ///< to be sent by service()
   NmtState heard_ = NmtState::boot_up;
   std::int64_t phase_deadline_ns_ = 0;
-  std::int64_t followed_ns_ = 0;  ///< when bit 12 was seen last
+  std::int64_t followed_ns_ = 0;   ///< when bit 12 was seen last
+  std::int64_t unlimited_ns_ = 0;  ///< and when bit 11 was clear
+  std::optional<std::int64_t>
+      emergency_ns_;  ///< when one came of which it is not known whether it only warns
   std::int32_t target_ = 0;
   std::int32_t awaited_ = 0;  ///< feedback that SYNC has asked for, at most the present and one late
   std::int32_t missed_in_row_ = 0;
   std::int32_t bad_frame_level_ = 0;
   std::int32_t ticks_to_forgive_ = 0;
-  bool has_feedback_ = false;  ///< in this phase or one before, since it was started
-  bool is_fresh_ = false;      ///< feedback has come since the last tick
+  std::optional<std::int64_t> modeless_ns_;  ///< enabling: since when it has power and shows mode 0
+  std::optional<std::int64_t> enabled_ns_;   ///< enabling: since when it is in operation
+  bool has_feedback_ = false;                ///< in this phase or one before, since it was started
+  bool is_fresh_ = false;                    ///< feedback has come since the last tick
   bool host_heartbeat_sent_ = false;
-  bool is_seeded_ = false;     ///< enabling: the target is held
-  bool is_commanded_ = false;  ///< following: a target has been given
-  bool has_written_ = false;   ///< its set-up has begun to write, since it was connected
+  bool is_seeded_ = false;      ///< enabling: the target is held
+  bool is_commanded_ = false;   ///< following: a target has been given
+  bool has_written_ = false;    ///< its set-up has begun to write, since it was connected
+  bool was_sent_back_ = false;  ///< to pre-operational, since it was connected: it had started by itself
   /// It has left Operational by itself, or reported a fault of communication, since it was connected. When it
   /// leaves, its communication starts anew, which forgets such a fault.
   bool has_lost_touch_ = false;

@@ -184,7 +184,7 @@ class Cia402Port {
   /// next would be a jump by the difference. O(1).
   void place(std::size_t axis, Real position) {
     const Real counts = std::floor(position * axes_[axis].counts_per_unit + Real(0.5));
-    axes_[axis].zero_counts = drive_of(axes_[axis]).feedback().actual - static_cast<std::int64_t>(counts);
+    axes_[axis].zero_counts = held_counts(drive_of(axes_[axis])) - static_cast<std::int64_t>(counts);
   }
 
   [[nodiscard]] const LaneCounters& counters(std::size_t lane) const { return counters_[lane]; }
@@ -207,6 +207,13 @@ class Cia402Port {
     }
   }
 
+  /// Where an axis is. One that was switched on and waits for its first target is where it is held, though it
+  /// may sag: from there the first target goes on.
+  [[nodiscard]] static std::int64_t held_counts(const Cia402Drive& drive) {
+    const bool is_held = drive.phase() == DrivePhase::following && !drive.is_commanded();
+    return is_held ? drive.target() : drive.feedback().actual;
+  }
+
   [[nodiscard]] DriveState<Real> state_of_axis(std::size_t i) {
     Cia402Axis<Real>& axis = axes_[i];
     const Cia402Drive& drive = drive_of(axis);
@@ -214,7 +221,7 @@ class Cia402Port {
       place(i, *axis.stands_at);
       axis.stands_at.reset();
     }
-    return {.actual = static_cast<Real>(drive.feedback().actual - axis.zero_counts) / axis.counts_per_unit,
+    return {.actual = static_cast<Real>(held_counts(drive) - axis.zero_counts) / axis.counts_per_unit,
             .is_on = drive.phase() == DrivePhase::following,
             .is_leaving = lanes_[axis.lane].link->is_up() && drive.is_leaving(),
             .condition = condition_of(axis)};

@@ -12,7 +12,7 @@
 #include "inbetween/can/sdo_client.hpp"
 
 /// How a drive is made ready for cyclic synchronous position mode: a list of objects that are checked or
-/// written, each read back, in the order that CiA 301 asks for.
+/// written, each read back, in the order that CiA 301 asks for. A PDO that is as it shall be is left alone.
 
 namespace inbetween::can {
 
@@ -42,41 +42,54 @@ struct Cia402Setup {
   bool coasts = false;
   /// Somebody has read that the drive brakes when the host is lost, though it has no object 6007.
   bool stops_without_host = false;
+  /// Somebody has read that the drive watches its following error, though it has no object 6065.
+  bool watches_following_error = false;
   std::optional<std::uint32_t> vendor{};   ///< 1018:1, must be so
   std::optional<std::uint32_t> product{};  ///< 1018:2, must be so
 };
 
 /// Objects of which the steps depend on each other.
 inline constexpr ObjectAddress heartbeat_consumer{.index = 0x1016, .sub = 1};
+inline constexpr ObjectAddress heartbeat_producer{.index = 0x1017};
 inline constexpr std::uint16_t fault_reaction_index = 0x605E;
 inline constexpr std::uint16_t host_loss_index = 0x6007;
 inline constexpr std::uint16_t range_limit_index = 0x607B;
+inline constexpr std::uint16_t window_index = 0x6065;
+inline constexpr ObjectAddress interpolation_time{.index = 0x60C2, .sub = 1};
+inline constexpr ObjectAddress interpolation_exponent{.index = 0x60C2, .sub = 2};
 
 enum class SetupAction : std::uint8_t {
   expect,           ///< (object & mask) must be `value`, or `finding`
   forbid,           ///< (object & mask) must not be `value`, or `finding`
   expect_no_range,  ///< it must be `value`, or 0 as the other end of the range, or `finding`
-  // All of these write. What the drive has then, is read and judged; also where it has refused to be written.
-  write,           ///< it must be `value`
-  write_near,      ///< it must be `value`, or off by no more than a drive rounds
-  sync_watch,      ///< `value`, or 0 where the drive watches the host's heartbeat: it must be one of the two
-  write_code,      ///< it must be a number of which `mask` has the bit
-  write_anything,  ///< it may be anything
-  switch_off,      ///< COB-ID of a PDO: bit 31 set, all others kept
-  switch_on,       ///< COB-ID of a PDO: `value` with bit 30 as it is in the drive
-  watchdog,        ///< heartbeat consumer or setpoint timeout: it must be as long, or up to twice
+  look,             ///< whether the object is 0 or absent is remembered
+  compare,          ///< whether (object & mask) is `value`: of several in a row each must be, for `unless_so`
+  // These read first, and write only what differs: a drive may have it fixed, or keep it in flash.
+  write,       ///< it must be `value`
+  try_write,   ///< `value` if the drive takes it now; it may be anything
+  sync_watch,  ///< `value`, or 0 where the drive watches the host's heartbeat: it must be one of the two
+  switch_off,  ///< COB-ID of a PDO: bit 31 set, all others kept
+  switch_on,   ///< COB-ID of a PDO: `value` with bit 30 as it is in the drive
+  // These write at once. What the drive has then, is read and judged; also where it has refused to be
+  // written.
+  write_at_once,  ///< it must be `value`
+  write_near,     ///< it must be `value`, or off by no more than a drive rounds
+  write_code,     ///< it must be a number of which `mask` has the bit
+  watchdog,       ///< a heartbeat or the setpoint timeout: it must be as long, or up to twice
 };
 
 struct SetupStep {
   SetupAction action = SetupAction::write;
+  DriveFinding finding = DriveFinding::read_back_differs;
   ObjectAddress object{};
   std::uint8_t size = 4;
-  bool may_be_absent = false;  ///< the abort "no such object" or "no such sub-index" is an answer, too
-  DriveFinding finding = DriveFinding::read_back_differs;
+  bool may_be_absent : 1 = false;  ///< the abort "no such object" or "no such sub-index" is an answer, too
+  bool may_be_hidden : 1 = false;  ///< it need not be readable
+  bool unless_so : 1 = false;      ///< left out where the comparisons before it have found what they look for
   std::uint32_t value = 0;
   std::uint32_t mask = 0xFFFFFFFF;
 };
-inline constexpr std::size_t setup_steps = 64;
+inline constexpr std::size_t setup_steps = 68;
 using SetupScript = FixedVector<SetupStep, setup_steps>;
 
 /// The steps for a drive, in pre-operational: who it is; no PDO but RPDO1 and TPDO1, and those mapped as
@@ -135,15 +148,22 @@ class SetupRunner {
   /// The times of the drive's own watchdogs as read back, in milliseconds; 0: it has none.
   [[nodiscard]] std::uint16_t host_timeout_ms() const { return host_timeout_ms_; }
   [[nodiscard]] std::uint16_t setpoint_timeout_ms() const { return setpoint_timeout_ms_; }
+  /// How often it will tell that it lives, as read back.
+  [[nodiscard]] std::uint16_t drive_heartbeat_ms() const { return drive_heartbeat_ms_; }
+  /// Neither a velocity (60FF) nor a torque (6071) is asked of it, whatever mode it is in.
+  [[nodiscard]] bool has_no_other_target() const { return has_no_other_target_; }
 
  private:
   void begin_step(const SetupScript& script);
+  [[nodiscard]] bool is_left_out(const SetupScript& script);
   void next_step(const SetupScript& script);
-  void write(const SetupStep& step, std::uint32_t value);
+  [[nodiscard]] std::uint32_t value_for(const SetupStep& step) const;
+  void write(const SetupStep& step);
   void read_back(const SetupStep& step);
   void answered(const SetupScript& script);
   void has_read(const SetupScript& script, const SetupStep& step);
   void has_failed(const SetupScript& script, const SetupStep& step);
+  [[nodiscard]] bool can_do_without(const SetupStep& step) const;
   void is_absent(const SetupScript& script, const SetupStep& step);
   void refuse(const SetupStep& step, DriveFinding finding);
   bool is_right(const SetupStep& step);
@@ -158,10 +178,14 @@ class SetupRunner {
   std::uint32_t written_ = 0;
   std::optional<std::uint32_t> found_;  ///< of this step
   std::uint32_t abort_code_ = 0;        ///< of this step
-  bool fault_may_coast_ = false;        ///< nobody knows what it does in a fault
-  std::uint32_t range_begin_ = 0;       ///< 607B:1
+  bool is_so_ = false;                  ///< the comparisons
+  bool has_no_other_target_ = true;
+  bool has_period_ = true;         ///< 60C2 tells it how long a tick is
+  bool fault_may_coast_ = false;   ///< nobody knows what it does in a fault
+  std::uint32_t range_begin_ = 0;  ///< 607B:1
   std::uint16_t host_timeout_ms_ = 0;
   std::uint16_t setpoint_timeout_ms_ = 0;
+  std::uint16_t drive_heartbeat_ms_ = 0;
 };
 
 }  // namespace inbetween::can

@@ -21,6 +21,7 @@ enum class DriveFinding : std::uint8_t {
   host_loss_unbraked,
   host_loss_unsaid,
   window_disabled,
+  window_unsaid,
   counts_round,
   watchdog_unset,
   first_heartbeat_missing,
@@ -28,6 +29,8 @@ enum class DriveFinding : std::uint8_t {
   // while it is switched on
   fault_stays,
   not_enabled,
+  mode_not_shown,
+  follow_bit_missing,
   moved_while_enabling,
   // at any time after that
   feedback_missing,
@@ -50,7 +53,7 @@ enum class DriveFinding : std::uint8_t {
   moves_while_off,
   watchdog_stays,
 };
-inline constexpr std::size_t drive_findings = 37;
+inline constexpr std::size_t drive_findings = 40;
 
 /// The reaction of the loop with the whole rig (a drive decides nothing for the others).
 enum class DriveReaction : std::uint8_t {

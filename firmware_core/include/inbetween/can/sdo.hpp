@@ -56,9 +56,12 @@ std::optional<SdoMessage> read_sdo_request(const Frame& frame);
 std::optional<SdoMessage> read_sdo_answer(const Frame& frame);
 
 /// Reasons of an abort that this project gives or looks for; words_of_abort knows all of CiA 301.
+inline constexpr std::uint32_t abort_toggle = 0x05030000;
 inline constexpr std::uint32_t abort_timeout = 0x05040000;
 inline constexpr std::uint32_t abort_unknown_command = 0x05040001;
+inline constexpr std::uint32_t abort_out_of_memory = 0x05040005;
 inline constexpr std::uint32_t abort_unsupported_access = 0x06010000;
+inline constexpr std::uint32_t abort_write_only = 0x06010001;
 inline constexpr std::uint32_t abort_read_only = 0x06010002;
 inline constexpr std::uint32_t abort_no_object = 0x06020000;
 inline constexpr std::uint32_t abort_not_mappable = 0x06040041;

@@ -1,0 +1,310 @@
+// What drives of other makes do, and the standards allow: each quirk is a drive of the tests' own that has
+// it.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+#include <string_view>
+
+#include "tests/support/quirk_scene.hpp"
+
+namespace inbetween {
+namespace can_quirks_test {
+
+using can::DriveFinding;
+using can::DrivePhase;
+using testing::HasSubstr;
+
+const QuirkRig stops_by_itself{.axis = "on_host_lost = \"stops\"\n"};
+
+TEST(DriveQuirk, ADriveWithoutQuirksRuns) {
+  QuirkScene scene("");
+  EXPECT_TRUE(scene.runs()) << scene.trouble();
+}
+
+TEST(DriveQuirk, WithoutObject6007TheRigSaysWhatItDoesWithoutItsHost) {
+  QuirkScene refused(R"(absent = ["6007"])");
+  EXPECT_FALSE(refused.is_set_up());
+  EXPECT_EQ(refused.host().first_finding(), DriveFinding::host_loss_unsaid);
+  QuirkScene scene(R"(absent = ["6007"])", stops_by_itself);
+  EXPECT_TRUE(scene.runs()) << scene.trouble();
+}
+
+// --- answers
+
+TEST(DriveQuirk, AnAnswerWithMoreBytesThanWereAskedForIsTakenIfTheValueFits) {
+  QuirkScene scene(
+      R"(wide = ["605A", "605B", "605C", "605D", "605E", "6007", "1017", "1019", "1029:1", "60C2:1",
+                              "60C2:2", "6060", "1400:2", "1400:5", "1600:0", "1800:2", "1800:3", "1A00:0"])");
+  EXPECT_TRUE(scene.runs()) << scene.trouble();
+  EXPECT_EQ(scene.drive.value(0x60C2, 2), 0xFDU);
+}
+
+TEST(DriveQuirk, AnAnswerWithMoreBytesThatHaveAValueIsRefused) {
+  QuirkScene scene("wide = [\"605A\"]\nhigh_bytes = 0x10000");
+  EXPECT_FALSE(scene.is_set_up());
+  EXPECT_EQ(scene.host().first_finding(), DriveFinding::sdo_failed);
+  EXPECT_THAT(scene.trouble(), HasSubstr("605Ah:0"));
+}
+
+TEST(DriveQuirk, AnAnswerOfFourBytesMayComeInSegments) {
+  QuirkScene scene(R"(segmented = ["1000", "1005", "6502", "605A", "60C2:1", "1400:1", "1A00:3", "6060"])");
+  EXPECT_TRUE(scene.runs()) << scene.trouble();
+}
+
+// --- what it has already
+
+TEST(DriveQuirk, WhatItHasAlreadyIsNotWritten) {
+  QuirkScene scene(R"(read_only = ["1006", "60C2:1", "60C2:2", "1029:1", "1019", "1401:1", "1801:1"]
+                      values = { "60C2:1" = 4, "1401:1" = 0x80000305, "1801:1" = 0xC0000285 })");
+  EXPECT_TRUE(scene.is_switched_on()) << scene.trouble();
+  for (const unsigned index : {0x1006U, 0x1029U, 0x1019U, 0x1401U, 0x1801U}) {
+    EXPECT_EQ(scene.drive.writes(index, index == 0x1006 || index == 0x1019 ? 0 : 1), 0) << std::hex << index;
+  }
+  EXPECT_EQ(scene.drive.writes(0x60C2, 1) + scene.drive.writes(0x60C2, 2), 0);
+}
+
+TEST(DriveQuirk, WhatIsFixedAtAnotherValueIsRefused) {
+  QuirkScene scene("read_only = [\"60C2:1\"]\nvalues = { \"60C2:1\" = 2 }");
+  EXPECT_FALSE(scene.is_set_up());
+  EXPECT_THAT(scene.trouble(), HasSubstr("60C2h:1 is 2 (2h), not 4 (4h); 0601 0002h"));
+}
+
+constexpr std::string_view fixed_mapping = R"(
+read_only = ["1400:1", "1400:2", "1600", "1600:1", "1600:2",
+             "1800:1", "1800:2", "1800:3", "1A00", "1A00:1", "1A00:2", "1A00:3"]
+[values]
+"1400:1" = 0x205
+"1400:2" = 1
+"1600" = 2
+"1600:1" = 0x60400010
+"1600:2" = 0x607A0020
+"1800:1" = 0x40000185
+"1800:2" = 1
+"1A00" = 3
+"1A00:1" = 0x60410010
+"1A00:2" = 0x60640020
+"1A00:3" = )";
+
+TEST(DriveQuirk, AMappingThatIsFixedAsItShallBeIsLeftAlone) {
+  QuirkScene scene(std::string(fixed_mapping) + "0x60610008");
+  EXPECT_TRUE(scene.runs()) << scene.trouble();
+  for (const unsigned index : {0x1600U, 0x1A00U})
+    EXPECT_EQ(scene.drive.writes(index), 0) << std::hex << index;
+  EXPECT_EQ(scene.drive.writes(0x1400, 1) + scene.drive.writes(0x1800, 1), 0);
+}
+
+TEST(DriveQuirk, AMappingThatIsFixedAndAnotherIsRefused) {
+  QuirkScene scene(std::string(fixed_mapping) + "0x60600008");
+  EXPECT_FALSE(scene.is_set_up());
+  EXPECT_THAT(scene.trouble(), HasSubstr("object 1800h:1"));
+}
+
+TEST(DriveQuirk, TheRangeIsWrittenInTheOrderInWhichItStaysConsistent) {
+  for (const char* const range :
+       {"min = 50\nmax = 200\n", "min = -200\nmax = -50\n", "min = 0\nmax = 200\n"}) {
+    for (const char* const before : {"0", "-2000000000", "2000000000"}) {
+      QuirkScene scene(
+          "values = { \"607D:1\" = " + std::string(before) + ", \"607D:2\" = " + std::string(before) + " }",
+          {.range = range});
+      EXPECT_TRUE(scene.is_set_up()) << range << before << scene.trouble();
+      const double min = std::string(range).find("50") == 6 ? 50 : std::string(range)[6] == '-' ? -200 : 0;
+      EXPECT_EQ(static_cast<std::int32_t>(scene.drive.value(0x607D, 1)), std::floor(min * 838860.8)) << range;
+    }
+  }
+}
+
+// --- what it does not have
+
+TEST(DriveQuirk, AModeThatIsNotOfferedMayBeTakenAllTheSame) {
+  QuirkScene scene(R"(absent = ["6502"])");
+  EXPECT_TRUE(scene.runs()) << scene.trouble();
+}
+
+TEST(DriveQuirk, WithoutObject6502AModeThatIsNotShownIsNotSwitchedOn) {
+  QuirkScene scene("absent = [\"6502\"]\nshows_mode = \"never\"\nmode_shown = 1",
+                   {.drive = ", enable_timeout_s = 1"});
+  EXPECT_FALSE(scene.is_switched_on());
+  EXPECT_EQ(scene.host().first_finding(), DriveFinding::mode_not_shown);
+  EXPECT_TRUE(scene.drive.applied().empty());
+}
+
+TEST(DriveQuirk, ItsModeMayBeWriteOnly) {
+  QuirkScene scene(R"(write_only = ["6060"])");
+  EXPECT_TRUE(scene.runs()) << scene.trouble();
+}
+
+TEST(DriveQuirk, NothingElseMayBeWriteOnly) {
+  QuirkScene scene(R"(write_only = ["6007"])");
+  EXPECT_FALSE(scene.is_set_up());
+  EXPECT_THAT(scene.trouble(), HasSubstr("6007h:0; 0601 0001h"));
+}
+
+TEST(DriveQuirk, WithoutObject6065TheRigSaysThatItWatchesItsFollowingError) {
+  QuirkScene refused(R"(absent = ["6065"])");
+  EXPECT_FALSE(refused.is_set_up());
+  EXPECT_EQ(refused.host().first_finding(), DriveFinding::window_unsaid);
+  QuirkScene scene(R"(absent = ["6065"])", {.drive = ", watches_following_error = true"});
+  EXPECT_TRUE(scene.runs()) << scene.trouble();
+  QuirkScene off(R"(values = { "6065" = 0xFFFFFFFF })", {.drive = ", watches_following_error = true"});
+  EXPECT_FALSE(off.is_set_up()) << "it says that it does not";
+}
+
+TEST(DriveQuirk, WhatNothingDependsOnMayBeAbsent) {
+  QuirkScene scene(
+      R"(absent = ["607D:1", "607D:2", "1005", "1006", "1019", "1029:1", "1400:5", "1800:3", "1800:5"])");
+  EXPECT_TRUE(scene.runs()) << scene.trouble();
+}
+
+TEST(DriveQuirk, WithoutObject60C2ThePeriodOfSyncTellsHowLongATickIs) {
+  QuirkScene scene(R"(absent = ["60C2:1", "60C2:2"])");
+  EXPECT_TRUE(scene.is_switched_on()) << scene.trouble();
+  EXPECT_EQ(scene.drive.value(0x1006), 4000U);
+  QuirkScene milliseconds(R"(absent = ["60C2:2"])");
+  EXPECT_TRUE(milliseconds.is_switched_on()) << milliseconds.trouble();
+  EXPECT_EQ(milliseconds.drive.value(0x60C2, 1), 4U);
+  EXPECT_EQ(milliseconds.drive.value(0x1006), 0U);
+}
+
+// --- heartbeats, starting
+
+TEST(DriveQuirk, AHeartbeatThatIsRoundedUpIsWaitedFor) {
+  QuirkScene scene("heartbeat_step_ms = 100");
+  EXPECT_TRUE(scene.runs()) << scene.trouble();
+  EXPECT_EQ(scene.host().setup().drive_heartbeat_ms(), 100);
+}
+
+TEST(DriveQuirk, AHeartbeatOfMoreThanTwiceIsRefused) {
+  QuirkScene scene("heartbeat_step_ms = 101");
+  EXPECT_FALSE(scene.is_set_up());
+  EXPECT_THAT(scene.trouble(), HasSubstr("1017h:0 is 101"));
+}
+
+TEST(DriveQuirk, ANodeThatStartsByItselfIsSentBackBeforeItIsMapped) {
+  QuirkScene scene("starts_itself = true");
+  EXPECT_TRUE(scene.runs()) << scene.trouble();
+  QuirkScene ordinary("");
+  EXPECT_TRUE(ordinary.is_set_up());
+  EXPECT_EQ(ordinary.times_sent(0x000, {0x80, 5}), 0) << "others are not told";
+}
+
+TEST(DriveQuirk, ADriveThatObeysResetNodeOnlyNeedsTheRigToSaySo) {
+  QuirkScene refused("boots_after_communication = false");
+  EXPECT_FALSE(refused.is_set_up());
+  EXPECT_EQ(refused.host().first_finding(), DriveFinding::never_booted);
+  EXPECT_THAT(refused.trouble(), HasSubstr("reset = \"node\""));
+  EXPECT_EQ(refused.times_sent(0x000, {0x81, 5}), 0);
+  QuirkScene scene("boots_after_communication = false", {.drive = ", reset = \"node\""});
+  EXPECT_TRUE(scene.runs()) << scene.trouble();
+  EXPECT_EQ(scene.times_sent(0x000, {0x82, 5}), 0);
+}
+
+// --- in operation
+
+TEST(DriveQuirk, ALimitForAMomentIsNone) {
+  QuirkScene scene("bit_11_ms = 16");
+  EXPECT_TRUE(scene.runs()) << scene.trouble();
+  QuirkScene longer("bit_11_ms = 40");
+  EXPECT_FALSE(longer.runs());
+  EXPECT_EQ(longer.host().first_finding(), DriveFinding::internal_limit);
+}
+
+TEST(DriveQuirk, AnEmergencyThatIsAWarningIsCountedAndTheMoveGoesOn) {
+  QuirkScene scene("emergency = 0x4210\nwarns = true");
+  EXPECT_TRUE(scene.runs()) << scene.trouble();
+  EXPECT_EQ(scene.host().counters().emergencies, 1U);
+  EXPECT_EQ(scene.host().last_emergency().code, 0x4210);
+}
+
+TEST(DriveQuirk, AnEmergencyThatNothingExplainsIsAFinding) {
+  QuirkScene scene("emergency = 0x8110");
+  EXPECT_FALSE(scene.runs());
+  EXPECT_EQ(scene.host().first_finding(), DriveFinding::emergency);
+  QuirkScene fault("emergency = 0x2310\nfails = true");
+  EXPECT_FALSE(fault.runs());
+  EXPECT_EQ(fault.host().first_finding(), DriveFinding::emergency);
+  QuirkScene both("emergency = 0x2310\nfails = true\nwarns = true");
+  EXPECT_FALSE(both.runs()) << "a fault is none";
+  EXPECT_EQ(both.host().first_finding(), DriveFinding::emergency);
+}
+
+TEST(DriveQuirk, ADriveWithoutBit12IsToldSo) {
+  QuirkScene scene("has_bit_12 = false", {.drive = ", enable_timeout_s = 1"});
+  EXPECT_FALSE(scene.is_switched_on());
+  EXPECT_EQ(scene.host().first_finding(), DriveFinding::follow_bit_missing);
+  EXPECT_THAT(scene.trouble(), HasSubstr("bit 12"));
+}
+
+// --- a mode that is shown once it is enabled
+
+TEST(DriveQuirk, AModeThatIsShownOnlyOnceItIsEnabledIsWaitedForInOperation) {
+  QuirkScene scene("shows_mode = \"enabled\"\nmode_delay_ms = 12");
+  EXPECT_TRUE(scene.runs()) << scene.trouble();
+}
+
+TEST(DriveQuirk, WithoutItsModeSoonAfterItIsEnabledItIsStopped) {
+  QuirkScene scene("shows_mode = \"enabled\"\nmode_delay_ms = 100");
+  EXPECT_FALSE(scene.is_switched_on());
+  EXPECT_EQ(scene.host().first_finding(), DriveFinding::mode_not_shown);
+  scene.tick();
+  EXPECT_EQ(scene.times_sent(0x205, {0x02, 0x00}), 1) << "a quick stop";
+  EXPECT_EQ(scene.phase(), DrivePhase::stopping);
+  EXPECT_FALSE(scene.drive.is_in_operation());
+  for (const std::int32_t target : scene.drive.applied()) EXPECT_EQ(target, 0);
+}
+
+TEST(DriveQuirk, AModeThatIsAnotherIsNeverEnabled) {
+  QuirkScene scene("shows_mode = \"enabled\"\nmode_shown = 1", {.drive = ", enable_timeout_s = 1"});
+  EXPECT_FALSE(scene.is_switched_on());
+  EXPECT_EQ(scene.host().first_finding(), DriveFinding::mode_not_shown);
+  EXPECT_EQ(scene.times_sent(0x205, {0x0F, 0x00}), 0);
+}
+
+TEST(DriveQuirk, WithAVelocityOrATorqueAskedOfItADriveWithoutAModeIsNeverEnabled) {
+  for (const char* const other : {"60FF", "6071"}) {
+    QuirkScene scene("shows_mode = \"enabled\"\nsizes = { \"" + std::string(other) +
+                         (std::string(other) == "60FF" ? "\" = 4 }" : "\" = 2 }"),
+                     {.drive = ", enable_timeout_s = 1"});
+    EXPECT_FALSE(scene.is_switched_on());
+    EXPECT_EQ(scene.times_sent(0x205, {0x0F, 0x00}), 0);
+  }
+}
+
+// --- times and tolerances
+
+TEST(DriveQuirk, ABrakeMayTakeItsTime) {
+  QuirkScene scene("brake_ms = 3000");
+  EXPECT_TRUE(scene.runs()) << scene.trouble();
+  QuirkScene longer("brake_ms = 7000");
+  EXPECT_FALSE(longer.is_switched_on());
+  EXPECT_EQ(longer.host().first_finding(), DriveFinding::not_enabled);
+  QuirkScene allowed("brake_ms = 7000", {.drive = ", enable_timeout_s = 8"});
+  EXPECT_TRUE(allowed.runs()) << allowed.trouble();
+}
+
+TEST(DriveQuirk, AnAxisThatSagsByAQuarterOfAMicrometreHoldsItsPlace) {
+  QuirkScene scene("sag_counts = 201");
+  EXPECT_TRUE(scene.runs()) << scene.trouble();
+  QuirkScene falls("sag_counts = 90000");  // 0.107 mm
+  EXPECT_FALSE(falls.is_switched_on());
+  EXPECT_EQ(falls.host().first_finding(), DriveFinding::moved_while_enabling);
+}
+
+TEST(DriveQuirk, TheFirstTargetIsNoFurtherThanATickFromRest) {
+  const std::int32_t tick_from_rest = 5369;  // 0.5 * 800 mm/s^2 * (4 ms)^2
+  QuirkScene near("");
+  ASSERT_TRUE(near.is_switched_on());
+  near.tick({near.host().target() + tick_from_rest});
+  EXPECT_TRUE(near.host().findings().empty());
+  QuirkScene far("");
+  ASSERT_TRUE(far.is_switched_on());
+  const std::int32_t held = far.host().target();
+  far.tick({held + tick_from_rest + 1});
+  far.tick();
+  EXPECT_EQ(far.host().first_finding(), DriveFinding::moved_while_enabling);
+  for (const std::int32_t target : far.drive.applied()) EXPECT_EQ(target, held);
+}
+
+}  // namespace can_quirks_test
+}  // namespace inbetween
