@@ -37,7 +37,7 @@ std::int64_t heartbeat_period_ns(std::int32_t rate_hz) {
 }
 
 /// A length of an axis in counts of its drive, at least one.
-std::int32_t counts_of(double length, double counts_per_unit) {
+std::int32_t whole_counts(double length, double counts_per_unit) {
   return static_cast<std::int32_t>(std::clamp(std::round(length * std::fabs(counts_per_unit)), 1.0, 1e9));
 }
 
@@ -79,9 +79,9 @@ can::Cia402Settings settings_of(const RigAxis& axis, std::int32_t rate_hz) {
       static_cast<std::int64_t>(drive.enable_timeout_s * static_cast<double>(ns_per_s));
   // What the axis covers at max_velocity in half a millisecond is a place that it holds, whatever its scale.
   constexpr double hold_s = 0.0005;
-  settings.hold_tolerance_counts = counts_of(hold_s * axis.max_velocity, scale);
+  settings.hold_tolerance_counts = whole_counts(hold_s * axis.max_velocity, scale);
   const double tick_s = 1.0 / rate_hz;
-  settings.first_step_counts = counts_of(0.5 * axis.max_acceleration * tick_s * tick_s, scale);
+  settings.first_step_counts = whole_counts(0.5 * axis.max_acceleration * tick_s * tick_s, scale);
   // The ramp of the drive is not known; that of the axis, twice, is long enough.
   settings.disable_timeout_ns += static_cast<std::int64_t>(2 * axis.max_velocity / axis.max_acceleration *
                                                            static_cast<double>(ns_per_s));
