@@ -277,7 +277,7 @@ void QuirkyDrive::abort(unsigned key, std::uint32_t code) {
 }
 
 void QuirkyDrive::serve(const Bytes& request) {
-  const unsigned key = key_of(request[1] | request[2] << 8U, request[3]);
+  const unsigned key = key_of(static_cast<unsigned>(request[1] | request[2] << 8), request[3]);
   const unsigned kind = request[0] >> 5;
   if (kind == 4) {
     transfer_.reset();
