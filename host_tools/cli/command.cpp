@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "host_tools/joints/kinematics.hpp"
 #include "host_tools/plan/turns.hpp"
 #include "host_tools/plot/plot_canvas.hpp"
 
@@ -64,8 +65,12 @@ Plan make_plan(const std::string& move, const std::optional<std::string>& rig, S
                std::optional<std::int32_t> turns) {
   std::optional<RigFile> rig_file;
   if (rig) rig_file = read_rig_file(*rig);
-  Plan plan(read_move_file(move), std::move(rig_file), {.solver = solver});
-  if (turns) plan = Plan(turns_of(plan.move(), *turns), plan.rig(), {.solver = solver});
+  PlanOptions options{.solver = solver};
+  if (rig_file && rig_file->kinematics) {
+    options.kinematics = std::make_shared<const Kinematics>(read_kinematics(*rig_file));
+  }
+  Plan plan(read_move_file(move), std::move(rig_file), options);
+  if (turns) plan = Plan(turns_of(plan.move(), *turns), plan.rig(), options);
   for (const Warning& warning : plan.warnings()) fmt::print(stderr, "{}\n", to_string(warning));
   return plan;
 }

@@ -157,10 +157,11 @@ SolvedTrack<double> solve_track(const MoveTrack& track, const MoveFile& move, co
 }  // namespace
 
 Plan::Plan(MoveFile move, std::optional<RigFile> rig, const PlanOptions& options)
-    : move_(std::move(move)), rig_(std::move(rig)) {
+    : move_(std::move(move)), rig_(std::move(rig)), kinematics_(options.kinematics) {
   list_axes();
   settle_positions(move_, rig_);
   warn_of_mixed_units();
+  list_tips();
   if (rig_) check_cues(move_, *rig_);
   solve(options);
   put_together();
@@ -229,6 +230,26 @@ void Plan::warn_of_mixed_units() {
          fmt::format("1 {} count{} as 1 {} of distance along this track; give weights, one per axis, to say "
                      "otherwise",
                      fmt::join(units, " and 1 "), units.size() == 1 ? "s" : "", first)});
+  }
+}
+
+void Plan::list_tips() {
+  if (!kinematics_) return;
+  for (std::size_t i = 0; i < kinematics_->tips().size(); ++i) {
+    const Tip& tip = kinematics_->tips()[i];
+    const auto unknown = std::ranges::find_if(axes_, [&](const PlanAxis& axis) {
+      return !axis.track &&
+             kinematics_->tree().moves(static_cast<std::int32_t>(&axis - axes_.data()), tip.link);
+    });
+    if (unknown == axes_.end()) {
+      tips_.push_back(tip);
+      continue;
+    }
+    warnings_.push_back(
+        {rig_->kinematics->tips[i].place,
+         fmt::format("the way of {} is not shown: it hangs on axis {}, which is in no track; give that "
+                     "a track with one key",
+                     in_quotes(tip.name), in_quotes(unknown->name))});
   }
 }
 

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "host_tools/files/diagnostics.hpp"
 #include "host_tools/files/move_file.hpp"
 #include "host_tools/files/rig_file.hpp"
+#include "host_tools/joints/kinematics.hpp"
 #include "host_tools/plan/move_rolls.hpp"
 #include "host_tools/plan/solved_track.hpp"
 
@@ -20,6 +22,7 @@ inline constexpr std::int64_t max_ticks = 1'000'000'000;
 
 struct PlanOptions {
   Solver solver = Solver::closed_form;
+  std::shared_ptr<const Kinematics> kinematics = nullptr;  // of the rig, where its tips are to be shown
 };
 
 /// An axis of the plan, with its place in the rig, the tracks and the move.
@@ -51,6 +54,10 @@ class Plan {
   /// The limits of the axes of played(); empty without a rig.
   [[nodiscard]] const std::vector<AxisLimits<double>>& limits() const { return limits_; }
   [[nodiscard]] const std::vector<RollObstacle>& roll_obstacles() const { return rolls_.obstacles; }
+  /// The geometry of the rig, if it was given.
+  [[nodiscard]] const Kinematics* kinematics() const { return kinematics_.get(); }
+  /// The tips whose way is known: all axes that move them are in a track. warnings() names the others.
+  [[nodiscard]] const std::vector<Tip>& tips() const { return tips_; }
   /// The axis of axes() that is axis `move_axis` of played().
   [[nodiscard]] std::size_t axis_of(std::size_t move_axis) const;
   /// The place where the move names axis `axis` of axes(), which is in a track.
@@ -67,6 +74,7 @@ class Plan {
   void refuse_too_many_ticks() const;
   void list_axes();
   void warn_of_mixed_units();
+  void list_tips();
 
   MoveFile move_;
   std::optional<RigFile> rig_;
@@ -77,6 +85,8 @@ class Plan {
   std::vector<AxisLimits<double>> limits_;
   PlannedRolls rolls_;
   std::optional<Move<double>> played_;
+  std::shared_ptr<const Kinematics> kinematics_;
+  std::vector<Tip> tips_;
 };
 
 }  // namespace inbetween

@@ -12,6 +12,7 @@
 #include "host_tools/files/csv_field.hpp"
 #include "host_tools/files/diagnostics.hpp"
 #include "host_tools/files/json_writer.hpp"
+#include "host_tools/plan/link_rows.hpp"
 #include "inbetween/base/hash.hpp"
 #include "inbetween/timing/frame_time.hpp"
 
@@ -175,6 +176,44 @@ void write_roll(const Plan& plan, const char* name, const Rows& frames, JsonWrit
   json.end_object();
 }
 
+/// A tip on the rows of the plan, a list of x, y and z for each.
+void write_tip(const Tip& tip, LinkRows& links, const Rows& rows, JsonWriter& json) {
+  json.line();
+  json.begin_object();
+  json.member("name", tip.name);
+  json.member("unit", "m");
+  const auto write_column = [&](const char* name, auto vector_of) {
+    json.key(name);
+    json.begin_array();
+    for (std::int64_t row = rows.first; row <= rows.last; ++row) {
+      const Vector3<double> v = vector_of(links.at(row)[static_cast<std::size_t>(tip.link)]);
+      json.begin_array();
+      for (const double number : {v.x, v.y, v.z}) json.value(number);
+      json.end_array();
+    }
+    json.end_array();
+  };
+  using Motion = LinkMotion<double>;
+  write_column("position", [](const Motion& link) { return link.pose.position; });
+  write_column("velocity", [](const Motion& link) { return link.velocity; });
+  write_column("acceleration", [](const Motion& link) { return link.acceleration; });
+  write_column("x_axis", [](const Motion& link) { return link.pose.rotation.x; });
+  write_column("y_axis", [](const Motion& link) { return link.pose.rotation.y; });
+  write_column("z_axis", [](const Motion& link) { return link.pose.rotation.z; });
+  json.end_object();
+}
+
+void write_tips(const Plan& plan, PlanRows rows, JsonWriter& json) {
+  if (plan.kinematics() == nullptr) return;
+  json.line();
+  json.key("tips");
+  json.begin_array();
+  LinkRows links(plan, rows);
+  const std::int64_t last = rows == PlanRows::tick ? links.line().last() : plan.move().frames;
+  for (const Tip& tip : plan.tips()) write_tip(tip, links, {0, last}, json);
+  json.end_array();
+}
+
 }  // namespace
 
 void write_plan_json(const Plan& plan, PlanRows rows, std::FILE* file) {
@@ -202,6 +241,7 @@ void write_plan_json(const Plan& plan, PlanRows rows, std::FILE* file) {
     if (axis.track) write_axis(plan, axis, rows, json);
   }
   json.end_array();
+  write_tips(plan, rows, json);
   write_roll(plan, "pre_roll", {plan.played().first_frame(), -1}, json);
   write_roll(plan, "post_roll", {move.frames + 1, plan.played().last_frame()}, json);
   json.end_object();
@@ -218,11 +258,21 @@ void write_plan_csv(const Plan& plan, PlanRows rows, std::FILE* file) {
     const std::string unit = unit_of(axis);
     text += "," + csv_field(unit.empty() ? axis.name : fmt::format("{} ({})", axis.name, unit));
   }
+  for (const Tip& tip : plan.tips()) {
+    for (const char* direction : {"x", "y", "z"})
+      text += "," + csv_field(fmt::format("{} {} (m)", tip.name, direction));
+  }
   text += "\n";
+  std::optional<LinkRows> links;
+  if (!plan.tips().empty()) links.emplace(plan, rows);
   for (std::int64_t row = line.first(); row <= line.last(); ++row) {
     fmt::format_to(std::back_inserter(text), "{},{}", row, line.seconds(row));
     for (const AxisColumn& column : columns) {
       fmt::format_to(std::back_inserter(text), ",{}", column.position(row));
+    }
+    for (const Tip& tip : plan.tips()) {
+      const Vector3<double>& at = links->at(row)[static_cast<std::size_t>(tip.link)].pose.position;
+      fmt::format_to(std::back_inserter(text), ",{},{},{}", at.x, at.y, at.z);
     }
     text += '\n';
     if (text.size() > 60'000) {

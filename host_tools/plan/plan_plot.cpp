@@ -2,10 +2,12 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "host_tools/plan/link_rows.hpp"
 #include "host_tools/plan/plan_rows.hpp"
 #include "inbetween/base/bisection.hpp"
 
@@ -96,6 +98,48 @@ PlotTrack plot_of_track(const Plan& plan, std::size_t index) {
   return plot;
 }
 
+PlotPlace place_in_plot(const Vector3<double>& position) {
+  return {position.x, position.y, position.z};
+}
+
+/// The frames at which keys of any track are met.
+std::set<double> frames_of_keys(const PlotMove& plot) {
+  std::set<double> frames;
+  for (const PlotTrack& track : plot.tracks) frames.insert(track.key_frames.begin(), track.key_frames.end());
+  return frames;
+}
+
+PlotPosture posture_at(const Plan& plan, const Tip& tip, double frame) {
+  const auto whole = static_cast<std::int32_t>(frame);
+  const std::vector<Pose<double>> poses = link_poses(plan, {whole, frame - whole});
+  PlotPosture posture{
+      .frame = frame, .tip = place_in_plot(poses[static_cast<std::size_t>(tip.link)].position), .bones = {}};
+  const auto joints = plan.kinematics()->tree().joints();
+  // Along the branch of the tip: axes of other branches may be in no track.
+  for (std::int32_t link = tip.link; joints[static_cast<std::size_t>(link)].parent >= 0;) {
+    const std::int32_t parent = joints[static_cast<std::size_t>(link)].parent;
+    const auto& from = poses[static_cast<std::size_t>(parent)].position;
+    const auto& to = poses[static_cast<std::size_t>(link)].position;
+    if (from != to) posture.bones.emplace_back(place_in_plot(from), place_in_plot(to));
+    link = parent;
+  }
+  return posture;
+}
+
+void sample_tips(const Plan& plan, PlotMove& plot) {
+  if (plan.tips().empty()) return;
+  LinkRows links(plan, PlanRows::frame);
+  for (const Tip& tip : plan.tips()) {
+    PlotTip drawn{.name = tip.name, .places = {}, .postures = {}};
+    for (std::int32_t frame = 0; frame <= plan.move().frames; ++frame) {
+      drawn.places.push_back(
+          place_in_plot(links.at(frame)[static_cast<std::size_t>(tip.link)].pose.position));
+    }
+    for (const double frame : frames_of_keys(plot)) drawn.postures.push_back(posture_at(plan, tip, frame));
+    plot.tips.push_back(std::move(drawn));
+  }
+}
+
 }  // namespace
 
 PlotMove plot_of(const Plan& plan) {
@@ -127,6 +171,7 @@ PlotMove plot_of(const Plan& plan) {
     plot.tracks.push_back(plot_of_track(plan, t));
     plot.tracks.back().axes = std::move(axes_of_tracks[t]);
   }
+  sample_tips(plan, plot);
   return plot;
 }
 

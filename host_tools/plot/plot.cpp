@@ -14,6 +14,7 @@
 #include "host_tools/plot/plot_panel.hpp"
 #include "host_tools/plot/plot_path.hpp"
 #include "host_tools/plot/plot_time.hpp"
+#include "host_tools/plot/plot_tips.hpp"
 
 namespace inbetween {
 namespace {
@@ -36,6 +37,7 @@ struct TrackLayout {
 
 struct Layout {
   std::vector<TrackLayout> tracks;
+  std::vector<Box> tips;  // without their titles
   Box positions;
   double height = 0;
 };
@@ -66,6 +68,10 @@ Layout layout_of(const PlotMove& move) {
     next.title = y + 18;
     y = next.bar.bottom() + section_gap;
     out.tracks.push_back(next);
+  }
+  for (std::size_t i = 0; i < move.tips.size(); ++i) {
+    out.tips.push_back({page_margin, y + track_title_height, content_width, tip_height});
+    y = out.tips.back().bottom() + section_gap;
   }
   out.positions = {page_margin, y, content_width, positions_height(move)};
   out.height = std::ceil(out.positions.bottom() + page_margin / 2);
@@ -105,6 +111,17 @@ void draw_track(Canvas& canvas, const TrackLayout& layout, const PlotMove& move,
   if (layout.third) draw_path_panel(canvas, *layout.third, move, track, {0, 2}, color);
   draw_speed_panel(canvas, layout.speed, move, track, color);
   draw_time_bar(canvas, layout.bar, move, track, color);
+}
+
+void draw_tip_section(Canvas& canvas, const Box& area, const PlotMove& move, std::size_t index) {
+  const PlotTip& tip = move.tips[index];
+  const Color color = track_color(index);
+  const TextStyle style{.size = 17, .color = plot_color::ink, .bold = true};
+  const double base_line = area.y - track_title_height + 18;
+  canvas.rectangle({page_margin, base_line - 14, 5, 18}, color);
+  const std::string title = fmt::format("{} in space, with the posture at each key", tip.name);
+  canvas.text({page_margin + 14, base_line}, elided(canvas, title, style, content_width - 14), style);
+  draw_tip(canvas, area, move, tip, color);
 }
 
 void require(bool holds, std::string_view what) {
@@ -167,6 +184,11 @@ void require_consistent(const PlotMove& move) {
     }
   }
   for (const PlotTrack& track : move.tracks) require_consistent(track, move);
+  for (const PlotTip& tip : move.tips) {
+    require(tip.places.size() == static_cast<std::size_t>(move.frames) + 1,
+            "places needs one for each of the frames 0..N");
+    for (const PlotPlace& place : tip.places) require_finite(place, "places");
+  }
 }
 
 }  // namespace
@@ -177,6 +199,7 @@ void draw_plot(const PlotMove& move, const std::filesystem::path& file) {
   Canvas canvas(file, page_width, layout.height);
   draw_page_title(canvas, move);
   for (std::size_t i = 0; i < move.tracks.size(); ++i) draw_track(canvas, layout.tracks[i], move, i);
+  for (std::size_t i = 0; i < move.tips.size(); ++i) draw_tip_section(canvas, layout.tips[i], move, i);
   draw_positions(canvas, layout.positions, move);
   std::vector<std::string_view> names;
   for (const PlotAxis& axis : move.axes) names.push_back(axis.name);

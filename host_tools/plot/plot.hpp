@@ -2,11 +2,13 @@
 // of the solver.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace inbetween {
@@ -33,6 +35,23 @@ struct PlotTrack {
   std::vector<double> speed;              // N + 1, unit/s along the path
 };
 
+/// x, y and z in the world, m.
+using PlotPlace = std::array<double, 3>;
+
+/// The links of an articulated rig at a moment, each as a line from the link that holds it.
+struct PlotPosture {
+  double frame = 0;
+  PlotPlace tip{};
+  std::vector<std::pair<PlotPlace, PlotPlace>> bones;
+};
+
+/// The way of a link of the rig.
+struct PlotTip {
+  std::string name;
+  std::vector<PlotPlace> places;      // on the frames 0..N
+  std::vector<PlotPosture> postures;  // where keys are met
+};
+
 struct PlotMove {
   std::string name;
   std::string frame_rate;        // as written: "24" or "24000/1001"
@@ -42,14 +61,15 @@ struct PlotMove {
   std::int32_t last_frame = 0;   // N, or above it with a post-roll
   std::vector<PlotAxis> axes;
   std::vector<PlotTrack> tracks;
+  std::vector<PlotTip> tips = {};
 };
 
 /// Draws one page, 1400 pixels wide and as tall as the move asks for, and writes it as SVG, PNG or PDF by the
 /// ending of the file's name. Per track: the path with a tick across it at every frame (Bartels and Hardtke
 /// 1989, Figures 4 to 6: crowded ticks are slow, sparse ones fast), the speed curve over its control values,
 /// and the time bar, a stripe per frame as wide as the distance travelled in it; then every axis over time,
-/// rolls included. Where frames are too many for ticks or stripes to be told apart, the page shows every k-th
-/// and says so.
+/// rolls included. Per tip of an articulated rig: its way in plan, elevation and perspective (plot_tips.hpp).
+/// Where frames are too many for ticks or stripes to be told apart, the page shows every k-th and says so.
 ///
 /// A track of one axis is a ruler; of three or more axes, two planes through its first three. Both axes of a
 /// plane have the same scale when they have the same unit and one is not more than 12 times as long as the

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "inbetween/base/hash.hpp"
+#include "inbetween/joints/angle_of.hpp"
 #include "inbetween/joints/joint_tree.hpp"
 #include "tests/embedded/target/report_line.hpp"
 
@@ -74,6 +75,7 @@ void report() {
       const SineCosine<Real> found = sine_cosine(coordinates[axis].position);
       sines.add(found.sine);
       sines.add(found.cosine);
+      sines.add(angle_of(found.cosine, found.sine));
     }
     passed = passed && tree && tree->poses(positions, poses) && tree->motion(coordinates, motion);
     if (!passed) return;

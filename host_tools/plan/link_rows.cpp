@@ -1,0 +1,55 @@
+#include "host_tools/plan/link_rows.hpp"
+
+#include <fmt/format.h>
+
+#include <cstddef>
+
+namespace inbetween {
+namespace {
+
+void refuse_unplaced(const Plan& plan, const Status& placed) {
+  if (placed) return;
+  const auto axis = static_cast<std::size_t>(placed.error().axis);
+  throw InputError(plan.place_of(axis), fmt::format("axis {}: {}; {}", in_quotes(plan.axes()[axis].name),
+                                                    placed.error().what, placed.error().remedy));
+}
+
+}  // namespace
+
+LinkRows::LinkRows(const Plan& plan, PlanRows rows)
+    : plan_(plan),
+      line_(plan, rows),
+      columns_(plan.axes().size()),
+      coordinates_(plan.axes().size()),
+      links_(plan.kinematics()->links().size()) {
+  for (std::size_t a = 0; a < columns_.size(); ++a) {
+    if (plan.axes()[a].track) columns_[a].emplace(plan, plan.axes()[a], rows);
+  }
+}
+
+const std::vector<LinkMotion<double>>& LinkRows::at(std::int64_t row) {
+  if (row_ == row) return links_;
+  for (std::size_t a = 0; a < columns_.size(); ++a) {
+    if (!columns_[a]) continue;
+    const AxisMotion<double> motion = columns_[a]->motion(row);
+    coordinates_[a] = {columns_[a]->position(row), motion.velocity, motion.acceleration};
+  }
+  refuse_unplaced(plan_, plan_.kinematics()->tree().motion(coordinates_, links_));
+  row_ = row;
+  return links_;
+}
+
+std::vector<Pose<double>> link_poses(const Plan& plan, const FrameTime<double>& when) {
+  std::vector<double> coordinates(plan.axes().size());
+  for (std::size_t a = 0; a < coordinates.size(); ++a) {
+    const PlanAxis& axis = plan.axes()[a];
+    if (!axis.track) continue;
+    const Track<double>& track = plan.tracks()[*axis.track].track();
+    coordinates[a] = track.path().position(track.locate(when), static_cast<std::int32_t>(axis.track_axis));
+  }
+  std::vector<Pose<double>> poses(plan.kinematics()->links().size());
+  refuse_unplaced(plan, plan.kinematics()->tree().poses(coordinates, poses));
+  return poses;
+}
+
+}  // namespace inbetween
