@@ -178,7 +178,7 @@ void draw_postures(Canvas& canvas, const Box& area, const PlotTip& tip, const Pr
     const Point at = scale(projection(tip.postures[i].tip));
     canvas.disc(at, 4, plot_color::key);
     // A label without room is left out: the frames of all keys stand below the speed curves too.
-    static_cast<void>(labels.place(canvas, at, fmt::format("{:.4g}", tip.postures[i].frame),
+    static_cast<void>(labels.place(canvas, at, fmt::format("{}", std::round(10 * tip.postures[i].frame) / 10),
                                    {.size = 12, .color = plot_color::ink, .bold = true}));
   }
 }
@@ -207,8 +207,9 @@ void draw_view(Canvas& canvas, const Box& panel, const PlotMove& move, const Plo
   draw_postures(canvas, area, tip, projection, scale, way);
   canvas.lines(frame_ticks(way, every), {plot_color::ink.faded(0.75), 1});
   canvas.polyline(simplified_to(way, 20'000), {color, 2});
-  const std::string ticks =
-      every == 1 ? "a tick at every frame" : fmt::format("a tick at every {}th frame", every);
+  const std::string ticks = every == 1
+                                ? "a tick at every frame"
+                                : fmt::format("a tick at every {}{} frame", every, every == 2 ? "nd" : "th");
   const std::string_view name = view == View::plan        ? "Plan"
                                 : view == View::elevation ? "Elevation"
                                                           : "Perspective";

@@ -11,6 +11,7 @@
 #include <random>
 #include <sstream>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "tests/support/oracle_kinematics.hpp"
@@ -113,6 +114,19 @@ TEST(TipOutput, TheCsvHasAColumnForEachDirection) {
     ASSERT_TRUE(std::getline(lines, line));
     EXPECT_THAT(line, testing::EndsWith(fmt::format(",{},{},{}", at[0].get<double>(), at[1].get<double>(),
                                                     at[2].get<double>())));
+  }
+}
+
+TEST(TipOutput, EveryArticulatedExampleIsPlannedAndKeepsItsLimits) {
+  for (const auto& [folder, move, tips] :
+       {std::tuple("crane", "over_the_table", 1U), std::tuple("arm", "wave", 1U),
+        std::tuple("marionette", "walk", 4U)}) {
+    const std::string path = in_checkout(fmt::format("examples/{}/{}.toml", folder, move));
+    const std::string rig = in_checkout(fmt::format("examples/{}/rig.toml", folder));
+    const ProgramRun planned = run_program({"plan", path, "--rig", rig, "--json", "-"});
+    EXPECT_THAT(Json::parse(planned.out).at("tips"), SizeIs(tips)) << planned.err;
+    const ProgramRun checked = run_program({"check", path, "--rig", rig});
+    EXPECT_EQ(checked.status, 0) << checked.out << checked.err;
   }
 }
 
