@@ -119,7 +119,7 @@ TEST(TipOutput, TheCsvHasAColumnForEachDirection) {
 
 TEST(TipOutput, EveryArticulatedExampleIsPlannedAndKeepsItsLimits) {
   for (const auto& [folder, move, tips] :
-       {std::tuple("crane", "over_the_table", 1U), std::tuple("arm", "wave", 1U),
+       {std::tuple("crane", "over_the_table", 1U), std::tuple("arm", "reach_over", 1U),
         std::tuple("marionette", "walk", 4U)}) {
     const std::string path = in_checkout(fmt::format("examples/{}/{}.toml", folder, move));
     const std::string rig = in_checkout(fmt::format("examples/{}/rig.toml", folder));
