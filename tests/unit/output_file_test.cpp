@@ -153,7 +153,7 @@ TEST(OutputFile, AFifoThatNobodyReadsIsRefusedAtOnce) {
 TEST(OutputFile, AFifoWithAReaderReceivesAllOfIt) {
   const TemporaryFolder folder;
   const std::string script =
-      "mkfifo $1; cat $1 >$2 & exec 3<>$1; \"$3\" plan \"$4\" --json $1; exec 3>&-; wait";
+      "mkfifo $1; cat $1 >$2 & exec 3>$1; \"$3\" plan \"$4\" --json $1; exec 3>&-; wait";
   const std::string pipe = (folder.path() / "pipe").string();
   const std::string copy = (folder.path() / "copy").string();
   const std::string move = in_checkout("examples/reveal.toml");
