@@ -140,8 +140,9 @@ TYPED_TEST(PathIn, OneKeyIsAPathThatStaysThere) {
   using Real = TypeParam;
   const std::vector<Real> keys{Real(3.3), Real(-4.4)};
   for (const Spline spline : every_kind) {
-    for (const bool closed : {false, true}) {
-      const DrawnPath<Real> path({.spline = spline, .closed = closed, .axis_count = 2, .keys = keys});
+    for (const int ways : {0, 1, 2, 3}) {
+      const DrawnPath<Real> path(
+          {.spline = spline, .closed = ways % 2 == 1, .axis_count = 2, .keys = keys, .overshoot = ways < 2});
       ASSERT_TRUE(path.result());
       EXPECT_EQ(path->segment_count(), 0);
       EXPECT_EQ(path->position({0, 0}, 0), Real(3.3));

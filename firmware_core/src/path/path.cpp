@@ -47,7 +47,7 @@ class Construction {
         build_tcb();
         break;
     }
-    if (!spec_.overshoot) limit_slopes();
+    if (!spec_.overshoot && segments_ > 0) limit_slopes();
     append_continuation();
   }
 
