@@ -101,7 +101,7 @@ constexpr std::array<FunctionBudget, 15> stack{{
     {"Track::make", {608, 512}, {672, 512}},
     {"closed_form_table", {1856, 1088}, {2144, 1088}},
     {"CountTrack::make", {1312, 1120}, {1504, 1344}},
-    {"StopBounds::make", {9728, 5696}, {10240, 5696}},
+    {"StopBounds::make", {10240, 5952}, {10752, 5952}},
     {"Track::positions", {480, 352}, {800, 352}},
     {"Track::motion", {896, 512}, {1280, 544}},
     {"CountTrack::counts", {64, 32}, {224, 32}},
