@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <ostream>
+#include <stdexcept>
 #include <vector>
 
 #include "host_tools/plan/smoothest_pace.hpp"
@@ -367,7 +368,12 @@ TEST(KeyFramesProperty, APaceIsThatOfAnIndependentQuadraticProgram) {
       problem.places.push_back(static_cast<long double>(frames[k]) * f / frames.back());
       problem.distances.push_back(distances[k]);
     }
-    const std::vector<long double> wanted = oracle::smoothest(problem);
+    std::vector<long double> wanted;
+    try {
+      wanted = oracle::smoothest(problem);
+    } catch (const std::runtime_error&) {
+      RC_DISCARD("the oracle does not settle");  // rarely; how many it has judged is counted below
+    }
     const auto largest = static_cast<double>(*std::max_element(wanted.begin(), wanted.end()));
     for (std::size_t i = 0; i < found.size(); ++i) {
       RC_ASSERT(std::fabs(found[i] - static_cast<double>(wanted[i]) / largest * 100) <= 1e-4);
