@@ -184,7 +184,7 @@ void refuse_no_camera(const Plan& plan) {
 Plan looped(Plan plan, const RunArguments& arguments) {
   const bool is_shot = arguments.step || arguments.shutter;
   if (is_periodic(plan.move()) && !is_shot) {
-    const std::int32_t turns = most_turns(plan);
+    const std::int32_t turns = max_turns_of(plan);
     fmt::print(stderr, "{}: --loop plays up to {}\n", plan.move().name, counted(turns, "turn"));
     return {turns_of(plan.move(), turns), plan.rig(), {}};
   }

@@ -43,15 +43,15 @@ class TrackSearch {
  public:
   using Found = std::optional<std::vector<double>>;
 
-  TrackSearch(const FittedTrack& fitted, FitStart start, int most_refinements,
+  TrackSearch(const FittedTrack& fitted, FitStart start, int refinements,
               std::function<void(double)> progress)
-      : fitted_(fitted), start_(start), progress_(std::move(progress)), most_refinements_(most_refinements) {}
+      : fitted_(fitted), start_(start), progress_(std::move(progress)), max_refinements_(refinements) {}
 
   /// The new values, or none and why.
   Found run() {
     std::vector<double> baseline = fitted_.solved().control_values();
     std::vector<Level> levels;
-    for (int refinements = 0; refinements <= most_refinements_; ++refinements) {
+    for (int refinements = 0; refinements <= max_refinements_; ++refinements) {
       if (refinements > 0) baseline = refined(baseline);
       if (refinements > 0 && baseline.size() > max_refined_values) break;
       progress_(0.1 + 0.15 * refinements);
@@ -229,7 +229,7 @@ class TrackSearch {
   const FittedTrack& fitted_;
   FitStart start_;
   std::function<void(double)> progress_;
-  int most_refinements_;
+  int max_refinements_;
   int refinements_ = 0;
   std::string reason_;
 };

@@ -100,7 +100,7 @@ MoveFile turns_of(const MoveFile& move, std::int32_t turns) {
   return all;
 }
 
-std::int32_t most_turns(const Plan& plan) {
+std::int32_t max_turns_of(const Plan& plan) {
   const MoveFile& move = plan.move();
   double most = max_frames / move.frames;
   for (const MoveTrack& track : move.tracks) {

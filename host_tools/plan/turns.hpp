@@ -21,6 +21,6 @@ MoveFile turns_of(const MoveFile& move, std::int32_t turns);
 
 /// As many turns as the position limits of the rig leave, up to max_frames frames, max_keys keys in a track
 /// and as many control values as the core can count; at least one. The plan has a rig and is of one turn.
-std::int32_t most_turns(const Plan& plan);
+std::int32_t max_turns_of(const Plan& plan);
 
 }  // namespace inbetween

@@ -207,8 +207,8 @@ class Cia402Port {
     }
   }
 
-  /// Where an axis is. One that was switched on and waits for its first target is where it is held, though it
-  /// may sag: from there the first target goes on.
+  /// Tells where an axis is. While a drive that is switched on waits for its first target, that is the place
+  /// where it is held, even if the axis sags: the first target goes on from that place.
   [[nodiscard]] static std::int64_t held_counts(const Cia402Drive& drive) {
     const bool is_held = drive.phase() == DrivePhase::following && !drive.is_commanded();
     return is_held ? drive.target() : drive.feedback().actual;

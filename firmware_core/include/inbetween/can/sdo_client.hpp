@@ -64,7 +64,7 @@ class SdoClient {
 
   [[nodiscard]] SdoState state() const { return state_; }
   [[nodiscard]] ObjectAddress object() const { return object_; }
-  /// What an upload has read as a number, without the bytes that do not count.
+  /// The number that an upload has read. Bytes beyond the size that was asked for are left out.
   [[nodiscard]] std::uint32_t value() const { return value_; }
   /// How many bytes an upload has read.
   [[nodiscard]] std::size_t length() const { return length_; }

@@ -22,8 +22,8 @@ struct TwoJointArm {
 /// at the right, where x is positive, left is up.
 enum class ElbowSide : std::uint8_t { left, right };
 
-/// In radians. The shoulder is from -2 pi to 2 pi, the elbow from -pi to pi: above 0 on the right, below on
-/// the left.
+/// Both angles are in radians. The shoulder lies between -2 pi and 2 pi, the elbow between -pi and pi. An
+/// elbow above 0 is on the right, one below 0 on the left.
 template <Precise Real>
 struct ArmAngles {
   Real shoulder = 0;
@@ -43,7 +43,8 @@ Real beyond_reach(const TwoJointArm<Real>& arm, Real distance);
 template <Precise Real>
 Result<ArmAngles<Real>> arm_angles(const TwoJointArm<Real>& arm, Real x, Real y, ElbowSide side);
 
-/// In radians: pan from -pi to pi about z, from x towards y; tilt from -pi/2 to pi/2, up towards z.
+/// Both angles are in radians. Pan turns about z, from x towards y, and lies between -pi and pi. Tilt rises
+/// towards z and lies between -pi/2 and pi/2.
 template <Precise Real>
 struct PanTilt {
   Real pan = 0;

@@ -34,7 +34,7 @@ struct Joint {
   Real offset = 0;
   /// The frame of the link at joint value 0, in the frame of its parent.
   Pose<Real> origin = {};
-  /// In the frame of the link; of any length above 0.
+  /// The axis is given in the frame of the link. It may have any length above 0.
   Vector3<Real> axis = {0, 0, 1};
 };
 

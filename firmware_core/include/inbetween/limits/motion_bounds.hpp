@@ -73,8 +73,8 @@ struct MotionBoundsMemory {
 /// (branch and bound; Moore, Kearfott and Cloud 2009, ch. 6). It is the motion as asked, not the fitted
 /// inverse of arc length, which is within delta of it.
 ///
-/// Where the path stands still (a tension of 1, keys that go back the same way, a cusp) T' and T'' are
-/// without bound. If the move rests there, what counts are their products with powers of w, which vanishes
+/// T' and T'' have no bound where the path stands still: at a tension of 1, at keys that go back the same
+/// way, at a cusp. If the move rests there, what counts are their products with powers of w, which vanishes
 /// too: they are bounded by enclosing w / tau, tau the distance in the path's parameter. If it is passed at a
 /// speed, acceleration and jerk are infinite on every axis that turns there. A key that the speed curve comes
 /// to rest at, within what a lock promises (1e-12 of the length in double, 1e-5 in single precision), is met

@@ -181,7 +181,7 @@ class StopBounds {
   /// at every rate the real stop brakes at least as hard as one under the constants r1 and q, so that both
   /// seconds and distance, the integrals of 1 / |a| and r / |a| over r, are less.
   [[nodiscard]] StopLength<Real> stop_from(const FrameTime<Real>& time, bool forward) const;
-  /// Of all places, found by make. Nothing for bounds that may wait.
+  /// make finds the longest stops among all places. Bounds that may wait have none.
   [[nodiscard]] const LongestStop<Real>& longest_in_time() const { return longest_in_time_; }
   [[nodiscard]] const LongestStop<Real>& longest_in_frames() const { return longest_in_frames_; }
 
