@@ -111,7 +111,13 @@ std::vector<KeyLock> locks_on(std::span<const Waypoint> waypoints, std::span<con
       if (eases && wish.hold == 0 && !wish.breaks) locks.back().ease = true;
       has_wish = true;
     }
-    if (eases && !has_wish) locks.push_back({.key = static_cast<std::int32_t>(i), .ease = true});
+    // A key written twice is one place, at which the speed touches 0 once.
+    const bool is_eased_already =
+        !locks.empty() && locks.back().ease &&
+        waypoints[static_cast<std::size_t>(locks.back().key)].distance == place.distance;
+    if (eases && !has_wish && !is_eased_already) {
+      locks.push_back({.key = static_cast<std::int32_t>(i), .ease = true});
+    }
   }
   for (const KeyLock& wish : wishes) {  // of no key: refused by its number
     if (wish.key < 0 || wish.key > waypoints.back().key) locks.push_back(wish);

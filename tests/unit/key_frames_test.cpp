@@ -152,6 +152,18 @@ TEST(KeyFrames, CornersEaseBetweenKeysToo) {
   EXPECT_EQ(run.status, 0) << run.err;
 }
 
+TEST(KeyFrames, ACornerWhoseKeyIsWrittenTwiceEasesOnce) {
+  const std::string speed = "speed = [0, 0, 10, 10, 10, 10, 10, 0, 0]\ncorners = \"ease\"\n";
+  const std::string once = move_of("keys = [ {at=[0]}, {at=[-15]}, {at=[0]} ]\n" + speed, 48);
+  const std::string twice = move_of("keys = [ {at=[0]}, {at=[-15]}, {at=[-15]}, {at=[0]} ]\n" + speed, 48);
+  EXPECT_EQ(check(twice).status, 0) << check(twice).err;
+  const std::vector<double> expected = positions(planned(once));
+  const std::vector<double> actual = positions(planned(twice));
+  ASSERT_EQ(actual.size(), expected.size());
+  for (std::size_t frame = 0; frame < actual.size(); ++frame)
+    EXPECT_NEAR(actual[frame], expected[frame], 1e-9);
+}
+
 TEST(KeyFrames, AnEasedKeyIsLockedOnAKnotAndTheNearestFrameIsNamed) {
   const auto locked = [](int frame) {
     return move_of("keys = [ {at=[0]}, {at=[-15], ease=true, frame=" + std::to_string(frame) +
