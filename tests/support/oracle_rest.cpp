@@ -309,10 +309,12 @@ void RestingMotion::take(const End& end, const std::vector<Slope>& slopes, const
   const long double sigma = norm(weights_, first);
   long double along = 0;
   long double bend = 0;
+  long double bend_terms = 0;  // their magnitudes: they may cancel
   for (std::size_t d = 0; d < slopes.size(); ++d) {
     const long double weight = weights_[d] * weights_[d];
     along += weight * first(d) * second(d);
     bend += weight * (second(d) * second(d) + first(d) * third(d));
+    bend_terms += weight * (second(d) * second(d) + std::fabs(first(d) * third(d)));
   }
   const long double sigma1 = along / sigma;
   const long double sigma2 = (bend - sigma1 * sigma1) / sigma;
@@ -322,13 +324,23 @@ void RestingMotion::take(const End& end, const std::vector<Slope>& slopes, const
   const long double alpha = end.alpha + (end.forward ? y : -y);
   const long double frame =
       alpha * static_cast<long double>(frames_) / static_cast<long double>(profile_.spans());
-  // What the sums above and below lose, of which each term is known to some roundings.
+  // What the sums above and below lose, of which each term is known to some roundings. The terms of phi may
+  // cancel too, and leave a rest with a speed of either sign.
   constexpr long double rounding = 16 * std::numeric_limits<long double>::epsilon();
-  const long double lost_sigma2 = rounding * (bend + sigma1 * sigma1) / sigma;
-  const long double lost2 = rounding * (std::fabs(w1) + std::fabs(sigma1) * s1 * s1) / sigma;
+  const auto sum_of = [y](long double a, long double b, long double c, long double d) {
+    return std::fabs(a) + y * (std::fabs(b) + y * (std::fabs(c) + y * std::fabs(d)));
+  };
+  const long double size1 = std::fabs(s1);
+  const long double size2 = std::fabs(s2);
+  const long double lost1 = rounding * k * r * sum_of(phi[0], phi[1], phi[2], phi[3]) / sigma;
+  const long double lost_w1 = rounding * k * r * r * sum_of(phi[1], 2 * phi[2], 3 * phi[3], 0);
+  const long double lost_w2 = rounding * k * r * r * r * sum_of(2 * phi[2], 6 * phi[3], 0, 0);
+  const long double lost_sigma2 = rounding * (bend_terms + sigma1 * sigma1) / sigma;
+  const long double lost2 = (lost_w1 + std::fabs(sigma1) * size1 * (rounding * size1 + 2 * lost1)) / sigma;
   const long double lost3 =
-      (rounding * (std::fabs(w2) + std::fabs(sigma2) * s1 * s1 * s1 + 3 * std::fabs(sigma1 * s1 * s2)) +
-       lost_sigma2 * s1 * s1 * s1 + 3 * std::fabs(sigma1) * s1 * lost2) /
+      (lost_w2 + std::fabs(sigma2) * size1 * size1 * (rounding * size1 + 3 * lost1) +
+       lost_sigma2 * size1 * size1 * size1 +
+       3 * std::fabs(sigma1) * (rounding * size1 * size2 + lost1 * size2 + size1 * lost2)) /
       sigma;
   const auto raise = [frame](Found& found, long double value, long double lost) {
     found.most = std::max(found.most, std::fabs(value) + lost);
@@ -341,12 +353,14 @@ void RestingMotion::take(const End& end, const std::vector<Slope>& slopes, const
     const long double p1 = first(d);
     const long double p2 = second(d);
     const long double p3 = third(d);
+    const long double size_p2 = std::fabs(p2);
     raise(best_[d].velocity, p1 * s1, 0);
     raise(best_[d].acceleration, p2 * s1 * s1 + p1 * s2,
-          rounding * std::fabs(p2 * s1 * s1) + std::fabs(p1) * lost2);
+          size_p2 * size1 * (rounding * size1 + 2 * lost1) + std::fabs(p1) * lost2);
     raise(best_[d].jerk, p3 * s1 * s1 * s1 + 3 * p2 * s1 * s2 + p1 * s3,
-          rounding * (std::fabs(p3) * s1 * s1 * s1 + 3 * std::fabs(p2 * s1 * s2)) +
-              3 * std::fabs(p2) * s1 * lost2 + std::fabs(p1) * lost3);
+          std::fabs(p3) * size1 * size1 * (rounding * size1 + 3 * lost1) +
+              3 * size_p2 * (rounding * size1 * size2 + lost1 * size2 + size1 * lost2) +
+              std::fabs(p1) * lost3);
   }
 }
 
