@@ -81,19 +81,6 @@ class TurningPoints {
   std::vector<double> positions_;
 };
 
-/// The shortest time for a distance of which `ends_at_rest` ends are at rest.
-double quickest(double distance, const RigAxis& limits, int ends_at_rest) {
-  const double v = limits.max_velocity;
-  const double a = limits.max_acceleration;
-  const double ramp = v * v / (2 * a);
-  if (ends_at_rest == 0) return distance / v;
-  // The way is too short to reach full velocity.
-  if (distance <= ends_at_rest * ramp) {
-    return ends_at_rest == 1 ? std::sqrt(2 * distance / a) : 2 * std::sqrt(distance / a);
-  }
-  return distance / v + ends_at_rest * v / (2 * a);
-}
-
 /// The time that one track needs, in seconds.
 class TrackTime {
  public:
@@ -174,6 +161,18 @@ class TrackTime {
 };
 
 }  // namespace
+
+double quickest(double distance, const RigAxis& limits, int ends_at_rest) {
+  const double v = limits.max_velocity;
+  const double a = limits.max_acceleration;
+  const double ramp = v * v / (2 * a);
+  if (ends_at_rest == 0) return distance / v;
+  // The way is too short to reach full velocity.
+  if (distance <= ends_at_rest * ramp) {
+    return ends_at_rest == 1 ? std::sqrt(2 * distance / a) : 2 * std::sqrt(distance / a);
+  }
+  return distance / v + ends_at_rest * v / (2 * a);
+}
 
 FewestFrames fewest_frames(const Plan& plan) {
   FewestFrames fewest;

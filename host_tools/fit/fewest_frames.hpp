@@ -29,4 +29,7 @@ struct FewestFrames {
 /// Cost: 64 points per segment and axis.
 FewestFrames fewest_frames(const Plan& plan);
 
+/// The shortest time, in seconds, for a distance of which `ends_at_rest` ends (0 to 2) are at rest.
+double quickest(double distance, const RigAxis& limits, int ends_at_rest);
+
 }  // namespace inbetween

@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "host_tools/fit/eased_start.hpp"
 #include "host_tools/fit/fitted_track.hpp"
 #include "host_tools/fit/speed_descent.hpp"
 #include "host_tools/fit/speed_start.hpp"
@@ -67,7 +68,6 @@ class TrackSearch {
     }
     return from_elsewhere(levels);
   }
-  [[nodiscard]] int refinements() const { return refinements_; }
   [[nodiscard]] const std::string& reason() const { return reason_; }
 
  private:
@@ -118,7 +118,6 @@ class TrackSearch {
 
   Found from_drawn(Level& level, const std::vector<Level>& before) {
     Tools with = tools(level);
-    refinements_ = level.refinements;
     if (Found found = from(with.descent.nearest(with.frame.wanted), with, level)) return found;
     const bool follows = !before.empty() && before.back().refinements + 1 == level.refinements;
     if (!follows || before.back().nearest.empty()) return std::nullopt;
@@ -129,7 +128,6 @@ class TrackSearch {
     for (Level& level : levels) {
       if (level.refinements == 0 && levels.size() > 1) continue;
       Tools with = tools(level);
-      refinements_ = level.refinements;
       progress_(0.9);
       if (Found found = from(with.descent.nearest(curved(level, with.frame)), with, level)) return found;
       if (Found found = from(with.descent.nearest(flat_start(wishes(level, with.frame))), with, level))
@@ -230,7 +228,6 @@ class TrackSearch {
   FitStart start_;
   std::function<void(double)> progress_;
   int max_refinements_;
-  int refinements_ = 0;
   std::string reason_;
 };
 
@@ -259,10 +256,10 @@ std::string hopeless(const FittedTrack& fitted) {
   return "";
 }
 
-TrackFit described(const FittedTrack& fitted, std::size_t index, std::vector<double> values,
-                   int refinements) {
+TrackFit described(const FittedTrack& fitted, std::size_t index, std::vector<double> values) {
   std::vector<double> played = fitted.solved().control_values();
-  for (int i = 0; i < refinements; ++i) played = refined(played);
+  int refinements = 0;
+  for (; played.size() < values.size(); ++refinements) played = refined(played);
   std::vector<double> difference;
   for (std::size_t i = 0; i < values.size(); ++i) difference.push_back(values[i] - played[i]);
   const ControlCurve change(difference);
@@ -314,15 +311,21 @@ SpeedFit fit_speed(const Plan& plan, const CheckReport& report, FitStart start,
                       fewest.by_acceleration ? "max_velocity and max_acceleration" : "max_velocity",
                       in_quotes(plan.rig()->axes[fewest.axis].name)));
     }
-    TrackSearch search(fitted, start, refinements, [&](double share) {
+    const auto tell = [&](double share) {
       if (progress) progress((static_cast<double>(t) + share) / count);
-    });
+    };
+    TrackSearch search(fitted, start, refinements, tell);
     std::optional<std::vector<double>> values = search.run();
+    if (!values) {
+      if (const std::optional<Plan> shared_out = with_eases_shared_out(fitted)) {
+        values = TrackSearch(FittedTrack(*shared_out, 0), start, refinements, tell).run();
+      }
+    }
     if (!values) {
       return give_up("no speed curve was found that keeps every limit; with the nearest one " +
                      search.reason());
     }
-    fit.tracks.push_back(described(fitted, t, std::move(*values), search.refinements()));
+    fit.tracks.push_back(described(fitted, t, std::move(*values)));
   }
   if (std::optional<std::string> reason = refusal_of(plan, fit.tracks)) return give_up(std::move(*reason));
   fit.found = true;

@@ -46,7 +46,8 @@ struct SpeedFit {
 /// Finds new speed curves for the tracks that break a limit. The other tracks, N and the path stay. A new
 /// curve has the same Phi(f), the same Phi at locked keys and breaks, and the same rests; it has the smallest
 /// integral of the squared change of phi over a. If no curve fits with as many control values, the played
-/// curve is refined, f -> 2 f, at most `refinements` times and up to 600 control values.
+/// curve is refined, f -> 2 f, at most `refinements` times and up to 600 control values. If none of these
+/// fits, the keys that ease without a frame of their own are met on other frames (with_eases_shared_out).
 ///
 /// The move plays the new curve exactly as it stands in the file: the curve meets its locked keys already, so
 /// that reading it changes it by no more than rounding. Therefore one more control value may go to 0 on

@@ -166,6 +166,35 @@ TEST(SpeedFit, LockedKeysAndHoldsAreMetAsBefore) {
   }
 }
 
+TEST(SpeedFit, EasedKeysWithoutAFrameAreMetWhenTheLimitsWantItAndThoseWithOneStay) {
+  const std::string there =
+      "corners = \"ease\"\nkeys = [ { at = [0, 0] }, { at = [90, 0] }, { at = [90, 20] }";
+  const Limits limits{.velocity = 150, .acceleration = 400, .more = "max_jerk = 4000"};
+  const std::string speed = "speed = [0, 0, 6, 6, 6, 0, 0]\n";
+  for (const char* last : {", { at = [0, 0] } ]\n", ", { at = [0, 0], frame = 72 }, { at = [30, 0] } ]\n"}) {
+    const std::string move = move_of("spline = \"linear\"\n" + there + last + speed);
+    const Plan plan = plan_of(move, limits);
+    ASSERT_THAT(check(plan).refusals, testing::Not(IsEmpty()));
+    const SpeedFit fit = fit_of(plan);
+    ASSERT_TRUE(fit.found) << fit.reason;
+    const Plan after = written(move, fit, limits);
+    EXPECT_TRUE(check(after).fits());
+    const KeyTiming<double>& timing = *after.tracks()[0].key_timing();
+    EXPECT_LT(timing.largest_change, 1e-6) << "reading it again changes nothing";
+    std::vector<double> at(2);
+    for (const KeyLock& lock : timing.locks) {
+      if (lock.key == 3 && lock.ease) {
+        EXPECT_EQ(timing.frame_of(lock, 96), 72);
+      }
+      if (lock.key != 1) continue;
+      const double frame = timing.frame_of(lock, 96);
+      const auto whole = static_cast<std::int32_t>(frame);
+      after.tracks()[0].track().positions({whole, frame - whole}, at);
+      EXPECT_THAT(at, testing::ElementsAre(testing::DoubleNear(90, 1e-6), testing::DoubleNear(0, 1e-6)));
+    }
+  }
+}
+
 TEST(SpeedFit, AHoldWithoutAFrameIsRefusedWithTheFrameToWrite) {
   const std::string held = with(bends, "[110, -20] }", "[110, -20], hold = 24 }");
   const Plan plan = plan_of(move_of(held + halting, 240), {.velocity = 30});
