@@ -1,5 +1,6 @@
 #include "host_tools/plan/plan_plot.hpp"
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <set>
@@ -16,6 +17,9 @@ namespace {
 
 constexpr std::size_t samples_per_segment = 64;
 constexpr std::size_t samples_per_span = 32;
+/// An axis over time has about so many samples, and looks smooth; a frame has at least one.
+constexpr int smooth_samples = 1200;
+constexpr int max_samples_per_frame = 32;
 
 /// The frame at which a distance is reached, between the rows of the table. Bisection on the drawn curve
 /// finds it.
@@ -150,6 +154,8 @@ PlotMove plot_of(const Plan& plan) {
   plot.frames = plan.move().frames;
   plot.first_frame = plan.played().first_frame();
   plot.last_frame = plan.played().last_frame();
+  const std::int32_t frames_shown = plot.last_frame - plot.first_frame;
+  const int samples = std::clamp(smooth_samples / frames_shown, 1, max_samples_per_frame);
   std::vector<std::vector<std::size_t>> axes_of_tracks;
   for (const MoveTrack& track : plan.move().tracks) axes_of_tracks.emplace_back(track.axes.size());
   for (std::size_t a = 0; a < plan.axes().size(); ++a) {
@@ -159,7 +165,11 @@ PlotMove plot_of(const Plan& plan) {
     PlotAxis drawn{.name = axis.name, .unit = unit_of(axis), .positions = {}, .minimum = {}, .maximum = {}};
     const AxisColumn column(plan, axis, PlanRows::frame);
     for (std::int64_t frame = column.line().first(); frame <= column.line().last(); ++frame) {
-      drawn.positions.push_back(column.position(frame));
+      const FrameTime<double> when = column.line().at(frame);
+      drawn.positions.push_back(column.position(when));
+      for (int i = 0; i < (frame < column.line().last() ? samples : 1); ++i) {
+        drawn.line.push_back(column.position({when.frame, static_cast<double>(i) / samples}));
+      }
     }
     if (plan.rig()) {
       drawn.minimum = plan.rig()->axes[a].min;

@@ -30,11 +30,11 @@ AxisColumn::AxisColumn(const Plan& plan, const PlanAxis& axis, PlanRows rows)
   if (!rolls.after.empty()) after_ = &rolls.after[axis.move_axis];
 }
 
-double AxisColumn::position(std::int64_t row) const {
-  const FrameTime<double> when = line_.at(row);
+double AxisColumn::position(const FrameTime<double>& when) const {
   if (const RollAxis<double>* roll = roll_at(when)) return roll->motion(when).position;
+  const bool is_in_table = rows_ == PlanRows::frame && when.fraction == 0;
   const PathPoint<double> point =
-      rows_ == PlanRows::frame ? solved_.table().point(when.frame) : solved_.track().locate(when);
+      is_in_table ? solved_.table().point(when.frame) : solved_.track().locate(when);
   return solved_.track().path().position(point, static_cast<std::int32_t>(axis_));
 }
 

@@ -40,7 +40,9 @@ class AxisColumn {
   AxisColumn(const Plan& plan, const PlanAxis& axis, PlanRows rows);
 
   [[nodiscard]] const TimeLine& line() const { return line_; }
-  [[nodiscard]] double position(std::int64_t row) const;
+  [[nodiscard]] double position(std::int64_t row) const { return position(line_.at(row)); }
+  /// Between the first row and the last.
+  [[nodiscard]] double position(const FrameTime<double>& when) const;
   /// Velocity and acceleration are those of the drawn speed, analytically.
   AxisMotion<double> motion(std::int64_t row);
 

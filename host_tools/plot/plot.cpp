@@ -179,6 +179,7 @@ void require_consistent(const PlotMove& move) {
     require(axis.positions.size() == static_cast<std::size_t>(move.last_frame - move.first_frame) + 1,
             "positions needs a value for each of the frames first_frame..last_frame");
     require_finite(axis.positions, "positions");
+    require_finite(axis.line, "line");
     for (const auto& limit : {axis.minimum, axis.maximum}) {
       if (limit) require_finite(std::span(&*limit, 1), "a limit");
     }

@@ -19,6 +19,8 @@ struct PlotAxis {
   std::vector<double> positions;  // on the frames first_frame..last_frame, axis units
   std::optional<double> minimum;  // limits, drawn when given
   std::optional<double> maximum;
+  /// The positions with even steps between the frames; empty: straight from frame to frame.
+  std::vector<double> line = {};
 };
 
 struct PlotTrack {

@@ -120,9 +120,13 @@ void draw_limits(Canvas& canvas, const Box& area, const PlotAxis& axis, const Sc
   }
 }
 
+const std::vector<double>& line_of(const PlotAxis& axis) {
+  return axis.line.empty() ? axis.positions : axis.line;
+}
+
 // The moved range and each limit that is not much further out.
 Range row_range(const PlotAxis& axis) {
-  const Range moved = widened(range_of(axis.positions), 0);
+  const Range moved = widened(range_of(line_of(axis)), 0);
   const Range near = widened(moved, 0.6);
   Range shown = moved;
   for (const auto& limit : {axis.minimum, axis.maximum}) {
@@ -170,13 +174,16 @@ void draw_row(Canvas& canvas, const Box& area, double left, const PlotMove& move
   const Mover mover = mover_of(move, index);
   const Color color = mover.track ? track_color(mover.index) : plot_color::quiet;
   // The samples of the line count from 0.
-  const Scale sample({0, static_cast<double>(axis.positions.size() - 1)}, area.x, area.right());
-  canvas.polyline(series_line(axis.positions, sample, y), {color, 2});
+  const std::vector<double>& line = line_of(axis);
+  const Scale sample({0, static_cast<double>(line.size() - 1)}, area.x, area.right());
+  canvas.polyline(series_line(line, sample, y), {color, 2});
   if (!mover.track) return;
   const auto& keys = mover.track->keys[mover.axis];
   const double radius = keys.size() > 60 ? 1.8 : 3;
   for (std::size_t i = 0; i < mover.track->key_frames.size(); ++i) {
-    const Point begin{x(mover.track->key_frames[i]), y(keys[i % keys.size()])};
+    // A closed path ends where it began, or a whole turn further.
+    const double at = i < keys.size() ? keys[i] : mover.track->path[mover.axis].back();
+    const Point begin{x(mover.track->key_frames[i]), y(at)};
     canvas.disc(begin, radius, plot_color::key);
     const double hold = hold_of(*mover.track, i);
     if (hold == 0) continue;

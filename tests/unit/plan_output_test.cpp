@@ -419,6 +419,32 @@ TEST(PlanPicture, ShowsTheAxesOfTheMoveOnly) {
   EXPECT_THAT(plot.tracks[1].control_values, ElementsAre(3, 3));
 }
 
+TEST(Plot, AnAxisIsDrawnAsItMovesBetweenFramesToo) {
+  const Plan plan(parse_move(R"(name = "swing"
+fps = 24
+frames = 4
+[[track]]
+axes = ["arm"]
+overshoot = false
+keys = [{ at = [0] }, { at = [9] }, { at = [9] }, { at = [0] }]
+speed = [0, 0, 3, 0, 0]
+)",
+                             "swing.toml"),
+                  std::nullopt, {});
+  const PlotAxis axis = plot_of(plan).axes[0];
+  const std::size_t samples = (axis.line.size() - 1) / 4;
+  ASSERT_GT(samples, 8);
+  std::vector<double> at(1);
+  for (std::size_t i = 0; i < axis.line.size(); ++i) {
+    const auto frame = static_cast<std::int32_t>(i / samples);
+    plan.tracks()[0].track().positions(
+        {frame, static_cast<double>(i % samples) / static_cast<double>(samples)}, at);
+    EXPECT_NEAR(axis.line[i], at[0], 1e-12) << i;
+  }
+  for (std::size_t frame = 0; frame <= 4; ++frame)
+    EXPECT_EQ(axis.line[frame * samples], axis.positions[frame]);
+}
+
 TEST(Plot, AHeldKeyIsWhereItRestsAndForAsLong) {
   const PlotMove plot = plot_of(Plan(parse_move(R"(name = "held"
 fps = 24
