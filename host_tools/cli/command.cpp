@@ -80,6 +80,18 @@ void add_turns(CLI::App& app, std::optional<std::int32_t>& turns) {
       ->check(CLI::Range(1, max_frames));
 }
 
+void add_style(CLI::App& app, PictureStyle& style) {
+  app.add_option_function<std::string>(
+         "--style",
+         [&style](const std::string& name) {
+           style = name == "dark" ? PictureStyle::dark : PictureStyle::light;
+         },
+         "of the picture: light, for paper, or dark, for a screen beside a stage")
+      ->check(CLI::IsMember({"light", "dark"}))
+      ->default_str("light")
+      ->needs("--plot");
+}
+
 std::FILE* summary_stream(bool data_on_standard_output) {
   return data_on_standard_output ? stderr : stdout;
 }

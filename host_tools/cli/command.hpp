@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "host_tools/plan/plan.hpp"
+#include "host_tools/plot/plot_canvas.hpp"
 
 namespace inbetween {
 
@@ -75,6 +76,9 @@ Plan make_plan(const std::string& move, const std::optional<std::string>& rig, S
 
 /// Adds --turns.
 void add_turns(CLI::App& app, std::optional<std::int32_t>& turns);
+
+/// Adds --style, for a command that has --plot already.
+void add_style(CLI::App& app, PictureStyle& style);
 
 /// The stream for the summary: standard error if standard output carries data.
 std::FILE* summary_stream(bool data_on_standard_output);

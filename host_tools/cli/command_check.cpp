@@ -26,6 +26,7 @@ namespace {
 struct CheckArguments {
   std::string move, rig;
   std::optional<std::string> json, plot, fit;
+  PictureStyle style = PictureStyle::light;
   std::string start = "drawn";
   std::string frames = "given";
   std::optional<std::int32_t> turns;
@@ -82,13 +83,14 @@ void write_fitted(const CheckArguments& arguments, const Plan& plan, const Fewes
 /// The limits of the move, or of what the fit has made of it, with its curves before and after.
 void draw_limits(const CheckArguments& arguments, const Plan& plan, const CheckReport& report,
                  const std::optional<FewestFit>& fitted) {
-  if (!fitted || !fitted->fit.found) return draw_limits_plot(limits_plot_of(plan, report), *arguments.plot);
+  if (!fitted || !fitted->fit.found)
+    return draw_limits_plot(limits_plot_of(plan, report), *arguments.plot, arguments.style);
   MoveFile move = fitted->move;
   for (const TrackFit& track : fitted->fit.tracks) replace_curve(move.tracks[track.track], track.speed);
   const Plan after(std::move(move), plan.rig(), {});
   LimitsPlot plot = limits_plot_of(after, check(after));
   add_fitted_curves(plan, after, fitted->fit, plot);
-  draw_limits_plot(plot, *arguments.plot);
+  draw_limits_plot(plot, *arguments.plot, arguments.style);
 }
 
 void complain_of_no_fit(const Plan& plan, const SpeedFit& fit, const SmallestFrames& smallest) {
@@ -150,6 +152,7 @@ void describe(CLI::App& app, CheckArguments& arguments) {
   app.add_option("--json", arguments.json, "write everything that was found (- is standard output)");
   app.add_option("--plot", arguments.plot,
                  "draw velocity, acceleration and jerk of every axis with its limits (.svg, .png or .pdf)");
+  add_style(app, arguments.style);
   CLI::Option* fit = app.add_option(
       "--fit", arguments.fit,
       "write the move with a speed curve that fits in the same frames, changed as little as can be");

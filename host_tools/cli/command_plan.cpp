@@ -16,6 +16,7 @@ namespace {
 struct PlanArguments {
   std::string move, per = "frame", solver = "closed-form";
   std::optional<std::string> rig, csv, json, plot;
+  PictureStyle style = PictureStyle::light;
   std::optional<std::int32_t> turns;
 };
 
@@ -95,7 +96,7 @@ int plan_command(const PlanArguments& arguments) {
   if (arguments.json) {
     write_output(*arguments.json, [&](std::FILE* file) { write_plan_json(plan, rows, file); });
   }
-  if (arguments.plot) draw_plot(plot_of(plan), *arguments.plot);
+  if (arguments.plot) draw_plot(plot_of(plan), *arguments.plot, arguments.style);
   print_plan_summary(plan, summary_stream(arguments.csv == "-" || arguments.json == "-"));
   return 0;
 }
@@ -117,6 +118,7 @@ void describe(CLI::App& app, PlanArguments& arguments) {
   app.add_option("--json", arguments.json, "write everything: path, table, axes (- is standard output)");
   app.add_option("--plot", arguments.plot,
                  "draw the path, the speed curve, the time bar and the axes (.svg, .png or .pdf)");
+  add_style(app, arguments.style);
   app.footer(
       "Examples:\n"
       "  inbetween plan move.toml                                   a summary\n"

@@ -194,10 +194,10 @@ void require_consistent(const PlotMove& move) {
 
 }  // namespace
 
-void draw_plot(const PlotMove& move, const std::filesystem::path& file) {
+void draw_plot(const PlotMove& move, const std::filesystem::path& file, PictureStyle style) {
   require_consistent(move);
   const Layout layout = layout_of(move);
-  Canvas canvas(file, page_width, layout.height);
+  Canvas canvas(file, page_width, layout.height, style);
   draw_page_title(canvas, move);
   for (std::size_t i = 0; i < move.tracks.size(); ++i) draw_track(canvas, layout.tracks[i], move, i);
   for (std::size_t i = 0; i < move.tips.size(); ++i) draw_tip_section(canvas, layout.tips[i], move, i);

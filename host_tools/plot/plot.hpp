@@ -11,6 +11,8 @@
 #include <utility>
 #include <vector>
 
+#include "host_tools/plot/plot_canvas.hpp"
+
 namespace inbetween {
 
 struct PlotAxis {
@@ -82,6 +84,7 @@ struct PlotMove {
 /// Cost: O(all samples). The size of the picture depends on its axes, keys and tracks, not on the number of
 /// frames: an SVG has about 100 kB a track and 20 kB an axis, and less than 1.5 MB with three axes of pure
 /// noise.
-void draw_plot(const PlotMove& move, const std::filesystem::path& file);
+void draw_plot(const PlotMove& move, const std::filesystem::path& file,
+               PictureStyle style = PictureStyle::light);
 
 }  // namespace inbetween

@@ -4,6 +4,7 @@
 #include <cairo-svg.h>
 #include <cairo.h>
 #include <fmt/format.h>
+#include <pango/pangocairo.h>
 
 #include <algorithm>
 #include <array>
@@ -33,6 +34,8 @@ struct Destroy {
 };
 using Surface = std::unique_ptr<cairo_surface_t, Destroy<cairo_surface_destroy>>;
 using Context = std::unique_ptr<cairo_t, Destroy<cairo_destroy>>;
+using TextLayout = std::unique_ptr<PangoLayout, Destroy<g_object_unref>>;
+using FontDescription = std::unique_ptr<PangoFontDescription, Destroy<pango_font_description_free>>;
 using FontOptions = std::unique_ptr<cairo_font_options_t, Destroy<cairo_font_options_destroy>>;
 
 void require(cairo_status_t status, const std::filesystem::path& file) {
@@ -77,6 +80,19 @@ Surface make_surface(const std::filesystem::path& file, double width, double hei
   }
   return Surface{
       cairo_image_surface_create(CAIRO_FORMAT_RGB24, static_cast<int>(width), static_cast<int>(height))};
+}
+
+/// The colour that stands on a dark page for one that is made for a white page: greys change places, the
+/// others get lighter.
+Color on_dark(Color c) {
+  constexpr double darkest = 0.11;
+  constexpr double lighter = 0.25;
+  const auto [least, most] = std::minmax({c.red, c.green, c.blue});
+  const bool is_grey = most - least < 0.05;
+  const auto changed = [&](double value) {
+    return is_grey ? darkest + (1 - darkest) * (1 - value) : value + lighter * (1 - value);
+  };
+  return {changed(c.red), changed(c.green), changed(c.blue), c.opacity};
 }
 
 double crisp(double at, const Stroke& stroke) {
@@ -139,11 +155,16 @@ PictureFormat picture_format(const std::filesystem::path& file) {
 struct Canvas::Page {
   std::filesystem::path file;
   PictureFormat format;
+  PictureStyle style;
   std::string bytes;  // stays where it is: cairo holds its address
   Surface surface;
   Context context;
+  TextLayout layout;
 
-  void color(Color c) { cairo_set_source_rgba(context.get(), c.red, c.green, c.blue, c.opacity); }
+  void color(Color c) {
+    if (style == PictureStyle::dark) c = on_dark(c);
+    cairo_set_source_rgba(context.get(), c.red, c.green, c.blue, c.opacity);
+  }
 
   void stroke(const Stroke& stroke) {
     constexpr std::array<double, 2> dashes{4, 3};
@@ -158,10 +179,15 @@ struct Canvas::Page {
     cairo_fill(context.get());
   }
 
-  void font_of(const TextStyle& style) {
-    cairo_select_font_face(context.get(), font, CAIRO_FONT_SLANT_NORMAL,
-                           style.bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
-    cairo_set_font_size(context.get(), style.size);
+  /// One line, whatever the words are; fontconfig finds a font for each of their scripts.
+  PangoLayoutLine* line_of(std::string_view words, const TextStyle& text) {
+    const FontDescription description{pango_font_description_new()};
+    pango_font_description_set_family_static(description.get(), font);
+    pango_font_description_set_weight(description.get(), text.bold ? PANGO_WEIGHT_BOLD : PANGO_WEIGHT_NORMAL);
+    pango_font_description_set_absolute_size(description.get(), text.size * PANGO_SCALE);
+    pango_layout_set_font_description(layout.get(), description.get());
+    pango_layout_set_text(layout.get(), words.data(), static_cast<int>(words.size()));
+    return pango_layout_get_line_readonly(layout.get(), 0);
   }
 
   void trace(std::span<const Point> points) {
@@ -170,8 +196,8 @@ struct Canvas::Page {
   }
 };
 
-Canvas::Canvas(const std::filesystem::path& file, double width, double height)
-    : page_(std::make_unique<Page>(Page{file, picture_format(file), {}, nullptr, nullptr})) {
+Canvas::Canvas(const std::filesystem::path& file, double width, double height, PictureStyle style)
+    : page_(std::make_unique<Page>(Page{file, picture_format(file), style, {}, nullptr, nullptr, nullptr})) {
   page_->surface = make_surface(file, width, height, page_->bytes);
   require(cairo_surface_status(page_->surface.get()), file);
   page_->context.reset(cairo_create(page_->surface.get()));
@@ -184,7 +210,11 @@ Canvas::Canvas(const std::filesystem::path& file, double width, double height)
   cairo_font_options_set_hint_style(options.get(), CAIRO_HINT_STYLE_NONE);
   cairo_font_options_set_hint_metrics(options.get(), CAIRO_HINT_METRICS_OFF);
   cairo_font_options_set_antialias(options.get(), CAIRO_ANTIALIAS_GRAY);
-  cairo_set_font_options(context, options.get());
+  page_->layout.reset(pango_cairo_create_layout(context));
+  PangoContext* const text = pango_layout_get_context(page_->layout.get());
+  pango_cairo_context_set_font_options(text, options.get());
+  pango_context_set_round_glyph_positions(text, FALSE);
+  pango_layout_set_single_paragraph_mode(page_->layout.get(), TRUE);
   cairo_set_line_join(context, CAIRO_LINE_JOIN_ROUND);
   rectangle({0, 0, width, height}, {1, 1, 1, 1});
   require(cairo_status(context), file);
@@ -255,17 +285,16 @@ void Canvas::text(Point at, std::string_view words, const TextStyle& style) {
   if (words.empty()) return;
   const double share = style.align == Align::left ? 0 : style.align == Align::center ? 0.5 : 1;
   const double width = share > 0 ? text_width(words, style) : 0;
-  page_->font_of(style);
+  PangoLayoutLine* const line = page_->line_of(words, style);
   page_->color(style.color);
   cairo_move_to(page_->context.get(), at.x - share * width, at.y);
-  cairo_show_text(page_->context.get(), std::string(words).c_str());
+  pango_cairo_show_layout_line(page_->context.get(), line);
 }
 
 double Canvas::text_width(std::string_view words, const TextStyle& style) {
-  cairo_text_extents_t extents{};
-  page_->font_of(style);
-  cairo_text_extents(page_->context.get(), std::string(words).c_str(), &extents);
-  return extents.x_advance;
+  PangoRectangle extents{};
+  pango_layout_line_get_extents(page_->line_of(words, style), nullptr, &extents);
+  return static_cast<double>(extents.width) / PANGO_SCALE;
 }
 
 void Canvas::write(std::string_view title, std::string_view description) {
@@ -287,6 +316,12 @@ void Canvas::write(std::string_view title, std::string_view description) {
   }
   write_output(page.file.string(),
                [&](std::FILE* out) { std::fwrite(page.bytes.data(), 1, page.bytes.size(), out); });
+}
+
+TextStyle shrunk(Canvas& canvas, std::string_view words, TextStyle style, double width) {
+  const double wanted = canvas.text_width(words, style);
+  if (wanted > width) style.size *= width / wanted;
+  return style;
 }
 
 std::string elided(Canvas& canvas, std::string_view words, const TextStyle& style, double width) {

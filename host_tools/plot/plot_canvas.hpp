@@ -51,6 +51,9 @@ struct TextStyle {
   bool bold = false;
 };
 
+/// Dark: light lines on a dark page, for a screen beside a stage.
+enum class PictureStyle { light, dark };
+
 enum class PictureFormat { svg, png, pdf };
 
 /// The format that the ending of the file's name asks for, in upper or lower case.
@@ -64,10 +67,11 @@ enum class PictureFormat { svg, png, pdf };
 /// The same calls give the same bytes for SVG and PNG; a PDF carries its date of creation.
 class Canvas {
  public:
-  /// A white page in the format that the ending of the file's name asks for. Does not touch the file.
-  /// Throws std::runtime_error, one line that starts with the file's name, for another ending or where the
-  /// format cannot hold the page (PNG ends at 32767 pixels).
-  Canvas(const std::filesystem::path& file, double width, double height);
+  /// An empty page in the format that the ending of the file's name asks for. Does not touch the file.
+  /// Whoever draws gives the colours of the light style. Throws std::runtime_error, one line that starts with
+  /// the file's name, for another ending or where the format cannot hold the page (PNG ends at 32767 pixels).
+  Canvas(const std::filesystem::path& file, double width, double height,
+         PictureStyle style = PictureStyle::light);
   Canvas(Canvas&&) noexcept;
   Canvas& operator=(Canvas&&) noexcept;
   ~Canvas();
@@ -85,7 +89,8 @@ class Canvas {
   void rectangles(std::span<const Box> boxes, Color fill);
   void polygon(std::span<const Point> corners, Color fill);
 
-  /// UTF-8 text on the base line through `at`, which is its left end, its middle or its right end.
+  /// UTF-8 text in any script on the base line through `at`, which is its left end, its middle or its right
+  /// end.
   void text(Point at, std::string_view words, const TextStyle& style);
   [[nodiscard]] double text_width(std::string_view words, const TextStyle& style);
 
@@ -98,6 +103,9 @@ class Canvas {
   struct Page;
   std::unique_ptr<Page> page_;
 };
+
+/// The style in which `words` fit into `width`: smaller where they would not.
+[[nodiscard]] TextStyle shrunk(Canvas& canvas, std::string_view words, TextStyle style, double width);
 
 /// `words` if they fit into `width`, or else the longest beginning that fits with an ellipsis behind it.
 [[nodiscard]] std::string elided(Canvas& canvas, std::string_view words, const TextStyle& style,

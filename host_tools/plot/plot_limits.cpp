@@ -192,11 +192,12 @@ void draw_curve(Canvas& canvas, const Box& area, const LimitsPlot& plot, const F
 
 }  // namespace
 
-void draw_limits_plot(const LimitsPlot& plot, const std::filesystem::path& file) {
+void draw_limits_plot(const LimitsPlot& plot, const std::filesystem::path& file, PictureStyle style) {
   require_consistent(plot);
   const double height = rows_height(plot);
   Canvas canvas(file, page_width,
-                std::ceil(page_margin + title_height + above_rows + height + below_rows + page_margin / 2));
+                std::ceil(page_margin + title_height + above_rows + height + below_rows + page_margin / 2),
+                style);
   const TextStyle title{.size = 24, .color = plot_color::ink, .bold = true};
   const TextStyle quiet{.size = 13, .color = plot_color::quiet};
   const std::string summary = fmt::format("{}  ·  {} fps  ·  {:.6g} s", counted(plot.frames, "frame"),

@@ -50,6 +50,7 @@ struct LimitsPlot {
 ///
 /// Throws std::invalid_argument where a row has no two samples or one that is not finite (a mistake of the
 /// caller), std::runtime_error, one line that starts with the file's name, where no picture can be written.
-void draw_limits_plot(const LimitsPlot& plot, const std::filesystem::path& file);
+void draw_limits_plot(const LimitsPlot& plot, const std::filesystem::path& file,
+                      PictureStyle style = PictureStyle::light);
 
 }  // namespace inbetween

@@ -70,9 +70,17 @@ Range widened(Range range, double share) {
 std::vector<double> round_ticks(const Range& range, int max_count, double smallest_step) {
   Step step{1, static_cast<int>(std::floor(std::log10(range.size() / max_count))) - 1};
   Multiples inside = multiples_inside(range, step);
+  Step finer = step;
   while (step.value() < smallest_step * (1 - 1e-9) || inside.last - inside.first + 1 > max_count) {
+    finer = step;
     step = step.next();
     inside = multiples_inside(range, step);
+  }
+  const bool is_finer_allowed = finer.value() >= smallest_step * (1 - 1e-9);
+  if (inside.last - inside.first < 1 && max_count > 1 && is_finer_allowed) {
+    // One number alone gives no scale; the outer ones of the next finer step do.
+    const Multiples all = multiples_inside(range, finer);
+    return {finer.times(all.first) + 0.0, finer.times(all.last) + 0.0};
   }
   std::vector<double> ticks;
   const int gaps = static_cast<int>(inside.last - inside.first);

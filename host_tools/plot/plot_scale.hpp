@@ -43,7 +43,8 @@ class Scale {
 };
 
 /// Every multiple of the finest step 1, 2 or 5 times a power of ten, not finer than `smallest_step`, that
-/// gives at most `max_count` numbers inside `range`. The range is finite and not empty; max_count >= 1.
+/// gives at most `max_count` numbers inside `range`. Where these are fewer than two, the outer two of the
+/// next finer step. The range is finite and not empty; max_count >= 1.
 [[nodiscard]] std::vector<double> round_ticks(const Range& range, int max_count, double smallest_step = 0);
 
 /// The numbers of round_ticks() as they stand at an axis: two or more of them in at most 8 characters each.

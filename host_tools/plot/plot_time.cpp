@@ -116,7 +116,8 @@ void draw_limits(Canvas& canvas, const Box& area, const PlotAxis& axis, const Sc
     minimum.base_line = std::max(minimum.base_line, maximum.base_line + line_of_text);
   }
   for (const LimitLabel& label : {maximum, minimum}) {
-    canvas.text({area.right() + 8, label.base_line}, elided(canvas, label.words, style, right_room), style);
+    canvas.text({area.right() + 8, label.base_line}, label.words,
+                shrunk(canvas, label.words, style, right_room));
   }
 }
 

@@ -484,6 +484,7 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(RoundTicks, AreTheNumbersThatOneWouldWriteByHand) {
   EXPECT_THAT(round_ticks({0, 10}, 6), ElementsAre(0, 2, 4, 6, 8, 10));
   EXPECT_THAT(round_ticks({0, 10}, 5), ElementsAre(0, 5, 10));
+  EXPECT_THAT(round_ticks({1, 9.9}, 3), ElementsAre(2, 8)) << "5 alone would give no scale";
   EXPECT_THAT(round_ticks({-40, 55.2}, 5), ElementsAre(-40, -20, 0, 20, 40));
   EXPECT_THAT(round_ticks({0, 1500}, 4), ElementsAre(0, 500, 1000, 1500));
   EXPECT_THAT(round_ticks({1234.5, 1234.9}, 5), ElementsAre(1234.5, 1234.6, 1234.7, 1234.8, 1234.9));
@@ -654,6 +655,37 @@ TEST(ElidedText, IsWholeWhereItFitsAndIsCutBetweenLettersWhereNot) {
   EXPECT_THAT(shown, AllOf(StartsWith("éé"), ::testing::EndsWith("é…")));
   EXPECT_LE(canvas.text_width(shown, style), 60);
   EXPECT_EQ(shown.size() % 2, 1U) << "an é has two bytes, the ellipsis three";
+}
+
+TEST(ShrunkText, FitsWithAllItsFigures) {
+  Canvas canvas("page.svg", 200, 100);
+  const TextStyle style{.size = 11};
+  EXPECT_EQ(shrunk(canvas, "max 1800", style, 110).size, 11);
+  const std::string figures = "↑ max 1234567.8901234567";
+  const TextStyle smaller = shrunk(canvas, figures, style, 110);
+  EXPECT_THAT(smaller.size, AllOf(Ge(6), Le(11)));
+  EXPECT_LE(canvas.text_width(figures, smaller), 110.01);
+}
+
+TEST(Text, OfOtherScriptsIsShapedAndNotLetterAfterLetter) {
+  Canvas canvas("page.svg", 200, 100);
+  const TextStyle style{.size = 20};
+  const auto width = [&](std::string_view words) { return canvas.text_width(words, style); };
+  const std::string beh = "\u0628";  // joins its neighbour in Arabic script, and is narrower for it
+  EXPECT_LT(width(beh + beh), 2 * width(beh) - 1);
+  EXPECT_NEAR(width("e\u0301"), width("\u00e9"), 1e-3) << "an accent stands over its letter";
+}
+
+TEST(PictureStyle, ADarkPageIsBlackWhereALightOneIsWhite) {
+  const TemporaryFolder folder;
+  const auto corner = [&](PictureStyle style) {
+    draw_plot(straight_move(4, {1, 2}), folder.path() / "move.svg", style);
+    const std::string svg = contents(folder.path() / "move.svg");
+    const auto rectangle = svg.find("<rect");
+    return svg.substr(rectangle, svg.find("/>", rectangle) - rectangle);
+  };
+  EXPECT_THAT(corner(PictureStyle::light), HasSubstr("rgb(100%"));
+  EXPECT_THAT(corner(PictureStyle::dark), HasSubstr("rgb(11%"));
 }
 
 }  // namespace plot_test
