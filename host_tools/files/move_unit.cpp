@@ -1,5 +1,6 @@
 #include "host_tools/files/move_unit.hpp"
 
+#include <algorithm>
 #include <cstddef>
 #include <numbers>
 
@@ -15,49 +16,26 @@ struct Size {
   double divisor = 1;
 };
 
-constexpr Size size_of(MoveUnit unit) {
-  switch (unit) {
-    case MoveUnit::mm:
-      return {Kind::length, 1};
-    case MoveUnit::cm:
-      return {Kind::length, 10};
-    case MoveUnit::m:
-      return {Kind::length, 1000};
-    case MoveUnit::inch:
-      return {Kind::length, 254, 10};
-    case MoveUnit::ft:
-      return {Kind::length, 3048, 10};
-    case MoveUnit::deg:
-      return {Kind::angle, 1};
-    case MoveUnit::rad:
-      return {Kind::angle, 180, std::numbers::pi};
-    case MoveUnit::turn:
-      return {Kind::angle, 360};
-    case MoveUnit::of_rig:
-      break;
-  }
-  return {};
-}
-
-constexpr MoveUnit as_move_unit(AxisUnit unit) {
-  switch (unit) {
-    case AxisUnit::mm:
-      return MoveUnit::mm;
-    case AxisUnit::m:
-      return MoveUnit::m;
-    case AxisUnit::deg:
-      return MoveUnit::deg;
-    case AxisUnit::rad:
-      return MoveUnit::rad;
-    case AxisUnit::turn:
-      return MoveUnit::turn;
-    case AxisUnit::unit:
-      break;
-  }
-  return MoveUnit::of_rig;
-}
+/// In the order of MoveUnit.
+constexpr std::array sizes = {
+    Size{},                                    // of_rig
+    Size{Kind::length, 1},                     // mm
+    Size{Kind::length, 10},                    // cm
+    Size{Kind::length, 1000},                  // m
+    Size{Kind::length, 254, 10},               // in
+    Size{Kind::length, 3048, 10},              // ft
+    Size{Kind::angle, 1},                      // deg
+    Size{Kind::angle, 180, std::numbers::pi},  // rad
+    Size{Kind::angle, 360},                    // turn
+};
 
 }  // namespace
+
+MoveUnit as_move_unit(AxisUnit unit) {
+  const auto* const word = std::ranges::find(move_unit_words, to_string(unit));
+  return word == move_unit_words.end() ? MoveUnit::of_rig
+                                       : static_cast<MoveUnit>(word - move_unit_words.begin() + 1);
+}
 
 std::string_view to_string(MoveUnit unit) {
   return unit == MoveUnit::of_rig ? "the unit of the rig"
@@ -66,8 +44,8 @@ std::string_view to_string(MoveUnit unit) {
 
 std::optional<double> converted(double position, MoveUnit from, AxisUnit to) {
   if (from == MoveUnit::of_rig || from == as_move_unit(to)) return position;
-  const Size given = size_of(from);
-  const Size wanted = size_of(as_move_unit(to));
+  const Size given = sizes.at(static_cast<std::size_t>(from));
+  const Size wanted = sizes.at(static_cast<std::size_t>(as_move_unit(to)));
   if (given.kind != wanted.kind) return std::nullopt;
   return position * (given.of_base * wanted.divisor) / (given.divisor * wanted.of_base);
 }

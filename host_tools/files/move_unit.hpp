@@ -17,6 +17,9 @@ inline constexpr std::array<std::string_view, 8> move_unit_words = {"mm", "cm", 
                                                                     "ft", "deg", "rad", "turn"};
 std::string_view to_string(MoveUnit unit);
 
+/// of_rig where the axis counts in "unit".
+MoveUnit as_move_unit(AxisUnit unit);
+
 /// A position in the unit of an axis; nothing where one is a length and the other is not.
 std::optional<double> converted(double position, MoveUnit from, AxisUnit to);
 

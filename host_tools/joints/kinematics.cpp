@@ -5,9 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <numbers>
 #include <optional>
 #include <utility>
+
+#include "host_tools/files/move_unit.hpp"
 
 namespace inbetween {
 namespace {
@@ -17,22 +18,8 @@ constexpr double rounding = 1e-9;
 
 /// What 1 of the unit is in radians or metres; nothing where the joint cannot count in it.
 std::optional<double> size_of(AxisUnit unit, UrdfJointKind kind) {
-  const bool turns = kind != UrdfJointKind::prismatic;
-  switch (unit) {
-    case AxisUnit::mm:
-      return turns ? std::nullopt : std::optional(1e-3);
-    case AxisUnit::m:
-      return turns ? std::nullopt : std::optional(1.0);
-    case AxisUnit::deg:
-      return turns ? std::optional(std::numbers::pi / 180) : std::nullopt;
-    case AxisUnit::rad:
-      return turns ? std::optional(1.0) : std::nullopt;
-    case AxisUnit::turn:
-      return turns ? std::optional(2 * std::numbers::pi) : std::nullopt;
-    case AxisUnit::unit:
-      break;
-  }
-  return std::nullopt;
+  if (unit == AxisUnit::unit) return std::nullopt;
+  return converted(1, as_move_unit(unit), kind == UrdfJointKind::prismatic ? AxisUnit::m : AxisUnit::rad);
 }
 
 /// Joint value = factor * axis + offset.

@@ -81,12 +81,6 @@ std::vector<double> through_values(const MoveTrack& track, std::int32_t frames) 
   return values;
 }
 
-/// Rises from 0 to 1 with two derivatives 0 at both ends.
-double smooth_step(double x) {
-  const double u = std::clamp(x, 0.0, 1.0);
-  return u * u * u * (10 - u * (15 - 6 * u));
-}
-
 /// How many frames an end takes between rest and the curve; 0 where it is as drawn.
 double ramp_frames(const std::optional<EaseWish>& ease, bool rests, double frames_per_drawn_span) {
   if (ease && ease->frames > 0) return ease->frames;

@@ -15,13 +15,6 @@ namespace {
 /// curve as drawn from one drawn span away on.
 constexpr std::int32_t spans_to_touch = 4;
 
-/// Rises from 0 to 1 with two derivatives 0 at both ends.
-template <Precise Real>
-Real smooth_step(Real x) {
-  const Real u = std::clamp(x, Real(0), Real(1));
-  return u * u * u * (10 - u * (15 - 6 * u));
-}
-
 template <Precise Real>
 class Adjustment {
  public:

@@ -83,6 +83,13 @@ constexpr void refine_control_values(std::span<Real> values, std::size_t f) {
   }
 }
 
+/// Rises from 0 to 1 with two derivatives 0 at both ends: control values times it come from rest.
+template <Precise Real>
+constexpr Real smooth_step(Real x) {
+  const Real u = std::clamp(x, Real(0), Real(1));
+  return u * u * u * (10 - u * (15 - 6 * u));
+}
+
 /// Whether the curve stands still at a control value: two zeros at an end of it, three in a row elsewhere.
 template <Precise Real>
 constexpr bool is_rest(std::span<const Real> values, std::size_t index) {
