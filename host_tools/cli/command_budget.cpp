@@ -41,17 +41,15 @@ void describe(CLI::App& app, BudgetCapacity& capacity) {
         return known ? "" : fmt::format("Value {} not in range: from {:g} to below {:g}", text, min, above);
       });
   app.footer(
-      "Three tables: the bytes that the caller of the core provides for every object of a move of that "
-      "capacity\n"
-      "(the same on every processor); the worst stack of every public function on two microcontrollers, "
-      "added up\n"
-      "from what the compiler says; the instructions that a tick of three axes takes there, counted in an "
-      "emulator.\n"
-      "The last two are limits, which the tests of the project hold.\n\n"
-      "Examples:\n"
-      "  inbetween budget                                           8 keys, 3 axes, 240 frames\n"
-      "  inbetween budget --keys 100 --axes 16 --control-values 40 --frames 5000\n"
-      "  inbetween budget --delta 1e-4                              coarser, in less memory");
+      R"(Three tables: the bytes that the caller of the core provides for every object of a move of that
+capacity (the same on every processor); the worst stack of every public function on two microcontrollers,
+added up from what the compiler says; the instructions that a tick of three axes takes there, counted in an
+emulator. The last two are limits, which the tests of the project hold.
+
+Examples:
+  inbetween budget                                           8 keys, 3 axes, 240 frames
+  inbetween budget --keys 100 --axes 16 --control-values 40 --frames 5000
+  inbetween budget --delta 1e-4                              coarser, in less memory)");
 }
 
 }  // namespace

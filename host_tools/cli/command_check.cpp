@@ -168,47 +168,40 @@ void describe(CLI::App& app, CheckArguments& arguments) {
       ->needs(fit)
       ->capture_default_str();
   app.footer(
-      "Every moment from the first frame to the last is held against the limits, not samples of it: a peak "
-      "is "
-      "a\n"
-      "proven bound, not below the true one and at most 1 % above it. Jerk is held only where the rig has a\n"
-      "max_jerk.\n\n"
-      "A move that starts moving gets a pre-roll from rest, on frames below 0, and one that ends moving a\n"
-      "post-roll: the shortest that keep the limits, one number of frames for all axes.\n\n"
-      "A step of the velocity (a corner of the path, a break) never fits: no drive can follow it. A step of "
-      "the acceleration breaks a max_jerk unless it is within "
-      "max_acceleration_step;\n"
-      "spline = \"smooth\" has none at its keys unless the path turns back there (ease, corners), and a "
-      "speed curve that begins and ends with 0, 0 none at "
-      "its ends.\n\n"
-      "The last line tells in how many frames the move would fit, its locked keys and holds moved in "
-      "proportion.\n"
-      "At one frame less it was tried and does not fit. Where slowing down cures nothing, it says why. Where "
-      "another\n"
-      "speed curve with as many control values (32 at most) needs fewer, it tells how many; --fit OUT "
-      "--frames "
-      "fewest\n"
-      "looks for one with more control values too, and writes the move in the fewest frames.\n\n"
-      "--fit OUT writes the same file with another speed curve, comments and all else kept. It covers the "
-      "same\n"
-      "distance by the same frames, so that locked keys stay locked; rests stay rests. Where no curve with "
-      "as\n"
-      "many control values fits, it is given twice as many, and again. Where none is found, it says why, "
-      "and\n"
-      "below how many frames there can be none. With --plot the picture is of the fitted move, with its "
-      "speed "
-      "curves\n"
-      "before and after.\n\n"
-      "A controlled stop from any moment, forward or backward, is proven as well: how long the longest "
-      "takes,\n"
-      "and that it keeps the stop limits of the rig.\n\n"
-      "Exit status: 0 the move fits, or --fit found a curve; 3 it does not, and every reason is a line of "
-      "standard error.\n\n"
-      "Examples:\n"
-      "  inbetween check move.toml --rig rig.toml                   a table of peaks, and the verdict\n"
-      "  inbetween check move.toml --rig rig.toml --plot limits.svg where the peaks are\n"
-      "  inbetween check move.toml --rig rig.toml --fit slower.toml the move, made to fit\n"
-      "  inbetween check move.toml --rig rig.toml --json -          for other programs");
+      R"(Every moment from the first frame to the last is held against the limits, not samples of it: a peak
+is a proven bound, not below the true one and at most 1 % above it. Jerk is held only where the rig has a
+max_jerk.
+
+A move that starts moving gets a pre-roll from rest, on frames below 0, and one that ends moving a post-roll:
+the shortest that keep the limits, one number of frames for all axes.
+
+A step of the velocity (a corner of the path, a break) never fits: no drive can follow it. A step of the
+acceleration breaks a max_jerk unless it is within max_acceleration_step; spline = "smooth" has none at its
+keys unless the path turns back there (ease, corners), and a speed curve that begins and ends with 0, 0 none
+at its ends.
+
+The last line tells in how many frames the move would fit, its locked keys and holds moved in proportion. At
+one frame less it was tried and does not fit. Where slowing down cures nothing, it says why. Where another
+speed curve with as many control values (32 at most) needs fewer, it tells how many; --fit OUT --frames fewest
+looks for one with more control values too, and writes the move in the fewest frames.
+
+--fit OUT writes the same file with another speed curve, comments and all else kept. It covers the same
+distance by the same frames, so that locked keys stay locked; rests stay rests. Where no curve with as many
+control values fits, it is given twice as many, and again. Where none is found, it says why, and below how
+many frames there can be none. With --plot the picture is of the fitted move, with its speed curves before and
+after.
+
+A controlled stop from any moment, forward or backward, is proven as well: how long the longest takes, and
+that it keeps the stop limits of the rig.
+
+Exit status: 0 the move fits, or --fit found a curve; 3 it does not, and every reason is a line of standard
+error.
+
+Examples:
+  inbetween check move.toml --rig rig.toml                   a table of peaks, and the verdict
+  inbetween check move.toml --rig rig.toml --plot limits.svg where the peaks are
+  inbetween check move.toml --rig rig.toml --fit slower.toml the move, made to fit
+  inbetween check move.toml --rig rig.toml --json -          for other programs)");
 }
 
 }  // namespace

@@ -129,25 +129,23 @@ void describe(CLI::App& app, GotoArguments& arguments) {
   app.add_option("--set-zero", arguments.set_zero, "axes that stand at 0 now; nothing moves");
   app.add_option("--stands-at", arguments.stands_at, "AXIS=POSITION, where axes stand now; nothing moves");
   app.footer(
-      "Says what moves from where to where and how long it takes, and goes there after somebody agreed: with "
-      "Enter on a\n"
-      "terminal, with --yes in a script. The axes move together on a straight line, from rest to rest, "
-      "inside their soft\n"
-      "limits. Esc, q and Ctrl-C stop them on it.\n\n"
-      "An axis that does not know where it is does not go anywhere: home it, or bring it to its mark with "
-      "jog "
-      "and say so\n"
-      "with --set-zero. What is said is kept until the axis moves, and from then on where it rests; an axis "
-      "that was moving\n"
-      "when the power was cut has to be told again. An axis that its drive knows (reference = \"drive\") is "
-      "refused.\n\n"
-      "Exit status: 0 there; 1 refused; 3 outside the limits; 4 stopped on the way.\n\n"
-      "Examples:\n"
-      "  inbetween goto --rig rig.toml pan=0 tilt=-15\n"
-      "  inbetween goto --rig rig.toml slide=250 --speed 0.5 --yes\n"
-      "  inbetween goto --rig rig.toml --set-zero focus\n"
-      "  inbetween goto --rig rig.toml --stands-at focus=120\n"
-      "  inbetween goto --rig rig.toml pan=20 --sim --fast --from pan=-10 --yes");
+      R"(Says what moves from where to where and how long it takes, and goes there after somebody agreed: with
+Enter on a terminal, with --yes in a script. The axes move together on a straight line, from rest to rest,
+inside their soft limits. Esc, q and Ctrl-C stop them on it.
+
+An axis that does not know where it is does not go anywhere: home it, or bring it to its mark with jog and say
+so with --set-zero. What is said is kept until the axis moves, and from then on where it rests; an axis that
+was moving when the power was cut has to be told again. An axis that its drive knows (reference = "drive") is
+refused.
+
+Exit status: 0 there; 1 refused; 3 outside the limits; 4 stopped on the way.
+
+Examples:
+  inbetween goto --rig rig.toml pan=0 tilt=-15
+  inbetween goto --rig rig.toml slide=250 --speed 0.5 --yes
+  inbetween goto --rig rig.toml --set-zero focus
+  inbetween goto --rig rig.toml --stands-at focus=120
+  inbetween goto --rig rig.toml pan=20 --sim --fast --from pan=-10 --yes)");
 }
 
 }  // namespace

@@ -62,20 +62,20 @@ void describe(CLI::App& app, HomeArguments& arguments) {
   app.add_option("AXIS", arguments.axes, "the axes to home (all that have a home switch)");
   add_setup_options(app, arguments.setup, true);
   app.footer(
-      "The axes home together, as the `home` of each says: fast to the switch, back off it, and slowly onto "
-      "its edge, which\n"
-      "is at the position `at`. Nothing moves faster than `fast`. Where an axis rests afterwards is kept for "
-      "the next command.\n\n"
-      "If one fails (its switch is not reached, stuck, chattering; a limit switch, an emergency stop), all "
-      "axes stop, and\n"
-      "those that were not home by then do not know where they are. It says which failed, why, and what to "
-      "do. Esc, q and\n"
-      "Ctrl-C stop it too.\n\n"
-      "Exit status: 0 home; 1 refused; 4 stopped before its end.\n\n"
-      "Examples:\n"
-      "  inbetween home --rig rig.toml\n"
-      "  inbetween home --rig rig.toml slide pan\n"
-      "  inbetween home --rig rig.toml --sim --fast --from slide=300");
+      R"(The axes home together, as the `home` of each says: fast to the switch, back off it, and slowly onto
+its edge, which is at the position `at`. Nothing moves faster than `fast`. Where an axis rests afterwards is
+kept for the next command.
+
+If one fails (its switch is not reached, stuck, chattering; a limit switch, an emergency stop), all axes stop,
+and those that were not home by then do not know where they are. It says which failed, why, and what to do.
+Esc, q and Ctrl-C stop it too.
+
+Exit status: 0 home; 1 refused; 4 stopped before its end.
+
+Examples:
+  inbetween home --rig rig.toml
+  inbetween home --rig rig.toml slide pan
+  inbetween home --rig rig.toml --sim --fast --from slide=300)");
 }
 
 }  // namespace

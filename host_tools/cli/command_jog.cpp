@@ -75,26 +75,21 @@ void describe(CLI::App& app, JogArguments& arguments) {
       ->check(CLI::Range(0.001, 1.0))
       ->capture_default_str();
   app.footer(
-      "Hold to run: the axis moves while left or right, or - or +, is held, and rests within 200 ms after "
-      "the "
-      "key came for\n"
-      "the last time. Up and down choose the axis, any other key stops it; q, Esc and Ctrl-C leave, and so "
-      "does a lost\n"
-      "terminal. The first press is a nudge until the terminal begins to repeat it. Where an axis cannot "
-      "stop "
-      "in that time\n"
-      "from the speed that is asked for it is slower; the speeds are listed at the start.\n\n"
-      "Axes stay inside their soft limits. An unreferenced axis (one that does not know where it is) has "
-      "none: it moves at\n"
-      "a tenth of the share at most, and a hundredth of the way between its limits until the key is let go "
-      "and "
-      "pressed again.\n"
-      "Bring it to its mark, and say so with inbetween goto --set-zero.\n\n"
-      "Exit status: 0 left; 1 refused; 4 stopped by something else.\n\n"
-      "Examples:\n"
-      "  inbetween jog --rig rig.toml focus\n"
-      "  inbetween jog --rig rig.toml pan --speed 0.02\n"
-      "  inbetween jog --rig rig.toml pan --sim --from pan=30");
+      R"(Hold to run: the axis moves while left or right, or - or +, is held, and rests within 200 ms after
+the key came for the last time. Up and down choose the axis, any other key stops it; q, Esc and Ctrl-C leave,
+and so does a lost terminal. The first press is a nudge until the terminal begins to repeat it. Where an axis
+cannot stop in that time from the speed that is asked for it is slower; the speeds are listed at the start.
+
+Axes stay inside their soft limits. An unreferenced axis (one that does not know where it is) has none: it
+moves at a tenth of the share at most, and a hundredth of the way between its limits until the key is let go
+and pressed again. Bring it to its mark, and say so with inbetween goto --set-zero.
+
+Exit status: 0 left; 1 refused; 4 stopped by something else.
+
+Examples:
+  inbetween jog --rig rig.toml focus
+  inbetween jog --rig rig.toml pan --speed 0.02
+  inbetween jog --rig rig.toml pan --sim --from pan=30)");
 }
 
 }  // namespace

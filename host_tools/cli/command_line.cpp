@@ -78,9 +78,8 @@ int run_command_line(int argc, const char* const* argv) {
       "inbetween");
   app.set_version_flag("--version", "inbetween " INBETWEEN_VERSION);
   app.require_subcommand(1);
-  app.footer(
-      "Files: docs/formats.md describes moves and rigs.\n"
-      "Exit status: 0 done; 1 bad input; 2 wrong usage; 3 a limit would be exceeded; 4 stopped by a fault.");
+  app.footer(R"(Files: docs/formats.md describes moves and rigs.
+Exit status: 0 done; 1 bad input; 2 wrong usage; 3 a limit would be exceeded; 4 stopped by a fault.)");
   Command chosen;
   add_plan_command(app, chosen);
   add_check_command(app, chosen);

@@ -119,12 +119,11 @@ void describe(CLI::App& app, PlanArguments& arguments) {
   app.add_option("--plot", arguments.plot,
                  "draw the path, the speed curve, the time bar and the axes (.svg, .png or .pdf)");
   add_style(app, arguments.style);
-  app.footer(
-      "Examples:\n"
-      "  inbetween plan move.toml                                   a summary\n"
-      "  inbetween plan move.toml --plot move.svg                   a picture\n"
-      "  inbetween plan move.toml --csv - | head                    positions per frame\n"
-      "  inbetween plan move.toml --rig rig.toml --per tick --csv ticks.csv");
+  app.footer(R"(Examples:
+  inbetween plan move.toml                                   a summary
+  inbetween plan move.toml --plot move.svg                   a picture
+  inbetween plan move.toml --csv - | head                    positions per frame
+  inbetween plan move.toml --rig rig.toml --per tick --csv ticks.csv)");
 }
 
 }  // namespace

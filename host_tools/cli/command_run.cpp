@@ -232,69 +232,56 @@ int run_command(const RunArguments& arguments) {
 
 void explain(CLI::App& app) {
   app.footer(
-      "Before the first setpoint is sent, the move is held against the limits of the rig as inbetween check "
-      "does,\n"
-      "and every setpoint against its positions: a move that does not fit moves nothing (exit status 3). A "
-      "rig that\n"
-      "does not stand where the move starts goes there first, at a tenth of its limits and only after "
-      "somebody agreed:\n"
-      "with Enter on a terminal, with --yes in a script.\n\n"
-      "The drives of a real rig are switched on only where every axis says that it keeps its place without "
-      "power\n"
-      "(unpowered = \"holds\").\n\n"
-      "On a terminal it is a tape recorder: space pauses and plays, r turns, left and right go to the next "
-      "frame,\n"
-      "+ and - change the rate, Esc stops. After a stop, a acknowledges it and Enter starts again; q stops "
-      "and\n"
-      "leaves, as Ctrl-C and a lost terminal do. Whatever changes, the axes stay on the path and inside "
-      "their stop limits.\n\n"
-      "--loop is refused for a move that does not end where it starts. A periodic move goes on through its "
-      "seam at its\n"
-      "speed: --turns K plays K turns between one pre-roll and one post-roll, --loop as many as the limits "
-      "of the rig\n"
-      "leave. With --step or --shutter either shoots N frames a turn: frame N is frame 0.\n\n"
-      "--step rests on each of the frames 0 to N until space (or Enter, or without a terminal the camera) "
-      "asks "
-      "for the\n"
-      "next; left and right look at other frames. With --shutter the rig runs up to each exposure, passes "
-      "the "
-      "share of\n"
-      "the frame between the angles at a constant rate in --exposure seconds, and runs out, inside its "
-      "limits.\n"
-      "The line of the rig's [camera] is on while a frame is exposed. Where the camera has a "
-      "line that asks, on a\n"
-      "rig that asks for each next frame as well; with --sim no line is touched.\n\n"
-      "A move with start = \"trigger\" is made ready, with the drives on, and waits: on a rig "
-      "for its [start_trigger] to\n"
-      "become active (what came before it waited starts nothing), with --sim for a trigger "
-      "that comes by itself after\n"
-      "a second. Enter starts it too, and q leaves.\n\n"
-      "The cues of a move are pulses on the [output.NAME] and [camera] lines of the rig, each "
-      "when the axes are at its\n"
-      "place, forward only. --cue-log writes a line for each that begins: seconds, line, "
-      "frame, width_ms, merged, late_us; with\n"
-      "--sim too.\n\n"
-      "Whatever ends it, every axis rests then and every drive of a bus has told that it is off. One that "
-      "has not "
-      "is named;\n"
-      "its own watchdogs stay on (exit status 4).\n\n"
-      "Exit status: 0 played to its end; 3 refused; 4 stopped before its end, or a drive may have power.\n\n"
-      "Axes that no drive knows (see reference in docs/formats.md) must have been homed, or placed by "
-      "somebody:\n"
-      "inbetween home, inbetween goto --set-zero. Where they rest is kept from one run to the next.\n\n"
-      "SIGUSR1 presses an emergency stop, SIGUSR2 releases it: setpoints cease, and whatever moved must be "
-      "acknowledged.\n"
-      "A real rig is refused without the rights of a real-time program (inbetween says which and how to get "
-      "them).\n\n"
-      "Examples:\n"
-      "  inbetween run move.toml --rig rig.toml                     on the drives of the rig\n"
-      "  inbetween run move.toml --rig rig.toml --sim               in real time\n"
-      "  inbetween run move.toml --rig rig.toml --sim --fast        for scripts and tests\n"
-      "  inbetween run move.toml --rig rig.toml --sim --from pan=10 from elsewhere, slowly to its start "
-      "first\n"
-      "  inbetween run move.toml --rig rig.toml --sim --step        stop motion\n"
-      "  inbetween run move.toml --rig rig.toml --sim --shutter 0..180 --exposure 0.5\n"
-      "  inbetween run move.toml --rig rig.toml --sim --fast --cue-log cues.csv");
+      R"(Before the first setpoint is sent, the move is held against the limits of the rig as inbetween check
+does, and every setpoint against its positions: a move that does not fit moves nothing (exit status 3). A rig
+that does not stand where the move starts goes there first, at a tenth of its limits and only after somebody
+agreed: with Enter on a terminal, with --yes in a script.
+
+The drives of a real rig are switched on only where every axis says that it keeps its place without power
+(unpowered = "holds").
+
+On a terminal it is a tape recorder: space pauses and plays, r turns, left and right go to the next frame, +
+and - change the rate, Esc stops. After a stop, a acknowledges it and Enter starts again; q stops and leaves,
+as Ctrl-C and a lost terminal do. Whatever changes, the axes stay on the path and inside their stop limits.
+
+--loop is refused for a move that does not end where it starts. A periodic move goes on through its seam at
+its speed: --turns K plays K turns between one pre-roll and one post-roll, --loop as many as the limits of the
+rig leave. With --step or --shutter either shoots N frames a turn: frame N is frame 0.
+
+--step rests on each of the frames 0 to N until space (or Enter, or without a terminal the camera) asks for
+the next; left and right look at other frames. With --shutter the rig runs up to each exposure, passes the
+share of the frame between the angles at a constant rate in --exposure seconds, and runs out, inside its
+limits. The line of the rig's [camera] is on while a frame is exposed. Where the camera has a line that asks,
+on a rig that asks for each next frame as well; with --sim no line is touched.
+
+A move with start = "trigger" is made ready, with the drives on, and waits: on a rig for its [start_trigger]
+to become active (what came before it waited starts nothing), with --sim for a trigger that comes by itself
+after a second. Enter starts it too, and q leaves.
+
+The cues of a move are pulses on the [output.NAME] and [camera] lines of the rig, each when the axes are at
+its place, forward only. --cue-log writes a line for each that begins: seconds, line, frame, width_ms, merged,
+late_us; with --sim too.
+
+Whatever ends it, every axis rests then and every drive of a bus has told that it is off. One that has not is
+named; its own watchdogs stay on (exit status 4).
+
+Exit status: 0 played to its end; 3 refused; 4 stopped before its end, or a drive may have power.
+
+Axes that no drive knows (see reference in docs/formats.md) must have been homed, or placed by somebody:
+inbetween home, inbetween goto --set-zero. Where they rest is kept from one run to the next.
+
+SIGUSR1 presses an emergency stop, SIGUSR2 releases it: setpoints cease, and whatever moved must be
+acknowledged. A real rig is refused without the rights of a real-time program (inbetween says which and how to
+get them).
+
+Examples:
+  inbetween run move.toml --rig rig.toml                     on the drives of the rig
+  inbetween run move.toml --rig rig.toml --sim               in real time
+  inbetween run move.toml --rig rig.toml --sim --fast        for scripts and tests
+  inbetween run move.toml --rig rig.toml --sim --from pan=10 from elsewhere, slowly to its start first
+  inbetween run move.toml --rig rig.toml --sim --step        stop motion
+  inbetween run move.toml --rig rig.toml --sim --shutter 0..180 --exposure 0.5
+  inbetween run move.toml --rig rig.toml --sim --fast --cue-log cues.csv)");
 }
 
 void describe(CLI::App& app, RunArguments& arguments) {

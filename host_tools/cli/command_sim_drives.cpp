@@ -53,14 +53,14 @@ void describe(CLI::App& app, SimDrivesArguments& arguments) {
   app.add_option("--record", arguments.record,
                  "the targets that the drives apply: axis, nanoseconds, counts");
   app.footer(
-      "Runs until Ctrl-C. Each drive boots, is set up, enabled and watched over as a real one is: it stops "
-      "by itself\n"
-      "when the program that moves it falls silent.\n\n"
-      "On a machine without CAN:\n"
-      "  ip link add can0 type vcan && ip link set can0 up\n"
-      "  inbetween sim-drives --rig rig.toml &\n"
-      "  inbetween run move.toml --rig rig.toml\n"
-      "Where the kernel has no vcan, sim/bench/run gives a kernel that has; docs/bench.md shows how.");
+      R"(Runs until Ctrl-C. Each drive boots, is set up, enabled and watched over as a real one is: it stops
+by itself when the program that moves it falls silent.
+
+On a machine without CAN:
+  ip link add can0 type vcan && ip link set can0 up
+  inbetween sim-drives --rig rig.toml &
+  inbetween run move.toml --rig rig.toml
+Where the kernel has no vcan, sim/bench/run gives a kernel that has; docs/bench.md shows how.)");
 }
 
 }  // namespace
