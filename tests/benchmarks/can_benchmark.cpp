@@ -7,6 +7,7 @@
 
 #include "inbetween/can/cia402.hpp"
 #include "inbetween/can/cia402_bus.hpp"
+#include "tests/support/drive_frames.hpp"
 #include "tests/support/simulated_can_rig.hpp"
 
 /// A tick of the host's side of a CAN bus: what the drives have told is taken, what they are to do is

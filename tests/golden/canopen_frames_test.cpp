@@ -16,6 +16,7 @@
 #include "inbetween/can/nmt.hpp"
 #include "inbetween/can/sdo.hpp"
 #include "inbetween/can/sync.hpp"
+#include "tests/support/drive_frames.hpp"
 #include "tests/support/places.hpp"
 
 namespace inbetween::can {

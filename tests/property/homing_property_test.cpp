@@ -81,7 +81,7 @@ TEST(HomingProperty, AThousandHomingsWithBounceAndNoiseEndWithinOneCount) {
     RC_ASSERT(homing.start().has_value());
     if (homing.run() != HomingState::done) {
       for (std::size_t i = 0; i < lost.size(); ++i) {
-        RC_LOG() << "axis " << i << ": " << name_of(homing.axis(i).phase()) << ", "
+        RC_LOG() << "axis " << i << ": phase " << static_cast<int>(homing.axis(i).phase()) << ", "
                  << words_of(homing.axis(i).failure()) << "\n";
       }
       RC_FAIL("not every axis is referenced");

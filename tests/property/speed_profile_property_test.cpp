@@ -157,7 +157,7 @@ TEST(SpeedProfileProperty, RandomEditsKeepTheListALegalCurve) {
         done = erase_control_value(values, index);
       } else {
         if (legal) *at = raised;
-        done = edit == 2 ? raise_control_value(values, index, by) : lower_control_value(values, index, by);
+        done = raise_control_value(values, index, edit == 3 ? -by : by);
       }
       RC_ASSERT(done.has_value() == legal);
       RC_ASSERT(std::ranges::equal(values, model));

@@ -16,6 +16,7 @@
 #include "inbetween/can/sdo.hpp"
 #include "inbetween/can/sdo_client.hpp"
 #include "inbetween/can/sync.hpp"
+#include "tests/support/drive_frames.hpp"
 
 namespace inbetween::can {
 namespace can_canopen_test {
@@ -89,16 +90,13 @@ TEST(HeartbeatConsumer, EveryStateTimesEveryEvent) {
       {waiting, never_came, never_came, never_came},
       {waiting, rebooted, rebooted, rebooted},
   }};
-  std::set<std::string> names;
   for (std::size_t s = 0; s < heartbeat_states; ++s) {
     const auto state = static_cast<HeartbeatState>(s);
-    names.insert(name_of(state));
     for (std::size_t e = 0; e < heartbeat_events; ++e) {
       EXPECT_EQ(next_state(state, static_cast<HeartbeatEvent>(e)), expected.at(s).at(e))
-          << name_of(state) << ", event " << e;
+          << "state " << s << ", event " << e;
     }
   }
-  EXPECT_EQ(names.size(), heartbeat_states);
 }
 
 TEST(HeartbeatConsumer, IsNotArmedByABootUpMessageButByTheFirstHeartbeat) {
@@ -131,8 +129,6 @@ TEST(Emergency, TellsItsCodeInWords) {
   for (unsigned code = 0; code <= 0xFFFF; ++code) {
     ASSERT_STRNE(words_of_emergency(static_cast<std::uint16_t>(code)), "") << code;
   }
-  EXPECT_STREQ(words_of_error_bit(4), "communication");
-  EXPECT_STREQ(words_of_error_bit(8), "no such bit");
 }
 
 TEST(PdoMapping, CarriesOneToEightObjectsOfWholeBytes) {

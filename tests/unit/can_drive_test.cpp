@@ -11,6 +11,7 @@
 
 #include "inbetween/can/cia402_drive.hpp"
 #include "inbetween/can/drive_phase.hpp"
+#include "tests/support/drive_frames.hpp"
 #include "tests/support/drive_objects.hpp"
 
 namespace inbetween::can {
@@ -84,20 +85,19 @@ TEST(DrivePhase, EveryPhaseTimesEveryEvent) {
       {gone, {{Event::connect, booting}, {Event::disable, disabling}}},
   };
   ASSERT_EQ(ways.size(), drive_phases);
-  std::set<std::string> names;
   for (const auto& [phase, ways_out] : ways) {
-    names.insert(name_of(phase));
     for (std::size_t e = 0; e < drive_events; ++e) {
       const auto event = static_cast<Event>(e);
       const DriveStep step = next_phase(phase, event);
       const bool leads_on = ways_out.contains(event);
       const bool is_start = event == Event::connect || event == Event::enable || event == Event::leave;
       const DrivePhase otherwise = event == Event::disconnect ? off : phase;
-      EXPECT_EQ(step.phase, leads_on ? ways_out.at(event) : otherwise) << name_of(phase) << ", event " << e;
-      EXPECT_EQ(step.is_refused, is_start && !leads_on) << name_of(phase) << ", event " << e;
+      EXPECT_EQ(step.phase, leads_on ? ways_out.at(event) : otherwise)
+          << "phase " << static_cast<int>(phase) << ", event " << e;
+      EXPECT_EQ(step.is_refused, is_start && !leads_on)
+          << "phase " << static_cast<int>(phase) << ", event " << e;
     }
   }
-  EXPECT_EQ(names.size(), drive_phases);
 }
 
 /// A drive that is played by the test, every 4 ms.

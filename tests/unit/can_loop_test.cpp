@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tests/support/can_crane.hpp"
+#include "tests/support/drive_frames.hpp"
 
 namespace inbetween {
 namespace can_loop_test {

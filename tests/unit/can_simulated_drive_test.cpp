@@ -32,8 +32,9 @@ class CanRig : public testing::Test {
     const bool is_following = rig->bring_to_following();
     for (const can::Cia402Drive& host : rig->hosts) {
       const auto finding = host.first_finding();
-      ASSERT_TRUE(is_following) << name_of(host.phase()) << ", " << (finding ? words_of(*finding).what : "")
-                                << ", object " << std::hex << host.refusal().object.index;
+      ASSERT_TRUE(is_following) << static_cast<int>(host.phase()) << ", "
+                                << (finding ? words_of(*finding).what : "") << ", object " << std::hex
+                                << host.refusal().object.index;
     }
   }
   /// All axes at 50 counts a tick.

@@ -44,7 +44,7 @@ std::vector<int> emergencies_of(const SimulatedCia402Drive& drive) {
 void expect_left_well(const SimulatedCia402Drive& drive) {
   SCOPED_TRACE(fmt::format("node {}", drive.node().value()));
   EXPECT_EQ(drive.state(), Cia402State::switch_on_disabled) << name_of(drive.state());
-  EXPECT_EQ(drive.nmt(), NmtState::pre_operational) << name_of(drive.nmt());
+  EXPECT_EQ(drive.nmt(), NmtState::pre_operational);
   EXPECT_NEAR(drive.velocity(), 0, 1);
   EXPECT_FALSE(drive.misses_something());
 }

@@ -95,8 +95,8 @@ TEST(HomingTable, EveryPhaseAndSignalLeadsWhereItShould) {
       const auto& row = expected.at(phase);
       const Told told = row.contains(signal) ? row.at(signal) : Told{phase};
       const HomingStep step = homing_step(phase, signal);
-      const std::string where = std::string(name_of(phase)) + ", signal " + std::to_string(s);
-      EXPECT_STREQ(name_of(step.phase), name_of(told.phase)) << where;
+      const std::string where = "phase " + std::to_string(p) + ", signal " + std::to_string(s);
+      EXPECT_EQ(step.phase, told.phase) << where;
       EXPECT_EQ(step.action, told.action) << where;
       EXPECT_EQ(step.failure, told.failure) << where;
     }
@@ -119,10 +119,7 @@ TEST(HomingTable, NothingLeadsToAReferenceButTheSlowApproach) {
   }
 }
 
-TEST(HomingTable, EveryPhaseAndFailureHasItsOwnWords) {
-  std::set<std::string> names;
-  for (std::size_t p = 0; p < homing_phases; ++p) names.insert(name_of(static_cast<Phase>(p)));
-  EXPECT_EQ(names.size(), homing_phases);
+TEST(HomingTable, EveryFailureHasItsOwnWords) {
   std::set<std::string> words;
   for (std::size_t f = 0; f < homing_failures; ++f) {
     words.insert(words_of(static_cast<Failure>(f)));

@@ -276,7 +276,7 @@ TEST(Homing, ALimitSwitchADriveAndTheOperatorStopAllAxesInAnyPhase) {
       slides[1].spec.home.quiet_ns = 3'000'000;
       SimulatedHoming homing(slides, rate_hz, 1);
       ASSERT_TRUE(homing.start());
-      ASSERT_TRUE(homing.run_to(1, phase)) << name_of(phase);
+      ASSERT_TRUE(homing.run_to(1, phase)) << static_cast<int>(phase);
       homing.inputs[1].limit_hit = failure == HomingFailure::limit_hit;
       homing.inputs[1].drive_fault = failure == HomingFailure::drive_fault;
       if (failure == HomingFailure::stopped) homing.homing().stop();

@@ -140,8 +140,8 @@ TEST(Supervisor, EveryStateTimesEveryEventIsAsTheOperatorIsTold) {
     for (const Event event : all_events()) {
       const SupervisorStep step = supervise(state, event);
       const Cell& cell = expected.at(state)[static_cast<std::size_t>(event)];
-      EXPECT_EQ(step.state, cell.state) << name_of(state) << ", " << name_of(event);
-      EXPECT_EQ(step.action, cell.action) << name_of(state) << ", " << name_of(event);
+      EXPECT_EQ(step.state, cell.state) << name_of(state) << ", event " << static_cast<int>(event);
+      EXPECT_EQ(step.action, cell.action) << name_of(state) << ", event " << static_cast<int>(event);
     }
   }
 }
@@ -152,8 +152,9 @@ TEST(Supervisor, NothingRunsButByAnExplicitStartFromReady) {
       const SupervisorStep step = supervise(state, event);
       const bool begins = step.state == State::running && state != State::running;
       EXPECT_EQ(begins, state == State::ready && event == Event::start)
-          << name_of(state) << ", " << name_of(event);
-      EXPECT_EQ(step.action == Action::play, begins) << name_of(state) << ", " << name_of(event);
+          << name_of(state) << ", event " << static_cast<int>(event);
+      EXPECT_EQ(step.action == Action::play, begins)
+          << name_of(state) << ", event " << static_cast<int>(event);
     }
   }
 }
@@ -177,13 +178,10 @@ TEST(Supervisor, FromAStopToRunningTheWayIsAcknowledgeEnabledStart) {
   EXPECT_EQ(supervise(State::enabling, Event::enabled).action, Action::hold_actual);
 }
 
-TEST(Supervisor, EveryStateAndEventHasAName) {
+TEST(Supervisor, EveryStateHasAName) {
   std::set<std::string> names;
   for (const State state : all_states()) names.insert(name_of(state));
   EXPECT_EQ(names.size(), supervisor_states);
-  names.clear();
-  for (const Event event : all_events()) names.insert(name_of(event));
-  EXPECT_EQ(names.size(), supervisor_events);
 }
 
 }  // namespace supervisor_test

@@ -88,20 +88,6 @@ Frame command_frame(NodeId node, const DriveCommand& command) {
   return frame;
 }
 
-Frame feedback_frame(NodeId node, const DriveFeedback& feedback) {
-  Frame frame{.id = tpdo1_id(node), .length = 7};
-  store(frame.data, 0, feedback.statusword);
-  store(frame.data, 2, static_cast<std::uint32_t>(feedback.actual));
-  store(frame.data, 6, static_cast<std::uint8_t>(feedback.mode));
-  return frame;
-}
-
-std::optional<DriveCommand> read_command(const Frame& frame, NodeId node) {
-  if (!is_canopen(frame) || frame.id != rpdo1_id(node) || frame.length != 6) return {};
-  return DriveCommand{.controlword = load<std::uint16_t>(frame.data, 0),
-                      .target = static_cast<std::int32_t>(load<std::uint32_t>(frame.data, 2))};
-}
-
 std::optional<DriveFeedback> read_feedback(const Frame& frame, NodeId node) {
   if (!is_canopen(frame) || frame.id != tpdo1_id(node) || frame.length != 7) return {};
   return DriveFeedback{.statusword = load<std::uint16_t>(frame.data, 0),

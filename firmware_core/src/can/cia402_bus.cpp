@@ -48,22 +48,15 @@ Result<Cia402Bus> Cia402Bus::make(std::span<Cia402Drive> drives, const Settings&
 }
 
 void Cia402Bus::receive(const Frame& frame, std::int64_t now_ns) {
-  if (!is_canopen(frame)) {
-    ++other_frames_;
-    return;
-  }
+  if (!is_canopen(frame)) return;
   const bool is_to_all = frame.id == nmt_id || frame.id == sync_id || frame.id == heartbeat_id(host_);
-  bool is_known = is_to_all;
   for (Cia402Drive& drive : drives_) {
     if (is_to_all || is_to(drive, frame.id)) {
       drive.note_foreign_frame();
-      is_known = true;
     } else if (is_from(drive, frame.id)) {
       drive.receive(frame, now_ns);
-      is_known = true;
     }
   }
-  if (!is_known) ++other_frames_;
 }
 
 /// When setpoints cease, the frames that feed the watchdogs of drives cease too. SYNC goes on: by it some

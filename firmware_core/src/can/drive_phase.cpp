@@ -74,18 +74,10 @@ constexpr std::array<Row, drive_phases> make_table() {
 
 constexpr std::array<Row, drive_phases> table = make_table();
 
-constexpr std::array<const char*, drive_phases> phase_names{
-    "off",      "booting",   "configuring", "starting", "idle",      "clearing", "enabling", "following",
-    "stopping", "disabling", "disabled",    "leaving",  "abandoned", "refused",  "gone"};
-
 }  // namespace
 
 DriveStep next_phase(DrivePhase phase, DriveEvent event) {
   return table[index_of(phase)][index_of(event)];
-}
-
-const char* name_of(DrivePhase phase) {
-  return phase_names[index_of(phase)];
 }
 
 }  // namespace inbetween::can

@@ -64,10 +64,6 @@ constexpr std::array classes{
     ClassOfCodes{0xF000, 0xF000, "an additional function of the drive"},
 };
 
-constexpr std::array<const char*, 8> register_bits{"generic",        "current",           "voltage",
-                                                   "temperature",    "communication",     "device profile",
-                                                   "a reserved bit", "the manufacturer's"};
-
 }  // namespace
 
 Frame emergency_frame(NodeId node, const Emergency& emergency) {
@@ -97,10 +93,6 @@ const char* words_of_emergency(std::uint16_t code) {
 bool is_of_communication(std::uint16_t code) {
   const unsigned group = code >> 8U;
   return group == 0x81 || group == 0x82 || group == 0x87;
-}
-
-const char* words_of_error_bit(unsigned bit) {
-  return bit < register_bits.size() ? register_bits[bit] : "no such bit";
 }
 
 }  // namespace inbetween::can

@@ -17,9 +17,6 @@ constexpr std::array<std::array<HeartbeatState, heartbeat_events>, heartbeat_sta
     {waiting, rebooted, rebooted, rebooted},        // rebooted
 }};
 
-constexpr std::array<const char*, heartbeat_states> state_names{"off",  "waiting",    "alive",
-                                                                "lost", "never came", "rebooted"};
-
 }  // namespace
 
 Result<HeartbeatProducer> HeartbeatProducer::make(NodeId node, std::int64_t period_ns) {
@@ -62,10 +59,6 @@ HeartbeatState HeartbeatConsumer::poll(std::int64_t now_ns) {
   const bool has_deadline = state_ == waiting || state_ == alive;
   if (has_deadline && now_ns >= deadline_ns_) apply(HeartbeatEvent::deadline, now_ns);
   return state_;
-}
-
-const char* name_of(HeartbeatState state) {
-  return state_names[static_cast<std::size_t>(state)];
 }
 
 }  // namespace inbetween::can

@@ -35,18 +35,4 @@ std::optional<NmtState> read_heartbeat(const Frame& frame, NodeId node) {
   return {};
 }
 
-const char* name_of(NmtState state) {
-  switch (state) {
-    case NmtState::boot_up:
-      return "boot-up";
-    case NmtState::stopped:
-      return "stopped";
-    case NmtState::operational:
-      return "operational";
-    case NmtState::pre_operational:
-      return "pre-operational";
-  }
-  return "unknown";
-}
-
 }  // namespace inbetween::can

@@ -19,10 +19,4 @@ Frame SyncProducer::next() {
   return {.id = sync_id, .length = 1, .data = {last_}};
 }
 
-std::optional<SyncMark> read_sync(const Frame& frame) {
-  if (!is_canopen(frame) || frame.id != sync_id || frame.length > 1) return {};
-  if (frame.length == 0) return SyncMark{};
-  return SyncMark{.counter = frame.data[0]};
-}
-
 }  // namespace inbetween::can

@@ -85,10 +85,6 @@ constexpr std::array<Row, homing_phases> make_table() {
 
 constexpr std::array<Row, homing_phases> table = make_table();
 
-constexpr std::array<const char*, homing_phases> phase_names{
-    "waiting", "sensing",     "leaving",  "clearing", "searching",  "overrunning", "turning",
-    "backing", "approaching", "settling", "latching", "referenced", "stopping",    "failed"};
-
 struct Words {
   const char* what;
   const char* remedy;
@@ -114,9 +110,6 @@ HomingStep homing_step(HomingPhase phase, HomingSignal signal) {
   return table[index_of(phase)][index_of(signal)];
 }
 
-const char* name_of(HomingPhase phase) {
-  return phase_names[index_of(phase)];
-}
 const char* words_of(HomingFailure failure) {
   return words[static_cast<std::size_t>(failure)].what;
 }

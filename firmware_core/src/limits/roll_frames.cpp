@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -175,32 +176,18 @@ struct Text {
   const char* after;
 };
 
-Text what_at_joint(RollQuantity quantity) {
-  switch (quantity) {
-    case RollQuantity::position:
-      return {"the move starts outside the range of the axis", "the move ends outside the range of the axis"};
-    case RollQuantity::velocity:
-      return {"the move starts faster than max_velocity", "the move ends faster than max_velocity"};
-    case RollQuantity::acceleration:
-    case RollQuantity::jerk:  // may step here, and is never looked at
-      break;
-  }
-  return {"the move starts with more than max_acceleration", "the move ends with more than max_acceleration"};
-}
-
-Text what_on_the_way(RollQuantity quantity) {
-  switch (quantity) {
-    case RollQuantity::position:
-      return {"the pre-roll leaves the range of the axis", "the post-roll leaves the range of the axis"};
-    case RollQuantity::velocity:
-      return {"the pre-roll exceeds max_velocity", "the post-roll exceeds max_velocity"};
-    case RollQuantity::acceleration:
-      return {"the pre-roll exceeds max_acceleration", "the post-roll exceeds max_acceleration"};
-    case RollQuantity::jerk:
-      break;
-  }
-  return {"the pre-roll exceeds max_jerk", "the post-roll exceeds max_jerk"};
-}
+// In the order of RollQuantity.
+constexpr std::array what_at_joint{
+    Text{"the move starts outside the range of the axis", "the move ends outside the range of the axis"},
+    Text{"the move starts faster than max_velocity", "the move ends faster than max_velocity"},
+    Text{"the move starts with more than max_acceleration", "the move ends with more than max_acceleration"},
+};  // the jerk may step here, and is never looked at
+constexpr std::array what_on_the_way{
+    Text{"the pre-roll leaves the range of the axis", "the post-roll leaves the range of the axis"},
+    Text{"the pre-roll exceeds max_velocity", "the post-roll exceeds max_velocity"},
+    Text{"the pre-roll exceeds max_acceleration", "the post-roll exceeds max_acceleration"},
+    Text{"the pre-roll exceeds max_jerk", "the post-roll exceeds max_jerk"},
+};
 
 Text remedy(RollQuantity quantity, bool at_joint) {
   if (quantity == RollQuantity::position) {
@@ -231,7 +218,8 @@ Result<std::int32_t> roll_frames(const RollRequest<Real>& request) {
   if (!found) return found.error();
   if (!found->obstacle) return found->frames;
   const RollBreach<Real>& obstacle = *found->obstacle;
-  const Text what = obstacle.at_joint ? what_at_joint(obstacle.quantity) : what_on_the_way(obstacle.quantity);
+  const auto quantity = static_cast<std::size_t>(obstacle.quantity);
+  const Text what = obstacle.at_joint ? what_at_joint[quantity] : what_on_the_way[quantity];
   const Text cure = remedy(obstacle.quantity, obstacle.at_joint);
   const bool before = request.end == RollEnd::before;
   return Error{.code = ErrorCode::no_solution,

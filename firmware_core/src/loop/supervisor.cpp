@@ -75,9 +75,6 @@ constexpr std::array<Row, supervisor_states> table = make_table();
 
 constexpr std::array<const char*, supervisor_states> state_names{
     "disarmed", "enabling", "ready", "running", "stopping", "must be acknowledged", "faulted", "cut off"};
-constexpr std::array<const char*, supervisor_events> event_names{
-    "arm",         "enabled",    "start",   "finished",    "stop",  "rested",
-    "drive fault", "power lost", "cleared", "acknowledge", "disarm"};
 
 }  // namespace
 
@@ -87,9 +84,6 @@ SupervisorStep supervise(SupervisorState state, SupervisorEvent event) {
 
 const char* name_of(SupervisorState state) {
   return state_names[index_of(state)];
-}
-const char* name_of(SupervisorEvent event) {
-  return event_names[index_of(event)];
 }
 
 }  // namespace inbetween

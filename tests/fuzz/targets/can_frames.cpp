@@ -14,6 +14,7 @@
 #include "inbetween/can/sdo.hpp"
 #include "inbetween/can/sync.hpp"
 #include "tests/fuzz/targets/fuzz_require.hpp"
+#include "tests/support/drive_frames.hpp"
 
 namespace inbetween::can {
 namespace {

@@ -83,9 +83,7 @@ PdoMapping command_mapping();
 PdoMapping feedback_mapping();
 
 Frame command_frame(NodeId node, const DriveCommand& command);
-Frame feedback_frame(NodeId node, const DriveFeedback& feedback);
 /// Nothing where the frame is another one or has another length.
-std::optional<DriveCommand> read_command(const Frame& frame, NodeId node);
 std::optional<DriveFeedback> read_feedback(const Frame& frame, NodeId node);
 
 /// The period of the loop as object 60C2 tells it: value * 10^index seconds.

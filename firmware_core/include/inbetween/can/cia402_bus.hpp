@@ -37,16 +37,13 @@ class Cia402Bus {
   /// The frames that a tick may send.
   static constexpr std::size_t frames_per_tick(std::size_t drives) { return drives + 3; }
 
-  /// A frame that has arrived. O(drives).
+  /// A frame that has arrived. Those of others are no concern of ours. O(drives).
   void receive(const Frame& frame, std::int64_t now_ns);
   /// A target for each drive, in counts, or none at all: then nothing is sent to those that follow targets,
   /// nor the host's heartbeat, and their own watchdogs stop them. Returns how many frames were put into
   /// `frames`. Errors: capacity, wrong_count, before anything has changed.
   Result<std::size_t> tick(std::int64_t now_ns, std::span<const std::int32_t> targets,
                            std::span<Frame> frames);
-
-  /// Frames of others that are no concern of ours.
-  [[nodiscard]] std::uint32_t other_frames() const { return other_frames_; }
 
  private:
   Cia402Bus(std::span<Cia402Drive> drives, const SyncProducer& sync, const HeartbeatProducer& heartbeat,
@@ -60,7 +57,6 @@ class Cia402Bus {
   HeartbeatProducer heartbeat_;
   NodeId host_;
   std::size_t next_served_ = 0;
-  std::uint32_t other_frames_ = 0;
 };
 
 }  // namespace inbetween::can

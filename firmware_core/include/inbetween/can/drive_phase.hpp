@@ -57,7 +57,4 @@ struct DriveStep {
 /// The whole table. Nothing leads to following but enable, cleared and enabled, in this order.
 DriveStep next_phase(DrivePhase phase, DriveEvent event);
 
-/// In words: "enabling".
-const char* name_of(DrivePhase phase);
-
 }  // namespace inbetween::can

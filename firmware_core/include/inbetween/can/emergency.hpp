@@ -27,7 +27,5 @@ std::optional<Emergency> read_emergency(const Frame& frame, NodeId node);
 const char* words_of_emergency(std::uint16_t code);
 /// Whether the code says that frames of the other side are missing or wrong: the drive itself is well.
 bool is_of_communication(std::uint16_t code);
-/// A bit of the error register, 0 to 7, in words: "communication".
-const char* words_of_error_bit(unsigned bit);
 
 }  // namespace inbetween::can

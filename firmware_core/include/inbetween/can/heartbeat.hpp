@@ -23,8 +23,6 @@ class HeartbeatProducer {
   std::optional<Frame> poll(std::int64_t now_ns, NmtState state);
   /// When the next is due; meaningless before the first.
   [[nodiscard]] std::int64_t deadline_ns() const { return deadline_ns_; }
-  /// The next is due at the next `poll`.
-  void restart() { is_started_ = false; }
 
  private:
   HeartbeatProducer(NodeId node, std::int64_t period_ns) : node_(node), period_ns_(period_ns) {}
@@ -76,8 +74,5 @@ class HeartbeatConsumer {
   HeartbeatState state_ = HeartbeatState::off;
   std::int64_t deadline_ns_ = 0;
 };
-
-/// In words: "never came".
-const char* name_of(HeartbeatState state);
 
 }  // namespace inbetween::can

@@ -42,7 +42,4 @@ Frame heartbeat_frame(NodeId node, NmtState state);
 /// Nothing where the frame is not a heartbeat of `node` with one byte and a known state.
 std::optional<NmtState> read_heartbeat(const Frame& frame, NodeId node);
 
-/// In words: "pre-operational".
-const char* name_of(NmtState state);
-
 }  // namespace inbetween::can

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 
 #include "inbetween/base/result.hpp"
 #include "inbetween/can/frame.hpp"
@@ -27,13 +26,5 @@ class SyncProducer {
   std::uint8_t overflow_;
   std::uint8_t last_ = 0;
 };
-
-/// A SYNC that somebody has received.
-struct SyncMark {
-  std::optional<std::uint8_t> counter;
-  friend bool operator==(const SyncMark&, const SyncMark&) = default;
-};
-/// Nothing where the frame is no SYNC or has more than one byte.
-std::optional<SyncMark> read_sync(const Frame& frame);
 
 }  // namespace inbetween::can

@@ -75,8 +75,6 @@ struct HomingStep {
 /// The whole table. A failure leads to stopping and from there to failed, and failed leads nowhere. O(1).
 HomingStep homing_step(HomingPhase phase, HomingSignal signal);
 
-/// The phase in words for people: "searching".
-const char* name_of(HomingPhase phase);
 /// One clause each: "the switch was not reached within the way to search".
 const char* words_of(HomingFailure failure);
 /// The remedy of a failure.

@@ -58,13 +58,4 @@ concept LinePort = requires(Lines& lines, std::int64_t now_ns) {
   lines.begin();
 };
 
-/// The camera of a rig that is shot frame by frame.
-template <class Camera>
-concept CameraPort = requires(Camera& camera, bool is_exposing) {
-  /// The signal that opens its shutter, given once a tick.
-  camera.signal(is_exposing);
-  /// Whether it has asked for the next frame since the last call.
-  { camera.has_triggered() } -> std::convertible_to<bool>;
-};
-
 }  // namespace inbetween

@@ -60,6 +60,5 @@ SupervisorStep supervise(SupervisorState state, SupervisorEvent event);
 
 /// The state in words for people: "must be acknowledged".
 const char* name_of(SupervisorState state);
-const char* name_of(SupervisorEvent event);
 
 }  // namespace inbetween

@@ -179,7 +179,7 @@ using ControlValues = FixedVector<Real, Capacity>;
 template <Precise Real>
 Status check_control_value(Real value, std::int32_t index);
 
-/// The four edits of a drawn curve. `index` as in FixedVector; a value that would leave 0..100 is
+/// The edits of a drawn curve. `index` as in FixedVector; a value that would leave 0..100 is
 /// refused, never clamped, and the list stays as it was.
 template <Precise Real, std::size_t Capacity>
 Status insert_control_value(ControlValues<Real, Capacity>& values, std::size_t index, Real value) {
@@ -213,11 +213,6 @@ Status raise_control_value(ControlValues<Real, Capacity>& values, std::size_t in
     return valid;
   values[index] = raised;
   return Done{};
-}
-
-template <Precise Real, std::size_t Capacity>
-Status lower_control_value(ControlValues<Real, Capacity>& values, std::size_t index, Real by) {
-  return raise_control_value(values, index, -by);
 }
 
 extern template class SpeedProfile<double>;
