@@ -4,7 +4,7 @@
 
 namespace inbetween {
 
-Arming::Arming(RunLoop& loop) : loop_(loop), positions_(loop.drive_states().size()) {}
+Arming::Arming(RunLoop& loop) : Preparation(loop), positions_(loop.drive_states().size()) {}
 
 Status Arming::begin() {
   if (loop_.post(SupervisorEvent::arm)) return Done{};
@@ -21,7 +21,7 @@ void Arming::tick(std::int32_t ticks, std::int64_t now_ns) {
 }
 
 Arriving::Arriving(RunLoop& loop, std::int32_t rate_hz)
-    : loop_(loop), ticks_left_(std::max(rate_hz, 16)), positions_(loop.drive_states().size()) {}
+    : Preparation(loop), ticks_left_(std::max(rate_hz, 16)), positions_(loop.drive_states().size()) {}
 
 void Arriving::tick(std::int32_t ticks, std::int64_t now_ns) {
   loop_.tick(ticks, now_ns);

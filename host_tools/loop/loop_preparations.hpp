@@ -4,41 +4,45 @@
 #include <cstdint>
 #include <vector>
 
+#include "host_tools/loop/loop_task.hpp"
 #include "host_tools/loop/run_loop.hpp"
-#include "host_tools/loop/run_snapshot.hpp"
-#include "host_tools/loop/transport_keys.hpp"
 
 namespace inbetween {
 
+/// Refers to the loop.
+class Preparation : public LoopTask {
+ public:
+  explicit Preparation(RunLoop& loop) : loop_(loop) {}
+  [[nodiscard]] RunSnapshot snapshot() const final { return {.state = loop_.state()}; }
+  [[nodiscard]] bool is_preparation() const final { return true; }
+
+ protected:
+  RunLoop& loop_;
+};
+
 /// Switches the drives on. Over when they are, or cannot be, or somebody has left.
-class Arming {
+class Arming final : public Preparation {
  public:
   explicit Arming(RunLoop& loop);
-  Status begin();
-  void press(TransportKey key);
-  void tick(std::int32_t ticks, std::int64_t now_ns);
-  [[nodiscard]] bool is_over() const { return loop_.state() != SupervisorState::enabling; }
-  [[nodiscard]] RunSnapshot snapshot() const { return {.state = loop_.state()}; }
+  Status begin() override;
+  void press(TransportKey key) override;
+  void tick(std::int32_t ticks, std::int64_t now_ns) override;
+  [[nodiscard]] bool is_over() const override { return loop_.state() != SupervisorState::enabling; }
   /// The positions of the axes as their drives told them, once it is over.
   [[nodiscard]] const std::vector<double>& positions() const { return positions_; }
 
  private:
-  RunLoop& loop_;
   std::vector<double> positions_;
 };
 
 /// Waits until the axes stand still, a second at most: drives follow their last setpoint with a lag.
-class Arriving {
+class Arriving final : public Preparation {
  public:
   Arriving(RunLoop& loop, std::int32_t rate_hz);
-  Status begin() { return Done{}; }
-  void press(TransportKey) {}
-  void tick(std::int32_t ticks, std::int64_t now_ns);
-  [[nodiscard]] bool is_over() const { return still_ticks_ >= 8 || ticks_left_ <= 0; }
-  [[nodiscard]] RunSnapshot snapshot() const { return {.state = loop_.state()}; }
+  void tick(std::int32_t ticks, std::int64_t now_ns) override;
+  [[nodiscard]] bool is_over() const override { return still_ticks_ >= 8 || ticks_left_ <= 0; }
 
  private:
-  RunLoop& loop_;
   std::int64_t ticks_left_;
   std::int32_t still_ticks_ = 0;
   std::vector<double> positions_;
@@ -46,17 +50,14 @@ class Arriving {
 
 /// Switches the drives off, and waits until each has told that it is; what moves is stopped first. Bounded by
 /// that stop and by the drives' own times (DrivePort).
-class Disarming {
+class Disarming final : public Preparation {
  public:
-  explicit Disarming(RunLoop& loop) : loop_(loop) {}
-  Status begin();
-  void press(TransportKey) {}
-  void tick(std::int32_t ticks, std::int64_t now_ns);
-  [[nodiscard]] bool is_over() const { return is_over_; }
-  [[nodiscard]] RunSnapshot snapshot() const { return {.state = loop_.state()}; }
+  using Preparation::Preparation;
+  Status begin() override;
+  void tick(std::int32_t ticks, std::int64_t now_ns) override;
+  [[nodiscard]] bool is_over() const override { return is_over_; }
 
  private:
-  RunLoop& loop_;
   bool is_over_ = false;
 };
 

@@ -45,21 +45,21 @@ void LoopTrace::take(const RunLoop& loop) {
 
 // --- as fast as it can be computed
 
-ActEnd FastRunner::run(const LoopTask& act, std::optional<std::int64_t> last) {
+ActEnd FastRunner::run(LoopTask& act, std::optional<std::int64_t> last) {
   ActEnd end;
   if (audience_.progress && last) audience_.progress(0, *last);
-  end.begun = act.begin(act.of);
+  end.begun = act.begin();
   if (!end.begun) return end;
-  while (!act.is_over(act.of)) {
-    if (audience_.keys && !act.is_preparation) keys_.feed(audience_.keys());
-    while (const std::optional<TransportKey> key = keys_.next()) act.press(act.of, allowed(*key, audience_));
-    if (audience_.interrupted && audience_.interrupted()) act.press(act.of, TransportKey::quit);
-    act.tick(act.of, 1, time_of_tick(++tick_, rate_hz_));
+  while (!act.is_over()) {
+    if (audience_.keys && !act.is_preparation()) keys_.feed(audience_.keys());
+    while (const std::optional<TransportKey> key = keys_.next()) act.press(allowed(*key, audience_));
+    if (audience_.interrupted && audience_.interrupted()) act.press(TransportKey::quit);
+    act.tick(1, time_of_tick(++tick_, rate_hz_));
     trace_.take(loop_);
     ++end.ticks;
     if (end.ticks % 64 != 0 || wall_.now_ns() < next_show_ns_) continue;
     if (audience_.progress && last) audience_.progress(std::min(end.ticks, *last), *last);
-    if (audience_.status) audience_.status(act.snapshot(act.of));
+    if (audience_.status) audience_.status(act.snapshot());
     next_show_ns_ = wall_.now_ns() + ns_between_lines;
   }
   return end;
@@ -119,7 +119,7 @@ void TimedRunner::tick(std::int32_t ticks, std::int64_t now_ns) {
     act_ = next_.exchange(nullptr, std::memory_order_acquire);
     if (act_ != nullptr) {
       end_ = {};
-      end_.begun = act_->begin(act_->of);
+      end_.begun = act_->begin();
       if (!end_.begun) act_ = nullptr;
       if (act_ == nullptr) is_over_.store(true, std::memory_order_release);
     }
@@ -129,15 +129,15 @@ void TimedRunner::tick(std::int32_t ticks, std::int64_t now_ns) {
     trace_.take(loop_);
     return;
   }
-  while (const std::optional<TransportKey> key = typed_.pop()) act_->press(act_->of, *key);
-  act_->tick(act_->of, ticks, now_ns);
+  while (const std::optional<TransportKey> key = typed_.pop()) act_->press(*key);
+  act_->tick(ticks, now_ns);
   trace_.take(loop_);
   ++end_.ticks;
   if (--until_shown_ <= 0) {
-    shown_.push(act_->snapshot(act_->of));
+    shown_.push(act_->snapshot());
     until_shown_ = rate_hz_ / snapshots_per_s;
   }
-  if (!act_->is_over(act_->of)) return;
+  if (!act_->is_over()) return;
   act_ = nullptr;
   is_over_.store(true, std::memory_order_release);
 }
@@ -157,7 +157,7 @@ void TimedRunner::attend(std::optional<std::int64_t> last) {
   next_line_ns_ = now_ns + ns_between_lines;
 }
 
-ActEnd TimedRunner::run(const LoopTask& act, std::optional<std::int64_t> last) {
+ActEnd TimedRunner::run(LoopTask& act, std::optional<std::int64_t> last) {
   if (audience_.progress && last) audience_.progress(0, *last);
   const MonotonicClock clock;
   next_line_ns_ = 0;

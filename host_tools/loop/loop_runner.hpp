@@ -70,7 +70,7 @@ class FastRunner {
       : loop_(loop), rate_hz_(rate_hz), audience_(audience), trace_(trace) {}
 
   /// Until it is over. Progress is told where the last tick is known.
-  ActEnd run(const LoopTask& act, std::optional<std::int64_t> last);
+  ActEnd run(LoopTask& act, std::optional<std::int64_t> last);
   [[nodiscard]] WakeLatency latency() const { return {}; }
   [[nodiscard]] std::int64_t late_ticks() const { return 0; }
 
@@ -110,7 +110,7 @@ class TimedRunner {
   [[nodiscard]] const std::vector<RealTimeRight>& rights() const { return rights_; }
   /// Until it is over. Where the audience throws, somebody wants to leave: the act is told so, and what was
   /// thrown is thrown on once the act is over, since the thread uses it until then.
-  ActEnd run(const LoopTask& act, std::optional<std::int64_t> last);
+  ActEnd run(LoopTask& act, std::optional<std::int64_t> last);
 
   // Once no act runs.
   [[nodiscard]] WakeLatency latency() const { return latencies_.summary(); }
@@ -131,13 +131,13 @@ class TimedRunner {
   TransportKeys keys_;
   TelemetryRing<TransportKey, 64> typed_;
   TelemetryRing<RunSnapshot, 64> shown_;
-  std::atomic<const LoopTask*> next_{nullptr};
+  std::atomic<LoopTask*> next_{nullptr};
   std::atomic<bool> is_over_{false};
   std::atomic<bool> leaves_{false};
   std::atomic<bool> has_rights_{false};
   std::vector<RealTimeRight> rights_;
   // of the loop's thread while an act runs
-  const LoopTask* act_ = nullptr;
+  LoopTask* act_ = nullptr;
   ActEnd end_;
   WakeLatencyCounter latencies_;
   std::int64_t late_ticks_ = 0;

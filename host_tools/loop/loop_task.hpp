@@ -9,29 +9,18 @@
 
 namespace inbetween {
 
-/// Refers to a performance: anything with these functions, none of which allocates. Called by the thread of
-/// the loop only.
-struct LoopTask {
-  void* of = nullptr;
-  Status (*begin)(void*) = nullptr;
-  void (*press)(void*, TransportKey) = nullptr;
+/// None of its functions allocates. The thread of the loop alone calls them.
+class LoopTask {
+ public:
+  virtual ~LoopTask() = default;
+  virtual Status begin() { return Done{}; }
+  virtual void press(TransportKey /*key*/) {}
   /// `ticks` have passed since the last, usually 1.
-  void (*tick)(void*, std::int32_t ticks, std::int64_t now_ns) = nullptr;
-  bool (*is_over)(const void*) = nullptr;
-  RunSnapshot (*snapshot)(const void*) = nullptr;
-  bool is_preparation = false;  ///< what is typed ahead is for the move that follows
+  virtual void tick(std::int32_t ticks, std::int64_t now_ns) = 0;
+  [[nodiscard]] virtual bool is_over() const = 0;
+  [[nodiscard]] virtual RunSnapshot snapshot() const = 0;
+  /// What is typed ahead is for the move that follows.
+  [[nodiscard]] virtual bool is_preparation() const { return false; }
 };
-
-template <class Performance>
-LoopTask act_of(Performance& performance, bool is_preparation = false) {
-  return {.of = &performance,
-          .begin = [](void* of) { return static_cast<Performance*>(of)->begin(); },
-          .press = [](void* of, TransportKey key) { static_cast<Performance*>(of)->press(key); },
-          .tick = [](void* of, std::int32_t ticks,
-                     std::int64_t now_ns) { static_cast<Performance*>(of)->tick(ticks, now_ns); },
-          .is_over = [](const void* of) { return static_cast<const Performance*>(of)->is_over(); },
-          .snapshot = [](const void* of) { return static_cast<const Performance*>(of)->snapshot(); },
-          .is_preparation = is_preparation};
-}
 
 }  // namespace inbetween

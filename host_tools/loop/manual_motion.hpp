@@ -4,32 +4,32 @@
 #include <cstdint>
 #include <optional>
 
+#include "host_tools/loop/loop_task.hpp"
 #include "host_tools/loop/operator_keys.hpp"
 #include "host_tools/loop/run_loop.hpp"
-#include "host_tools/loop/run_snapshot.hpp"
 #include "inbetween/loop/motion_loop.hpp"
 
 namespace inbetween {
 
-/// An act of a motion loop (LoopTask). Refers to the loop and to what the spec refers to. A stop by whatever
+/// Refers to the loop and to what the spec refers to. A stop by whatever
 /// is the end of it. Allocates nothing.
-class ManualMotion {
+class ManualMotion final : public LoopTask {
  public:
   /// How many ticks it takes if that is known.
   ManualMotion(RunLoop& loop, const FreeSpec<double>& spec, std::optional<std::int64_t> last = std::nullopt)
       : loop_(loop), spec_(spec), keys_(loop, false), last_(last) {}
 
   /// Errors: those of MotionLoop::load and begin.
-  Status begin();
-  void press(TransportKey key) { keys_.press(key); }
-  void tick(std::int32_t ticks, std::int64_t now_ns);
-  [[nodiscard]] bool is_over() const { return is_done() || keys_.has_left(); }
+  Status begin() override;
+  void press(TransportKey key) override { keys_.press(key); }
+  void tick(std::int32_t ticks, std::int64_t now_ns) override;
+  [[nodiscard]] bool is_over() const override { return is_done() || keys_.has_left(); }
   /// It rests, and nobody and nothing has stopped it.
   [[nodiscard]] bool is_done() const {
     return loop_.state() == SupervisorState::ready && !keys_.was_stopped();
   }
   [[nodiscard]] const OperatorKeys& keys() const { return keys_; }
-  [[nodiscard]] RunSnapshot snapshot() const;
+  [[nodiscard]] RunSnapshot snapshot() const override;
 
  private:
   RunLoop& loop_;

@@ -13,18 +13,15 @@ namespace inbetween {
 namespace {
 
 /// Copies what the drives tell on a tick, for threads other than that of the loop.
-class Looking {
+class Looking final : public Preparation {
  public:
-  explicit Looking(RunLoop& loop) : loop_(loop), states_(loop.drive_states().size()) {}
-  static Status begin() { return Done{}; }
-  void press(TransportKey) {}
-  void tick(std::int32_t ticks, std::int64_t now_ns) {
+  explicit Looking(RunLoop& loop) : Preparation(loop), states_(loop.drive_states().size()) {}
+  void tick(std::int32_t ticks, std::int64_t now_ns) override {
     state_ = loop_.tick(ticks, now_ns).state;
     std::ranges::copy(loop_.drive_states(), states_.begin());
     has_looked_ = true;
   }
-  [[nodiscard]] bool is_over() const { return has_looked_; }
-  [[nodiscard]] RunSnapshot snapshot() const { return {.state = loop_.state()}; }
+  [[nodiscard]] bool is_over() const override { return has_looked_; }
 
   [[nodiscard]] const std::vector<DriveState<double>>& states() const { return states_; }
   /// Setpoints have ceased, and nobody has acknowledged it.
@@ -33,7 +30,6 @@ class Looking {
   }
 
  private:
-  RunLoop& loop_;
   std::vector<DriveState<double>> states_;
   SupervisorState state_ = SupervisorState::disarmed;
   bool has_looked_ = false;
@@ -96,23 +92,23 @@ RigSession::~RigSession() {
   end();
 }
 
-ActEnd RigSession::perform(const LoopTask& act, std::optional<std::int64_t> last) {
+ActEnd RigSession::perform(LoopTask& act, std::optional<std::int64_t> last) {
   return fast_ ? fast_->run(act, last) : timed_->run(act, last);
 }
 
 bool RigSession::arm() {
   is_armed_ = true;
   Arming arming(loop());
-  perform(act_of(arming, true));
+  perform(arming);
   positions_ = arming.positions();
   return loop().state() == SupervisorState::ready;
 }
 
 void RigSession::rest() {
   Arriving arriving(loop(), rig().rate_hz);
-  perform(act_of(arriving, true));
+  perform(arriving);
   Looking looking(loop());
-  perform(act_of(looking, true));
+  perform(looking);
   for (std::size_t a = 0; a < positions_.size(); ++a) positions_[a] = looking.states()[a].actual;
   reference_.at_rest(drives_, looking.states(), looking.has_ceased());
 }
@@ -125,7 +121,7 @@ void RigSession::disarm() {
   if (!is_armed_) return;
   is_armed_ = false;
   Disarming disarming(loop());
-  perform(act_of(disarming, true));
+  perform(disarming);
 }
 
 std::string RigSession::use(const std::function<void()>& task) {

@@ -66,7 +66,7 @@ class RigSession {
   /// The position of every axis as its drive told it, after arm() and after rest().
   [[nodiscard]] const std::vector<double>& positions() const { return positions_; }
   /// Until it is over. With the `last` of its ticks, if that is known, progress is told.
-  ActEnd perform(const LoopTask& act, std::optional<std::int64_t> last = std::nullopt);
+  ActEnd perform(LoopTask& act, std::optional<std::int64_t> last = std::nullopt);
   /// Waits until the axes stand still, and tells the reference where.
   void rest();
   /// The same, of what the drives have told in the tick in which everything rested.

@@ -56,7 +56,7 @@ SetupEnd go(RigSession& session, const std::vector<GoTarget>& targets, RigRefere
   reference.about_to_move(way.axes());
   ManualMotion play(session.loop(), way.loop_spec(), way.ticks());
   const DisarmAtEnd disarm(session);
-  const ActEnd played = session.perform(act_of(play), way.ticks());
+  const ActEnd played = session.perform(play, way.ticks());
   end.is_done = played.begun && play.is_done();
   if (end.is_done) {
     end.reason = "the axes are there";

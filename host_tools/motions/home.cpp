@@ -44,7 +44,7 @@ SetupEnd home_armed(RigSession& session, const std::vector<std::size_t>& axes, R
                                      .tick_seconds = session.tick_seconds()});
   const DisarmAtEnd disarm(session);
   reference.about_to_move(axes);
-  const ActEnd played = session.perform(act_of(play));
+  const ActEnd played = session.perform(play);
   SetupEnd end{.is_done = played.begun && play.is_done() && homing.is_done(), .reason = "the axes are home"};
   if (!played.begun) {
     end.reason = played.begun.error().what;

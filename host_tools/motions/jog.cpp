@@ -206,7 +206,7 @@ SetupEnd jog_session(RigSession& session, std::size_t selected, RigReference& re
   const DisarmAtEnd disarm(session);
   ActEnd end;
   for (bool goes_on = true; goes_on;) {
-    end = session.perform(act_of(jog));
+    end = session.perform(jog);
     goes_on = end.begun && jog.asks() != Jog::Ask::none;
     if (jog.asks() == Jog::Ask::mark) {
       refuse_changed_rig(session.rig().path, options.session.audience.rig_has_changed);

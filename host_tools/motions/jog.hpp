@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "host_tools/loop/loop_task.hpp"
 #include "host_tools/loop/operator_keys.hpp"
 #include "host_tools/loop/rig_session.hpp"
 #include "host_tools/loop/run_loop.hpp"
-#include "host_tools/loop/run_snapshot.hpp"
 #include "host_tools/motions/free_axes.hpp"
 #include "inbetween/loop/motion_loop.hpp"
 
@@ -46,7 +46,7 @@ struct JogAxis {
 /// axis is let go when its key has not come for jog_key_missed_s, and rests jog_stops_within_s after it came
 /// for the last time: its speed is one from which the rest of that time is enough. A terminal that is gone
 /// sends no keys. A referenced axis stays inside its soft limits.
-class Jog {
+class Jog final : public LoopTask {
  public:
   enum class Ask : std::uint8_t {
     none,
@@ -58,11 +58,11 @@ class Jog {
       std::size_t selected);
 
   /// Errors: those of MotionLoop::load and begin, the first time.
-  Status begin();
-  void press(TransportKey key);
-  void tick(std::int32_t ticks, std::int64_t now_ns);
-  [[nodiscard]] bool is_over() const { return ask_ != Ask::none || keys_.has_left(); }
-  [[nodiscard]] RunSnapshot snapshot() const;
+  Status begin() override;
+  void press(TransportKey key) override;
+  void tick(std::int32_t ticks, std::int64_t now_ns) override;
+  [[nodiscard]] bool is_over() const override { return ask_ != Ask::none || keys_.has_left(); }
+  [[nodiscard]] RunSnapshot snapshot() const override;
 
   // Between the acts.
 

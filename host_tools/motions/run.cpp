@@ -147,7 +147,7 @@ class Run {
                std::optional<std::int64_t> last = std::nullopt) {
     refuse_changed_rig(session_.rig().path, audience_.rig_has_changed);
     reference_.about_to_move(axes);
-    const ActEnd end = session_.perform(act_of(performance), last);
+    const ActEnd end = session_.perform(performance, last);
     report_.ticks = end.ticks + 1;
     session_.rest();
     if (end.begun && performance.is_done()) return true;

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "host_tools/loop/loop_task.hpp"
 #include "host_tools/loop/operator_keys.hpp"
-#include "host_tools/loop/run_snapshot.hpp"
 #include "host_tools/motions/staged_move.hpp"
 #include "host_tools/motions/start_signal.hpp"
 #include "host_tools/rig/cue_outputs.hpp"
@@ -41,7 +41,7 @@ struct ShootingLines {
 };
 
 /// Shoots a move in a loop. Refers to all of them. Allocates nothing.
-class Shooting {
+class Shooting final : public LoopTask {
  public:
   Shooting(RunLoop& loop, StagedMove& staged, SimulatedCamera& camera, const ShootOptions& options,
            bool is_attended, const ShootingLines& lines = {})
@@ -55,15 +55,15 @@ class Shooting {
 
   /// Goes to the frame that it was at and shoots it. Errors: those of MotionLoop::begin and
   /// FrameShoot::shoot.
-  Status begin();
-  void press(TransportKey key);
-  void tick(std::int32_t ticks, std::int64_t now_ns);
-  [[nodiscard]] bool is_over() const { return is_done() || keys_.has_left(); }
+  Status begin() override;
+  void press(TransportKey key) override;
+  void tick(std::int32_t ticks, std::int64_t now_ns) override;
+  [[nodiscard]] bool is_over() const override { return is_done() || keys_.has_left(); }
   [[nodiscard]] const OperatorKeys& keys() const { return keys_; }
   /// Every frame is shot, and the last was acknowledged.
   [[nodiscard]] bool is_done() const { return shoot_.phase() == ShootPhase::done; }
   [[nodiscard]] std::int64_t exposures() const { return shoot_.exposures(); }
-  [[nodiscard]] RunSnapshot snapshot() const;
+  [[nodiscard]] RunSnapshot snapshot() const override;
 
  private:
   void look(int by);

@@ -3,8 +3,8 @@
 
 #include <cstdint>
 
+#include "host_tools/loop/loop_task.hpp"
 #include "host_tools/loop/operator_keys.hpp"
-#include "host_tools/loop/run_snapshot.hpp"
 #include "host_tools/motions/staged_move.hpp"
 #include "host_tools/motions/start_signal.hpp"
 #include "host_tools/rig/cue_outputs.hpp"
@@ -18,7 +18,7 @@ struct TransportLines {
 };
 
 /// Plays a move in a loop. Refers to all of them. Allocates nothing.
-class Transport {
+class Transport final : public LoopTask {
  public:
   /// With somebody who attends a stop can be acknowledged, and the move goes on.
   Transport(RunLoop& loop, StagedMove& staged, bool is_attended, const TransportLines& lines = {})
@@ -31,16 +31,16 @@ class Transport {
 
   /// With a start signal it waits for that, or for the key that starts. Errors: those of MotionLoop::load and
   /// start.
-  Status begin();
-  void press(TransportKey key);
-  void tick(std::int32_t ticks, std::int64_t now_ns);
-  [[nodiscard]] bool is_over() const { return is_done() || keys_.has_left(); }
+  Status begin() override;
+  void press(TransportKey key) override;
+  void tick(std::int32_t ticks, std::int64_t now_ns) override;
+  [[nodiscard]] bool is_over() const override { return is_done() || keys_.has_left(); }
   [[nodiscard]] const OperatorKeys& keys() const { return keys_; }
   /// It was played to one of its ends.
   [[nodiscard]] bool is_done() const {
     return loop_.state() == SupervisorState::ready && !keys_.was_stopped() && !is_waiting_;
   }
-  [[nodiscard]] RunSnapshot snapshot() const;
+  [[nodiscard]] RunSnapshot snapshot() const override;
 
  private:
   Status start();

@@ -55,20 +55,21 @@ TEST(RealTimeRun, TellsHowLateItWokeUp) {
 }
 
 /// Plays a move, and takes its time once, as a program does that is suspended.
-struct Suspended {
+struct Suspended final : public LoopTask {
+  Suspended(Transport& of, std::int64_t suspended_ns) : transport(of), for_ns(suspended_ns) {}
   Transport& transport;
   std::int64_t for_ns;
   int ticks = 0;
 
-  Status begin() { return transport.begin(); }
-  void press(TransportKey key) { transport.press(key); }
-  void tick(std::int32_t count, std::int64_t now_ns) {
+  Status begin() override { return transport.begin(); }
+  void press(TransportKey key) override { transport.press(key); }
+  void tick(std::int32_t count, std::int64_t now_ns) override {
     transport.tick(count, now_ns);
     const MonotonicClock clock;
     if (++ticks == 40) clock.sleep_until_ns(clock.now_ns() + for_ns);
   }
-  [[nodiscard]] bool is_over() const { return transport.is_over(); }
-  [[nodiscard]] RunSnapshot snapshot() const { return transport.snapshot(); }
+  [[nodiscard]] bool is_over() const override { return transport.is_over(); }
+  [[nodiscard]] RunSnapshot snapshot() const override { return transport.snapshot(); }
 };
 
 /// Where the axis came to rest, after a tick of `for_ns` in the middle of its way from 2 to 14.
@@ -80,8 +81,8 @@ double end_after(std::int64_t for_ns, bool& has_lost_time) {
   const DisarmAtEnd disarm(session);
   EXPECT_TRUE(session.arm());
   Transport transport(session.loop(), staged, false);
-  Suspended suspended{.transport = transport, .for_ns = for_ns};
-  EXPECT_TRUE(session.perform(act_of(suspended)).begun);
+  Suspended suspended(transport, for_ns);
+  EXPECT_TRUE(session.perform(suspended).begun);
   has_lost_time = transport.keys().has_lost_time();
   session.rest();
   return session.positions()[0];

@@ -150,11 +150,11 @@ struct Bench {
   bool run() {
     FastRunner runner(loop, 250, audience, trace);
     Arming arming(loop);
-    runner.run(act_of(arming, true), std::nullopt);
+    runner.run(arming, std::nullopt);
     ManualMotion play(
         loop,
         {.source = source_of<double>(*this), .drive_of = axes, .limits = limits, .tick_seconds = tick_s});
-    const ActEnd end = runner.run(act_of(play), std::nullopt);
+    const ActEnd end = runner.run(play, std::nullopt);
     EXPECT_TRUE(end.begun);
     return end.begun && play.is_done() && homing->is_done();
   }
@@ -257,7 +257,7 @@ TEST(RigHoming, OnTheLinesOfARigEveryAxisKnowsWhereItsShaftIs) {
   const LoopAudience audience;
   FastRunner runner(loop, 250, audience, trace);
   Arming arming(loop);
-  runner.run(act_of(arming, true), std::nullopt);
+  runner.run(arming, std::nullopt);
   const std::vector<std::size_t> axes{0, 2};
   const std::vector<AxisLimits<double>> limits{limits_of(rig.axes[0]), limits_of(rig.axes[2])};
   RigHoming<RigInputs> homing(rig, axes, lines,
@@ -268,9 +268,9 @@ TEST(RigHoming, OnTheLinesOfARigEveryAxisKnowsWhereItsShaftIs) {
   ManualMotion play(
       loop,
       {.source = source_of<double>(homing), .drive_of = axes, .limits = limits, .tick_seconds = tick_s});
-  ASSERT_TRUE(runner.run(act_of(play), std::nullopt).begun);
+  ASSERT_TRUE(runner.run(play, std::nullopt).begun);
   Arriving arriving(loop, 250);
-  runner.run(act_of(arriving, true), std::nullopt);
+  runner.run(arriving, std::nullopt);
   ASSERT_TRUE(homing.is_done()) << homing.reason();
   for (std::size_t i = 0; i < 2; ++i) {
     const double says = loop.drive_states()[axes[i]].actual + homing.shift(i);

@@ -101,7 +101,7 @@ struct Bench {
     };
     runner.emplace(*loop, 250, audience, trace);
     Arming arming(*loop);
-    runner->run(act_of(arming, true), std::nullopt);
+    runner->run(arming, std::nullopt);
     EXPECT_EQ(loop->state(), SupervisorState::ready);
   }
 
@@ -113,7 +113,7 @@ struct Bench {
   void run(int end) {
     typed[end] = "q";
     for (;;) {
-      ASSERT_TRUE(runner->run(act_of(*jog), std::nullopt).begun);
+      ASSERT_TRUE(runner->run(*jog, std::nullopt).begun);
       if (jog->asks() == Jog::Ask::none) return;
       if (jog->asks() == Jog::Ask::mark) {
         marks.push_back(jog->selected());

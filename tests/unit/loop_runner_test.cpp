@@ -17,15 +17,14 @@ namespace inbetween {
 namespace loop_runner_test {
 
 /// A move that takes some ticks to rest once somebody wants to leave.
-class SlowToRest {
+class SlowToRest final : public LoopTask {
  public:
-  static Status begin() { return Done{}; }
-  void press(TransportKey key) { leaves_ = leaves_ || key == TransportKey::quit; }
-  void tick(std::int32_t, std::int64_t) {
+  void press(TransportKey key) override { leaves_ = leaves_ || key == TransportKey::quit; }
+  void tick(std::int32_t, std::int64_t) override {
     if (leaves_) ++ticks_to_rest_;
   }
-  [[nodiscard]] bool is_over() const { return ticks_to_rest_ >= 20; }
-  [[nodiscard]] static RunSnapshot snapshot() { return {}; }
+  [[nodiscard]] bool is_over() const override { return ticks_to_rest_ >= 20; }
+  [[nodiscard]] RunSnapshot snapshot() const override { return {}; }
 
  private:
   std::atomic<bool> leaves_{false};
@@ -55,7 +54,7 @@ drive = { type = "step-dir", chip = "gpio", step = 17, dir = 27, steps_per_unit 
       .status = [](const RunSnapshot&) { throw std::runtime_error("the terminal is lost"); }};
   TimedRunner runner(loop, 1000, audience, trace, Lateness::time_stands_still, std::nullopt);
   SlowToRest move;
-  EXPECT_THROW(runner.run(act_of(move), std::nullopt), std::runtime_error);
+  EXPECT_THROW(runner.run(move, std::nullopt), std::runtime_error);
   EXPECT_TRUE(move.is_over()) << "the loop would go on with a move that is gone";
 }
 
