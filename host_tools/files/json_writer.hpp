@@ -68,6 +68,14 @@ class JsonWriter {
   void value(const std::optional<Value>& item) {
     return item ? value(*item) : null();
   }
+  /// An array of numbers or texts, or of such arrays.
+  template <class Range>
+  requires(requires(const Range& items) { items.begin(); } &&
+           !std::convertible_to<Range, std::string_view>) void value(const Range& items) {
+    open('[');
+    for (const auto& item : items) value(item);
+    close(']');
+  }
   void null() {
     separate();
     append("null");
@@ -80,6 +88,14 @@ class JsonWriter {
     fill();
     end_object();
   }
+  /// An array of this name. `fill` writes its items.
+  template <class Fill>
+  void array(std::string_view name, const Fill& fill) {
+    key(name);
+    begin_array();
+    fill();
+    end_array();
+  }
   /// An array of this name, an object a line. `fill` writes the members for each of the items, which are a
   /// range, or a number of indices.
   template <class Items, class Fill>
@@ -90,22 +106,13 @@ class JsonWriter {
       fill(one);
       end_object();
     };
-    key(name);
-    begin_array();
-    if constexpr (std::integral<Items>) {
-      for (Items index = 0; index < items; ++index) add(index);
-    } else {
-      for (const auto& one : items) add(one);
-    }
-    end_array();
-  }
-  template <class Range>
-  requires requires(const Range& range) { range.begin(); }
-  void numbers(std::string_view name, const Range& range) {
-    key(name);
-    begin_array();
-    for (const auto& number : range) value(number);
-    end_array();
+    array(name, [&] {
+      if constexpr (std::integral<Items>) {
+        for (Items index = 0; index < items; ++index) add(index);
+      } else {
+        for (const auto& one : items) add(one);
+      }
+    });
   }
 
   /// A new line before the next item, indented by the depth.

@@ -19,7 +19,7 @@ void write_fit(JsonWriter& json, const SpeedFit& fit, std::int32_t frames) {
     json.member("least_frames", fit.fewest.frames);
     json.objects("tracks", fit.tracks, [&](const TrackFit& track) {
       json.member("track", static_cast<std::int64_t>(track.track));
-      json.numbers("speed", track.speed);
+      json.member("speed", track.speed);
       json.member("change", track.change);
       json.member("change_share", track.change_share);
       json.member("largest_change", track.largest_change);

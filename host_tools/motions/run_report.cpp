@@ -1,21 +1,14 @@
 #include "host_tools/motions/run_report.hpp"
 
+#include <array>
+
 #include "host_tools/files/json_writer.hpp"
 
 namespace inbetween {
 namespace {
 
-const char* name_of(Ending ending) {
-  switch (ending) {
-    case Ending::finished:
-      return "finished";
-    case Ending::stopped:
-      return "stopped";
-    case Ending::fault:
-      return "fault";
-  }
-  return "fault";
-}
+// In the order of Ending.
+constexpr std::array ending_names = {"finished", "stopped", "fault"};
 
 void write_log(const char* name, const char* records, const LoopLogEnd& log, JsonWriter& json) {
   json.object(name, [&] {
@@ -44,7 +37,7 @@ void write_run_json(const RunReport& report, std::FILE* file) {
   JsonWriter json(file);
   json.begin_object();
   json.member("format", 1);
-  json.member("ended", name_of(report.ending));
+  json.member("ended", ending_names.at(static_cast<std::size_t>(report.ending)));
   json.member("reason", report.reason);
   json.member("ticks", report.ticks);
   json.member("late_ticks", report.late_ticks);
@@ -65,15 +58,10 @@ void write_run_json(const RunReport& report, std::FILE* file) {
     json.member("p99_9", report.wake_latency.p99_9_us);
     json.member("max", report.wake_latency.max_us);
     json.member("max_at_s", report.wake_latency.max_at_s);
-    json.key("histogram");
-    json.begin_array();
-    for (const WakeLatency::Bucket& bucket : report.wake_latency.histogram) {
-      json.begin_object();
+    json.objects("histogram", report.wake_latency.histogram, [&](const WakeLatency::Bucket& bucket) {
       json.member("below_us", bucket.below_us);
       json.member("ticks", bucket.ticks);
-      json.end_object();
-    }
-    json.end_array();
+    });
   });
   write_counted("buses", "name", report.counts.buses, json);
   write_counted("drives", "axis", report.counts.drives, json);

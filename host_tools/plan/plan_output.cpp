@@ -58,21 +58,22 @@ std::uint64_t hash_of(const MoveFile& move) {
   return hash.value();
 }
 
-const char* name_of(Solver solver) {
-  return solver == Solver::closed_form ? "closed-form" : "runge-kutta";
+std::vector<const PlanAxis*> axes_that_move(const Plan& plan) {
+  std::vector<const PlanAxis*> axes;
+  for (const PlanAxis& axis : plan.axes()) {
+    if (axis.track) axes.push_back(&axis);
+  }
+  return axes;
 }
 
 void write_segments(const Path<double>& path, JsonWriter& json) {
   json.objects("segments", path.segment_count(), [&](std::int32_t i) {
     if (!path.knots().empty()) json.member("s", path.parameter({i, 0}));
-    json.key("coefficients");
-    json.begin_array();
-    for (const Cubic<double>& cubic : path.segment(i)) {
-      json.begin_array();
-      for (const double c : {cubic.c0, cubic.c1, cubic.c2, cubic.c3}) json.value(c);
-      json.end_array();
-    }
-    json.end_array();
+    json.array("coefficients", [&] {
+      for (const Cubic<double>& cubic : path.segment(i)) {
+        json.value(std::array{cubic.c0, cubic.c1, cubic.c2, cubic.c3});
+      }
+    });
   });
 }
 
@@ -94,26 +95,21 @@ void write_speed(const MoveTrack& track, const SolvedTrack<double>& solved, Json
   json.member("K", one_constant ? std::optional(solved.table().provenance().constant) : std::nullopt);
   json.member("f", solved.track().profile().span_count());
   json.line();
-  json.numbers("speed", solved.control_values());
-  json.numbers("speed_drawn", track.speed);
+  json.member("speed", solved.control_values());
+  json.member("speed_drawn", track.speed);
   json.member("periodic", track.periodic);
   if (solved.track().portions().empty()) return;
   json.line();
-  json.key("portions");
-  json.begin_array();
-  for (const Portion<double>& portion : solved.track().portions()) {
-    json.begin_object();
+  json.objects("portions", solved.track().portions(), [&](const Portion<double>& portion) {
     json.member("frame", portion.begin_frame);
     json.member("K", portion.constant);
-    json.end_object();
-  }
-  json.end_array();
+  });
 }
 
 void write_track(const MoveTrack& track, const SolvedTrack<double>& solved, JsonWriter& json) {
   const Provenance<double>& provenance = solved.table().provenance();
-  json.numbers("axes", track.axes);
-  json.member("solver", name_of(provenance.solver));
+  json.member("axes", track.axes);
+  json.member("solver", provenance.solver == Solver::closed_form ? "closed-form" : "runge-kutta");
   json.member("speed_error", provenance.speed_error);
   json.member("hash", fmt::format("{:016x}", hash_of(solved.table().points())));
   json.member("length", solved.track().arc_length().total());
@@ -133,65 +129,50 @@ struct Rows {
 /// Position, velocity and acceleration, number by number: a plan per tick may have more rows than memory.
 void write_motion(AxisColumn& column, const Rows& rows, JsonWriter& json) {
   const auto write_column = [&](const char* name, auto number) {
-    json.key(name);
-    json.begin_array();
-    for (std::int64_t row = rows.first; row <= rows.last; ++row) json.value(number(row));
-    json.end_array();
+    json.array(name, [&] {
+      for (std::int64_t row = rows.first; row <= rows.last; ++row) json.value(number(row));
+    });
   };
   write_column("position", [&](std::int64_t row) { return column.position(row); });
   write_column("velocity", [&](std::int64_t row) { return column.motion(row).velocity; });
   write_column("acceleration", [&](std::int64_t row) { return column.motion(row).acceleration; });
 }
 
-void write_axis(const Plan& plan, const PlanAxis& axis, PlanRows rows, JsonWriter& json) {
-  AxisColumn column(plan, axis, rows);
-  json.line();
-  json.begin_object();
-  json.member("name", axis.name);
-  json.member("unit", axis.unit ? std::optional(to_string(*axis.unit)) : std::nullopt);
-  const bool by_tick = rows == PlanRows::tick;
-  write_motion(column, {0, by_tick ? column.line().last() : plan.move().frames}, json);
-  json.end_object();
+void write_axes(const Plan& plan, PlanRows rows, JsonWriter& json) {
+  json.objects("axes", axes_that_move(plan), [&](const PlanAxis* axis) {
+    AxisColumn column(plan, *axis, rows);
+    json.member("name", axis->name);
+    json.member("unit", axis->unit ? std::optional(to_string(*axis->unit)) : std::nullopt);
+    const bool by_tick = rows == PlanRows::tick;
+    write_motion(column, {0, by_tick ? column.line().last() : plan.move().frames}, json);
+  });
 }
 
 /// The frames of a roll, without the one on which it joins the move; null where there is none.
 void write_roll(const Plan& plan, const char* name, const Rows& frames, JsonWriter& json) {
   json.line();
-  json.key(name);
-  if (frames.first > frames.last) return json.null();
-  json.begin_object();
-  json.member("frames", frames.last - frames.first + 1);
-  json.key("axes");
-  json.begin_array();
-  for (const PlanAxis& axis : plan.axes()) {
-    if (!axis.track) continue;
-    AxisColumn column(plan, axis, PlanRows::frame);
-    json.line();
-    json.begin_object();
-    json.member("name", axis.name);
-    write_motion(column, frames, json);
-    json.end_object();
-  }
-  json.end_array();
-  json.end_object();
+  if (frames.first > frames.last) return json.member(name, std::optional<double>());
+  json.object(name, [&] {
+    json.member("frames", frames.last - frames.first + 1);
+    json.objects("axes", axes_that_move(plan), [&](const PlanAxis* axis) {
+      AxisColumn column(plan, *axis, PlanRows::frame);
+      json.member("name", axis->name);
+      write_motion(column, frames, json);
+    });
+  });
 }
 
 /// A tip on the rows of the plan, a list of x, y and z for each.
 void write_tip(const Tip& tip, LinkRows& links, const Rows& rows, JsonWriter& json) {
-  json.line();
-  json.begin_object();
   json.member("name", tip.name);
   json.member("unit", "m");
   const auto write_column = [&](const char* name, auto vector_of) {
-    json.key(name);
-    json.begin_array();
-    for (std::int64_t row = rows.first; row <= rows.last; ++row) {
-      const Vector3<double> v = vector_of(links.at(row)[static_cast<std::size_t>(tip.link)]);
-      json.begin_array();
-      for (const double number : {v.x, v.y, v.z}) json.value(number);
-      json.end_array();
-    }
-    json.end_array();
+    json.array(name, [&] {
+      for (std::int64_t row = rows.first; row <= rows.last; ++row) {
+        const Vector3<double> v = vector_of(links.at(row)[static_cast<std::size_t>(tip.link)]);
+        json.value(std::array{v.x, v.y, v.z});
+      }
+    });
   };
   using Motion = LinkMotion<double>;
   write_column("position", [](const Motion& link) { return link.pose.position; });
@@ -200,18 +181,14 @@ void write_tip(const Tip& tip, LinkRows& links, const Rows& rows, JsonWriter& js
   write_column("x_axis", [](const Motion& link) { return link.pose.rotation.x; });
   write_column("y_axis", [](const Motion& link) { return link.pose.rotation.y; });
   write_column("z_axis", [](const Motion& link) { return link.pose.rotation.z; });
-  json.end_object();
 }
 
 void write_tips(const Plan& plan, PlanRows rows, JsonWriter& json) {
   if (plan.kinematics() == nullptr) return;
   json.line();
-  json.key("tips");
-  json.begin_array();
   LinkRows links(plan, rows);
   const std::int64_t last = rows == PlanRows::tick ? links.line().last() : plan.move().frames;
-  for (const Tip& tip : plan.tips()) write_tip(tip, links, {0, last}, json);
-  json.end_array();
+  json.objects("tips", plan.tips(), [&](const Tip& tip) { write_tip(tip, links, {0, last}, json); });
 }
 
 }  // namespace
@@ -222,11 +199,10 @@ void write_plan_json(const Plan& plan, PlanRows rows, std::FILE* file) {
   json.begin_object();
   json.member("format", 1);
   json.member("name", move.name);
-  json.key("fps");
   if (move.fps.written_as_integer) {
-    json.value(move.fps.rate.numerator);
+    json.member("fps", move.fps.rate.numerator);
   } else {
-    json.value(move.fps.as_written);
+    json.member("fps", move.fps.as_written);
   }
   json.member("frames", move.frames);
   json.member("duration_s", plan.duration_s());
@@ -235,12 +211,7 @@ void write_plan_json(const Plan& plan, PlanRows rows, std::FILE* file) {
   json.objects("tracks", move.tracks.size(),
                [&](std::size_t t) { write_track(move.tracks[t], plan.tracks()[t], json); });
   json.line();
-  json.key("axes");
-  json.begin_array();
-  for (const PlanAxis& axis : plan.axes()) {
-    if (axis.track) write_axis(plan, axis, rows, json);
-  }
-  json.end_array();
+  write_axes(plan, rows, json);
   write_tips(plan, rows, json);
   write_roll(plan, "pre_roll", {plan.played().first_frame(), -1}, json);
   write_roll(plan, "post_roll", {move.frames + 1, plan.played().last_frame()}, json);
@@ -252,11 +223,10 @@ void write_plan_csv(const Plan& plan, PlanRows rows, std::FILE* file) {
   const TimeLine line(plan, rows);
   std::string text = rows == PlanRows::frame ? "frame,time_s" : "tick,time_s";
   std::vector<AxisColumn> columns;
-  for (const PlanAxis& axis : plan.axes()) {
-    if (!axis.track) continue;
-    columns.emplace_back(plan, axis, rows);
-    const std::string unit = unit_of(axis);
-    text += "," + csv_field(unit.empty() ? axis.name : fmt::format("{} ({})", axis.name, unit));
+  for (const PlanAxis* axis : axes_that_move(plan)) {
+    columns.emplace_back(plan, *axis, rows);
+    const std::string unit = unit_of(*axis);
+    text += "," + csv_field(unit.empty() ? axis->name : fmt::format("{} ({})", axis->name, unit));
   }
   for (const Tip& tip : plan.tips()) {
     for (const char* direction : {"x", "y", "z"})
@@ -287,10 +257,9 @@ namespace {
 
 std::string resting_places(const Plan& plan, std::span<const RollAxis<double>> roll) {
   std::string words;
-  for (const PlanAxis& axis : plan.axes()) {
-    if (!axis.track) continue;
-    const double rest = roll[axis.move_axis].rest_position();
-    words += fmt::format("{}{} {:.6g} {}", words.empty() ? "" : ", ", axis.name, rest, unit_of(axis));
+  for (const PlanAxis* axis : axes_that_move(plan)) {
+    const double rest = roll[axis->move_axis].rest_position();
+    words += fmt::format("{}{} {:.6g} {}", words.empty() ? "" : ", ", axis->name, rest, unit_of(*axis));
   }
   return words;
 }

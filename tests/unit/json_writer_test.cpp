@@ -49,7 +49,7 @@ TEST(JsonWriter, PutsCommasBetweenItemsOnly) {
     json.begin_array();
     json.end_array();
     json.member("one", 1);
-    json.numbers("three", std::vector<double>{1, 2.5, -3});
+    json.member("three", std::vector<double>{1, 2.5, -3});
     json.key("objects");
     json.begin_array();
     for (const bool truth : {true, false}) {
