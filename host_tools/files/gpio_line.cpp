@@ -9,15 +9,7 @@ std::string_view to_string(Level level) {
 }
 
 std::string_view to_string(Bias bias) {
-  switch (bias) {
-    case Bias::none:
-      return "none";
-    case Bias::pull_up:
-      return "pull-up";
-    case Bias::pull_down:
-      break;
-  }
-  return "pull-down";
+  return bias_words.at(static_cast<std::size_t>(bias));
 }
 
 std::string to_string(const LineAddress& address) {

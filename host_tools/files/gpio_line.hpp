@@ -1,6 +1,8 @@
 // The GPIO lines of a rig: their addresses and their wiring.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -20,7 +22,8 @@ constexpr Level opposite(Level level) {
 }
 
 /// The pull of the chip on an input that nothing drives.
-enum class Bias { none, pull_up, pull_down };
+enum class Bias { pull_up, pull_down, none };
+inline constexpr std::array<std::string_view, 3> bias_words = {"pull-up", "pull-down", "none"};
 std::string_view to_string(Bias bias);
 
 /// The address of a line. An offset always has a chip. A name without a chip is the only line of that name on

@@ -35,8 +35,7 @@ Bias read_bias(const TomlTable& table, Level active, BrokenWire broken) {
   const Level wanted = broken == BrokenWire::reads_inactive ? opposite(active) : active;
   const auto value = table.optional("bias");
   if (!value) return pull_towards(wanted);
-  constexpr std::array kinds = {Bias::pull_up, Bias::pull_down, Bias::none};
-  const Bias bias = kinds.at(value->choice({"pull-up", "pull-down", "none"}));
+  const auto bias = static_cast<Bias>(value->choice(bias_words));
   if (bias == Bias::none || broken == BrokenWire::preferably_active || pulled_to(bias) == wanted) return bias;
   value->refuse(fmt::format(
       R"(is "{}", so that a broken wire would read {}, {}; write "{}", or "none" with such a resistor outside)",

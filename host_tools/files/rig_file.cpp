@@ -48,6 +48,7 @@ constexpr std::array<std::string_view, 3> output_fields = {"chip", "line", "idle
 constexpr std::array<std::string_view, 2> kinematics_fields = {"urdf", "tip"};
 
 constexpr std::array<std::string_view, 6> unit_names = {"mm", "m", "deg", "rad", "turn", "unit"};
+constexpr std::array<std::string_view, 3> reference_names = {"drive", "operator", "home"};
 /// The name by which cues call the shutter of the camera.
 constexpr std::string_view camera_name = "camera";
 
@@ -159,8 +160,7 @@ void read_reference(const TomlTable& table, RigAxis& axis) {
   axis.reference = axis.home ? Reference::by_home : open_loop ? Reference::by_operator : Reference::by_drive;
   const auto value = table.optional("reference");
   if (!value) return;
-  constexpr std::array kinds = {Reference::by_drive, Reference::by_operator, Reference::by_home};
-  const Reference reference = kinds.at(value->choice({"drive", "operator", "home"}));
+  const auto reference = static_cast<Reference>(value->choice(reference_names));
   if (reference == Reference::by_drive && open_loop) {
     value->refuse(R"(is "drive", but nothing reports where this axis is; write "operator", or add a home)");
   }
@@ -200,10 +200,8 @@ RigAxis read_axis(const TomlValue& value, const RigContext& rig) {
   const TomlValue name = table.required("name", R"(name = "track", say)");
   axis.name = name.text();
   take(rig.taken, name, fmt::format("axis {}", in_quotes(axis.name)), "give each axis its own name");
-  axis.unit =
-      static_cast<AxisUnit>(table.required("unit", R"(unit = "mm", "m", "deg", "rad", "turn" or "unit")")
-                                .choice({unit_names[0], unit_names[1], unit_names[2], unit_names[3],
-                                         unit_names[4], unit_names[5]}));
+  const TomlValue unit = table.required("unit", R"(unit = "mm", "m", "deg", "rad", "turn" or "unit")");
+  axis.unit = static_cast<AxisUnit>(unit.choice(unit_names));
   read_limits(table, axis);
   axis.drive = read_drive(table.required("drive", R"(drive = { type = ... })"), axis, rig);
   read_loss_of_power(table, axis);
@@ -330,15 +328,7 @@ bool is_open_loop(const Drive& drive) {
 }
 
 std::string_view to_string(Reference reference) {
-  switch (reference) {
-    case Reference::by_operator:
-      return "operator";
-    case Reference::by_home:
-      return "home";
-    case Reference::by_drive:
-      break;
-  }
-  return "drive";
+  return reference_names.at(static_cast<std::size_t>(reference));
 }
 
 std::string named(const RigAxis& axis) {

@@ -91,9 +91,9 @@ bool is_open_loop(const Drive& drive);
 
 /// The source of an axis' position when a run begins.
 enum class Reference {
+  by_drive,     // the drive knows
   by_operator,  // a person, at a known place; the position file keeps it
-  by_home,      // its home switch; the position file keeps it
-  by_drive      // the drive knows
+  by_home       // its home switch; the position file keeps it
 };
 std::string_view to_string(Reference reference);
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 #include "host_tools/files/spelling.hpp"
@@ -11,31 +12,13 @@
 namespace inbetween {
 namespace {
 
-std::string type_name(const toml::node& node) {
-  switch (node.type()) {
-    case toml::node_type::table:
-      return "a table";
-    case toml::node_type::array:
-      return "an array";
-    case toml::node_type::string:
-      return "text";
-    case toml::node_type::integer:
-      return "a whole number";
-    case toml::node_type::floating_point:
-      return "a number with a fraction or exponent";
-    case toml::node_type::boolean:
-      return "true or false";
-    case toml::node_type::date:
-      return "a date";
-    case toml::node_type::time:
-      return "a time";
-    case toml::node_type::date_time:
-      return "a date with time";
-    case toml::node_type::none:
-      break;
-  }
-  return "nothing";
-}
+// In the order of toml::node_type.
+constexpr std::array<std::string_view, 10> type_names = {
+    "nothing",        "a table",
+    "an array",       "text",
+    "a whole number", "a number with a fraction or exponent",
+    "true or false",  "a date",
+    "a time",         "a date with time"};
 
 }  // namespace
 
@@ -48,7 +31,7 @@ void TomlValue::refuse(std::string_view problem) const {
 }
 
 void TomlValue::refuse_type(std::string_view wanted) const {
-  refuse(fmt::format("is {}; write {}", type_name(*node_), wanted));
+  refuse(fmt::format("is {}; write {}", type_names.at(static_cast<std::size_t>(node_->type())), wanted));
 }
 
 std::string TomlValue::text() const {
