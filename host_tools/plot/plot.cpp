@@ -96,13 +96,17 @@ void draw_page_title(Canvas& canvas, const PlotMove& move) {
   canvas.text({page_margin, page_margin + 40}, summary(move), {.size = 14, .color = plot_color::quiet});
 }
 
+void draw_section_title(Canvas& canvas, double base_line, const std::string& title, Color color) {
+  const TextStyle style{.size = 17, .color = plot_color::ink, .bold = true};
+  canvas.rectangle({page_margin, base_line - 14, 5, 18}, color);
+  canvas.text({page_margin + 14, base_line}, elided(canvas, title, style, content_width - 14), style);
+}
+
 void draw_track(Canvas& canvas, const TrackLayout& layout, const PlotMove& move, std::size_t index) {
   const PlotTrack& track = move.tracks[index];
   const Color color = track_color(index);
-  const TextStyle style{.size = 17, .color = plot_color::ink, .bold = true};
-  canvas.rectangle({page_margin, layout.title - 14, 5, 18}, color);
-  const std::string title = fmt::format("Track {}: {}", index + 1, names_of(move, track.axes));
-  canvas.text({page_margin + 14, layout.title}, elided(canvas, title, style, content_width - 14), style);
+  draw_section_title(canvas, layout.title, fmt::format("Track {}: {}", index + 1, names_of(move, track.axes)),
+                     color);
   if (track.axes.size() == 1) {
     draw_ruler(canvas, layout.path, move, track, color);
   } else {
@@ -116,11 +120,8 @@ void draw_track(Canvas& canvas, const TrackLayout& layout, const PlotMove& move,
 void draw_tip_section(Canvas& canvas, const Box& area, const PlotMove& move, std::size_t index) {
   const PlotTip& tip = move.tips[index];
   const Color color = track_color(index);
-  const TextStyle style{.size = 17, .color = plot_color::ink, .bold = true};
-  const double base_line = area.y - track_title_height + 18;
-  canvas.rectangle({page_margin, base_line - 14, 5, 18}, color);
-  const std::string title = fmt::format("{} in space, with the posture at each key", tip.name);
-  canvas.text({page_margin + 14, base_line}, elided(canvas, title, style, content_width - 14), style);
+  draw_section_title(canvas, area.y - track_title_height + 18,
+                     fmt::format("{} in space, with the posture at each key", tip.name), color);
   draw_tip(canvas, area, move, tip, color);
 }
 

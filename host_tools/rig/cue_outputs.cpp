@@ -168,16 +168,6 @@ std::optional<LoopLogEnd> CueOutputs::end_log() {
   return end;
 }
 
-std::vector<Counted> CueOutputs::chip_counts() const {
-  std::vector<Counted> counts;
-  for (const Chip& chip : chips_) {
-    if (auto counted = chip.outputs->counts(); !counted.empty()) {
-      counts.push_back({chip.label, std::move(counted)});
-    }
-  }
-  return counts;
-}
-
 std::string CueOutputs::trouble() const {
   for (const Chip& chip : chips_) {
     if (chip.outputs->has_ended()) {

@@ -61,7 +61,7 @@ class CueOutputs {
   [[nodiscard]] std::optional<LoopLogEnd> end_log();
   [[nodiscard]] const CueCounters& counters() const { return timer_->counters(); }
   /// The counters of the chips that count.
-  [[nodiscard]] std::vector<Counted> chip_counts() const;
+  [[nodiscard]] std::vector<Counted> chip_counts() const { return counts_of_chips(chips_); }
   /// Says the first thing that is wrong and what to do; "" if nothing is.
   [[nodiscard]] std::string trouble() const;
   /// Whether the line of that name is on, as the pulses have set it.

@@ -9,6 +9,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "drivers/can/socket_can.hpp"
@@ -60,6 +61,18 @@ class ChipOutputs {
   /// Empty where no player counts.
   [[nodiscard]] virtual std::vector<Count> counts() const { return {}; }
 };
+
+/// The counters of the chips that count. Each has a label and its outputs.
+template <class Chips>
+std::vector<Counted> counts_of_chips(const Chips& chips) {
+  std::vector<Counted> counts;
+  for (const auto& chip : chips) {
+    if (auto counted = chip.outputs->counts(); !counted.empty()) {
+      counts.push_back({chip.label, std::move(counted)});
+    }
+  }
+  return counts;
+}
 
 /// Input lines of one chip.
 class ChipInputs {

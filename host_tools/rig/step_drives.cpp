@@ -121,16 +121,6 @@ void StepDrives::place(std::size_t lane, double position) {
   value_or_refuse(port_->place(lane, position), axis.place, named(axis));
 }
 
-std::vector<Counted> StepDrives::counts() const {
-  std::vector<Counted> counts;
-  for (const Chip& chip : chips_) {
-    if (auto counted = chip.outputs->counts(); !counted.empty()) {
-      counts.push_back({chip.label, std::move(counted)});
-    }
-  }
-  return counts;
-}
-
 std::string StepDrives::trouble() const {
   for (const Chip& chip : chips_) {
     if (chip.outputs->has_ended()) {
