@@ -199,6 +199,11 @@ bool SimulatedCia402Drive::is_valid(const Pdo& pdo) const {
   return (objects_.value(pdo.communication, can::pdo_sub_cob_id) & can::cob_id_is_invalid) == 0;
 }
 
+SimulatedCia402Drive::Pdo SimulatedCia402Drive::pdo(bool is_sent, std::size_t number) {
+  return {.communication = static_cast<std::uint16_t>((is_sent ? 0x1800 : 0x1400) + number),
+          .mapping = static_cast<std::uint16_t>((is_sent ? 0x1A00 : 0x1600) + number)};
+}
+
 std::vector<can::PdoEntry> SimulatedCia402Drive::objects_in(const Pdo& pdo, std::uint32_t count) const {
   std::vector<can::PdoEntry> objects;
   for (std::size_t sub = 1; sub <= count; ++sub) {
@@ -211,24 +216,22 @@ std::vector<can::PdoEntry> SimulatedCia402Drive::objects_in(const Pdo& pdo, std:
 std::optional<std::uint32_t> SimulatedCia402Drive::refuses_pdo(can::ObjectAddress object,
                                                                std::uint32_t value) const {
   const unsigned group = object.index & 0xFFFCU;  // four of each
-  const auto number = static_cast<std::uint16_t>(object.index & 3U);
   const bool is_sent = group == 0x1800 || group == 0x1A00;
-  const Pdo pdo{.communication = static_cast<std::uint16_t>((is_sent ? 0x1800U : 0x1400U) + number),
-                .mapping = static_cast<std::uint16_t>((is_sent ? 0x1A00U : 0x1600U) + number)};
-  if (group == 0x1600 || group == 0x1A00) return refuses_mapping(pdo, is_sent, object.sub, value);
+  const Pdo asked = pdo(is_sent, object.index & 3U);
+  if (group == 0x1600 || group == 0x1A00) return refuses_mapping(asked, is_sent, object.sub, value);
   if (group != 0x1400 && group != 0x1800) return {};
   if (object.sub == can::pdo_sub_cob_id) {
     const bool becomes_valid = (value & can::cob_id_is_invalid) == 0;
     if (!becomes_valid) return {};
-    if (is_valid(pdo) && value != objects_.value(pdo.communication, can::pdo_sub_cob_id))
+    if (is_valid(asked) && value != objects_.value(asked.communication, can::pdo_sub_cob_id))
       return can::abort_bad_value;
     if (can::is_restricted(value & can::cob_id_number)) return can::abort_bad_value;
-    if (objects_.value(pdo.mapping) == 0) return can::abort_bad_value;
+    if (objects_.value(asked.mapping) == 0) return can::abort_bad_value;
   }
   const bool is_reserved_type = value > 240 && value < 254;
   if (object.sub == can::pdo_sub_type && is_reserved_type) return can::abort_bad_value;
   const bool only_while_invalid = object.sub == can::pdo_sub_inhibit || object.sub == 6;
-  if (only_while_invalid && is_valid(pdo)) return can::abort_unsupported_access;
+  if (only_while_invalid && is_valid(asked)) return can::abort_unsupported_access;
   return {};
 }
 
@@ -263,21 +266,20 @@ void SimulatedCia402Drive::note_written(can::ObjectAddress object) {
 
 void SimulatedCia402Drive::hear_pdo(const can::Frame& frame) {
   for (std::size_t n = 0; n < pdos; ++n) {
-    const Pdo pdo{.communication = static_cast<std::uint16_t>(0x1400 + n),
-                  .mapping = static_cast<std::uint16_t>(0x1600 + n)};
-    const std::uint32_t id = objects_.value(pdo.communication, can::pdo_sub_cob_id) & can::cob_id_number;
-    if (!is_valid(pdo) || frame.id != id) continue;
-    const unsigned bits = bits_of(objects_in(pdo, objects_.value(pdo.mapping)));
+    const Pdo heard = pdo(false, n);
+    const std::uint32_t id = objects_.value(heard.communication, can::pdo_sub_cob_id) & can::cob_id_number;
+    if (!is_valid(heard) || frame.id != id) continue;
+    const unsigned bits = bits_of(objects_in(heard, objects_.value(heard.mapping)));
     if (8U * frame.length < bits) return raise_error(0x8210, error_of_communication);
     if (8U * frame.length > bits) raise_error(0x8220, error_of_communication);
-    const std::int64_t timeout_ns = objects_.value(pdo.communication, can::pdo_sub_event_timer) * ms;
+    const std::int64_t timeout_ns = objects_.value(heard.communication, can::pdo_sub_event_timer) * ms;
     has_come(setpoints);
     if (timeout_ns > 0) setpoint_deadline_ns_ = now_ns_ + timeout_ns;
-    const bool waits_for_sync = objects_.value(pdo.communication, can::pdo_sub_type) <= 240;
+    const bool waits_for_sync = objects_.value(heard.communication, can::pdo_sub_type) <= 240;
     if (waits_for_sync) {
       waiting_.at(n) = frame;
     } else {
-      apply_pdo(pdo, frame);
+      apply_pdo(heard, frame);
     }
     return;
   }
@@ -309,9 +311,7 @@ void SimulatedCia402Drive::hear_sync(const can::Frame& frame) {
   // Frames received before this SYNC act now; the drive tells the state at the time of the SYNC.
   for (std::size_t n = 0; n < pdos; ++n) {
     if (!waiting_.at(n)) continue;
-    apply_pdo({.communication = static_cast<std::uint16_t>(0x1400 + n),
-               .mapping = static_cast<std::uint16_t>(0x1600 + n)},
-              *waiting_.at(n));
+    apply_pdo(pdo(false, n), *waiting_.at(n));
     waiting_.at(n).reset();
   }
   from_ = demand_;
@@ -328,12 +328,11 @@ void SimulatedCia402Drive::hear_sync(const can::Frame& frame) {
 void SimulatedCia402Drive::send_pdos() {
   if (has_trouble(Kind::lose_feedback)) return;
   for (std::size_t n = 0; n < pdos; ++n) {
-    const Pdo pdo{.communication = static_cast<std::uint16_t>(0x1800 + n),
-                  .mapping = static_cast<std::uint16_t>(0x1A00 + n)};
-    const std::uint32_t type = objects_.value(pdo.communication, can::pdo_sub_type);
-    if (!is_valid(pdo) || type == 0 || type > 240 || syncs_ % type != 0) continue;
-    can::Frame frame{.id = objects_.value(pdo.communication, can::pdo_sub_cob_id) & can::cob_id_number};
-    for (const can::PdoEntry& mapped : objects_in(pdo, objects_.value(pdo.mapping))) {
+    const Pdo told = pdo(true, n);
+    const std::uint32_t type = objects_.value(told.communication, can::pdo_sub_type);
+    if (!is_valid(told) || type == 0 || type > 240 || syncs_ % type != 0) continue;
+    can::Frame frame{.id = objects_.value(told.communication, can::pdo_sub_cob_id) & can::cob_id_number};
+    for (const can::PdoEntry& mapped : objects_in(told, objects_.value(told.mapping))) {
       const std::uint32_t value = objects_.value(mapped.object.index, mapped.object.sub);
       for (std::size_t i = 0; i < mapped.bits / 8U; ++i) {
         frame.data.at(frame.length++) = static_cast<std::uint8_t>(value >> (8 * i));

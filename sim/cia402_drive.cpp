@@ -1,6 +1,7 @@
 #include "sim/cia402_drive.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "sim/cia402_objects.hpp"
@@ -15,28 +16,9 @@ using Kind = DriveTrouble::Kind;
 constexpr std::int64_t step_ns = 250'000;
 constexpr std::uint8_t error_of_profile = 0x21;
 
-std::uint16_t base_of(Cia402State state) {
-  switch (state) {
-    case Cia402State::switch_on_disabled:
-      return 0x0040;
-    case Cia402State::ready_to_switch_on:
-      return 0x0021;
-    case Cia402State::switched_on:
-      return 0x0023;
-    case Cia402State::operation_enabled:
-      return 0x0027;
-    case Cia402State::quick_stop_active:
-      return 0x0007;
-    case Cia402State::fault_reaction_active:
-      return 0x000F;
-    case Cia402State::fault:
-      return 0x0008;
-    case Cia402State::not_ready:
-    case Cia402State::unknown:
-      return 0;
-  }
-  return 0;
-}
+// In the order of Cia402State.
+constexpr std::array<std::uint16_t, can::cia402_states> state_bits{0,      0x0040, 0x0021, 0x0023, 0x0027,
+                                                                   0x0007, 0x000F, 0x0008, 0};
 
 std::int32_t as_signed(std::uint32_t value) {
   return static_cast<std::int32_t>(value);
@@ -258,7 +240,7 @@ void SimulatedCia402Drive::react_to_lost_communication() {
 
 std::uint16_t SimulatedCia402Drive::statusword() const {
   const bool follows = is_in_operation() && objects_.value(0x6060) == 8 && !has_trouble(Kind::ignore_target);
-  unsigned word = base_of(state_) | 0x0210U;
+  unsigned word = state_bits.at(static_cast<std::size_t>(state_)) | 0x0210U;
   if (is_limited_ && is_in_operation()) word |= can::status_internal_limit;
   if (follows) word |= can::status_follows_target;
   if (is_following_error_) word |= can::status_following_error;

@@ -149,6 +149,7 @@ class SimulatedCia402Drive {
                                                          std::uint32_t value) const;
   [[nodiscard]] std::optional<std::uint32_t> refuses_mapping(const Pdo& pdo, bool is_sent, std::uint8_t sub,
                                                              std::uint32_t value) const;
+  static Pdo pdo(bool is_sent, std::size_t number);
   [[nodiscard]] bool is_valid(const Pdo& pdo) const;
   [[nodiscard]] std::vector<can::PdoEntry> objects_in(const Pdo& pdo, std::uint32_t count) const;
   void note_written(can::ObjectAddress object);

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "inbetween/loop/ports.hpp"
-#include "sim/simulated_axis.hpp"
 
 namespace inbetween {
 
@@ -22,12 +21,12 @@ class SimulatedRig {
   void enable() { is_switched_on_ = true; }
   void disable() { is_switched_on_ = false; }
   /// The axis is at `position` from now on as its drive counts, wherever it really is.
-  void place(std::size_t axis, double position) { shifts_[axis] = position - axes_[axis].actual(); }
+  void place(std::size_t axis, double position) { shifts_[axis] = position - actual_[axis]; }
   /// An ideal drive stands where it was told last.
   void quick_stop() {}
 
-  /// The axes where they really are.
-  [[nodiscard]] const std::vector<SimulatedAxis>& axes() const { return axes_; }
+  /// Where the axis really is.
+  [[nodiscard]] double true_position(std::size_t axis) const { return actual_[axis]; }
   /// How often setpoints have been written.
   [[nodiscard]] std::size_t writes() const { return writes_; }
 
@@ -36,26 +35,15 @@ class SimulatedRig {
   void reconnect() { connected_ = true; }
   void set_fault(std::size_t axis, bool has_fault) { faults_[axis] = has_fault; }
   /// Somebody moves an axis while it is off.
-  void move_by_hand(std::size_t axis, double position) { axes_[axis] = SimulatedAxis(position); }
+  void move_by_hand(std::size_t axis, double position) { commanded_[axis] = actual_[axis] = position; }
 
  private:
-  std::vector<SimulatedAxis> axes_;
+  std::vector<double> commanded_, actual_;
   std::vector<double> shifts_;  ///< what a drive tells against where its axis is
   std::vector<bool> faults_;
   bool connected_ = true;
   bool is_switched_on_ = false;
   std::size_t writes_ = 0;
-};
-
-/// Lines that are released.
-struct SimulatedLines {
-  bool is_pressed = false;
-  bool is_at_limit = false;
-  int begins = 0;
-  void read(std::int64_t /*now_ns*/) {}
-  void begin() { ++begins; }
-  [[nodiscard]] bool limit_hit() const { return is_at_limit; }
-  [[nodiscard]] bool emergency_stop() const { return is_pressed; }
 };
 
 }  // namespace inbetween

@@ -79,7 +79,7 @@ class IdealDrives final : public PortDrives<SimulatedRig> {
  public:
   explicit IdealDrives(std::span<const double> positions) { port_.emplace(positions); }
   void place(std::size_t drive, double position) override { port_->place(drive, position); }
-  [[nodiscard]] double true_position(std::size_t drive) const { return port_->axes()[drive].actual(); }
+  [[nodiscard]] double true_position(std::size_t drive) const { return port_->true_position(drive); }
 };
 
 /// The switches follow the axes before their lines are read.

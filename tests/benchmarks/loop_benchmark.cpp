@@ -17,6 +17,7 @@
 #include "sim/simulated_link.hpp"
 #include "sim/simulated_rig.hpp"
 #include "tests/support/drive_frames.hpp"
+#include "tests/support/simulated_lines.hpp"
 
 /// The whole tick of a rig on CAN: what the drives have told is read and judged, the playhead goes on, and
 /// the next setpoints are written as frames.

@@ -20,6 +20,7 @@
 #include "sim/cia402_drive.hpp"
 #include "sim/simulated_link.hpp"
 #include "sim/simulated_rig.hpp"
+#include "tests/support/simulated_lines.hpp"
 
 namespace inbetween {
 

@@ -14,6 +14,7 @@
 #include "host_tools/plan/plan.hpp"
 #include "inbetween/loop/motion_loop.hpp"
 #include "sim/simulated_rig.hpp"
+#include "tests/support/simulated_lines.hpp"
 
 namespace inbetween {
 namespace frame_shoot_test {

@@ -14,6 +14,7 @@
 #include "host_tools/motions/free_axes.hpp"
 #include "host_tools/plan/plan.hpp"
 #include "sim/simulated_rig.hpp"
+#include "tests/support/simulated_lines.hpp"
 
 namespace inbetween {
 namespace motion_loop_test {

@@ -14,6 +14,7 @@
 #include "inbetween/steps/step_port.hpp"
 #include "sim/simulated_rig.hpp"
 #include "sim/simulated_step_chip.hpp"
+#include "tests/support/simulated_lines.hpp"
 
 namespace inbetween {
 namespace step_loop_test {
