@@ -293,9 +293,7 @@ MoveFile parse_move(std::string_view text, const std::string& file_name) {
   MoveFile move;
   move.path = file_name;
   move.name = table.required("name", R"(name = "what the move is called")").text();
-  const TomlValue fps = table.required("fps", R"(fps = 24, or "24000/1001")");
-  move.fps_place = fps.place();
-  move.fps = read_frame_rate(fps);
+  move.fps = read_frame_rate(table.required("fps", R"(fps = 24, or "24000/1001")"));
   const TomlValue frames = table.required("frames", "frames = 240, say");
   move.frames_place = frames.place();
   move.frames = static_cast<std::int32_t>(frames.integer(1, max_frames));

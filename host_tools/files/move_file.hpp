@@ -108,7 +108,6 @@ struct MoveTrack {
   bool ease_corners = false;  // the speed touches 0 wherever the path turns at once
   bool overshoot = true;      // false: no axis leaves the values of neighbouring keys between them
   Place place;
-  Place keys_place;
 };
 
 struct MoveFile {
@@ -121,7 +120,6 @@ struct MoveFile {
   std::optional<Clapper> clapper = {};
   Start start = Start::command;
   Place frames_place;
-  Place fps_place;
   Place start_place = {};  // of `start`, if the move has it
 };
 

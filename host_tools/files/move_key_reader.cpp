@@ -171,7 +171,6 @@ void read_counting(const TomlTable& table, MoveTrack& track) {
 
 void read_keys(const TomlTable& table, std::int32_t frames, MoveTrack& track) {
   const TomlValue keys = table.required("keys", "keys = [ { at = [...] }, ... ]");
-  track.keys_place = keys.place();
   for (const TomlValue& key : keys.tables(max_keys)) track.keys.push_back(read_key(key, frames, track));
   const bool is_returned_to = track.closed && track.keys.size() > 1;
   if (track.keys.front().ways.empty() || is_returned_to) return;

@@ -27,14 +27,6 @@ void RigReference::place(RigDrives& drives) const {
   }
 }
 
-std::vector<RigReference::Unreferenced> RigReference::unreferenced() const {
-  std::vector<Unreferenced> found;
-  for (std::size_t a = 0; a < axes_.size(); ++a) {
-    if (!is_referenced(a)) found.push_back({.axis = a, .why = axes_[a].why});
-  }
-  return found;
-}
-
 void RigReference::refuse_unreferenced(std::span<const std::size_t> axes) const {
   for (const std::size_t a : axes) {
     if (is_referenced(a)) continue;

@@ -33,12 +33,6 @@ class RigReference {
   void place(RigDrives& drives) const;
 
   [[nodiscard]] bool is_referenced(std::size_t axis) const { return axes_[axis].why.empty(); }
-  struct Unreferenced {
-    std::size_t axis = 0;
-    std::string why;
-  };
-  /// In the order of the rig.
-  [[nodiscard]] std::vector<Unreferenced> unreferenced() const;
   /// Throws InputError at the place of the first of `axes` that is unreferenced, with why and what to do.
   void refuse_unreferenced(std::span<const std::size_t> axes) const;
 

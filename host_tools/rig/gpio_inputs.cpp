@@ -65,18 +65,6 @@ bool RigInputs::is_gone() const {
   return std::ranges::any_of(chips_, [](const Chip& chip) { return chip.chip->has_gone(); });
 }
 
-std::size_t RigInputs::line_of(RigInput input) const {
-  switch (input) {
-    case RigInput::emergency_stop:
-      return emergency_.value();
-    case RigInput::start_trigger:
-      return trigger_.value();
-    case RigInput::camera_asks:
-      break;
-  }
-  return asks_.value();
-}
-
 // --- a tick
 
 void RigInputs::read_chip(Chip& chip, std::int64_t now_ns) {

@@ -17,9 +17,6 @@
 
 namespace inbetween {
 
-/// Lines of a rig that no axis has.
-enum class RigInput : std::uint8_t { emergency_stop, start_trigger, camera_asks };
-
 /// A LinePort for the emergency stop, the limit and home switches, the start trigger and the line of the
 /// camera. SIGUSR1 is an emergency stop beside the wired one, SIGUSR2 releases it: one RigInputs at a time.
 ///
@@ -32,9 +29,6 @@ class RigInputs {
   RigInputs(const RigFile& rig, RigHardware& hardware);
   RigInputs(const RigInputs&) = delete;
   RigInputs& operator=(const RigInputs&) = delete;
-
-  /// The number of a line that the rig has.
-  [[nodiscard]] std::size_t line_of(RigInput input) const;
 
   void read(std::int64_t now_ns);
 

@@ -54,6 +54,9 @@ drive = { type = "step-dir", chip = "head", step = 18, dir = 28, steps_per_unit 
 limit_max = { chip = "head", line = 26 }
 )";
 
+/// The lines that no axis has come first, in this order.
+enum class RigInput : std::uint8_t { emergency_stop, start_trigger, camera_asks };
+
 struct RigLinesTest : ::testing::Test {
   RigFile rig = parse_rig(slider, "rig.toml");
   std::optional<SimulatedHardware> hardware{std::in_place, rig, std::vector{100.0, 0.0}};
@@ -77,7 +80,7 @@ struct RigLinesTest : ::testing::Test {
   void set(RigInput input, bool is_active) { set(input, is_active, now_ns + 1'000'000); }
   void set(RigInput input, bool is_active, std::int64_t at_ns) {
     const bool is_active_low = input == RigInput::start_trigger;
-    hardware->inputs().set(lines->line_of(input), is_active != is_active_low, at_ns);
+    hardware->inputs().set(static_cast<std::size_t>(input), is_active != is_active_low, at_ns);
   }
   /// The axis is moved there at a steady speed. How often a limit was hit.
   int move(std::size_t axis, double from, double to, int count) {
