@@ -70,7 +70,7 @@ Plan make_plan(const std::string& move, const std::optional<std::string>& rig, S
     options.kinematics = std::make_shared<const Kinematics>(read_kinematics(*rig_file));
   }
   Plan plan(read_move_file(move), std::move(rig_file), options);
-  if (turns) plan = Plan(turns_of(plan.move(), *turns), plan.rig(), options);
+  if (turns) plan = Plan(turns_of(plan, *turns), plan.rig(), options);
   for (const Warning& warning : plan.warnings()) fmt::print(stderr, "{}\n", to_string(warning));
   return plan;
 }

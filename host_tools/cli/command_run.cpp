@@ -186,7 +186,7 @@ Plan looped(Plan plan, const RunArguments& arguments) {
   if (is_periodic(plan.move()) && !is_shot) {
     const std::int32_t turns = max_turns_of(plan);
     fmt::print(stderr, "{}: --loop plays up to {}\n", plan.move().name, counted(turns, "turn"));
-    return {turns_of(plan.move(), turns), plan.rig(), {}};
+    return {turns_of(plan, turns), plan.rig(), {}};
   }
   if (!is_shot || is_periodic(plan.move())) return plan;
   throw UsageError(

@@ -223,15 +223,18 @@ void read_periodic(const TomlTable& table, MoveTrack& track) {
     track.rest = none;
     return;
   }
-  if (!track.curve_wishes.empty() || track.ease_corners) {
+  const auto takes_time = [](const std::optional<EaseWish>& ease) { return ease && ease->frames > 0; };
+  if (takes_time(track.ease_in) || takes_time(track.ease_out)) {
     periodic->refuse(
-        R"(has a speed curve without ends; remove rest, ease_in, ease_out, through and corners = "ease")");
+        "has a speed curve without ends; remove ease_in and ease_out, and where the speed shall fall to 0 "
+        "give "
+        "a key ease = true or a hold");
   }
   for (const MoveKey& key : track.keys) {
-    if (!key.frame && !key.hold && !key.ease) continue;
+    if (!key.breaks) continue;
     throw InputError(key.place,
-                     R"(a track with periodic = true has a speed curve that no key changes; remove frame, )"
-                     R"(hold, break and ease, or write timing = "frames")");
+                     "a break gives each side a scale of its own, so with periodic = true the speed would "
+                     "step at the seam too; remove break, and the curve meets the frame without a step");
   }
   if (track.speed.front() == track.speed.back()) return;
   throw InputError(track.speed_places.back(),

@@ -22,10 +22,11 @@ struct CurveWeights {
 };
 
 /// The curve of SpeedProfile for control values of any sign and size, because the difference of two speed
-/// curves is such a curve too. It has at least two control values.
+/// curves is such a curve too. It has at least two control values, of which the last is the first if the
+/// curve is periodic.
 class ControlCurve {
  public:
-  explicit ControlCurve(std::span<const double> values);
+  explicit ControlCurve(std::span<const double> values, CurveEnds ends = CurveEnds::natural);
 
   /// f
   [[nodiscard]] std::size_t span_count() const { return spans_.size(); }
@@ -49,21 +50,23 @@ class ControlCurve {
 CurvePlace<double> place_at(double a, std::size_t span_count);
 
 /// Adds to `row`, one number per control value, how the linear function depends on each of them. O(f).
-void add_row(const CurvePlace<double>& place, const CurveWeights& weights, std::span<double> row);
+void add_row(const CurvePlace<double>& place, const CurveWeights& weights, std::span<double> row,
+             CurveEnds ends = CurveEnds::natural);
 
 /// The matrix G, row after row, with x^T G x = integral of phi^2 over a, for f + 1 = `count` control values.
-/// Entries further than 3 from the diagonal are 0; it is positive definite.
-std::vector<double> gram_matrix(std::size_t count);
+/// Entries further than 3 from the diagonal are 0, but for the corners of a periodic curve; it is positive
+/// definite.
+std::vector<double> gram_matrix(std::size_t count, CurveEnds ends = CurveEnds::natural);
 
 /// The mean of phi^2 over a.
-double mean_square(std::span<const double> values);
+double mean_square(std::span<const double> values, CurveEnds ends = CurveEnds::natural);
 
-/// The same curve on twice as many spans, exactly, natural ends kept (Lane and Riesenfeld 1980): phi(a) of
+/// The same curve on twice as many spans, exactly, its ends kept (Lane and Riesenfeld 1980): phi(a) of
 /// the one is phi(2 a) of the other.
-std::vector<double> refined(std::span<const double> values);
+std::vector<double> refined(std::span<const double> values, CurveEnds ends = CurveEnds::natural);
 
 /// Tells for every control value whether the curve rests there, as the core sees it: two zeros at an end,
-/// three in a row inside.
-std::vector<bool> rests_of(std::span<const double> values);
+/// three in a row elsewhere.
+std::vector<bool> rests_of(std::span<const double> values, CurveEnds ends = CurveEnds::natural);
 
 }  // namespace inbetween

@@ -87,8 +87,8 @@ double shape(double u, bool rises, bool falls) {
   return falls ? 2 * left * left * (3 - 2 * left) : 1;
 }
 
-double mean_of(std::span<const double> values) {
-  return ControlCurve(values).total() / static_cast<double>(values.size() - 1);
+double mean_of(std::span<const double> values, CurveEnds ends) {
+  return ControlCurve(values, ends).total() / static_cast<double>(values.size() - 1);
 }
 
 }  // namespace
@@ -100,9 +100,9 @@ std::optional<Plan> with_eases_shared_out(const FittedTrack& fitted) {
   share_out(fitted, places);
   std::vector<double> values = fitted.solved().control_values();
   while (values.size() < min_values_per_way * places.size() && 2 * values.size() <= max_start_values) {
-    values = refined(values);
+    values = refined(values, fitted.ends());
   }
-  const std::vector<bool> rests = rests_of(values);
+  const std::vector<bool> rests = rests_of(values, fitted.ends());
   const double frames_per_value = fitted.frames() / static_cast<double>(values.size() - 1);
   for (std::size_t i = 0; i < values.size(); ++i) {
     const double frame = static_cast<double>(i) * frames_per_value;
@@ -117,9 +117,10 @@ std::optional<Plan> with_eases_shared_out(const FittedTrack& fitted) {
       values[i] = mean * shape((frame - begin) / (end - begin), rises, falls);
     }
   }
-  const double wanted = mean_of(fitted.solved().control_values());
+  const double wanted = mean_of(fitted.solved().control_values(), fitted.ends());
+  if (fitted.ends() == CurveEnds::periodic) values.back() = values.front();
   const double largest = *std::ranges::max_element(values);
-  const double factor = std::min(wanted / mean_of(values), largest_control_value / largest);
+  const double factor = std::min(wanted / mean_of(values, fitted.ends()), largest_control_value / largest);
   for (double& value : values) value *= factor;
   if (rests.front()) values[0] = values[1] = 0;
   if (rests.back()) values[values.size() - 1] = values[values.size() - 2] = 0;

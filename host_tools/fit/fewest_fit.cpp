@@ -78,8 +78,8 @@ std::string with_frames_of(std::string_view text, const std::string& file_name, 
 
 bool is_quick_to_fit(const Plan& plan) {
   const std::vector<MoveTrack>& tracks = plan.move().tracks;
-  const bool is_drawn = std::ranges::any_of(
-      tracks, [](const MoveTrack& track) { return track.timing == Timing::speed && !track.periodic; });
+  const bool is_drawn =
+      std::ranges::any_of(tracks, [](const MoveTrack& track) { return track.timing == Timing::speed; });
   return is_drawn && std::ranges::all_of(plan.tracks(), [](const SolvedTrack<double>& track) {
            return track.control_values().size() <= quick_control_values;
          });

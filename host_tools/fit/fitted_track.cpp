@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "host_tools/plan/turns.hpp"
+
 namespace inbetween {
 namespace {
 
@@ -22,11 +24,30 @@ Plan plan_of(const Plan& plan, std::size_t index) {
   return {std::move(move), plan.rig(), {}};
 }
 
-void rest_between(double begin, double end, std::vector<bool>& rests) {
-  for (std::size_t i = 0; i < rests.size(); ++i) {
+/// What lies beyond an end of a periodic curve is at its other end.
+void rest_between(double begin, double end, CurveFrame& frame) {
+  const auto f = static_cast<double>(frame.rests.size() - 1);
+  for (std::size_t i = 0; i < frame.rests.size(); ++i) {
     const auto here = static_cast<double>(i);
-    if (here > begin && here < end) rests[i] = true;
+    const auto is_between = [&](double place) { return place > begin && place < end; };
+    const bool wraps = frame.ends == CurveEnds::periodic && (is_between(here - f) || is_between(here + f));
+    if (is_between(here) || wraps) frame.rests[i] = true;
   }
+}
+
+/// The report of check(). A periodic move is to fit in two turns as well, with its seam between them.
+CheckReport checked(const Plan& plan) {
+  CheckReport once = check(plan);
+  if (!plan.move().tracks.front().periodic || !once.fits() || max_turns_of(plan) < 2) return once;
+  CheckReport twice = check(Plan(turns_of(plan, 2), plan.rig(), {}));
+  if (twice.fits()) return once;
+  const double frames = plan.move().frames;
+  for (CheckedAxis& axis : twice.axes) {
+    for (CheckedPeak* peak : {&axis.velocity, &axis.acceleration, &axis.jerk}) {
+      if (peak->frame > frames) peak->frame -= frames;
+    }
+  }
+  return twice;
 }
 
 }  // namespace
@@ -53,9 +74,11 @@ EndSteps FittedTrack::end_steps() const {
 }
 
 CurveFrame FittedTrack::frame_of(std::span<const double> baseline) const {
-  CurveFrame frame{
-      .wanted = {baseline.begin(), baseline.end()}, .rests = rests_of(baseline), .fixed_areas = {}};
-  const ControlCurve curve(baseline);
+  CurveFrame frame{.wanted = {baseline.begin(), baseline.end()},
+                   .rests = rests_of(baseline, ends()),
+                   .fixed_areas = {},
+                   .ends = ends()};
+  const ControlCurve curve(baseline, ends());
   const auto f = static_cast<double>(curve.span_count());
   const auto area_at = [&](double a) { return curve.at(place_at(a, curve.span_count())).area; };
   double before = 0;
@@ -64,7 +87,7 @@ CurveFrame FittedTrack::frame_of(std::span<const double> baseline) const {
     if (area_at(a) - area_at(before) > still_share * curve.total()) {
       frame.fixed_areas.push_back(a);
     } else {
-      rest_between(before - reach, a + reach, frame.rests);
+      rest_between(before - reach, a + reach, frame);
     }
     before = a;
   };
@@ -74,7 +97,7 @@ CurveFrame FittedTrack::frame_of(std::span<const double> baseline) const {
       const double end = (lock.frame + lock.hold) * f / frames();
       fix(begin);
       if (lock.hold == 0) continue;
-      rest_between(begin - hold_reach, end + hold_reach, frame.rests);
+      rest_between(begin - hold_reach, end + hold_reach, frame);
       before = end;
     }
   }
@@ -94,7 +117,7 @@ std::optional<CheckReport> FittedTrack::judge(std::span<const double> values, st
       largest = std::max(largest, values[i]);
       difference = std::max(difference, std::fabs(again[i] - values[i]));
     }
-    if (difference <= reading_rounding * largest) return check(plan);
+    if (difference <= reading_rounding * largest) return checked(plan);
     trouble = "a curve that keeps the limits is changed again by the locked keys; give the holds more frames";
   } catch (const InputError& error) {
     trouble = error.message();

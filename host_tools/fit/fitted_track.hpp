@@ -11,6 +11,7 @@
 #include "host_tools/check/check.hpp"
 #include "host_tools/fit/speed_constraints.hpp"
 #include "host_tools/fit/speed_descent.hpp"
+#include "host_tools/plan/drawn_curve.hpp"
 #include "host_tools/plan/plan.hpp"
 
 namespace inbetween {
@@ -27,6 +28,7 @@ class FittedTrack {
   [[nodiscard]] const SolvedTrack<double>& solved() const { return played_.tracks().front(); }
   [[nodiscard]] const Track<double>& track() const { return solved().track(); }
   [[nodiscard]] std::int32_t frames() const { return played_.move().frames; }
+  [[nodiscard]] CurveEnds ends() const { return ends_of(file()); }
   /// The axes of the track, in its order.
   [[nodiscard]] std::span<const RigAxis> axes() const { return axes_; }
   /// The index of an axis of the track among the axes of the rig.
@@ -39,8 +41,8 @@ class FittedTrack {
   /// and at the end. `baseline` is the played curve, refined or not.
   [[nodiscard]] CurveFrame frame_of(std::span<const double> baseline) const;
 
-  /// The report of check() on another curve. Nothing, with the reason in `trouble`, if the move would not
-  /// play that curve unchanged.
+  /// The report of check() on another curve; of two turns, where a periodic move fits in one and not in two.
+  /// Nothing, with the reason in `trouble`, if the move would not play that curve unchanged.
   [[nodiscard]] std::optional<CheckReport> judge(std::span<const double> values, std::string& trouble) const;
 
  private:

@@ -72,10 +72,11 @@ struct MotionSamples::Pace {
 };
 
 MotionSamples::MotionSamples(const Track<double>& track, std::span<const RigAxis> axes, int refinements,
-                             EndSteps steps)
+                             EndSteps steps, CurveEnds ends)
     : track_(track),
       axes_(axes),
       steps_(steps),
+      ends_(ends),
       factor_(std::ldexp(1, refinements)),
       per_span_(track.curve_rate() * factor_),
       spans_(track.profile().span_count() * factor_),

@@ -61,7 +61,8 @@ class MotionSamples {
  public:
   /// The played curve has been refined `refinements` times. `axes` are the axes of the track, which has a
   /// speed curve; both must outlive this object.
-  MotionSamples(const Track<double>& track, std::span<const RigAxis> axes, int refinements, EndSteps steps);
+  MotionSamples(const Track<double>& track, std::span<const RigAxis> axes, int refinements, EndSteps steps,
+                CurveEnds ends = CurveEnds::natural);
 
   /// Adds moments of both kinds at one more frame, which need not be a whole one. The place on the path is
   /// where `curve` is at that frame.
@@ -69,6 +70,8 @@ class MotionSamples {
   /// Evaluates every moment for a curve.
   void evaluate(const ControlCurve& curve);
 
+  /// Of every curve that is evaluated.
+  [[nodiscard]] CurveEnds ends() const { return ends_; }
   [[nodiscard]] std::span<const Moment> moments() const { return moments_; }
   [[nodiscard]] std::span<const LimitedValue> values() const { return values_; }
   /// Finds the worst excess over all moments that are linearized. `allowances` has an entry for every axis.
@@ -109,6 +112,7 @@ class MotionSamples {
   const Track<double>& track_;
   std::span<const RigAxis> axes_;
   EndSteps steps_;
+  CurveEnds ends_;
   double factor_;    ///< 2^refinements
   double per_span_;  ///< da/dt
   double spans_;     ///< f

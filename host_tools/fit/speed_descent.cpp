@@ -91,7 +91,7 @@ class Programme {
     for (std::size_t i = 0; i < here_.size(); ++i) {
       difference.push_back(programme_.x()[i] * region_.unit - here_[i]);
     }
-    const ControlCurve change(difference);
+    const ControlCurve change(difference, samples_.ends());
     std::vector<Breach> worst(allowances_.size() * limited_quantities);
     for (const Moment& moment : samples_.moments()) {
       if (!moment.is_linearized_here) continue;
@@ -123,7 +123,7 @@ class Programme {
                                value.weights.first * scale, value.weights.second * scale};
     std::ranges::fill(row_, 0.0);
     const std::span<double> row = std::span(row_).first(here_.size());
-    add_row(breach.moment->place, weights, row);
+    add_row(breach.moment->place, weights, row, samples_.ends());
     double at_here = 0;
     for (std::size_t i = 0; i < here_.size(); ++i) at_here += row[i] * here_[i] / region_.unit;
     row_.back() = 1;
@@ -142,14 +142,14 @@ class Programme {
 
 SpeedDescent::SpeedDescent(const CurveFrame& frame)
     : frame_(frame),
-      unit_(ControlCurve(frame.wanted).total() / static_cast<double>(frame.wanted.size() - 1)) {
+      unit_(ControlCurve(frame.wanted, frame.ends).total() / static_cast<double>(frame.wanted.size() - 1)) {
   static_cast<void>(programme(frame_.wanted, first_price));
 }
 
 QuadraticProgram SpeedDescent::programme(std::span<const double> target, double price) const {
   const std::size_t count = frame_.wanted.size();
   const std::size_t n = count + 1;
-  const std::vector<double> gram = gram_matrix(count);
+  const std::vector<double> gram = gram_matrix(count, frame_.ends);
   std::vector<double> matrix(n * n);
   for (std::size_t i = 0; i < count; ++i) {
     for (std::size_t k = 0; k < count; ++k) {
@@ -173,27 +173,34 @@ QuadraticProgram SpeedDescent::programme(std::span<const double> target, double 
     row[i] = 1;
     demand(0);
   }
-  const ControlCurve wanted(frame_.wanted);
+  if (frame_.ends == CurveEnds::periodic) {
+    row[0] = 1;
+    row[count - 1] = -1;
+    demand(0);
+  }
+  const ControlCurve wanted(frame_.wanted, frame_.ends);
   CurvePlace<double> before;
   // Differences of neighbouring areas are independent of each other; the areas themselves would nearly not
   // be.
   for (const double a : frame_.fixed_areas) {
     const CurvePlace<double> place = place_at(a, count - 1);
-    add_row(place, {.area = 1}, std::span(row).first(count));
-    add_row(before, {.area = -1}, std::span(row).first(count));
+    add_row(place, {.area = 1}, std::span(row).first(count), frame_.ends);
+    add_row(before, {.area = -1}, std::span(row).first(count), frame_.ends);
     demand((wanted.at(place).area - wanted.at(before).area) / unit_);
     before = place;
   }
   return programme;
 }
 
-/// Removes the rounding from control values: rests are 0 again, and no value leaves 0..100.
+/// Removes the rounding from control values: rests are 0 again, no value leaves 0..100, and a periodic curve
+/// ends on its first value.
 std::vector<double> SpeedDescent::valid(std::span<const double> x) const {
   std::vector<double> values;
   for (std::size_t i = 0; i < frame_.wanted.size(); ++i) {
     const double value = frame_.rests[i] || x[i] < condition_tolerance ? 0 : x[i] * unit_;
     values.push_back(std::min<double>(value, largest_control_value));
   }
+  if (frame_.ends == CurveEnds::periodic) values.back() = values.front();
   return values;
 }
 
@@ -220,7 +227,7 @@ double SpeedDescent::change_squared(std::span<const double> values) const {
   std::vector<double> difference;
   for (std::size_t i = 0; i < values.size(); ++i)
     difference.push_back((values[i] - frame_.wanted[i]) / unit_);
-  return mean_square(difference);
+  return mean_square(difference, frame_.ends);
 }
 
 Descent SpeedDescent::run(std::span<const double> start, MotionSamples& samples,
@@ -261,7 +268,7 @@ Descent SpeedDescent::run(std::span<const double> start, MotionSamples& samples,
       here = std::move(next);
     } else {
       // The step is rejected, so the samples must go back to the curve that stays.
-      samples.evaluate(ControlCurve(here.values));
+      samples.evaluate(ControlCurve(here.values, frame_.ends));
     }
   }
   return here;
@@ -269,7 +276,7 @@ Descent SpeedDescent::run(std::span<const double> start, MotionSamples& samples,
 
 Descent SpeedDescent::at(std::vector<double> values, MotionSamples& samples,
                          std::span<const Allowance> allowances) const {
-  samples.evaluate(ControlCurve(values));
+  samples.evaluate(ControlCurve(values, frame_.ends));
   const double change = std::sqrt(change_squared(values));
   return {.values = std::move(values), .excess = samples.worst(allowances), .change = change};
 }

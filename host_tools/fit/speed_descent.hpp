@@ -16,6 +16,7 @@ struct CurveFrame {
   std::vector<double> wanted;       ///< f + 1 control values
   std::vector<bool> rests;          ///< the control values that are 0 and stay 0
   std::vector<double> fixed_areas;  ///< places a, rising, the last is f; Phi there stays that of `wanted`
+  CurveEnds ends = CurveEnds::natural;
 };
 
 /// The curve that a descent has reached, and by how much it misses.

@@ -53,7 +53,7 @@ class TrackSearch {
     std::vector<double> baseline = fitted_.solved().control_values();
     std::vector<Level> levels;
     for (int refinements = 0; refinements <= max_refinements_; ++refinements) {
-      if (refinements > 0) baseline = refined(baseline);
+      if (refinements > 0) baseline = refined(baseline, fitted_.ends());
       if (refinements > 0 && baseline.size() > max_refined_values) break;
       progress_(0.1 + 0.15 * refinements);
       Level level{.baseline = baseline, .refinements = refinements};
@@ -107,13 +107,15 @@ class TrackSearch {
     return curvature_start(fitted_.track(), fitted_.axes(), wishes(level, frame));
   }
   [[nodiscard]] static StartWishes wishes(const Level& level, const CurveFrame& frame) {
-    return {.values = level.baseline, .rests = frame.rests, .refinements = level.refinements};
+    return {
+        .values = level.baseline, .rests = frame.rests, .refinements = level.refinements, .ends = frame.ends};
   }
   [[nodiscard]] Tools tools(const Level& level) const {
     CurveFrame frame = fitted_.frame_of(level.baseline);
     if (start_ == FitStart::curvature) frame.wanted = SpeedDescent(frame).nearest(curved(level, frame));
     return {frame, SpeedDescent(frame),
-            MotionSamples(fitted_.track(), fitted_.axes(), level.refinements, fitted_.end_steps())};
+            MotionSamples(fitted_.track(), fitted_.axes(), level.refinements, fitted_.end_steps(),
+                          fitted_.ends())};
   }
 
   Found from_drawn(Level& level, const std::vector<Level>& before) {
@@ -121,7 +123,7 @@ class TrackSearch {
     if (Found found = from(with.descent.nearest(with.frame.wanted), with, level)) return found;
     const bool follows = !before.empty() && before.back().refinements + 1 == level.refinements;
     if (!follows || before.back().nearest.empty()) return std::nullopt;
-    return from(with.descent.nearest(refined(before.back().nearest)), with, level);
+    return from(with.descent.nearest(refined(before.back().nearest, fitted_.ends())), with, level);
   }
 
   Found from_elsewhere(std::vector<Level>& levels) {
@@ -158,7 +160,7 @@ class TrackSearch {
       if (!report->fits()) spare *= 3;
       std::vector<Allowance> measured = allowances;
       measure_margins(*report, spare, with.samples, measured);
-      if (!report->fits()) add_peaks(*report, ControlCurve(reached.values), with.samples);
+      if (!report->fits()) add_peaks(*report, ControlCurve(reached.values, fitted_.ends()), with.samples);
       for (std::size_t d = 0; d < allowances.size(); ++d) {
         for (std::size_t q = 0; q < limited_quantities; ++q) {
           // Before a curve has passed, nothing is allowed again that has failed.
@@ -238,10 +240,6 @@ std::string hopeless(const FittedTrack& fitted) {
     return "the track has timing = \"frames\" and no speed curve to change; give its keys other frames, or "
            "time it by speed";
   }
-  if (file.periodic) {
-    return "the track is periodic, and a curve that is fitted has ends; draw its speed lower where it is "
-           "highest, or give it more frames";
-  }
   for (const CheckRefusal& refusal : fitted.report().refusals) {
     if (!refusal.slower_helps) return refusal.message;
   }
@@ -259,15 +257,15 @@ std::string hopeless(const FittedTrack& fitted) {
 TrackFit described(const FittedTrack& fitted, std::size_t index, std::vector<double> values) {
   std::vector<double> played = fitted.solved().control_values();
   int refinements = 0;
-  for (; played.size() < values.size(); ++refinements) played = refined(played);
+  for (; played.size() < values.size(); ++refinements) played = refined(played, fitted.ends());
   std::vector<double> difference;
   for (std::size_t i = 0; i < values.size(); ++i) difference.push_back(values[i] - played[i]);
-  const ControlCurve change(difference);
+  const ControlCurve change(difference, fitted.ends());
   const ControlCurve::Largest largest = change.largest();
   const auto f = static_cast<double>(values.size() - 1);
   TrackFit fit{.track = index, .speed = std::move(values), .refinements = refinements};
-  fit.change = std::sqrt(mean_square(difference));
-  fit.change_share = fit.change / (ControlCurve(played).total() / f);
+  fit.change = std::sqrt(mean_square(difference, fitted.ends()));
+  fit.change_share = fit.change / (ControlCurve(played, fitted.ends()).total() / f);
   fit.largest_change = change.at(place_at(largest.a, change.span_count())).value;
   fit.largest_change_at = largest.a;
   fit.largest_change_frame = largest.a * fitted.frames() / f;

@@ -36,7 +36,8 @@ std::vector<double> ramp_of(const StartWishes& wishes) {
 
 /// Scales the values so that their Phi(f) is that of the wishes. A value may end above 100.
 std::vector<double> scaled(std::vector<double> values, const StartWishes& wishes) {
-  const double factor = ControlCurve(wishes.values).total() / ControlCurve(values).total();
+  const double factor =
+      ControlCurve(wishes.values, wishes.ends).total() / ControlCurve(values, wishes.ends).total();
   for (double& value : values) value *= factor;
   return values;
 }
@@ -101,7 +102,7 @@ std::vector<double> curvature_start(const Track<double>& track, std::span<const 
   const std::vector<Reach> reaches = reaches_of(track, axes);
   const double per_span = std::ldexp(track.curve_rate(), wishes.refinements);
   // dL/dt = ramp(a) speed(L) is separable: the seconds at full speed are the integral of the ramp.
-  const ControlCurve ramp_curve(ramp);
+  const ControlCurve ramp_curve(ramp, wishes.ends);
   const double seconds = ramp_curve.total() / per_span;
   const double pace = pace_for(reaches, seconds);
   const double all = seconds_of(reaches, pace);

@@ -14,6 +14,7 @@ struct StartWishes {
   std::span<const double> values;  ///< the curve whose rests, number of values and Phi(f) are kept
   const std::vector<bool>& rests;  ///< one per value
   int refinements = 0;             ///< how often the played curve has been refined to give `values`
+  CurveEnds ends = CurveEnds::natural;
 };
 
 /// Rises from every rest within two spans of the drawn curve and is constant elsewhere.

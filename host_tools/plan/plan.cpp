@@ -38,7 +38,7 @@ struct TrackNumbers {
                  .overshoot = track.overshoot};
     if (track.timing == Timing::speed) speed = drawn_curve(track, move.frames);
     spec.control_values = speed;
-    if (track.periodic) spec.ends = CurveEnds::periodic;
+    spec.ends = ends_of(track);
     spec.ease_corners = track.ease_corners;
     if (track.timing == Timing::frames) {
       take_key_frames(track, move.frames);

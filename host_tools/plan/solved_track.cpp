@@ -84,7 +84,8 @@ void SolvedTrack<Real>::apply_pace(const TrackSpec<Real>& spec, std::span<const 
     distances.push_back(length);
     const bool is_asked = std::ranges::any_of(
         spec.locks, [&](const KeyLock& lock) { return lock.ease && lock.key == place.key; });
-    if (is_asked || (spec.ease_corners && place.is_corner)) touches.push_back(place.key);
+    const bool is_inside = place.key > 0 && place.key < waypoints.back().key;
+    if (is_asked || (spec.ease_corners && place.is_corner && is_inside)) touches.push_back(place.key);
   }
   if (!(length > 0)) return;
   pace.key_distances = distances;
@@ -95,14 +96,15 @@ void SolvedTrack<Real>::apply_pace(const TrackSpec<Real>& spec, std::span<const 
 
 namespace {
 
-/// The wishes about keys, in the numbers of the waypoints, and a touch at every corner that has no wish.
+/// The wishes about keys, in the numbers of the waypoints, and a touch at every corner that has no wish. The
+/// seam of a periodic curve is its first waypoint.
 std::vector<KeyLock> locks_on(std::span<const Waypoint> waypoints, std::span<const KeyLock> wishes,
-                              bool ease_corners) {
+                              bool ease_corners, CurveEnds ends) {
   std::vector<KeyLock> locks;
   for (std::size_t i = 0; i < waypoints.size(); ++i) {
     const Waypoint& place = waypoints[i];
-    const bool is_inside = i > 0 && i + 1 < waypoints.size();
-    const bool eases = ease_corners && place.is_corner && is_inside;
+    const bool may_ease = (i > 0 || ends == CurveEnds::periodic) && i + 1 < waypoints.size();
+    const bool eases = ease_corners && place.is_corner && may_ease;
     bool has_wish = false;
     for (const KeyLock& wish : wishes) {
       if (!place.is_key || wish.key != place.key) continue;
@@ -129,7 +131,7 @@ std::vector<KeyLock> locks_on(std::span<const Waypoint> waypoints, std::span<con
 
 template <Precise Real>
 void SolvedTrack<Real>::apply_locks(const TrackSpec<Real>& spec, std::span<const Waypoint> waypoints) {
-  const std::vector<KeyLock> wishes = locks_on(waypoints, spec.locks, spec.ease_corners);
+  const std::vector<KeyLock> wishes = locks_on(waypoints, spec.locks, spec.ease_corners, spec.ends);
   if (wishes.empty()) return;
   std::vector<Real> distances;
   for (const Waypoint& place : waypoints) distances.push_back(static_cast<Real>(place.distance));
@@ -143,7 +145,11 @@ void SolvedTrack<Real>::apply_locks(const TrackSpec<Real>& spec, std::span<const
   std::vector<Real> matrix(rows * rows);
   completed_locks_.resize(rows + 1);
   const Result<KeyTiming<Real>> adjusting = adjust_to_locks<Real>(
-      {.control_values = control_values_, .key_distances = distances, .locks = wishes, .frames = spec.frames},
+      {.control_values = control_values_,
+       .key_distances = distances,
+       .locks = wishes,
+       .frames = spec.frames,
+       .ends = spec.ends},
       {adjusted, drawn, mobility, ceiling, completed_locks_, targets, multipliers, matrix});
   if (!adjusting) {
     Error error = adjusting.error();

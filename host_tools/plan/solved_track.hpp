@@ -42,7 +42,7 @@ template <Precise Real>
 struct TrackSpec {
   PathSpec<Real> path;
   std::span<const Real> control_values;
-  CurveEnds ends = CurveEnds::natural;  ///< periodic: without locks
+  CurveEnds ends = CurveEnds::natural;
   std::int32_t frames = 0;
   FrameRate fps;
   ArcLengthOptions<Real> arc_length;

@@ -19,8 +19,20 @@ double lap_of(const MoveTrack& track, std::size_t axis) {
 }
 
 /// A constant speed needs no more control values.
-bool is_even(const MoveTrack& track) {
-  return std::ranges::all_of(track.speed, [&](double value) { return value == track.speed.front(); });
+bool is_even(const std::vector<double>& speed) {
+  return std::ranges::all_of(speed, [&](double value) { return value == speed.front(); });
+}
+
+/// The speed as it is played, and nothing left that would change it again.
+void settle_speed(MoveTrack& track, const std::vector<double>& played) {
+  replace_curve(track, played);
+  track.speed_places.assign(played.size(), track.speed_place);
+  track.ease_corners = false;
+  for (MoveKey& key : track.keys) {
+    key.frame.reset();
+    key.hold.reset();
+    key.ease = false;
+  }
 }
 
 void repeat_track(MoveTrack& track, std::int32_t frames, std::int32_t turns) {
@@ -31,7 +43,7 @@ void repeat_track(MoveTrack& track, std::int32_t frames, std::int32_t turns) {
       if (key.frame) *key.frame += turn * frames;
       track.keys.push_back(std::move(key));
     }
-    if (is_even(once)) continue;
+    if (is_even(once.speed)) continue;
     for (std::size_t i = 1; i < once.speed.size(); ++i) {
       track.speed.push_back(once.speed[i]);
       track.speed_places.push_back(once.speed_places[i]);
@@ -80,7 +92,8 @@ bool is_periodic(const MoveFile& move) {
   return std::ranges::all_of(move.tracks, &MoveTrack::periodic);
 }
 
-MoveFile turns_of(const MoveFile& move, std::int32_t turns) {
+MoveFile turns_of(const Plan& plan, std::int32_t turns) {
+  const MoveFile& move = plan.move();
   for (const MoveTrack& track : move.tracks) {
     if (track.periodic) continue;
     throw InputError(
@@ -94,7 +107,11 @@ MoveFile turns_of(const MoveFile& move, std::int32_t turns) {
                                  counted(move.frames, "frame"), max_frames));
   }
   MoveFile all = move;
-  for (MoveTrack& track : all.tracks) repeat_track(track, move.frames, turns);
+  for (std::size_t t = 0; t < all.tracks.size(); ++t) {
+    MoveTrack& track = all.tracks[t];
+    if (track.timing == Timing::speed) settle_speed(track, plan.tracks()[t].control_values());
+    repeat_track(track, move.frames, turns);
+  }
   for (MoveCue& cue : all.cues) repeat_cue(cue, move.frames, turns);
   all.frames = move.frames * turns;
   return all;
@@ -103,10 +120,11 @@ MoveFile turns_of(const MoveFile& move, std::int32_t turns) {
 std::int32_t max_turns_of(const Plan& plan) {
   const MoveFile& move = plan.move();
   double most = max_frames / move.frames;
-  for (const MoveTrack& track : move.tracks) {
-    most = std::min(most, static_cast<double>(max_keys / track.keys.size()));
-    if (track.timing == Timing::frames || is_even(track)) continue;
-    const double product = static_cast<double>(track.speed.size() - 1) * move.frames;
+  for (std::size_t t = 0; t < move.tracks.size(); ++t) {
+    const std::vector<double>& speed = plan.tracks()[t].control_values();
+    most = std::min(most, static_cast<double>(max_keys / move.tracks[t].keys.size()));
+    if (move.tracks[t].timing == Timing::frames || is_even(speed)) continue;
+    const double product = static_cast<double>(speed.size() - 1) * move.frames;
     most = std::min(most, std::sqrt(std::numeric_limits<std::int32_t>::max() / product));
   }
   for (std::size_t a = 0; a < plan.axes().size(); ++a) {

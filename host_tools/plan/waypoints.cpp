@@ -50,6 +50,13 @@ std::optional<Direction> direction_of(const Path<Real>& path, std::int32_t segme
   return shown;
 }
 
+template <Precise Real>
+bool is_corner(const Direction& arriving, const Direction& leaving) {
+  Direction change;
+  for (std::size_t d = 0; d < leaving.size(); ++d) change.push_back(leaving[d] - arriving[d]);
+  return length_of(change) > corner_size<Real>;
+}
+
 }  // namespace
 
 template <Precise Real>
@@ -58,6 +65,7 @@ std::vector<Waypoint> waypoints_of(const Track<Real>& track) {
   const ArcLength<Real>& lengths = track.arc_length();
   std::vector<Waypoint> waypoints;
   std::optional<Direction> arriving;
+  std::optional<Direction> first_leaving;
   std::size_t first_of_place = 0;  // of the keys in one place
   for (std::int32_t i = 0; i <= path.segment_count(); ++i) {
     if (i == 0 || lengths.segment_begin(i).minus(lengths.segment_begin(i - 1)) > 0)
@@ -67,10 +75,10 @@ std::vector<Waypoint> waypoints_of(const Track<Real>& track) {
     const std::optional<Direction> leaving = direction_of(path, i, true);
     if (!leaving) continue;
     if (arriving) {
-      Direction change;
-      for (std::size_t d = 0; d < leaving->size(); ++d) change.push_back((*leaving)[d] - (*arriving)[d]);
-      const bool is_corner = length_of(change) > corner_size<Real>;
-      for (std::size_t k = first_of_place; k < waypoints.size(); ++k) waypoints[k].is_corner = is_corner;
+      const bool turns = is_corner<Real>(*arriving, *leaving);
+      for (std::size_t k = first_of_place; k < waypoints.size(); ++k) waypoints[k].is_corner = turns;
+    } else {
+      first_leaving = leaving;
     }
     const Standstills<Real> turns = standstills_within(track, i);
     for (std::size_t k = 0; k < turns.count; ++k) {
@@ -84,6 +92,7 @@ std::vector<Waypoint> waypoints_of(const Track<Real>& track) {
     }
     arriving = direction_of(path, i, false);
   }
+  if (path.closed() && arriving) waypoints.front().is_corner = is_corner<Real>(*arriving, *first_leaving);
   return waypoints;
 }
 

@@ -68,6 +68,36 @@ TEST(ControlCurve, RefinedItIsTheSameCurve) {
   }
 }
 
+TEST(ControlCurve, PeriodicItIsWhatTheSpeedProfileIsAllRound) {
+  constexpr CurveEnds ends = CurveEnds::periodic;
+  const std::vector<double> loop = {3, 8, 0, 11, 6, 3};
+  const std::size_t f = loop.size() - 1;
+  SpeedProfileStorage<double, 6> storage;
+  const auto profile = SpeedProfile<double>::make(loop, storage.memory(), ends);
+  ASSERT_TRUE(profile.has_value());
+  const ControlCurve curve(loop, ends);
+  const ControlCurve fine(refined(loop, ends), ends);
+  for (int i = 0; i <= 100; ++i) {
+    const double a = static_cast<double>(f) * i / 100;
+    const CurveValues at = curve.at(place_at(a, f));
+    EXPECT_NEAR(at.value, profile->value(a), 1e-13) << a;
+    EXPECT_NEAR(at.area, profile->integral(a), 1e-12) << a;
+    EXPECT_NEAR(fine.at(place_at(2 * a, 2 * f)).value, at.value, 1e-13) << a;
+    const CurveWeights weights{.area = 1.25, .value = -2, .first = 3, .second = 0.5};
+    std::vector<double> row(loop.size());
+    add_row(place_at(a, f), weights, row, ends);
+    double sum = 0;
+    for (std::size_t k = 0; k < row.size(); ++k) sum += row[k] * loop[k];
+    EXPECT_NEAR(sum, 1.25 * at.area - 2 * at.value + 3 * at.first + 0.5 * at.second, 1e-11) << a;
+  }
+  const std::vector<double> gram = gram_matrix(loop.size(), ends);
+  double product = 0;
+  for (std::size_t i = 0; i < loop.size(); ++i) {
+    for (std::size_t k = 0; k < loop.size(); ++k) product += loop[i] * gram[i * loop.size() + k] * loop[k];
+  }
+  EXPECT_NEAR(product, mean_square(loop, ends) * static_cast<double>(f), 1e-10);
+}
+
 TEST(ControlCurve, FindsThePlaceOfAnArea) {
   const ControlCurve curve(std::vector<double>{0, 0, 4, 9, 0, 0, 0, 5, 5});
   for (const double a : {0.2, 1.0, 2.6, 7.9}) {

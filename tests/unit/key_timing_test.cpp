@@ -103,6 +103,71 @@ TEST(QuadraticProgramOracle, RefinementKeepsTheCurve) {
   }
 }
 
+// --- a periodic curve
+
+TEST(PeriodicKeyTiming, IsTheSameWhicheverOfItsKeysIsTheSeam) {
+  // Eight spans in 64 frames, keys at a = 0, 3 and 7. The stretch behind each takes this much of the way.
+  const std::vector<double> drawn = {9, 4, 6, 12, 15, 7, 5, 8};
+  const std::vector<std::size_t> places = {0, 3, 7, 8};
+  const std::vector<double> shares = {0.3, 0.56, 0.14};
+  std::vector<double> first;
+  for (std::size_t seam = 0; seam < 3; ++seam) {
+    std::vector<double> speed;
+    for (std::size_t i = 0; i <= 8; ++i) speed.push_back(drawn[(i + places[seam]) % 8]);
+    std::vector<double> distances = {0};
+    std::vector<KeyLock> locks;
+    for (std::size_t k = 1; k <= 3; ++k) {
+      distances.push_back(distances.back() + shares[(seam + k - 1) % 3]);
+      const std::size_t frame = 8 * ((places[(seam + k) % 3] + 8 - places[seam]) % 8);
+      if (k < 3) {
+        locks.push_back({.key = static_cast<std::int32_t>(k), .frame = static_cast<std::int32_t>(frame)});
+      }
+    }
+    const auto storage = std::make_unique<Storage>();
+    const Result<KeyTiming<double>> result = adjust_to_locks<double>({.control_values = speed,
+                                                                      .key_distances = distances,
+                                                                      .locks = locks,
+                                                                      .frames = 64,
+                                                                      .ends = CurveEnds::periodic},
+                                                                     storage->memory());
+    ASSERT_TRUE(result.has_value()) << seam;
+    const std::span<const double> values = result->control_values;
+    ASSERT_EQ(values.size(), 9U);
+    EXPECT_EQ(values.front(), values.back());
+    if (first.empty()) first.assign(values.begin(), values.end());
+    for (std::size_t i = 0; i < 8; ++i) {
+      EXPECT_NEAR(values[i], first[(i + places[seam]) % 8], 1e-11) << seam << " " << i;
+    }
+    EXPECT_GT(std::fabs(values[4] - speed[4]), 1e-3);
+  }
+}
+
+TEST(PeriodicKeyTiming, TouchesZeroAndRestsAtItsSeam) {
+  const std::vector<double> drawn(9, 10);
+  for (const bool holds : {false, true}) {
+    const std::vector<KeyLock> locks = {{.key = 0, .hold = holds ? 8 : 0, .ease = !holds}};
+    const std::vector<double> distances = {0, 50, 100};
+    const auto storage = std::make_unique<Storage>();
+    const Result<KeyTiming<double>> result = adjust_to_locks<double>({.control_values = drawn,
+                                                                      .key_distances = distances,
+                                                                      .locks = locks,
+                                                                      .frames = 64,
+                                                                      .ends = CurveEnds::periodic},
+                                                                     storage->memory());
+    ASSERT_TRUE(result.has_value());
+    const std::span<const double> values = result->control_values;
+    const std::size_t f = values.size() - 1;
+    for (const std::size_t i : {f - 1, std::size_t{0}, std::size_t{1}, f}) EXPECT_EQ(values[i], 0) << i;
+    const std::size_t behind = holds ? 1 + f / 8 : 1;  // the last 0
+    EXPECT_EQ(values[behind], 0);
+    EXPECT_GT(values[behind + 3], 0);
+    // Even on either side, for nothing tells them apart.
+    for (std::size_t i = 0; i < f / 4; ++i) {
+      EXPECT_NEAR(values[behind + i], values[f - 1 - i], 1e-9) << i;
+    }
+  }
+}
+
 // --- locks
 
 TEST(KeyTiming, ACurveThatMeetsTheKeyAlreadyIsLeftAlone) {

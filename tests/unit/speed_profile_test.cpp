@@ -68,6 +68,33 @@ TEST(SpeedProfile, APeriodicCurveGoesOnFromItsEndToItsBeginning) {
   EXPECT_EQ(refused.error().control_value, 2);
 }
 
+TEST(SpeedProfile, RefinedAPeriodicCurveIsTheSameCurve) {
+  for (const std::vector<double>& drawn : {std::vector<double>{7, 7}, {8, 3, 8}, {8, 3, 0, 11, 6, 8}}) {
+    const std::size_t f = drawn.size() - 1;
+    std::vector<double> fine = drawn;
+    fine.resize(2 * f + 1);
+    refine_control_values<double>(fine, f, CurveEnds::periodic);
+    EXPECT_EQ(fine.front(), fine.back());
+    for (std::size_t i = 0; i < 2 * f; ++i) {
+      for (const double t : {0.0, 0.3, 0.9}) {
+        const double of_fine = speed_span<double>(fine, i, CurveEnds::periodic).value(t);
+        const double half = (static_cast<double>(i % 2) + t) / 2;
+        EXPECT_NEAR(of_fine, speed_span<double>(drawn, i / 2, CurveEnds::periodic).value(half), 1e-14) << i;
+      }
+    }
+  }
+}
+
+TEST(SpeedProfile, APeriodicCurveRestsWhereThreeValuesInARowAreZeroAlsoAcrossItsSeam) {
+  const std::vector<double> across = {0, 0, 5, 5, 5, 0, 0};
+  const std::vector<double> two = {0, 0, 5, 5, 5, 5, 0};
+  for (std::size_t i = 0; i < 7; ++i) {
+    EXPECT_EQ(is_rest<double>(across, i, CurveEnds::periodic), across[i] == 0) << i;
+    EXPECT_FALSE(is_rest<double>(two, i, CurveEnds::periodic)) << i;
+    EXPECT_EQ(is_rest<double>(two, i), i <= 1) << "with natural ends " << i;
+  }
+}
+
 TEST(SpeedProfile, OneRaisedValueGivesTheBellThatPaperAndPencilGive) {
   // phi = 6 t - 2 t^3 up to the middle, and its mirror image after it.
   const DrawnCurve<double> curve({0, 6, 0});

@@ -22,7 +22,8 @@ class Adjustment {
       : spec_(spec),
         memory_(memory),
         locks_(memory.locks.first(lock_count)),
-        drawn_f_(static_cast<std::int32_t>(spec.control_values.size()) - 1) {}
+        drawn_f_(static_cast<std::int32_t>(spec.control_values.size()) - 1),
+        is_periodic_(spec.ends == CurveEnds::periodic) {}
 
   Result<KeyTiming<Real>> run() {
     for (std::int32_t refinements = 0;; ++refinements) {
@@ -34,7 +35,7 @@ class Adjustment {
       if (refinements == 0) {
         std::ranges::copy(spec_.control_values, memory_.drawn.begin());
       } else {
-        refine_control_values(memory_.drawn, static_cast<std::size_t>(f) / 2);
+        refine_control_values(memory_.drawn, static_cast<std::size_t>(f) / 2, spec_.ends);
       }
       if (spec_.key_distances.back() <= 0) return as_drawn();
       if (!is_fine_enough(f) || !find_knots(f)) continue;
@@ -77,7 +78,9 @@ class Adjustment {
       const bool off_knot = is_locked(lock) && scaled % spec_.frames != 0;
       const std::int32_t knot =
           touched_knot(static_cast<std::int32_t>((scaled + spec_.frames / 2) / spec_.frames), f);
-      const bool has_room = knot >= 3 && knot + 3 <= f && f <= std::numeric_limits<std::int16_t>::max();
+      const bool is_seam = is_periodic_ && lock.key == 0;
+      const bool is_inside = is_seam ? f >= 6 : knot >= 3 && knot + 3 <= f;
+      const bool has_room = is_inside && f <= std::numeric_limits<std::int16_t>::max();
       lock.knot = static_cast<std::int16_t>(has_room ? knot : -1);
       if (!off_knot && has_room && (!is_coarse || touches(knot, f))) continue;
       found = false;
@@ -88,13 +91,15 @@ class Adjustment {
   }
   /// Whether the drawn curve touches 0 at a knot already.
   [[nodiscard]] bool touches(std::int32_t knot, std::int32_t f) const {
-    if (knot < 1 || knot >= f) return false;
-    const auto values = memory_.drawn.subspan(static_cast<std::size_t>(knot) - 1, 3);
-    return std::ranges::all_of(values, [](Real value) { return value == 0; });
+    const bool is_seam = is_periodic_ && knot == 0;
+    if (!is_seam && (knot < 1 || knot >= f)) return false;
+    const auto is_zero = [&](std::int32_t i) { return memory_.drawn[static_cast<std::size_t>(i)] == 0; };
+    return is_zero(is_seam ? f - 1 : knot - 1) && is_zero(knot) && is_zero(knot + 1);
   }
   /// A neighbour at which the curve touches 0 already, as one does that was adjusted before; else the knot.
   [[nodiscard]] std::int32_t touched_knot(std::int32_t knot, std::int32_t f) const {
     const std::int32_t reach = f / spec_.frames + 1;  // the frame of the key is a whole one
+    if (is_periodic_ && knot == 0) return knot;
     for (std::int32_t away = 0; away <= reach; ++away) {
       if (touches(knot - away, f)) return knot - away;
       if (touches(knot + away, f)) return knot + away;
@@ -115,10 +120,10 @@ class Adjustment {
   std::int32_t attempt(std::int32_t f) {
     const std::size_t count = static_cast<std::size_t>(f) + 1;
     const std::span<Real> drawn = memory_.drawn.first(count);
-    NearestCurve<Real> curve(memory_, f, locks_, spec_.frames);
+    NearestCurve<Real> curve(memory_, f, spec_.ends, locks_, spec_.frames);
     set_targets(curve, f);
     for (std::size_t i = 0; i < count; ++i) {
-      memory_.ceiling[i] = is_rest<Real>(drawn, i) ? Real(0) : Real(largest_control_value);
+      memory_.ceiling[i] = is_rest<Real>(drawn, i, spec_.ends) ? Real(0) : Real(largest_control_value);
     }
     for (const KeyLock& lock : locks_) {
       if (lock.hold > 0 || lock.ease) rest_at(lock, curve, f);
@@ -135,7 +140,7 @@ class Adjustment {
       if (memory_.targets[r] > 0) continue;
       const IntegralRow<Real> row = curve.row(r);
       for (std::int32_t i = row.first(); i <= row.last(); ++i) {
-        if (row.weight(i) > 0) memory_.ceiling[static_cast<std::size_t>(i)] = 0;
+        if (row.weight(i) > 0) memory_.ceiling[row.index(i)] = 0;
       }
     }
   }
@@ -144,15 +149,20 @@ class Adjustment {
   void set_mobility(std::int32_t f) {
     const std::span<Real> mobility = memory_.mobility.first(static_cast<std::size_t>(f) + 1);
     const Real per_value = static_cast<Real>(drawn_f_) / static_cast<Real>(f);
-    Real away = 1;
-    for (std::size_t i = 0; i < mobility.size(); ++i) {
-      away = memory_.ceiling[i] > 0 ? std::min(away + per_value, Real(1)) : Real(0);
-      mobility[i] = away;
+    const auto come_to = [&](std::size_t i, Real away) {
+      return memory_.ceiling[i] > 0 ? std::min(away + per_value, Real(1)) : Real(0);
+    };
+    Real after = 1;
+    Real before = 1;
+    if (is_periodic_) {  // once round, to know how far the last rest is from either side of the seam
+      for (std::size_t i = 0; i + 1 < mobility.size(); ++i) after = come_to(i, after);
+      for (std::size_t i = mobility.size() - 1; i-- > 0;) before = come_to(i, before);
     }
-    away = 1;
-    for (std::size_t i = mobility.size(); i-- > 0;) {
-      away = memory_.ceiling[i] > 0 ? std::min(away + per_value, Real(1)) : Real(0);
-      mobility[i] = smooth_step(std::min(mobility[i], away));
+    for (std::size_t i = 0; i < mobility.size(); ++i) mobility[i] = after = come_to(i, after);
+    if (is_periodic_) mobility.back() = mobility.front();
+    for (std::size_t i = mobility.size() - (is_periodic_ ? 1 : 0); i-- > 0;) {
+      before = come_to(i, before);
+      mobility[i] = smooth_step(std::min(mobility[i], before));
     }
   }
 
@@ -161,8 +171,8 @@ class Adjustment {
     for (std::size_t begin = 0; begin + 1 < locks_.size();) {
       std::size_t end = begin + 1;
       while (end + 1 < locks_.size() && !locks_[end].breaks) ++end;
-      const Real integral =
-          IntegralRow<Real>(curve.a(locks_[begin]), curve.a(locks_[end]), f).integral(memory_.drawn);
+      const IntegralRow<Real> stretch(curve.a(locks_[begin]), curve.a(locks_[end]), f, spec_.ends);
+      const Real integral = stretch.integral(memory_.drawn);
       const Real length = distance(locks_[end]) - distance(locks_[begin]);
       for (std::size_t r = begin; r < end; ++r) {
         const Real part = distance(locks_[r + 1]) - distance(locks_[r]);
@@ -182,8 +192,12 @@ class Adjustment {
     const Real ramp = static_cast<Real>(f) / static_cast<Real>(drawn_f_);  // one drawn span
     const bool is_drawn = lock.ease && touches(lock.knot, f);
     for (std::int32_t i = 0; i <= f; ++i) {
-      const auto here = static_cast<Real>(i);
-      const Real away = here < begin ? begin - 2 - here : here - end - 2;
+      const auto outside = [&](std::int32_t at) {
+        const auto here = static_cast<Real>(at);
+        return std::max(begin - here, here - end) - 2;
+      };
+      Real away = outside(i);
+      if (is_periodic_) away = std::min({away, outside(i - f), outside(i + f)});
       const auto value = static_cast<std::size_t>(i);
       if (away < 0) {
         memory_.drawn[value] = 0;
@@ -203,7 +217,7 @@ class Adjustment {
   void restore_drawn(std::int32_t refinements) {
     std::ranges::copy(spec_.control_values, memory_.drawn.begin());
     for (std::int32_t i = 0; i < refinements; ++i)
-      refine_control_values(memory_.drawn, static_cast<std::size_t>(drawn_f_) << i);
+      refine_control_values(memory_.drawn, static_cast<std::size_t>(drawn_f_) << i, spec_.ends);
   }
 
   [[nodiscard]] KeyTiming<Real> timing(std::int32_t f, std::int32_t refinements) {
@@ -245,6 +259,7 @@ class Adjustment {
   KeyTimingMemory<Real> memory_;
   std::span<const KeyLock> locks_;
   std::int32_t drawn_f_;
+  bool is_periodic_;
   bool hold_is_too_short_ = false;
   bool touch_is_off_knot_ = false;
   std::int32_t unmet_key_ = -1;

@@ -22,10 +22,11 @@ Real arrival(const KeyTimingSpec<Real>& spec, std::int32_t key) {
   const Real share = length > 0 ? spec.key_distances[static_cast<std::size_t>(key)] / length
                                 : static_cast<Real>(key) / static_cast<Real>(spec.key_distances.size());
   if (share <= 0) return 0;
-  const Real target = share * IntegralRow<Real>(0, spans, f).integral(spec.control_values);
-  const auto is_before = [&](Real tried) {
-    return IntegralRow<Real>(0, tried * spans, f).integral(spec.control_values) < target;
+  const auto integral_to = [&](Real a) {
+    return IntegralRow<Real>(0, a, f, spec.ends).integral(spec.control_values);
   };
+  const Real target = share * integral_to(spans);
+  const auto is_before = [&](Real tried) { return integral_to(tried * spans) < target; };
   return bisected<Real>({0, 1}, std::numeric_limits<Real>::digits, is_before).high;
 }
 
@@ -86,7 +87,8 @@ Result<std::size_t> complete_locks(const KeyTimingSpec<Real>& spec, std::span<Ke
   }
   for (std::size_t i = 0; i < spec.locks.size(); ++i) {
     KeyLock lock = spec.locks[i];
-    if (lock.ease && (lock.key == 0 || lock.key == last_key)) {
+    const bool is_end = spec.ends == CurveEnds::natural && lock.key == 0;
+    if (lock.ease && (is_end || lock.key == last_key)) {
       return wish_error("the speed eases at an end of the move by the curve itself",
                         "remove ease, and draw 0, 0 at that end of the speed curve", lock);
     }

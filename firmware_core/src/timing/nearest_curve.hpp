@@ -21,23 +21,28 @@ inline constexpr int max_doublings = 40;
 /// Every third step halves the interval that is searched.
 inline constexpr int max_secants = 60;
 
-/// x nearest to v with rows * x = targets and 0 <= x <= ceiling.
+/// x nearest to v with rows * x = targets and 0 <= x <= ceiling. Of a periodic curve v_0..v_f-1 are free, and
+/// v_f is v_0.
 template <Precise Real>
 class NearestCurve {
  public:
-  NearestCurve(const KeyTimingMemory<Real>& memory, std::int32_t f, std::span<const KeyLock> locks,
-               std::int32_t frames)
+  NearestCurve(const KeyTimingMemory<Real>& memory, std::int32_t f, CurveEnds ends,
+               std::span<const KeyLock> locks, std::int32_t frames)
       : memory_(memory),
         locks_(locks),
         frames_(frames),
         f_(f),
+        ends_(ends),
+        count_(static_cast<std::size_t>(f) + (ends == CurveEnds::periodic ? 0 : 1)),
         rows_(locks.size() - 1),
         lambda_(memory.multipliers.first(rows_)),
         residual_(memory.multipliers.subspan(rows_, rows_)),
         direction_(memory.multipliers.subspan(2 * rows_, rows_)),
         trial_(memory.multipliers.subspan(3 * rows_, rows_)) {}
 
-  [[nodiscard]] IntegralRow<Real> row(std::size_t r) const { return {a(locks_[r]), a(locks_[r + 1]), f_}; }
+  [[nodiscard]] IntegralRow<Real> row(std::size_t r) const {
+    return {a(locks_[r]), a(locks_[r + 1]), f_, ends_};
+  }
   /// The place of a lock on the curve.
   [[nodiscard]] Real a(const KeyLock& lock) const {
     return lock.knot >= 0 ? static_cast<Real>(lock.knot) : a_of_frame(lock.frame);
@@ -64,12 +69,12 @@ class NearestCurve {
  private:
   /// x(lambda) into `adjusted`, the residual, and the value of the dual function.
   Real evaluate(std::span<const Real> lambda) {
-    const std::span<Real> x = memory_.adjusted.first(static_cast<std::size_t>(f_) + 1);
-    std::ranges::copy(memory_.drawn.first(x.size()), x.begin());
+    const std::span<Real> x = memory_.adjusted.first(count_);
+    std::ranges::copy(memory_.drawn.first(count_), x.begin());
     for (std::size_t r = 0; r < rows_; ++r) {
       const IntegralRow<Real> weights = row(r);
       for (std::int32_t i = weights.first(); i <= weights.last(); ++i) {
-        const auto index = static_cast<std::size_t>(i);
+        const std::size_t index = weights.index(i);
         x[index] += lambda[r] * memory_.mobility[index] * weights.weight(i);
       }
     }
@@ -79,6 +84,7 @@ class NearestCurve {
       const Real change = x[i] - memory_.drawn[i];
       if (memory_.mobility[i] > 0) dual += change * change / (2 * memory_.mobility[i]);
     }
+    if (ends_ == CurveEnds::periodic) memory_.adjusted[count_] = x.front();
     for (std::size_t r = 0; r < rows_; ++r) {
       residual_[r] = row(r).integral(x) - memory_.targets[r];
       dual -= lambda[r] * residual_[r];
@@ -89,7 +95,7 @@ class NearestCurve {
   /// curve (weak duality).
   [[nodiscard]] Real cost_bound() const {
     Real bound = 0;
-    for (std::size_t i = 0; i <= static_cast<std::size_t>(f_); ++i) {
+    for (std::size_t i = 0; i < count_; ++i) {
       if (!(memory_.mobility[i] > 0)) continue;
       const Real change = std::max(memory_.drawn[i], memory_.ceiling[i] - memory_.drawn[i]);
       bound += change * change / (2 * memory_.mobility[i]);
@@ -156,42 +162,52 @@ class NearestCurve {
     return static_cast<std::int32_t>(worst - residual_.begin());
   }
 
-  /// Solves (A_free A_free^T) direction = -residual by Cholesky's method.
+  /// The first row that shares a control value with row r. Rows are in the order of time, so the matrix is a
+  /// band; the last rows of a periodic curve also meet its first ones.
+  [[nodiscard]] std::size_t first_beside(std::size_t r) const {
+    const IntegralRow<Real> here = row(r);
+    if (here.wraps()) return 0;
+    std::size_t first = r;
+    while (first > 0 && row(first - 1).last() >= here.first()) --first;
+    return first;
+  }
+  /// The sum over the free values of what two rows have in common.
+  [[nodiscard]] Real product(const IntegralRow<Real>& one, const IntegralRow<Real>& other) const {
+    Real sum = 0;
+    for (std::int32_t i = one.first(); i <= one.last(); ++i) {
+      const std::size_t index = one.index(i);
+      const Real x = memory_.adjusted[index];
+      const bool is_free = x > 0 && x < memory_.ceiling[index];
+      if (is_free) sum += memory_.mobility[index] * one.weight(i) * other.weight(i);
+    }
+    return sum;
+  }
+
+  /// Solves (A_free A_free^T) direction = -residual by Cholesky's method. No entry of the factor lies before
+  /// the first of its row in the matrix (George and Liu 1981, Computer Solution of Large Sparse Positive
+  /// Definite Systems, ch. 4), so that the work is linear in the number of locks.
   void newton_direction() {
     const std::size_t n = rows_;
     const std::span<Real> m = memory_.matrix.first(n * n);
-    std::ranges::fill(m, Real(0));
     for (std::size_t r = 0; r < n; ++r) {
       const IntegralRow<Real> here = row(r);
-      for (std::size_t c = 0; c <= r; ++c) {
-        const IntegralRow<Real> other = row(c);
-        const std::int32_t last = std::min(here.last(), other.last());
-        for (std::int32_t i = std::max(here.first(), other.first()); i <= last; ++i) {
-          const auto index = static_cast<std::size_t>(i);
-          const Real x = memory_.adjusted[index];
-          const bool is_free = x > 0 && x < memory_.ceiling[index];
-          if (is_free) m[r * n + c] += memory_.mobility[index] * here.weight(i) * other.weight(i);
-        }
-      }
-    }
-    for (std::size_t r = 0; r < n; ++r) {
+      const std::size_t first = first_beside(r);
+      std::fill_n(m.begin() + static_cast<std::ptrdiff_t>(r * n), r, Real(0));
+      for (std::size_t c = first; c <= r; ++c) m[r * n + c] = product(here, row(c));
       // Where too few values are free the matrix is singular; the shift keeps the direction an ascent.
       m[r * n + r] += Real(1e-12) + 16 * std::numeric_limits<Real>::epsilon() * m[r * n + r];
-      for (std::size_t c = 0; c <= r; ++c) {
+      direction_[r] = -residual_[r];
+      for (std::size_t c = first; c <= r; ++c) {
         Real sum = m[r * n + c];
-        for (std::size_t k = 0; k < c; ++k) sum -= m[r * n + k] * m[c * n + k];
+        for (std::size_t k = first; k < c; ++k) sum -= m[r * n + k] * m[c * n + k];
         m[r * n + c] = r == c ? std::sqrt(std::max(sum, Real(1e-14))) : sum / m[c * n + c];
       }
-    }
-    for (std::size_t r = 0; r < n; ++r) {
-      Real sum = -residual_[r];
-      for (std::size_t k = 0; k < r; ++k) sum -= m[r * n + k] * direction_[k];
-      direction_[r] = sum / m[r * n + r];
+      for (std::size_t k = first; k < r; ++k) direction_[r] -= m[r * n + k] * direction_[k];
+      direction_[r] /= m[r * n + r];
     }
     for (std::size_t r = n; r-- > 0;) {
-      Real sum = direction_[r];
-      for (std::size_t k = r + 1; k < n; ++k) sum -= m[k * n + r] * direction_[k];
-      direction_[r] = sum / m[r * n + r];
+      direction_[r] /= m[r * n + r];
+      for (std::size_t k = first_beside(r); k < r; ++k) direction_[k] -= m[r * n + k] * direction_[r];
     }
   }
 
@@ -199,6 +215,8 @@ class NearestCurve {
   std::span<const KeyLock> locks_;
   std::int32_t frames_;
   std::int32_t f_;
+  CurveEnds ends_;
+  std::size_t count_;
   std::size_t rows_;
   std::span<Real> lambda_, residual_, direction_, trial_;
 };

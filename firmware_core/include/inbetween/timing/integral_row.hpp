@@ -6,6 +6,7 @@
 #include <span>
 
 #include "inbetween/base/precision.hpp"
+#include "inbetween/timing/speed_profile.hpp"
 
 /// The integral of a speed curve as a sum over its control values.
 
@@ -23,18 +24,37 @@ Real bspline_integral(Real x) {
   return x > 0 ? 1 - below : below;
 }
 
-/// How the integral of phi over [begin, end] depends on each control value, natural ends included.
+/// How the integral of phi over [begin, end], 0 <= begin <= end <= f, depends on each control value, the ends
+/// of the curve included. Only values first()..last() count. A periodic curve has f different values, and
+/// goes on from the last of them to the first: index() tells which one is meant.
 template <Precise Real>
 class IntegralRow {
  public:
-  IntegralRow(Real begin, Real end, std::int32_t f) : begin_(begin), end_(end), f_(f) {}
+  IntegralRow(Real begin, Real end, std::int32_t f, CurveEnds ends = CurveEnds::natural)
+      : begin_(begin), end_(end), f_(f), is_periodic_(ends == CurveEnds::periodic) {}
 
   [[nodiscard]] std::int32_t first() const {
-    return std::max<std::int32_t>(0, static_cast<std::int32_t>(begin_) - 2);
+    const std::int32_t first = static_cast<std::int32_t>(begin_) - 2;
+    return is_periodic_ ? first : std::max<std::int32_t>(0, first);
   }
-  [[nodiscard]] std::int32_t last() const { return std::min(f_, static_cast<std::int32_t>(end_) + 3); }
+  [[nodiscard]] std::int32_t last() const {
+    const std::int32_t last = static_cast<std::int32_t>(end_) + 3;
+    return is_periodic_ ? std::min(first() + f_ - 1, last) : std::min(f_, last);
+  }
+  [[nodiscard]] std::size_t index(std::int32_t i) const {
+    return static_cast<std::size_t>(is_periodic_ ? (i + 2 * f_) % f_ : i);
+  }
+  /// Whether the row reaches over the end of a periodic curve to its first values.
+  [[nodiscard]] bool wraps() const { return is_periodic_ && static_cast<std::int32_t>(end_) + 3 >= f_; }
+
   [[nodiscard]] Real weight(std::int32_t i) const {
-    Real sum = spline(i);
+    Real sum = 0;
+    if (is_periodic_) {
+      const auto first = static_cast<std::int32_t>(index(i)) - f_;
+      for (std::int32_t k = first; k <= f_ + 1; k += f_) sum += spline(k);
+      return sum;
+    }
+    sum = spline(i);
     if (i == 0) sum += 2 * spline(-1);  // the phantom value is 2 v_0 - v_1
     if (i == 1) sum -= spline(-1);
     if (i == f_) sum += 2 * spline(f_ + 1);
@@ -43,7 +63,7 @@ class IntegralRow {
   }
   [[nodiscard]] Real integral(std::span<const Real> values) const {
     Real sum = 0;
-    for (std::int32_t i = first(); i <= last(); ++i) sum += weight(i) * values[static_cast<std::size_t>(i)];
+    for (std::int32_t i = first(); i <= last(); ++i) sum += weight(i) * values[index(i)];
     return sum;
   }
 
@@ -54,6 +74,7 @@ class IntegralRow {
   }
   Real begin_, end_;
   std::int32_t f_;
+  bool is_periodic_;
 };
 
 }  // namespace inbetween

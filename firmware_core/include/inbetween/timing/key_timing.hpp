@@ -7,6 +7,7 @@
 
 #include "inbetween/base/precision.hpp"
 #include "inbetween/base/result.hpp"
+#include "inbetween/timing/speed_profile.hpp"
 
 /// Keys that must be met on a frame, by the least change of the drawn speed curve.
 
@@ -30,6 +31,8 @@ struct KeyTimingSpec {
   std::span<const Real> key_distances;   ///< arc length from the start to each key; the last is the total
   std::span<const KeyLock> locks;        ///< in order of their keys
   std::int32_t frames = 0;               ///< N
+  /// Of the drawn curve. A periodic one stays periodic, and may touch 0 or rest at its seam, key 0.
+  CurveEnds ends = CurveEnds::natural;
 };
 
 /// The memory of the adjustment, owned by the caller. `locks` etc. are counts: the ends of the move are
@@ -65,12 +68,12 @@ struct KeyTiming {
 
 /// The control values x nearest to the drawn ones v, sum (x - v)^2 / w least, for which
 /// Phi(a at the lock's frame) / Phi(f) is the key's share of the length, 0 <= x <= 100, and Phi between two
-/// breaks is as drawn. Where the drawn curve stands still (two zeros at an end, three in a row inside) it
-/// goes on to. For a hold the drawn curve is first brought to rest and back within one of its spans on either
-/// side. w is 1, so that the change is the least in the ordinary sense, as long as the curve is not refined.
-/// On a refined curve w rises from 0 at what stands still to 1 within one drawn span: otherwise all of the
-/// change would be piled up beside the rests, and the rig would start with a jerk.
-/// If no such curve exists, the drawn one is refined, f -> 2 f, up to the memory.
+/// breaks is as drawn. Where the drawn curve stands still (is_rest) it goes on to. For a hold the drawn curve
+/// is first brought to rest and back within one of its spans on either side. w is 1, so that the change is
+/// the least in the ordinary sense, as long as the curve is not refined. On a refined curve w rises from 0 at
+/// what stands still to 1 within one drawn span: otherwise all of the change would be piled up beside the
+/// rests, and the rig would start with a jerk. If no such curve exists, the drawn one is refined, f -> 2 f,
+/// up to the memory.
 ///
 /// Method: the dual of the problem is smooth and concave in one multiplier per lock, x = clip(v + A^T
 /// lambda); semismooth Newton steps (Qi and Sun 1993), each followed to where the dual is highest. A dual
@@ -82,7 +85,7 @@ struct KeyTiming {
 /// reversed, two keys on one frame: with key and frame), no_solution (with a key that cannot be met; a key
 /// that eases on a frame that is no knot), capacity.
 ///
-/// Cost: iterations * f * 5; tens of iterations at most.
+/// Cost: iterations * (f * 5 + locks); tens of iterations at most.
 template <Precise Real>
 Result<KeyTiming<Real>> adjust_to_locks(const KeyTimingSpec<Real>& spec, const KeyTimingMemory<Real>& memory);
 

@@ -66,17 +66,20 @@ constexpr SpeedSpan<Real> speed_span(std::span<const Real> values, std::size_t i
   return {knot(index), (2 * here + next) / 3, (here + 2 * next) / 3, knot(index + 1)};
 }
 
-/// Doubles the number of spans and leaves the curve as it is, natural ends included (Lane and Riesenfeld
+/// Doubles the number of spans and leaves the curve as it is, its ends included (Lane and Riesenfeld
 /// 1980): phi(a) of the coarse curve is phi(2 a) of the fine one. In place: `values` begins with the f + 1
 /// coarse values and has room for 2 f + 1.
 template <Precise Real>
-constexpr void refine_control_values(std::span<Real> values, std::size_t f) {
+constexpr void refine_control_values(std::span<Real> values, std::size_t f,
+                                     CurveEnds ends = CurveEnds::natural) {
+  const Real seam = (values[f - 1] + 6 * values[0] + values[1]) / 8;  // where the curve is periodic
   // From the right: 2 i and 2 i + 1 stand at or behind i, and the coarse values left of i are still there.
   Real right = values[f];  // coarse value i + 1
   Real here = values[f];   // coarse value i
   for (std::size_t i = f + 1; i-- > 0;) {
     const Real left = i > 0 ? values[i - 1] : here;
-    values[2 * i] = i == 0 || i == f ? here : (left + 6 * here + right) / 8;
+    const Real end = ends == CurveEnds::periodic ? seam : here;
+    values[2 * i] = i == 0 || i == f ? end : (left + 6 * here + right) / 8;
     if (i < f) values[2 * i + 1] = (here + right) / 2;
     right = here;
     here = left;
@@ -90,9 +93,20 @@ constexpr Real smooth_step(Real x) {
   return u * u * u * (10 - u * (15 - 6 * u));
 }
 
-/// Whether the curve stands still at a control value: two zeros at an end of it, three in a row elsewhere.
+/// Whether the curve stands still at a control value: three zeros in a row, or two at an end, of which a
+/// periodic curve has none.
 template <Precise Real>
-constexpr bool is_rest(std::span<const Real> values, std::size_t index) {
+constexpr bool is_rest(std::span<const Real> values, std::size_t index, CurveEnds ends = CurveEnds::natural) {
+  if (ends == CurveEnds::periodic) {
+    const std::size_t period = values.size() - 1;
+    const auto is_zero = [&](std::size_t beyond) {
+      return values[(index + 2 * period + beyond - 2) % period] == 0;
+    };
+    for (std::size_t first = 0; first < 3; ++first) {
+      if (is_zero(first) && is_zero(first + 1) && is_zero(first + 2)) return true;
+    }
+    return false;
+  }
   const auto zeros = [&](std::size_t first, std::size_t last) {
     const auto part = values.subspan(first, last - first + 1);
     return std::ranges::all_of(part, [](Real value) { return value == 0; });

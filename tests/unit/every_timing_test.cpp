@@ -1,0 +1,210 @@
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host_tools/check/check.hpp"
+#include "host_tools/check/planned_stops.hpp"
+#include "host_tools/fit/speed_fit.hpp"
+#include "inbetween/play/playhead.hpp"
+#include "tests/support/recorded_play.hpp"
+
+/// Every way of timing a move against what holds for all of them: the certificate, the rolls, stops, the fit.
+
+namespace inbetween {
+namespace every_timing_test {
+
+struct Kind {
+  std::string name, track;
+  bool rolls = false;    ///< it begins and ends at a speed
+  bool is_drawn = true;  ///< it has a speed curve that can be fitted
+};
+
+std::string keys_of(const std::vector<std::string>& more) {
+  const std::vector<std::string> places = {"0, 0", "80, 20", "100, 90", "10, 60"};
+  std::string keys = "keys = [";
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    keys += "{ at = [" + places[k] + "]" + (k < more.size() ? more[k] : "") + " }, ";
+  }
+  return keys + "]\n";
+}
+const std::string rests = "speed = [0, 0, 6, 9, 7, 8, 5, 0, 0]\n";
+const std::string moves = "speed = [8, 5, 9, 12, 10, 9, 8]\n";
+const std::string periodic = "closed = true\nperiodic = true\n";
+const std::vector<std::string> at_frames = {", frame = 0", ", frame = 13", ", frame = 30", ", frame = 48"};
+const std::string by_frames = "timing = \"frames\"\n" + keys_of(at_frames);
+const std::string corners =
+    "keys = [{ at = [0, 0] }, { at = [60, 15] }, { at = [-40, -10] }, { at = [20, 5] }]\n";
+/// No key at which every axis turns: there a path without overshoot has a corner.
+const std::string one_turn =
+    "keys = [{ at = [0, 0] }, { at = [80, 20] }, { at = [100, 90] }, { at = [10, 130] }]\n";
+/// Evenly in s, so that neither steps.
+const std::string even =
+    "spline = \"linear\"\ntiming = \"frames\"\nkeys = [{ at = [0, 3], frame = 0 }, { at = "
+    "[20, 9], frame = 16 }, { at = [40, 15], frame = 32 }, { at = [60, 21], frame = 48 }]\n";
+const std::string uneven =
+    "spline = \"linear\"\ntiming = \"frames\"\nkeys = [{ at = [0, 3], frame = 0 }, { at "
+    "= [20, 9], frame = 11 }, { at = [40, 15], frame = 30 }, { at = [60, 21], frame = "
+    "48 }]\n";
+
+const std::vector<Kind> kinds = {
+    {.name = "drawn", .track = keys_of({}) + rests},
+    {.name = "locked", .track = keys_of({"", ", frame = 17"}) + rests},
+    {.name = "held", .track = keys_of({"", ", frame = 14, hold = 6"}) + rests},
+    {.name = "eased", .track = "corners = \"ease\"\n" + corners + rests},
+    {.name = "eased_ends", .track = keys_of({}) + "speed = [8]\nease_in = 12\nease_out = 9\n"},
+    {.name = "rest_at_the_start", .track = keys_of({}) + moves + "rest = \"start\"\n"},
+    {.name = "through", .track = keys_of({}) + moves + "through = true\n", .rolls = true},
+    {.name = "no_overshoot", .track = one_turn + rests + "overshoot = false\n"},
+    {.name = "curves", .track = by_frames, .is_drawn = false},
+    {.name = "curves_that_move", .track = by_frames + "rest = \"none\"\n", .rolls = true, .is_drawn = false},
+    {.name = "curves_without_overshoot", .track = by_frames + "overshoot = false\n", .is_drawn = false},
+    {.name = "curves_of_catmull_rom", .track = by_frames + "spline = \"catmull-rom\"\n", .is_drawn = false},
+    {.name = "pace", .track = by_frames + "kinetic = \"pace\"\n", .is_drawn = false},
+    {.name = "monotone", .track = uneven + "kinetic = \"monotone\"\n", .rolls = true, .is_drawn = false},
+    {.name = "linear", .track = even + "kinetic = \"linear\"\n", .rolls = true, .is_drawn = false},
+    {.name = "periodic", .track = keys_of({}) + moves + periodic, .rolls = true},
+    {.name = "periodic_locked", .track = keys_of({"", ", frame = 14"}) + moves + periodic, .rolls = true},
+    {.name = "periodic_held",
+     .track = keys_of({"", ", frame = 14, hold = 6"}) + moves + periodic,
+     .rolls = true},
+    {.name = "periodic_eased", .track = keys_of({"", ", ease = true"}) + moves + periodic, .rolls = true},
+    {.name = "periodic_through", .track = keys_of({}) + moves + "through = true\n" + periodic, .rolls = true},
+    {.name = "periodic_curves",
+     .track = "timing = \"frames\"\n" +
+              keys_of({", frame = 0", ", frame = 9", ", frame = 25", ", frame = 40"}) + periodic,
+     .rolls = true,
+     .is_drawn = false},
+};
+
+/// The largest differences of the positions of an axis, per second and second^2, 32 to a frame: means of what
+/// they approximate, and never above its peak.
+struct Sampled {
+  double lowest = 0, highest = 0, velocity = 0, acceleration = 0;
+};
+Sampled sampled(const Plan& plan, std::size_t axis, std::int32_t first_frame, std::int32_t last_frame) {
+  constexpr int per_frame = 32;
+  const double step_s = 1.0 / (24 * per_frame);
+  std::vector<double> at;
+  std::vector<double> positions(2);
+  for (std::int32_t frame = first_frame; frame < last_frame; ++frame) {
+    for (int part = 0; part < per_frame; ++part) {
+      plan.played().positions({frame, static_cast<double>(part) / per_frame}, positions);
+      at.push_back(positions[axis]);
+    }
+  }
+  plan.played().positions({last_frame, 0}, positions);
+  at.push_back(positions[axis]);
+  Sampled peaks{*std::ranges::min_element(at), *std::ranges::max_element(at)};
+  for (std::size_t i = 1; i + 1 < at.size(); ++i) {
+    const double second = at[i + 1] - 2 * at[i] + at[i - 1];
+    peaks.velocity = std::max(peaks.velocity, std::fabs(at[i] - at[i - 1]) / step_s);
+    peaks.acceleration = std::max(peaks.acceleration, std::fabs(second) / (step_s * step_s));
+  }
+  return peaks;
+}
+
+class EveryTiming : public testing::TestWithParam<Kind> {
+ protected:
+  /// On a rig whose limits are `share` of what the move takes between its ends.
+  [[nodiscard]] static Plan plan(double share) {
+    const MoveFile move = parse_move(
+        "name = \"m\"\nfps = 24\nframes = 48\n[[track]]\naxes = [\"x\", \"y\"]\n" + GetParam().track,
+        "m.toml");
+    const Plan free(move, std::nullopt, {});
+    std::string rig = "name = \"r\"\nrate_hz = 480\n";
+    for (const std::size_t axis : {0U, 1U}) {
+      const Sampled peaks = sampled(free, axis, 0, 48);
+      rig += fmt::format(
+          "[[axis]]\nname = \"{}\"\nunit = \"mm\"\nmin = -1000\nmax = 1000\nmax_velocity = "
+          "{}\nmax_acceleration "
+          "= {}\ndrive = {{ type = \"pipe\", path = \"/dev/null\", counts_per_unit = 1000 }}\n",
+          axis == 0 ? "x" : "y", share * peaks.velocity,
+          share * std::max(peaks.acceleration, peaks.velocity));
+    }
+    return {move, parse_rig(rig, "r.toml"), {}};
+  }
+};
+
+TEST_P(EveryTiming, IsCertifiedForWhatItDoesWithItsRolls) {
+  const Plan plan = this->plan(2.5);
+  const CheckReport report = check(plan);
+  ASSERT_TRUE(report.fits()) << report.refusals.front().message;
+  const Move<double>& move = plan.played();
+  EXPECT_EQ(move.first_frame() < 0, GetParam().rolls);
+  for (const std::size_t d : {0U, 1U}) {
+    const Sampled found = sampled(plan, d, move.first_frame(), move.last_frame());
+    const CheckedAxis& axis = report.axes[d];
+    EXPECT_LE(found.velocity, axis.velocity.value * (1 + 1e-5));
+    EXPECT_GE(found.velocity, axis.velocity.value * 0.98);
+    EXPECT_LE(found.acceleration, axis.acceleration.value * (1 + 1e-4) + 1e-4);
+    EXPECT_GE(found.acceleration, axis.acceleration.value * 0.95 - 1e-4);
+    EXPECT_LE(axis.range->lowest.value, found.lowest + 1e-9);
+    EXPECT_GE(axis.range->highest.value, found.highest - 1e-9);
+  }
+}
+
+TEST_P(EveryTiming, StopsFromAnywhereWithinItsStopLimitsWhenItWasForetold) {
+  const Plan plan = this->plan(1.5);
+  const CheckReport report = check(plan);
+  ASSERT_TRUE(report.fits()) << report.refusals.front().message;
+  const PlannedStops stops(plan);
+  ASSERT_TRUE(stops.bounds().has_value());
+  const std::int32_t rate_hz = plan.rig()->rate_hz;
+  const double tick_s = 1.0 / rate_hz;
+  Playhead<double> playhead(plan.played(), *stops.bounds(), rate_hz);
+  RecordedPlay record(plan, *stops.bounds(), tick_s);
+  const auto take = [&] {
+    static_cast<void>(playhead.tick());
+    record.take(playhead);
+  };
+  for (const Direction direction : {Direction::forward, Direction::backward}) {
+    int tries = 0;
+    while (playhead.play(direction) && tries++ < 20) {
+      for (int tick = 0; tick < 61; ++tick) take();
+      const StopLength<double> foretold =
+          stops.bounds()->stop_from(playhead.time(), direction == Direction::forward);
+      playhead.stop();
+      int needed = 0;
+      for (; !playhead.is_resting() && needed < 100'000; ++needed) take();
+      EXPECT_LE(needed * tick_s, foretold.seconds + 3 * tick_s);
+    }
+  }
+  EXPECT_EQ(record.complaint(), "");
+  EXPECT_GT(record.acceleration_share(), 0.3) << "nothing was asked of it";
+}
+
+TEST_P(EveryTiming, IsFittedWhereItHasADrawnSpeedAndElseTellsWhyNot) {
+  const Plan plan = this->plan(0.9);
+  const CheckReport report = check(plan);
+  ASSERT_FALSE(report.fits());
+  const SpeedFit fit = fit_speed(plan, report, FitStart::drawn, {});
+  if (!GetParam().is_drawn) {
+    EXPECT_THAT(fit.reason, testing::HasSubstr("no speed curve to change"));
+    return;
+  }
+  ASSERT_TRUE(fit.found) << fit.reason;
+  MoveFile fitted = plan.move();
+  replace_curve(fitted.tracks.front(), fit.tracks.front().speed);
+  const Plan again(fitted, plan.rig(), {});
+  EXPECT_TRUE(check(again).fits());
+  const std::vector<double>& played = again.tracks().front().control_values();
+  if (fitted.tracks.front().periodic) {
+    EXPECT_EQ(played.front(), played.back());
+  }
+  ASSERT_EQ(played.size(), fit.tracks.front().speed.size());
+  for (std::size_t i = 0; i < played.size(); ++i) {
+    EXPECT_NEAR(played[i], fit.tracks.front().speed[i], 1e-5) << "the file plays another curve";
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Kinds, EveryTiming, testing::ValuesIn(kinds),
+                         [](const auto& test) { return test.param.name; });
+
+}  // namespace every_timing_test
+}  // namespace inbetween
