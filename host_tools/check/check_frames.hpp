@@ -20,6 +20,7 @@ struct SmallestFrames {
   std::string reason;  ///< why there is none
   /// Found by fit_in_fewest_frames, where it was asked: as few as another speed curve needs.
   std::optional<std::int32_t> with_other_curve = {};
+  bool may_be_refined = false;  ///< that curve may have more control values than the played one
 };
 
 /// A number of frames, at most max_frames, at which the move as a whole is solved again and fits, while at

@@ -126,7 +126,8 @@ void print_verdict(const Plan& plan, const CheckReport& report, const SmallestFr
   const bool is_fewer = smallest.with_other_curve &&
                         *smallest.with_other_curve < std::min(known, smallest.frames.value_or(known));
   const std::string other =
-      is_fewer ? fmt::format("{} with another speed curve", counted(*smallest.with_other_curve, "frame"))
+      is_fewer ? fmt::format("{} with another speed curve{}", counted(*smallest.with_other_curve, "frame"),
+                             smallest.may_be_refined ? "" : " of as many control values")
                : "";
   if (report.fits()) {
     fmt::print(out, "fits in {}", counted(frames, "frame"));

@@ -60,6 +60,7 @@ Searched search(const CheckArguments& arguments, const Plan& plan, const CheckRe
   if (arguments.frames == "fewest" || (!arguments.fit && is_quick_to_fit(plan))) {
     FewestFit fewest = find_fewest(arguments, plan, report, found.smallest, bar);
     if (fewest.fit.found) found.smallest.with_other_curve = fewest.move.frames;
+    found.smallest.may_be_refined = arguments.fit.has_value();
     if (arguments.fit) found.fitted = std::move(fewest);
   } else if (arguments.fit) {
     found.fitted = {plan.move(), fit_speed(plan, report, start_of(arguments), [&](double share) {

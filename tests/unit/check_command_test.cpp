@@ -68,9 +68,8 @@ TEST(CheckCommand, AMoveThatFitsIsStatus0WithATableAndAVerdict) {
         " deg/s ", " 88 %\n", "the drives follow this motion within 1e-06"}) {
     EXPECT_THAT(run.out, HasSubstr(words));
   }
-  EXPECT_THAT(run.out,
-              testing::ContainsRegex(
-                  "\nfits in 192 frames; [0-9]+ frames would do, [0-9]+ frames with another speed curve\n$"));
+  EXPECT_THAT(run.out, testing::ContainsRegex("\nfits in 192 frames; [0-9]+ frames would do, [0-9]+ frames "
+                                              "with another speed curve of as many control values\n$"));
 }
 
 TEST(CheckCommand, APeakJustAboveItsLimitIsShownWithTheDigitsThatDiffer) {
@@ -94,10 +93,9 @@ TEST(CheckCommand, AMoveThatDoesNotFitIsStatus3AndEveryReasonIsALine) {
   EXPECT_THAT(run.err, StartsWith(file + ":8:11: error: axis \"slide\" would reach "));
   EXPECT_THAT(run.err, HasSubstr(" mm/s at frame "));
   EXPECT_THAT(run.err, HasSubstr(", and max_velocity is 500; give the move more frames"));
-  EXPECT_THAT(
-      run.out,
-      testing::ContainsRegex(
-          "\ndoes not fit in 48 frames; [0-9]+ frames would do, [0-9]+ frames with another speed curve\n$"));
+  EXPECT_THAT(run.out,
+              testing::ContainsRegex("\ndoes not fit in 48 frames; [0-9]+ frames would do, [0-9]+ frames "
+                                     "with another speed curve of as many control values\n$"));
 }
 
 TEST(CheckCommand, TheNumberOfFramesItNamesFitsAndOneLessDoesNot) {
@@ -370,7 +368,11 @@ TEST(CheckCommand, FitsInTheFewestFramesForWhichACurveIsFound) {
   EXPECT_LT(fewest, report["smallest_frames"].get<int>());
   EXPECT_GE(fewest, report["fit"]["least_frames"].get<int>());
   EXPECT_EQ(report["smallest_frames_other_curve"], fewest);
-  EXPECT_THAT(run.out, HasSubstr(std::to_string(fewest) + " frames with another speed curve"));
+  EXPECT_THAT(run.out, HasSubstr(std::to_string(fewest) + " frames with another speed curve\n"));
+  // Without the file to write the curve has as many control values as the drawn one, and no fewer frames.
+  const ProgramRun plain = check_text(move, {"--json", file("plain.json")});
+  EXPECT_THAT(plain.out, HasSubstr(" with another speed curve of as many control values\n"));
+  EXPECT_GE(Json::parse(file_contents(file("plain.json")))["smallest_frames_other_curve"], fewest);
   const std::string text = file_contents(file("fitted.toml"));
   EXPECT_THAT(text, HasSubstr("frames = " + std::to_string(fewest) + " # five seconds"));
   EXPECT_THAT(text, HasSubstr("frame = " + std::to_string((fewest + 1) / 2) + " }"));
