@@ -277,7 +277,7 @@ TEST(Jog, NothingMovesBeforeItIsMarkedAndItIsKeptAfterRest) {
 TEST(Jog, AKeyFromBeforeASlowDiskMovesNothing) {
   Bench bench;
   bench.typed[10] = right;
-  ASSERT_TRUE(bench.runner->run(act_of(*bench.jog), std::nullopt).begun);
+  ASSERT_TRUE(bench.runner->run(*bench.jog, std::nullopt).begun);
   ASSERT_EQ(bench.jog->asks(), Jog::Ask::mark);
   for (int i = 0; i < 30; ++i) bench.loop->tick(1, (1000 + i) * tick_ns);
   bench.jog->marked();
