@@ -4,6 +4,8 @@
 #
 #   faults_document_test.sh ROOT BUILD
 set -euo pipefail
+# shellcheck source=tests/support/expect.sh
+source "${BASH_SOURCE[0]%/*}/../support/expect.sh"
 root=$1 build=$2
 document=$root/docs/faults.md
 
@@ -32,12 +34,6 @@ complaints_of() {
   return 0
 }
 
-expect() { # expect WHAT WANTED GOT
-  [[ $2 == "$3" ]] && return
-  printf 'FAILED: %s\n  wanted: %s\n  got:    %s\n' "$1" "$2" "$3"
-  exit 1
-}
-
 complaints=$(complaints_of "$document")
 expect "docs/faults.md names a test of every fault" "" "$complaints"
 
@@ -51,4 +47,4 @@ done
 sed 's/BadInput\.NoFrames/BadInput.NoSuchTest/; /^| 12 |/d' "$document" >"$scratch/spoiled.md"
 expect "a wrong name and a missing row are found" "no row of fault 12
 no such test: BadInput.NoSuchTest" "$(complaints_of "$scratch/spoiled.md")"
-printf 'docs/faults.md: every test is there\n'
+all_was_as_expected 'docs/faults.md: every test is there'

@@ -4,16 +4,11 @@
 #
 #   kernel_test.sh KERNEL_SCRIPT
 set -euo pipefail
+# shellcheck source=tests/support/expect.sh
+source "${BASH_SOURCE[0]%/*}/../support/expect.sh"
 
 scratch=$(mktemp --directory)
 trap 'rm --recursive --force "$scratch"' EXIT
-failures=0
-
-expect() { # expect WHAT WANTED GOT
-  [[ $2 == "$3" ]] && return
-  printf 'FAILED: %s\n  wanted: %s\n  got:    %s\n' "$1" "$2" "$3"
-  failures=$((failures + 1))
-}
 
 # The script looks for kernel.config beside itself.
 mkdir "$scratch/bench" "$scratch/bin" "$scratch/cache"
@@ -153,5 +148,4 @@ expect "a user without a home is told what to set" \
 expect "an unknown argument is refused" \
   "sim/bench/kernel: error: unknown argument 'now'; see --help" "$(kernel now 2>&1 || true)"
 
-((failures == 0)) || exit 1
-printf 'sim/bench/kernel: all as promised\n'
+all_was_as_expected 'sim/bench/kernel: all as promised'

@@ -4,17 +4,12 @@
 #
 #   panic_test.sh RUN_SCRIPT
 set -euo pipefail
+# shellcheck source=tests/support/expect.sh
+source "${BASH_SOURCE[0]%/*}/../support/expect.sh"
 
 run_script=$(realpath "$1")
 scratch=$(mktemp --directory)
 trap 'rm --recursive --force "$scratch"' EXIT
-failures=0
-
-expect() { # expect WHAT WANTED GOT
-  [[ $2 == "$3" ]] && return
-  printf 'FAILED: %s\n  wanted: %s\n  got:    %s\n' "$1" "$2" "$3"
-  failures=$((failures + 1))
-}
 
 # Its own time limit is a week: what ends it is the panic, or timeout(1) with another status.
 run() { # run OPTION... -- COMMAND...
@@ -92,5 +87,4 @@ run -- echo 'Kernel panic - not syncing: told by the command'
 expect "what the command says is not what the kernel says" \
   "0 Kernel panic - not syncing: told by the command" "$status $(<"$scratch/out")"
 
-((failures == 0)) || exit 1
-printf 'sim/bench/run: a panic is one error at once\n'
+all_was_as_expected 'sim/bench/run: a panic is one error at once'

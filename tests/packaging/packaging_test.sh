@@ -3,17 +3,12 @@
 #
 #   packaging_test.sh BUILD
 set -euo pipefail
+# shellcheck source=tests/support/expect.sh
+source "${BASH_SOURCE[0]%/*}/../support/expect.sh"
 
 build=$(realpath "$1")
 scratch=$(mktemp --directory)
 trap 'rm --recursive --force "$scratch"' EXIT
-failures=0
-
-expect() { # expect WHAT WANTED GOT
-  [[ $2 == "$3" ]] && return
-  printf 'FAILED: %s\n  wanted: %s\n  got:    %s\n' "$1" "$2" "$3"
-  failures=$((failures + 1))
-}
 
 cmake --install "$build" --prefix "$scratch/usr" >"$scratch/said" || { cat "$scratch/said"; exit 1; }
 PATH=$scratch/usr/bin:$PATH
@@ -57,5 +52,4 @@ for file in bin/inbetween share/man/man1/inbetween-run.1 share/doc/inbetween/exa
   expect "the package has $file" 1 "$(grep --count " ./usr/$file\$" "$scratch/contents")"
 done
 
-((failures == 0)) || exit 1
-printf 'what is installed works\n'
+all_was_as_expected 'what is installed works'

@@ -4,6 +4,8 @@
 #
 #   bootstrap_test.sh BOOTSTRAP
 set -euo pipefail
+# shellcheck source=tests/support/expect.sh
+source "${BASH_SOURCE[0]%/*}/../support/expect.sh"
 scratch=$(mktemp --directory)
 trap 'rm --recursive --force "$scratch"' EXIT
 # A machine of today, unless a test says otherwise.
@@ -11,13 +13,6 @@ export OS_RELEASE=$scratch/os-release
 printf 'VERSION_CODENAME=trixie\n' >"$OS_RELEASE"
 # shellcheck source=scripts/bootstrap
 source "$1"
-failures=0
-
-expect() { # expect WHAT WANTED GOT
-  [[ $2 == "$3" ]] && return
-  printf 'FAILED: %s\n  wanted: %s\n  got:    %s\n' "$1" "$2" "$3"
-  failures=$((failures + 1))
-}
 
 # --- where backports come from -------------------------------------------------------------------------------
 new_apt_machine() {
@@ -176,5 +171,4 @@ scripts/bootstrap: error: apt-get update failed; see above" "$(run_bootstrap)"
 expect "an unknown set is refused" \
   "scripts/bootstrap: error: unknown set of packages 'dmeo'; say demo or test" "$(run_bootstrap dmeo)"
 
-((failures == 0)) || exit 1
-printf 'scripts/bootstrap: all as promised\n'
+all_was_as_expected 'scripts/bootstrap: all as promised'
