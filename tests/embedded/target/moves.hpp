@@ -7,7 +7,8 @@
 
 #include "inbetween/path/path.hpp"
 #include "inbetween/timing/frame_time.hpp"
-#include "inbetween/timing/speed_profile.hpp"
+#include "inbetween/timing/key_timing.hpp"
+#include "inbetween/timing/track.hpp"
 
 /// Moves that are the same on every target, because they are constants of the program.
 
@@ -15,7 +16,8 @@ namespace inbetween::embedded {
 
 inline constexpr std::size_t max_keys = 8;
 inline constexpr std::size_t max_axes = 3;
-inline constexpr std::size_t max_values = 12;
+inline constexpr std::size_t max_values = 97;  ///< those that locked keys may refine a curve to
+inline constexpr std::size_t max_locks = 2;
 inline constexpr std::int32_t max_move_frames = 240;
 
 struct Move {
@@ -29,7 +31,11 @@ struct Move {
   std::span<const double> lap = {};
   std::span<const double> speed = {};
   CurveEnds ends = CurveEnds::natural;
-  std::span<const std::int32_t> key_frames = {};  ///< instead of a speed: curves over the frames
+  std::span<const KeyLock> locks = {};            ///< what keys ask of the drawn speed
+  std::span<const std::int32_t> key_frames = {};  ///< instead of a speed
+  Kinetic kinetic = Kinetic::curves;              ///< with key_frames
+  bool rests = true;                              ///< curves, at their ends
+  bool overshoot = true;
   std::int32_t frames = 24;
   FrameRate fps{24, 1};
   std::int32_t rate_hz = 100;
@@ -79,10 +85,26 @@ inline constexpr std::array far_speed{3.0, 3.0, 8.0, 1.0, 0.0, 0.0};
 inline constexpr std::array timed_keys{0.0, 0.0, 33.0, 21.0, 50.0, 21.0, 80.0, 5.0, 64.0, -12.0};
 inline constexpr std::array<std::int32_t, 5> key_frames{0, 11, 30, 37, 72};
 
+/// An eyelid: it shuts, stays shut, and opens.
+inline constexpr std::array lid_keys{0.0, 25.0, 25.0, -4.0, 6.0};
+
 /// Round and round: one axis goes on by a turn, the other comes back.
 inline constexpr std::array turning_keys{0.0, 0.0, 100.0, 7.5, 250.0, -3.0};
 inline constexpr std::array one_turn{360.0, 0.0};
 inline constexpr std::array turning_speed{8.0, 3.0, 9.0, 12.0, 8.0};
+inline constexpr std::array<std::int32_t, 4> turning_frames{0, 17, 31, 60};
+
+/// What keys may ask of a drawn speed: to be met on a frame, to rest there, to touch 0.
+inline constexpr std::array<KeyLock, 2> held_locks{
+    {{.key = 1, .frame = 19}, {.key = 3, .frame = 40, .hold = 9}}};
+inline constexpr std::array<KeyLock, 1> eased_locks{{{.key = 2, .ease = true}}};
+inline constexpr std::array<KeyLock, 2> loop_locks{{{.key = 0, .ease = true}, {.key = 2, .frame = 33}}};
+/// A line that comes back: with a touch at the turn.
+inline constexpr std::array nodding_keys{0.0, 30.0, -15.0, 5.0};
+inline constexpr std::array nodding_speed{0.0, 0.0, 6.0, 9.0, 7.0, 8.0, 5.0, 0.0, 0.0};
+/// The values of a pace, which a host has found, as a drawn speed.
+inline constexpr std::array pace_speed{0.0, 0.0,  1.25, 4.75, 11.5,  21.0, 30.25, 33.5, 24.0,
+                                       9.5, 3.75, 8.0,  19.5, 22.25, 12.0, 3.0,   0.0,  0.0};
 }  // namespace data
 
 inline constexpr std::array moves{
@@ -162,6 +184,61 @@ inline constexpr std::array moves{
          .speed = data::turning_speed,
          .ends = CurveEnds::periodic,
          .frames = 60},
+    Move{.name = "locked_and_held",
+         .axis_count = 2,
+         .keys = data::timed_keys,
+         .speed = data::nodding_speed,
+         .locks = data::held_locks,
+         .frames = 72},
+    Move{.name = "eased",
+         .axis_count = 1,
+         .keys = data::nodding_keys,
+         .speed = data::nodding_speed,
+         .locks = data::eased_locks,
+         .frames = 60},
+    Move{.name = "loop_with_locks",
+         .closed = true,
+         .axis_count = 2,
+         .keys = data::turning_keys,
+         .lap = data::one_turn,
+         .speed = data::turning_speed,
+         .ends = CurveEnds::periodic,
+         .locks = data::loop_locks,
+         .frames = 60},
+    Move{.name = "loop_of_curves",
+         .closed = true,
+         .axis_count = 2,
+         .keys = data::turning_keys,
+         .lap = data::one_turn,
+         .key_frames = data::turning_frames,
+         .rests = false,
+         .frames = 60},
+    Move{.name = "no_overshoot",
+         .axis_count = 2,
+         .keys = data::timed_keys,
+         .speed = data::nodding_speed,
+         .overshoot = false,
+         .frames = 72},
+    Move{.name = "curves_without_overshoot",
+         .axis_count = 1,
+         .keys = data::lid_keys,
+         .key_frames = data::key_frames,
+         .overshoot = false,
+         .frames = 72},
+    Move{.name = "monotone",
+         .axis_count = 2,
+         .keys = data::timed_keys,
+         .key_frames = data::key_frames,
+         .kinetic = Kinetic::monotone,
+         .frames = 72},
+    Move{.name = "linear_in_time",
+         .spline = Spline::linear,
+         .axis_count = 2,
+         .keys = data::timed_keys,
+         .key_frames = data::key_frames,
+         .kinetic = Kinetic::linear,
+         .frames = 72},
+    Move{.name = "pace", .axis_count = 2, .keys = data::timed_keys, .speed = data::pace_speed, .frames = 72},
 };
 
 }  // namespace inbetween::embedded
