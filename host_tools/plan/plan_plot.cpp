@@ -59,6 +59,21 @@ void sample_curve(const SpeedProfile<double>& profile, PlotTrack& plot) {
   }
 }
 
+/// How many samples between two frames look smooth where so many frames are shown.
+int samples_per_frame(std::int32_t frames) {
+  return std::clamp(smooth_samples / frames, 1, max_samples_per_frame);
+}
+
+void sample_speed(const Track<double>& track, PlotTrack& plot) {
+  const int samples = samples_per_frame(track.frames());
+  for (std::int32_t frame = 0; frame < track.frames(); ++frame) {
+    for (int i = 0; i < samples; ++i) {
+      plot.speed_line.push_back(track.along({frame, static_cast<double>(i) / samples}).speed);
+    }
+  }
+  plot.speed_line.push_back(track.along({track.frames(), 0}).speed);
+}
+
 /// Where the speed is 0, a distance is passed at many moments: a locked key is on its own frame.
 void take_holds(const KeyTiming<double>& timing, std::int32_t frames, PlotTrack& plot) {
   plot.key_holds.assign(plot.key_frames.size(), 0);
@@ -80,6 +95,8 @@ PlotTrack plot_of_track(const Plan& plan, std::size_t index) {
   if (track.has_profile()) {
     sample_curve(track.profile(), plot);
     plot.control_values = solved.control_values();
+  } else {
+    sample_speed(track, plot);
   }
   plot.tangents.resize(axes);
   for (std::int32_t frame = 0; frame <= track.frames(); ++frame) {
@@ -154,8 +171,7 @@ PlotMove plot_of(const Plan& plan) {
   plot.frames = plan.move().frames;
   plot.first_frame = plan.played().first_frame();
   plot.last_frame = plan.played().last_frame();
-  const std::int32_t frames_shown = plot.last_frame - plot.first_frame;
-  const int samples = std::clamp(smooth_samples / frames_shown, 1, max_samples_per_frame);
+  const int samples = samples_per_frame(plot.last_frame - plot.first_frame);
   std::vector<std::vector<std::size_t>> axes_of_tracks;
   for (const MoveTrack& track : plan.move().tracks) axes_of_tracks.emplace_back(track.axes.size());
   for (std::size_t a = 0; a < plan.axes().size(); ++a) {

@@ -163,9 +163,9 @@ void require_consistent(const PlotTrack& track, const PlotMove& move) {
   require(track.curve.size() != 1, "curve needs two samples");
   require(track.key_holds.empty() || track.key_holds.size() == track.key_frames.size(),
           "key_holds needs a number for each key, or none");
-  for (const auto* values :
-       {&track.key_frames, &track.key_holds, &track.control_values, &track.curve, &track.speed}) {
-    require_finite(*values, "key_frames, control_values, curve and speed");
+  for (const auto* values : {&track.key_frames, &track.key_holds, &track.control_values, &track.curve,
+                             &track.speed, &track.speed_line}) {
+    require_finite(*values, "key_frames, control_values, curve, speed and speed_line");
   }
 }
 

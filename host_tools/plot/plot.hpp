@@ -37,6 +37,9 @@ struct PlotTrack {
   std::vector<double> curve;              // phi sampled evenly over a in [0, f]; empty with control_values
   std::string speed_unit;                 // "mm/s"; "" when unknown
   std::vector<double> speed;              // N + 1, unit/s along the path
+  /// The speed of a track without a curve, with even steps between the frames; empty: straight from frame to
+  /// frame.
+  std::vector<double> speed_line = {};
 };
 
 /// x, y and z in the world, m.

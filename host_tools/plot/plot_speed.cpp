@@ -88,13 +88,14 @@ void draw_control_values(Canvas& canvas, const std::vector<double>& values, cons
 // Speed alone, over frames: a track that is timed by frames has no curve.
 void draw_plain_speed(Canvas& canvas, const Box& panel, const Box& area, const PlotMove& move,
                       const PlotTrack& track, Color color) {
-  const Range range = widened({0, range_of(track.speed).high}, 0);
+  const std::vector<double>& line = track.speed_line.empty() ? track.speed : track.speed_line;
+  const Range range = widened({0, range_of(line).high}, 0);
   const Scale y({std::min(0.0, range.low), range.high * 1.06}, area.bottom(), area.y);
-  const Scale frame({0, static_cast<double>(move.frames)}, area.x, area.right());
+  const Scale sample({0, static_cast<double>(line.size() - 1)}, area.x, area.right());
   const TickLabels labels = draw_left_ticks(canvas, area, y);
   draw_frames_below(canvas, area, move);
   draw_key_lines(canvas, area, move, track);
-  canvas.polyline(series_line(track.speed, frame, y), {color, 2});
+  canvas.polyline(series_line(line, sample, y), {color, 2});
   draw_heading(canvas, {panel.x, panel.y + 14}, "Speed",
                axis_title("along the path", speed_unit(track), labels) + "; vertical: keys", panel.width);
 }

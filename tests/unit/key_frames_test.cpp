@@ -4,9 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "host_tools/plan/plan_plot.hpp"
+#include "tests/support/places.hpp"
 #include "tests/support/run_program.hpp"
 #include "tests/support/temporary_file.hpp"
 
@@ -256,6 +259,16 @@ TEST(KeyFrames, AFitKeepsAnEasedEndAndWritesTheCurveThatIsPlayed) {
 }
 
 // --- overshoot
+
+TEST(KeyFrames, TheSpeedIsDrawnBetweenFramesToo) {
+  const Plan plan(read_move_file(in_checkout("examples/blink.toml")), std::nullopt, {});
+  const PlotTrack plot = plot_of(plan).tracks.front();
+  ASSERT_EQ(plot.speed_line.size() - 1, (plot.speed.size() - 1) * 32);
+  for (std::size_t frame = 0; frame < plot.speed.size(); ++frame) {
+    EXPECT_NEAR(plot.speed_line[32 * frame], plot.speed[frame], 1e-9);
+  }
+  EXPECT_NEAR(plot.speed_line[16], plot.speed[1] / 4, 1e-9) << "from rest the speed rises with its square";
+}
 
 TEST(KeyFrames, WithoutOvershootAHeldEyeStaysWhereItIs) {
   const std::string two = "name = \"eyes\"\nfps = 24\nframes = 96\n[[track]]\naxes = [\"x\", \"y\"]\n";
