@@ -50,13 +50,12 @@ class AxisRefusals {
     const double above = highest.value - limits_.max;
     if (below <= 0 && above <= 0) return;
     const Peak<double>& worst = below > above ? lowest : highest;
-    refuse(
-        place_,
-        fmt::format("axis {} would go to {} {} at frame {:.2f}, outside {}..{} of the rig {}; move its keys "
-                    "inward",
-                    in_quotes(axis_.name), worst.value, axis_.unit, worst.frame, limits_.min, limits_.max,
-                    in_quotes(rig_.name)),
-        false);
+    refuse(place_,
+           fmt::format(
+               "axis {} would go to {} {} at frame {:.2f}, outside {} of the rig {}; move its keys inward",
+               in_quotes(axis_.name), worst.value, axis_.unit, worst.frame, range_in_words(limits_),
+               in_quotes(rig_.name)),
+           false);
   }
 
   /// The largest step of this axis, and how many there are beside it.
@@ -99,8 +98,9 @@ class AxisRefusals {
     if (largest.step == nullptr) return;
     const auto [step, most] = told_apart(largest.step->acceleration,
                                          limits_.max_acceleration_step.value_or(0), Digits::significant, 6);
-    const std::string rule = limits_.max_acceleration_step ? "max_acceleration_step is " + most
-                                                           : std::string("max_jerk allows no step");
+    const std::string rule = limits_.max_acceleration_step
+                                 ? fmt::format("max_acceleration_step is {} {}/s^2", most, axis_.unit)
+                                 : "max_jerk allows no step";
     refuse(place_of(*largest.step),
            fmt::format("axis {} would step by {} {}/s^2 at {}, and {}; {}", in_quotes(axis_.name), step,
                        axis_.unit, largest.where(), rule, remedy_of(*largest.step)),
@@ -132,13 +132,14 @@ class AxisRefusals {
   void add_peak(const CheckedPeak& peak, std::string_view limit, std::string_view per) {
     if (!peak.is_exceeded()) return;
     const auto [value, most] = told_apart(peak.value, *peak.limit, Digits::significant, 6);
-    refuse(place_,
-           fmt::format("axis {} would reach {} {}{} at frame {:.2f}, and {} is {}; {}", in_quotes(axis_.name),
-                       value, axis_.unit, per, peak.frame, limit, most,
-                       track_.timing == Timing::speed
-                           ? "give the move more frames, or draw a flatter speed curve there"
-                           : "give the move more frames there"),
-           true);
+    refuse(
+        place_,
+        fmt::format("axis {} would reach {} {}{} at frame {:.2f}, and {} is {} {}{}; {}",
+                    in_quotes(axis_.name), value, axis_.unit, per, peak.frame, limit, most, axis_.unit, per,
+                    track_.timing == Timing::speed
+                        ? "give the move more frames, or draw a flatter speed curve there"
+                        : "give the move more frames there"),
+        true);
   }
 
   [[nodiscard]] static bool is_start(const CheckedStep& step) { return step.frame <= 0; }
@@ -183,13 +184,13 @@ std::string_view name_of(RollEnd end) {
   return end == RollEnd::before ? "pre-roll" : "post-roll";
 }
 
-/// How far beyond its limit, in words: "would go to -3 mm at frame -12.00, outside 0..1500".
+/// How far beyond its limit, in words: "would go to -3 mm at frame -12.00, outside 0..1500 mm".
 std::string breach_in_words(const RollBreach<double>& breach, const RigAxis& axis) {
   const std::string_view unit = to_string(axis.unit);
   const auto [value, most] = told_apart(breach.value, breach.limit, Digits::significant, 6);
   const auto beyond = [&, &value = value, &most = most](std::string_view per, std::string_view limit) {
-    return fmt::format("would reach {} {}{} at frame {:.2f}, and {} is {}", value, unit, per, breach.frame,
-                       limit, most);
+    return fmt::format("would reach {} {}{} at frame {:.2f}, and {} is {} {}{}", value, unit, per,
+                       breach.frame, limit, most, unit, per);
   };
   switch (breach.quantity) {
     case RollQuantity::velocity:
@@ -201,8 +202,8 @@ std::string breach_in_words(const RollBreach<double>& breach, const RigAxis& axi
     case RollQuantity::position:
       break;
   }
-  return fmt::format("would go to {} {} at frame {:.2f}, outside {:g}..{:g}", value, unit, breach.frame,
-                     axis.min, axis.max);
+  return fmt::format("would go to {} {} at frame {:.2f}, outside {}", value, unit, breach.frame,
+                     range_in_words(axis));
 }
 
 /// An axis that starts on its limit and moves away from it has no room, however slow it is.
@@ -241,19 +242,22 @@ void refuse_roll(const Plan& plan, const RollObstacle& obstacle, CheckReport& re
           ? fmt::format("{} the speed curve with 0, 0, at rest{}", starts ? "begin" : "end",
                         room ? ", or give the move more frames" : ", or move the key inward")
           : std::string(room ? "give the move more frames" : "move the key inward");
-  report.refusals.push_back({track.speed_places.empty() ? plan.place_of(index)
-                             : starts                   ? track.speed_places.front()
-                                                        : track.speed_places.back(),
-                             fmt::format("the move {} moving, and on a {} of {} frames axis {} {}; {}",
-                                         starts ? "starts" : "ends", name_of(obstacle.end), breach.frames,
-                                         in_quotes(axis.name), breach_in_words(breach, axis), remedy),
-                             room});
+  report.refusals.push_back(
+      {track.speed_places.empty() ? plan.place_of(index)
+       : starts                   ? track.speed_places.front()
+                                  : track.speed_places.back(),
+       fmt::format("the move {} moving, and on a {} of {} axis {} {}; {}", starts ? "starts" : "ends",
+                   name_of(obstacle.end), counted(breach.frames, "frame"), in_quotes(axis.name),
+                   breach_in_words(breach, axis), remedy),
+       room});
 }
 
 void refuse_stop(const Plan& plan, const StopObstacle<double>& obstacle, CheckReport& report) {
   const std::size_t index = plan.axis_of(static_cast<std::size_t>(obstacle.axis));
   const CheckedAxis& axis = report.axes[index];
   const bool by_jerk = obstacle.quantity == StopQuantity::jerk;
+  const std::string_view per = by_jerk ? "/s^3" : "/s^2";
+  const std::string_view limit = by_jerk ? "stop_jerk" : "stop_acceleration";
   // A bound of a stretch may be above the one of the whole move, which is nearer to the truth.
   const double peak = by_jerk ? axis.jerk.value : axis.acceleration.value;
   const auto [value, most] =
@@ -263,10 +267,9 @@ void refuse_stop(const Plan& plan, const StopObstacle<double>& obstacle, CheckRe
   report.refusals.push_back(
       {plan.place_of(index),
        fmt::format("axis {} could not be stopped at frame {:.2f}: the motion alone takes {} {}{} there, "
-                   "and {} is {}; give the move more frames, or raise {}",
-                   in_quotes(axis.name), obstacle.frame, value, axis.unit, by_jerk ? "/s^3" : "/s^2",
-                   by_jerk ? "stop_jerk" : "stop_acceleration", most,
-                   by_jerk ? "stop_jerk" : "stop_acceleration"),
+                   "and {} is {} {}{}; give the move more frames, or raise {}",
+                   in_quotes(axis.name), obstacle.frame, value, axis.unit, per, limit, most, axis.unit, per,
+                   limit),
        true});
 }
 

@@ -43,10 +43,10 @@ int say_where_axes_stand(const GotoArguments& arguments) {
     if (position < rig.axes[a].min || position > rig.axes[a].max) {
       throw InputError(
           rig.axes[a].place,
-          fmt::format("axis {} cannot stand at {:.15g} {}: it goes from {:.15g} to {:.15g}; say where "
-                      "it stands, or correct min and max in the rig",
-                      in_quotes(name), position, to_string(rig.axes[a].unit), rig.axes[a].min,
-                      rig.axes[a].max));
+          fmt::format(
+              "axis {} cannot stand at {:.15g} {}, outside {}; say where it stands, or correct min and "
+              "max in the rig",
+              in_quotes(name), position, to_string(rig.axes[a].unit), range_in_words(rig.axes[a])));
     }
     stands.push_back({.axis = a, .position = position});
   }
@@ -113,7 +113,7 @@ int goto_command(const GotoArguments& arguments) {
     throw UsageError("nobody is at a terminal who could agree; add --yes");
   }
   if (arguments.setup.allow_jitter && arguments.share > jitter_share) {
-    throw UsageError("with --allow-jitter --speed is 0.1 at most");
+    throw UsageError("with --allow-jitter --speed is 0.1 at most; lower it");
   }
   return go(arguments);
 }

@@ -26,7 +26,7 @@ void print_outside(const RigFile& rig, const std::vector<std::size_t>& axes,
   for (const std::size_t a : axes) {
     const RigAxis& axis = rig.axes[a];
     if (positions[a] >= axis.min && positions[a] <= axis.max) continue;
-    fmt::print("  {} is outside its limits {:g}..{:g}; {}\n", axis.name, axis.min, axis.max,
+    fmt::print("  {} is outside its limits {}; {}\n", axis.name, range_in_words(axis),
                way_back_inside(rig, a, positions[a]));
   }
 }

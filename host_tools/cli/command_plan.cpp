@@ -53,9 +53,9 @@ void print_plan_summary(const Plan& plan, std::FILE* out) {
     const SolvedTrack<double>& solved = plan.tracks()[t];
     const Provenance<double>& made = solved.table().provenance();
     const std::string unit = plan.length_unit(t);
-    fmt::print(out, "  {}: {} keys, length {:.6g}{}{}; ", comma_separated(move.tracks[t].axes),
-               move.tracks[t].keys.size(), solved.track().arc_length().total(), unit.empty() ? "" : " ",
-               unit);
+    fmt::print(out, "  {}: {}, length {:.6g}{}{}; ", comma_separated(move.tracks[t].axes),
+               counted(static_cast<std::int64_t>(move.tracks[t].keys.size()), "key"),
+               solved.track().arc_length().total(), unit.empty() ? "" : " ", unit);
     if (!solved.track().has_profile()) {
       fmt::print(out, "timed by the frames of its keys\n");
       continue;

@@ -134,7 +134,8 @@ std::int32_t read_counts(const TomlValue& value, const RigAxis& axis) {
   const double counts = std::round(value.number() * std::get<Cia402Drive>(axis.drive).counts_per_unit);
   const double max = std::numeric_limits<std::int32_t>::max();
   if (std::fabs(counts) > max) {
-    value.refuse(fmt::format("is {:.15g} counts of the drive; write a position within {:.15g}", counts, max));
+    value.refuse(
+        fmt::format("is {:.15g} counts of the drive; write a position within {:.15g} counts", counts, max));
   }
   return static_cast<std::int32_t>(counts);
 }

@@ -63,8 +63,8 @@ double read_scale(const TomlTable& table, std::string_view field, const RigAxis&
     const double position = end * scale;
     if (std::abs(std::round(position)) > max) {
       value.refuse(
-          fmt::format("is {}, so that {} {} is {:.15g} {}, beyond {:.15g}; lower the scale or the range",
-                      scale, end, to_string(axis.unit), position, counted, max));
+          fmt::format("is {}, so that {} {} is {:.15g} {}, beyond {:.15g} {}; lower the scale or the range",
+                      scale, end, to_string(axis.unit), position, counted, max, counted));
     }
   }
   return scale;
@@ -135,7 +135,7 @@ void read_step_rate(const TomlTable& table, const TomlValue& scale, const RigAxi
   if (!(fastest <= drive.max_step_rate)) {
     scale.refuse(
         fmt::format("is {}, so that max_velocity = {} {}/s is {:.15g} steps/s, more than "
-                    "max_step_rate = {}{}; lower max_velocity or the microstepping, or raise "
+                    "max_step_rate = {} steps/s{}; lower max_velocity or the microstepping, or raise "
                     "max_step_rate if the driver and this computer can do it",
                     drive.steps_per_unit, axis.max_velocity, to_string(axis.unit), fastest,
                     drive.max_step_rate, rate ? "" : " (the default)"));

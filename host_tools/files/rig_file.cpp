@@ -335,6 +335,10 @@ std::string named(const RigAxis& axis) {
   return "axis " + in_quotes(axis.name);
 }
 
+std::string range_in_words(const RigAxis& axis) {
+  return fmt::format("{}..{} {}", axis.min, axis.max, to_string(axis.unit));
+}
+
 Place place_of_bus(const RigFile& rig, const std::string& name) {
   const auto found = std::ranges::find(rig.buses, name, &Bus::name);
   return found != rig.buses.end() ? found->place : Place{rig.path, 0, 0};

@@ -141,6 +141,8 @@ struct RigAxis {
 
 /// `axis "pan"`.
 std::string named(const RigAxis& axis);
+/// `-90..90 deg`.
+std::string range_in_words(const RigAxis& axis);
 
 struct Camera {
   OutputLine shutter;

@@ -20,9 +20,9 @@ std::vector<GoTarget> go_targets(const RigFile& rig, const std::map<std::string,
     const RigAxis& axis = rig.axes[a];
     if (position < axis.min || position > axis.max) {
       throw LimitError(axis.place,
-                       fmt::format("axis {} would go to {} {}, outside its limits {}..{}; go to a "
-                                   "position between them",
-                                   in_quotes(name), position, to_string(axis.unit), axis.min, axis.max));
+                       fmt::format("axis {} would go to {} {}, outside its limits {}; go to a position "
+                                   "between them",
+                                   in_quotes(name), position, to_string(axis.unit), range_in_words(axis)));
     }
     targets.push_back({.axis = a, .position = position});
   }

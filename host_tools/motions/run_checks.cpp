@@ -21,8 +21,8 @@ void refuse_beyond_highest_rate(const Plan& plan, const CheckReport& report, dou
   if (top_rate <= std::max(report.highest_rate, 1.0)) return;
   throw LimitError(
       plan.move().frames_place,
-      fmt::format("at {:g} times the drawn speed the move leaves the limits of the rig; up to {:.3f} "
-                  "times it does not",
+      fmt::format("at {:g} times the drawn speed the move leaves the limits of the rig; lower --top-rate to "
+                  "{:.3f} or less",
                   top_rate, std::floor(report.highest_rate * 1000) / 1000));
 }
 
@@ -39,10 +39,10 @@ void refuse_positions_beyond_limits(const Plan& plan) {
       const RigAxis& axis = plan.rig()->axes[a];
       throw LimitError(
           plan.place_of(a),
-          fmt::format("axis {} would go to {} {} at frame {:.2f}, outside {}..{} of the rig {}; "
-                      "move its keys inward",
+          fmt::format("axis {} would go to {} {} at frame {:.2f}, outside {} of the rig {}; move its keys "
+                      "inward",
                       in_quotes(axis.name), positions[d], to_string(axis.unit), when.frame + when.fraction,
-                      axis.min, axis.max, in_quotes(plan.rig()->name)));
+                      range_in_words(axis), in_quotes(plan.rig()->name)));
     }
   }
 }
@@ -85,9 +85,9 @@ std::vector<GoTarget> away_from_start(const Plan& plan, std::span<const double> 
     const double tolerance = start_tolerance(axis.max_acceleration, 1.0 / rig.rate_hz, count_of(axis.drive));
     if (std::fabs(target - actual[a]) <= tolerance) continue;
     if (actual[a] < axis.min || actual[a] > axis.max) {
-      throw InputError(axis.place, fmt::format("{} stands at {:.10g} {}, outside its limits {}..{}; {}",
-                                               named(axis), actual[a], to_string(axis.unit), axis.min,
-                                               axis.max, way_back_inside(rig, a, actual[a])));
+      throw InputError(axis.place, fmt::format("{} stands at {:.10g} {}, outside its limits {}; {}",
+                                               named(axis), actual[a], to_string(axis.unit),
+                                               range_in_words(axis), way_back_inside(rig, a, actual[a])));
     }
     away.push_back({.axis = a, .position = target});
   }

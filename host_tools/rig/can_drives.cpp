@@ -116,12 +116,12 @@ void refuse_overloaded_buses(const RigFile& rig) {
       if (drive != nullptr && drive->bus == bus.name) ++use.drives;
     }
     if (use.drives == 0 || can::check_bus_load(use)) continue;
-    throw InputError(
-        bus.place,
-        fmt::format("the {} drives on bus {} need {:.1f} % of its {} bit/s at {} Hz, and {} % "
-                    "may be used; lower rate_hz, or spread them over more buses ({} fit)",
-                    use.drives, in_quotes(bus.name), static_cast<double>(can::bus_load_per_mille(use)) / 10,
-                    use.bitrate, use.rate_hz, can::bus_load_limit_percent, can::max_drives(use)));
+    throw InputError(bus.place,
+                     fmt::format("the {} on bus {} need {:.1f} % of its {} bit/s at {} Hz, and {} % "
+                                 "may be used; lower rate_hz, or spread them over more buses ({} fit)",
+                                 counted(use.drives, "drive"), in_quotes(bus.name),
+                                 static_cast<double>(can::bus_load_per_mille(use)) / 10, use.bitrate,
+                                 use.rate_hz, can::bus_load_limit_percent, can::max_drives(use)));
   }
 }
 
@@ -194,8 +194,10 @@ std::string CanDrives::bus_trouble() const {
   }
   for (std::size_t l = 0; l < lanes_.size(); ++l) {
     if (!port_->is_unsent(l)) continue;
-    return fmt::format("bus {} does not take frames ({} lost); are its drives on and its cable plugged in?",
-                       in_quotes(buses_[l].name), port_->counters(l).unsent);
+    return fmt::format(
+        "bus {} does not take frames ({} lost); look whether its drives are on and its cable is "
+        "plugged in",
+        in_quotes(buses_[l].name), counted(port_->counters(l).unsent, "frame"));
   }
   return "";
 }

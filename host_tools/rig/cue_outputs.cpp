@@ -178,8 +178,10 @@ std::string CueOutputs::trouble() const {
                          in_quotes(chip.label), *late_us);
     }
   }
-  if (counters().lost > 0) return fmt::format("{} pulses found no room in their tick", counters().lost);
-  return has_refused_ ? "an output did not take a pulse" : "";
+  if (const auto lost = static_cast<std::int64_t>(counters().lost); lost > 0) {
+    return fmt::format("{} found no room in a tick; let fewer begin at once", counted(lost, "pulse"));
+  }
+  return has_refused_ ? "an output did not take a pulse; look whether its chip is still there" : "";
 }
 
 bool CueOutputs::is_on(std::string_view line) const {

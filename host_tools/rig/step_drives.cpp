@@ -135,8 +135,10 @@ std::string StepDrives::trouble() const {
   }
   for (std::size_t lane = 0; lane < lanes_.size(); ++lane) {
     if (!lane_states_[lane].has_failed) continue;
-    return fmt::format("axis {} was to make more steps than its max_step_rate allows",
-                       in_quotes(rig_.axes[indices_[lane]].name));
+    return fmt::format(
+        "axis {} was to make more steps than its max_step_rate allows; lower its max_velocity, or "
+        "raise max_step_rate",
+        in_quotes(rig_.axes[indices_[lane]].name));
   }
   return "";
 }

@@ -82,7 +82,7 @@ TEST(CheckCommand, APeakJustAboveItsLimitIsShownWithTheDigitsThatDiffer) {
   const ProgramRun run = run_program({"check", reveal, "--rig", rig.path().string()});
   EXPECT_EQ(run.status, 3);
   EXPECT_THAT(run.err, HasSubstr(fmt::format("would reach {:.9g} mm/s at frame", peak)));
-  EXPECT_THAT(run.err, HasSubstr(fmt::format("and max_velocity is {:.9g}; ", peak * (1 - 1e-9))));
+  EXPECT_THAT(run.err, HasSubstr(fmt::format("and max_velocity is {:.9g} mm/s; ", peak * (1 - 1e-9))));
 }
 
 TEST(CheckCommand, AMoveThatDoesNotFitIsStatus3AndEveryReasonIsALine) {
@@ -92,7 +92,7 @@ TEST(CheckCommand, AMoveThatDoesNotFitIsStatus3AndEveryReasonIsALine) {
   EXPECT_EQ(run.status, 3);
   EXPECT_THAT(run.err, StartsWith(file + ":8:11: error: axis \"slide\" would reach "));
   EXPECT_THAT(run.err, HasSubstr(" mm/s at frame "));
-  EXPECT_THAT(run.err, HasSubstr(", and max_velocity is 500; give the move more frames"));
+  EXPECT_THAT(run.err, HasSubstr(", and max_velocity is 500 mm/s; give the move more frames"));
   EXPECT_THAT(run.out,
               testing::ContainsRegex("\ndoes not fit in 48 frames; [0-9]+ frames would do, [0-9]+ frames "
                                      "with another speed curve of as many control values\n$"));
@@ -297,7 +297,8 @@ TEST(CheckCommand, AMoveThatCouldNotBeStoppedInsideItsLimitsIsRefused) {
   const ProgramRun refused = check_on("792.06");
   EXPECT_EQ(refused.status, 3) << refused.out;
   EXPECT_THAT(refused.err, HasSubstr("axis \"slide\" could not be stopped at frame"));
-  EXPECT_THAT(refused.err, HasSubstr("and stop_acceleration is 792.06; give the move more frames, or raise"));
+  EXPECT_THAT(refused.err,
+              HasSubstr("and stop_acceleration is 792.06 mm/s^2; give the move more frames, or raise"));
   // Named is the peak of the motion itself, and no bound of a stretch that is above it.
   const ProgramRun loose = check_on("900.0");
   const std::string words = "the motion alone takes ";

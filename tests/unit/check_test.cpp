@@ -115,8 +115,9 @@ TEST(Check, LimitsOfAPositionAreInclusive) {
   const CheckReport report = check_of(with(line, "200", "200.001") + gently);
   ASSERT_THAT(report.refusals, SizeIs(1));
   ASSERT_FALSE(report.fits());
-  EXPECT_THAT(report.refusals[0].message,
-              StartsWith("axis \"x\" would go to 200.001 mm at frame 192.00, outside -100..200 of the rig"));
+  EXPECT_THAT(
+      report.refusals[0].message,
+      StartsWith("axis \"x\" would go to 200.001 mm at frame 192.00, outside -100..200 mm of the rig"));
   EXPECT_EQ(report.refusals[0].place.line, 5U);
   EXPECT_FALSE(report.refusals[0].slower_helps);
 }

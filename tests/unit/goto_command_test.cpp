@@ -140,7 +140,7 @@ TEST(GotoCommand, WrongUsageIsOneLineWithStatus2) {
 TEST(GotoCommand, NobodySaysThatAnAxisStandsWhereItCannot) {
   const Stage stage;
   expect_refused(stage.go({"--stands-at", "pan=9999"}), 1,
-                 {"axis \"pan\" cannot stand at 9999 deg: it goes from"});
+                 {"axis \"pan\" cannot stand at 9999 deg, outside "});
 }
 
 TEST(GotoCommand, ItsHelpTeachesIt) {

@@ -184,7 +184,7 @@ TEST(RigGpio, AnAxisIsNoFasterThanItsDriveMayStep) {
                          "max_step_rate = 10000 (the default)", "lower max_velocity or the microstepping"});
   EXPECT_EQ(slide_drive(changed("-80", "100")).steps_per_unit, 100) << "exactly the highest rate";
   expect_change_refused("steps_per_unit = -80", "max_step_rate = 7999, steps_per_unit = @-80",
-                        {"is 8000 steps/s, more than max_step_rate = 7999;"});
+                        {"is 8000 steps/s, more than max_step_rate = 7999 steps/s;"});
 }
 
 TEST(RigGpio, PulseAndPausePermitTheHighestRate) {
