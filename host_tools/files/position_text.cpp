@@ -81,17 +81,9 @@ bool read_axis(std::string_view line, KeptPositions& positions) {
 std::string to_text(const KeptPositions& positions) {
   std::string text = fmt::format("{}{}\nrig {:016x} {}\n", title, version, positions.identity, positions.rig);
   for (const KeptAxis& axis : positions.axes) {
-    switch (axis.rest) {
-      case AxisRest::unreferenced:
-        text += fmt::format("unreferenced {}\n", axis.name);
-        break;
-      case AxisRest::moving:
-        text += fmt::format("moving {}\n", axis.name);
-        break;
-      case AxisRest::at:
-        text += fmt::format("at {} {}\n", axis.position, axis.name);
-        break;
-    }
+    std::string rest = axis.rest == AxisRest::moving ? "moving" : "unreferenced";
+    if (axis.rest == AxisRest::at) rest = fmt::format("at {}", axis.position);
+    text += fmt::format("{} {}\n", rest, axis.name);
   }
   return text + sum_line(text);
 }

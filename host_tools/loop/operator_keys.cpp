@@ -1,6 +1,15 @@
 #include "host_tools/loop/operator_keys.hpp"
 
 namespace inbetween {
+namespace {
+
+/// Nothing moves any more, and nobody has acknowledged why.
+bool is_stopped(SupervisorState state) {
+  return state == SupervisorState::latched || state == SupervisorState::faulted ||
+         state == SupervisorState::cut_off;
+}
+
+}  // namespace
 
 bool OperatorKeys::press(TransportKey key) {
   words_ = "";
@@ -26,30 +35,13 @@ bool OperatorKeys::press(TransportKey key) {
 
 void OperatorKeys::note(const LoopTick& tick) {
   has_lost_time_ = has_lost_time_ || tick.lost_time;
-  switch (tick.state) {
-    case SupervisorState::stopping:
-    case SupervisorState::latched:
-    case SupervisorState::faulted:
-    case SupervisorState::cut_off:
-      was_stopped_ = true;
-      return;
-    default:
-      return;
-  }
+  was_stopped_ = was_stopped_ || tick.state == SupervisorState::stopping || is_stopped(tick.state);
 }
 
 bool OperatorKeys::has_left() const {
-  switch (loop_.state()) {
-    case SupervisorState::running:
-    case SupervisorState::stopping:
-      return false;
-    case SupervisorState::latched:
-    case SupervisorState::faulted:
-    case SupervisorState::cut_off:
-      return wants_to_leave_ || !is_attended_;
-    default:
-      return wants_to_leave_;
-  }
+  const SupervisorState state = loop_.state();
+  if (state == SupervisorState::running || state == SupervisorState::stopping) return false;
+  return wants_to_leave_ || (is_stopped(state) && !is_attended_);
 }
 
 }  // namespace inbetween

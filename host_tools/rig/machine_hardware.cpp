@@ -63,17 +63,8 @@ std::vector<LineAddress> lines_of(const RigFile& rig) {
   return lines;
 }
 
-gpio::Bias bias_of(Bias bias) {
-  switch (bias) {
-    case Bias::pull_up:
-      return gpio::Bias::pull_up;
-    case Bias::pull_down:
-      return gpio::Bias::pull_down;
-    case Bias::none:
-      break;
-  }
-  return gpio::Bias::none;
-}
+// In the order of Bias.
+constexpr std::array biases = {gpio::Bias::pull_up, gpio::Bias::pull_down, gpio::Bias::none};
 
 class SocketLink final : public BusLink {
  public:
@@ -157,7 +148,8 @@ class InputsOfChip final : public ChipInputs {
     std::vector<gpio::InputLine> wanted;
     for (const InputLine* const input : lines) {
       if (input->active == Level::low) levels_ |= std::uint64_t{1} << wanted.size();
-      wanted.push_back({.line = choice_of(input->address.line), .bias = bias_of(input->bias)});
+      wanted.push_back(
+          {.line = choice_of(input->address.line), .bias = biases.at(static_cast<std::size_t>(input->bias))});
     }
     const Place& first = lines.front()->address.place;
     gpio::GpioChip machine;

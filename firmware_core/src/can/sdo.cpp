@@ -111,14 +111,8 @@ SdoMessage read_toggle(SdoKind kind, const Frame& frame) {
   return {.kind = kind, .toggle = (frame.data[0] & toggle_bit) != 0};
 }
 
-SdoMessage read_done(const Frame& frame) {
-  SdoMessage message = read_object(SdoKind::download_done, frame);
-  message.value = 0;
-  return message;
-}
-
-SdoMessage read_upload(const Frame& frame) {
-  SdoMessage message = read_object(SdoKind::upload, frame);
+SdoMessage read_without_value(SdoKind kind, const Frame& frame) {
+  SdoMessage message = read_object(kind, frame);
   message.value = 0;
   return message;
 }
@@ -187,7 +181,7 @@ std::optional<SdoMessage> read_sdo_request(const Frame& frame) {
     case Command::download:
       return read_begin(SdoKind::download, SdoKind::announce_download, frame);
     case Command::upload:
-      return read_upload(frame);
+      return read_without_value(SdoKind::upload, frame);
     case Command::ask_segment:
       return read_toggle(SdoKind::ask_segment, frame);
     case Command::abort:
@@ -206,7 +200,7 @@ std::optional<SdoMessage> read_sdo_answer(const Frame& frame) {
     case Reply::upload:
       return read_begin(SdoKind::upload_value, SdoKind::announce_upload, frame);
     case Reply::download_done:
-      return read_done(frame);
+      return read_without_value(SdoKind::download_done, frame);
     case Reply::abort:
       return read_object(SdoKind::abort, frame);
   }
