@@ -136,7 +136,7 @@ void SimulatedCia402Drive::receive(const can::Frame& frame) {
   if (nmt_ == NmtState::operational) hear_pdo(frame);
 }
 
-/// Supervised from its first heartbeat on, not from its boot-up message.
+/// The drive supervises the host from its first heartbeat on, not from its boot-up message.
 void SimulatedCia402Drive::hear_host(const can::Frame& frame) {
   const std::uint32_t entry = objects_.value(0x1016, 1);
   const std::uint32_t host = entry >> 16;

@@ -12,7 +12,7 @@ namespace {
 using can::Cia402State;
 using Kind = DriveTrouble::Kind;
 
-/// Short against the 30 Hz of the position controller.
+/// The motor is integrated in steps that are short against the 30 Hz of the position controller.
 constexpr std::int64_t step_ns = 250'000;
 constexpr std::uint8_t error_of_profile = 0x21;
 

@@ -22,9 +22,9 @@ class SimulatedMotor {
 
   SimulatedMotor(const Settings& settings, double position) : settings_(settings), position_(position) {}
 
-  /// `seconds` further, following the demand.
+  /// Moves for `seconds` and follows the demand.
   void follow(const Demand& demand, double seconds);
-  /// `seconds` further without current.
+  /// Moves for `seconds` without current.
   void coast(double seconds);
   /// Somebody moves it by hand.
   void put(double position);

@@ -16,7 +16,7 @@ std::int64_t nanoseconds(double seconds) {
   return std::llround(seconds * second_ns);
 }
 
-/// By Hermite's cubic; `share` of the time between both.
+/// Interpolates by Hermite's cubic at `share` of the time between both.
 double position_between(const Setpoint<double>& from, const Setpoint<double>& to, double seconds,
                         double share) {
   const double way = to.position - from.position;

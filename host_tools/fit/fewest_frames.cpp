@@ -11,7 +11,7 @@ namespace inbetween {
 namespace {
 
 constexpr int stretches_per_segment = 64;
-/// As a share of the largest position of an axis. A smaller turn counts as rounding: the axis goes on.
+/// A turn smaller than this share of the largest position of an axis counts as rounding: the axis goes on.
 constexpr double turn_rounding = 1e-9;
 /// The bound is lowered by this share for the rounding of its sums.
 constexpr double sum_rounding = 1e-9;

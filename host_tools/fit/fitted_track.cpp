@@ -11,7 +11,7 @@ namespace {
 
 /// Reading the new curve may change a control value by this share of the largest one, by rounding.
 constexpr double reading_rounding = 1e-7;
-/// As a share of Phi(f). Nothing moves between two locks with a smaller Phi between them.
+/// Nothing moves between two locks with less Phi between them than this share of Phi(f).
 constexpr double still_share = 1e-12;
 /// A control value influences the curve this far on either side. Reading a curve brings every value to rest
 /// that is nearer to a hold than `hold_reach`.

@@ -98,7 +98,7 @@ Vector3<double> vector_of(const std::array<double, 3>& v) {
   return {v[0], v[1], v[2]};
 }
 
-/// About the fixed axes x, then y, then z.
+/// Turns about the fixed axes x, then y, then z.
 Rotation3<double> rotation_of(const std::array<double, 3>& rpy) {
   return turned_about({0, 0, 1}, sine_cosine(rpy[2])) * turned_about({0, 1, 0}, sine_cosine(rpy[1])) *
          turned_about({1, 0, 0}, sine_cosine(rpy[0]));

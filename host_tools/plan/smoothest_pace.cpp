@@ -153,7 +153,7 @@ class PaceProgram {
       rows_.push_back(terms);
     }
   }
-  /// w v_p as a term of running sums.
+  /// Adds w v_p as a term of running sums.
   void add_value(std::size_t p, double w, std::vector<Term>& terms) const {
     terms.push_back({p, w / weight(p)});
     if (p > 0) terms.push_back({p - 1, -w / weight(p)});

@@ -71,7 +71,7 @@ class CueOutputs {
   struct Line : PulseLine {
     std::string chip;
   };
-  /// Lines first..first+lines-1 of lines_.
+  /// A chip has the lines first..first+lines-1 of lines_.
   struct Chip {
     std::string label;
     std::size_t first = 0, lines = 0;

@@ -92,7 +92,7 @@ struct PathPoint {
   Real t = 0;
 
   friend constexpr bool operator==(const PathPoint&, const PathPoint&) = default;
-  /// Before or at the same place.
+  /// Whether this place comes before the other, or is the same.
   [[nodiscard]] constexpr bool at_or_before(const PathPoint& other) const {
     return segment < other.segment || (segment == other.segment && t <= other.t);
   }

@@ -35,7 +35,7 @@ constexpr std::int64_t cyclic_bits_per_second(const BusUse& use) {
   return (sync + use.drives * drive) * use.rate_hz;
 }
 
-/// In thousandths of the bus, rounded up. Needs a bitrate > 0.
+/// Tells the load in thousandths of the bus, rounded up. Needs a bitrate > 0.
 constexpr std::int64_t bus_load_per_mille(const BusUse& use) {
   return (1000 * cyclic_bits_per_second(use) + use.bitrate - 1) / use.bitrate;
 }

@@ -27,7 +27,7 @@ enum class Cia402State : std::uint8_t {
 };
 inline constexpr std::size_t cia402_states = 9;
 
-/// By the masks 004F and 006F of the profile.
+/// Reads the state with the masks 004F and 006F of the profile.
 Cia402State state_of(std::uint16_t statusword);
 /// In words: "switched on".
 const char* name_of(Cia402State state);
@@ -92,7 +92,7 @@ struct InterpolationPeriod {
   std::int8_t index = 0;
   std::int32_t microseconds = 0;  ///< as in object 1006
 };
-/// Milliseconds where they suffice, else 10^-4 to 10^-6 s. Errors: out_of_range (the rate is not in
+/// Counts milliseconds where they suffice, else 10^-4 to 10^-6 s. Errors: out_of_range (the rate is not in
 /// 1..10'000 Hz), accuracy (the period is no whole number of microseconds, or not exact in 60C2).
 Result<InterpolationPeriod> interpolation_period(std::int64_t rate_hz);
 

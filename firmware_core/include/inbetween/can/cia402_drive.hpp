@@ -89,7 +89,7 @@ class Cia402Drive {
     return settings_.setup.host_timeout_ms * std::int64_t{1'000'000};
   }
 
-  // The wishes of the caller. False: not in this phase.
+  // The caller wishes these. They return false where the phase does not allow it.
   bool connect(std::int64_t now_ns) { return apply(DriveEvent::connect, now_ns); }
   /// Also refused while there are findings: acknowledge them first.
   bool enable(std::int64_t now_ns);
@@ -105,7 +105,7 @@ class Cia402Drive {
   /// Somebody has seen the findings. Those whose cause lasts come back with the next tick.
   void acknowledge();
 
-  /// A CANopen frame of this node.
+  /// Takes a CANopen frame of this node.
   void receive(const Frame& frame, std::int64_t now_ns);
   /// Somebody else has sent what only the host sends.
   void note_foreign_frame();
@@ -141,7 +141,7 @@ class Cia402Drive {
   [[nodiscard]] const DriveFindings& findings() const { return findings_; }
   /// Those of the last tick whose cause is still there.
   [[nodiscard]] const DriveFindings& lasting() const { return lasting_; }
-  /// The one that came first, of those not acknowledged.
+  /// Tells which came first of those that nobody has acknowledged.
   [[nodiscard]] std::optional<DriveFinding> first_finding() const { return first_finding_; }
   [[nodiscard]] const SetupRefusal& refusal() const { return runner_.refusal(); }
   /// The last that had a code: that an error is gone does not say which it was.

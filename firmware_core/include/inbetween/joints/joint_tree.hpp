@@ -77,7 +77,7 @@ class JointTree {
   static Result<JointTree> make(std::span<const Joint<Real>> joints, std::int32_t coordinate_count,
                                 std::span<Joint<Real>> memory);
 
-  /// One link each, in the same order.
+  /// Each joint has one link, in the same order.
   [[nodiscard]] std::span<const Joint<Real>> joints() const { return joints_; }
   [[nodiscard]] std::size_t coordinate_count() const { return coordinate_count_; }
 

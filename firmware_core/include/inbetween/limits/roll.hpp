@@ -17,8 +17,8 @@
 namespace inbetween {
 
 /// The longest roll that is looked for. 7 minutes at 24 frames a second, 10 s at 1000: who needs more has
-/// written a limit in the wrong unit, and is told so after milliseconds. Held by roll_test
-/// (ARollOfMinutesIsRefused).
+/// written a limit in the wrong unit, and is told so after milliseconds. A test holds it
+/// (roll_test, ARollOfMinutesIsRefused).
 inline constexpr std::int32_t max_roll_frames = 10'000;
 
 enum class RollEnd : std::uint8_t {
