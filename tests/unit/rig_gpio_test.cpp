@@ -179,9 +179,10 @@ TEST(RigGpio, StepTimesAreRoundedUpToNanoseconds) {
 // ---- steps
 
 TEST(RigGpio, AnAxisIsNoFasterThanItsDriveMayStep) {
-  expect_change_refused("-80", "@-101",
-                        {"steps_per_unit is -101, so that max_velocity = 100 mm/s is 10100 steps/s",
-                         "max_step_rate = 10000 (the default)", "lower max_velocity or the microstepping"});
+  expect_change_refused(
+      "-80", "@-101",
+      {"steps_per_unit is -101, so that max_velocity = 100 mm/s is 10100 steps/s",
+       "max_step_rate = 10000 steps/s (the default)", "lower max_velocity or the microstepping"});
   EXPECT_EQ(slide_drive(changed("-80", "100")).steps_per_unit, 100) << "exactly the highest rate";
   expect_change_refused("steps_per_unit = -80", "max_step_rate = 7999, steps_per_unit = @-80",
                         {"is 8000 steps/s, more than max_step_rate = 7999 steps/s;"});
