@@ -8,10 +8,13 @@
 #include <vector>
 
 #include "host_tools/plan/plan.hpp"
+#include "inbetween/base/hash.hpp"
 #include "tests/support/golden_table.hpp"
 #include "tests/support/oracle_table.hpp"
 #include "tests/support/places.hpp"
+#include "tests/support/run_program.hpp"
 #include "tests/support/solved_move.hpp"
+#include "tests/support/timing_kinds.hpp"
 
 namespace inbetween {
 namespace golden_test {
@@ -135,6 +138,23 @@ TEST_P(TimedGoldenTable, IsWhatThePlanDoesAndWhatTheOracleComputesToday) {
 
 INSTANTIATE_TEST_SUITE_P(Examples, TimedGoldenTable, testing::ValuesIn(timed_golden_examples()),
                          [](const auto& test) { return test.param; });
+
+/// The positions on every frame, to the last bit: a change of a line is a change of every such move. The
+/// failure shows the new lines.
+TEST(GoldenBits, EveryWayOfTimingHasThem) {
+  std::string lines;
+  for (const TimingKind& kind : timing_kinds()) {
+    const Plan plan(move_of(kind), std::nullopt, {});
+    Fnv1a hash;
+    std::vector<double> position(2);
+    for (std::int32_t frame = 0; frame <= plan.move().frames; ++frame) {
+      plan.tracks().front().track().positions({frame, 0}, position);
+      for (const double axis : position) hash.add(axis);
+    }
+    lines += fmt::format("{} {:016x}\n", kind.name, hash.value());
+  }
+  EXPECT_EQ(file_contents(in_checkout("tests/golden/timing_bits.txt")), lines);
+}
 
 }  // namespace golden_test
 }  // namespace inbetween
