@@ -161,6 +161,20 @@ TEST_F(RigLinesTest, TheSwitchesOfTheOtherEndAndOfTheOtherLevelAreHitToo) {
   EXPECT_TRUE(lines->homing_input(0).limit_hit);
 }
 
+TEST_F(RigLinesTest, ALimitSwitchThatIsNeverQuietStopsLikeOneThatIsHit) {
+  int ticks_until_hit = 0;
+  for (; ticks_until_hit < 20 && !lines->limit_hit(); ++ticks_until_hit) {
+    for (int i = 1; i <= 8; ++i) {
+      hardware->inputs().follow(1, i % 2 == 0 ? 80 : 95, now_ns + i * tick_ns / 8);
+    }
+    tick();
+  }
+  EXPECT_LT(ticks_until_hit, 20);
+  EXPECT_EQ(lines->trouble(),
+            "a limit switch of axis \"pan\" is never quiet (line 26 of chip \"head\"); look at its wire and "
+            "contact");
+}
+
 TEST_F(RigLinesTest, AnAxisThatStandsOnItsLimitSwitchAtFirstHasNotJustReachedIt) {
   lines.reset();
   stand({100, 99});

@@ -151,6 +151,22 @@ TEST_F(RigChanged, WhileTheRigMovesItGoesOnAndIsNotBegunAgainAfterAStop) {
   EXPECT_LE(looks, 3100);
 }
 
+TEST_F(RigChanged, BetweenTheAcknowledgementAndTheStartItIsNotBegunAgainEither) {
+  for (const bool changes : {false, true}) {
+    int looks = 0;
+    options_.audience.keys = [&]() -> std::string {
+      ++looks;
+      if (looks == 500) return "\x1b";
+      if (looks == 1500) return "a";
+      if (looks == 1600) has_changed_ = changes;
+      if (looks == 1700) return "\r";
+      if (looks == 6000) return "q";  // a move that is begun again has finished
+      return "";
+    };
+    EXPECT_EQ(run(plan_, options_).ending, changes ? Ending::stopped : Ending::finished);
+  }
+}
+
 TEST(RigWatch, SeesAnotherTextAndAFileThatHasGone) {
   const TemporaryFile rig("rig.toml", "one");
   const RigWatch watch(rig.path());

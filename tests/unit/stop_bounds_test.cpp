@@ -89,6 +89,14 @@ TEST(StopBounds, AJerkLimitMakesTheQuickestStopOfBothLimits) {
   EXPECT_NEAR(stop.seconds, 0.5 + 2.5, 0.06);
 }
 
+TEST(StopBounds, TheJerkThatIsToldIsAllThatTheLimitAllows) {
+  // The speed grows all the way: the jerk of every stop has a part by acceleration and change of the rate.
+  const auto solution = solved<double>({.axis_count = 1, .keys = line}, {5, 15}, 240);
+  const Stops<double> stops(move_of(solution), {stop_limits(1e5, std::optional(100.0))});
+  ASSERT_TRUE(stops.bounds.has_value());
+  EXPECT_NEAR(stops.peaks[0].jerk.value, 100, 1);
+}
+
 TEST(StopBounds, AHigherRateLeavesLessAndStopsLater) {
   const auto solution = solved<double>({.axis_count = 2, .keys = bend}, calm, 240);
   const std::vector<AxisLimits<double>> limits(2, stop_limits(2000.0, std::optional(20'000.0)));
