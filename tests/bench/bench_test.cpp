@@ -57,7 +57,7 @@ std::size_t register_bytes() {
 TEST(Bench, ItsKernelHasRoomForTheRegistersOfEveryProcessor) {
   const ProgramRun run = run_command(
       {"/bin/bash", "-euc",
-       "kernel=$(" + in_checkout("sim/bench/kernel") + "); cat \"${kernel%/*}/register_buffer_bytes\""});
+       "kernel=$('" + in_checkout("sim/bench/kernel") + "'); cat \"${kernel%/*}/register_buffer_bytes\""});
   ASSERT_EQ(run.status, 0) << run.err;
   const std::size_t room = std::stoul(run.out);
   EXPECT_GE(room, register_bytes()) << "write a larger register_buffer_bytes in sim/bench/kernel";
@@ -349,8 +349,8 @@ class BenchOfAnOrdinaryUser : public ::testing::Test {
 
   void SetUp() override {
     if (::geteuid() != 0) GTEST_SKIP() << "every other test here is this test already";
-    const std::string script = "cd '" + folder_.path().string() + "'; kernel=$(" +
-                               in_checkout("sim/bench/kernel") + "); cp -r \"${kernel%/*}\" . ; cp -r '" +
+    const std::string script = "cd '" + folder_.path().string() + "'; kernel=$('" +
+                               in_checkout("sim/bench/kernel") + "'); cp -r \"${kernel%/*}\" . ; cp -r '" +
                                in_checkout("sim/bench") + "' bench; chmod -R a+rX .";
     ASSERT_EQ(run_command({"/bin/bash", "-euc", script}).status, 0);
     ::setenv("INBETWEEN_BENCH_CACHE", folder_.path().c_str(), 1);

@@ -99,10 +99,10 @@ const std::vector<Ending>& endings() {
       {"a drive that starts anew", "$run", 4, fault("reboot", ""), {}, "", true},
       {"a heartbeat that stops", "$run", 4, fault("lose-heartbeat", "for = 0.5")},
       {"a drive that does not switch off", "$run", 4, fault("stay-on", ""), missing, "pan"},
-      {"a refused start", "$inbetween goto slide=10 --rig rig.toml --yes; ${run% --yes}", 1},
-      {"goto", "$inbetween goto slide=10 --rig rig.toml --yes", 0},
-      {"goto, stopped", "$inbetween goto slide=60 --rig rig.toml --yes & sleep 2; kill -INT $!; wait $!", 4},
-      {"jog", typed("sleep 2; printf q; sleep 1", "$inbetween jog slide --rig rig.toml"), 0},
+      {"a refused start", "inbetween goto slide=10 --rig rig.toml --yes; ${run% --yes}", 1},
+      {"goto", "inbetween goto slide=10 --rig rig.toml --yes", 0},
+      {"goto, stopped", "inbetween goto slide=60 --rig rig.toml --yes & sleep 2; kill -INT $!; wait $!", 4},
+      {"jog", typed("sleep 2; printf q; sleep 1", "inbetween jog slide --rig rig.toml"), 0},
       {"killed", killed("KILL", "2"), 128 + 9, "", missing},
   };
   return all;
@@ -112,7 +112,7 @@ const std::vector<Ending>& endings() {
 /// drives.
 std::string script_of(std::size_t number, const Ending& ending) {
   const std::string drives =
-      "$inbetween sim-drives --rig rig.toml --record record" + std::to_string(number) +
+      "inbetween sim-drives --rig rig.toml --record record" + std::to_string(number) +
       (ending.faults.empty() ? "" : " --faults faults" + std::to_string(number) + ".toml");
   return fmt::format(
       "{} 2>power & drives=$!\nuntil_true grep -q power power\n"
@@ -142,8 +142,7 @@ class CanEnding : public testing::Test {
     write("rig.toml", rig);
     write("move.toml", move);
     std::string script = "echo -1 >/proc/sys/kernel/sched_rt_runtime_us\ncd " + folder.path().string() +
-                         "\nset +e\ninbetween=" + in_build("inbetween") +
-                         "\nrun=\"$inbetween run move.toml --rig rig.toml --yes\"\nexport inbetween run\n"
+                         "\nset +e\nexport run=\"inbetween run move.toml --rig rig.toml --yes\"\n"
                          "mkfifo hold; sleep 100000 >hold & export -f until_true\n";
     for (std::size_t round = 0; round < rounds; ++round) {
       const Ending& ending = endings()[round % endings().size()];

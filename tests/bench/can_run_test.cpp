@@ -96,8 +96,8 @@ TEST(CanRun, BusOffCeasesSetpointsAndErrorPassiveDoesNot) {
 
 // docs/faults.md 15
 TEST(CanRun, AfterAKilledRunTheNextOneSetsEverythingUpAnewAndGoesToTheStartSlowly) {
-  const Scene scene("sleep 7; kill -KILL $run; sleep 3; " + in_build("inbetween") + " run " + move +
-                    " --rig " + rig + " --yes && echo played again");
+  const Scene scene("sleep 7; kill -KILL $run; sleep 3; " + BusScene::run_command() +
+                    " --yes && echo played again");
   EXPECT_THAT(scene.run.out, HasSubstr("played again")) << scene.run.err;
   EXPECT_THAT(scene.run.err, HasSubstr("the rig is not where the move starts"));
   EXPECT_THAT(scene.drives, HasSubstr(",1640000."));
@@ -154,8 +154,7 @@ TEST(CanRun, WithoutTheRightsOfARealTimeProgramNothingIsArmed) {
 
 // docs/faults.md 42
 TEST(CanRun, ASecondInstanceIsRefused) {
-  const std::string second = std::string("sleep 5; ") + in_build("inbetween") + " run " + move + " --rig " +
-                             rig + " && exit 99 || true";
+  const std::string second = "sleep 5; " + BusScene::run_command() + " && exit 99 || true";
   const Scene scene(second);
   EXPECT_EQ(scene.run.status, 0) << scene.run.err;
   EXPECT_THAT(scene.run.err, HasSubstr("another inbetween uses bus can0; end it first"));
@@ -163,15 +162,15 @@ TEST(CanRun, ASecondInstanceIsRefused) {
 
 // docs/faults.md 22
 TEST(CanRun, DrivesThatAreNotThereAreNamedAndNothingIsSwitchedOn) {
-  const ProgramRun run = script_in_bench({"--vcan", "can0", "--virtual-time", "--timeout", "200"},
-                                         "echo -1 >/proc/sys/kernel/sched_rt_runtime_us\n" +
-                                             in_build("inbetween") + " run " + move + " --rig " + rig);
+  const ProgramRun run =
+      script_in_bench({"--vcan", "can0", "--virtual-time", "--timeout", "200"},
+                      "echo -1 >/proc/sys/kernel/sched_rt_runtime_us\n" + BusScene::run_command());
   EXPECT_EQ(run.status, 4) << run.err;
   EXPECT_THAT(run.out, HasSubstr("axis \"slide\""));
 }
 
 TEST(CanRun, ABusThatIsNotThereIsSaidAtItsPlaceInTheRig) {
-  const ProgramRun run = script_in_bench({}, in_build("inbetween") + " run " + move + " --rig " + rig);
+  const ProgramRun run = script_in_bench({}, BusScene::run_command());
   EXPECT_EQ(run.status, 1) << run.err;
   EXPECT_THAT(run.err, HasSubstr("camera_rig.toml:"));
   EXPECT_THAT(run.err, HasSubstr("can0"));

@@ -9,7 +9,7 @@ commands=0
 
 try() { # try COMMAND
   commands=$((commands + 1))
-  bash -c "${1//build\/release\/inbetween/$program}" >/dev/null && return
+  bash -c "${1//build\/release\/inbetween/\"$program\"}" >/dev/null && return
   printf 'FAILED: %s\n' "$1"
   failures=$((failures + 1))
 }

@@ -82,15 +82,15 @@ speed = [0, 0, 10, 10, 0, 0]
 
 struct LooseContacts : GpioScene {
   LooseContacts(const std::string& rig, const std::string& command, const std::string& during)
-      : GpioScene({.rig = rig,
-                   .move = long_move,
-                   .at_zero = {"x"},
-                   .command = command,
-                   .during = fmt::format("shake() {{ {} $chips/head {} {} & contacts=$!; }}\n{}",
-                                         in_build("tests/bench/inbetween_shake_lines"), first_contact,
-                                         contacts, during),
-                   .bench = {"--gpio", "head:56"},
-                   .lines = first_contact + 1}) {}
+      : GpioScene(
+            {.rig = rig,
+             .move = long_move,
+             .at_zero = {"x"},
+             .command = command,
+             .during = fmt::format("shake() {{ inbetween_shake_lines $chips/head {} {} & contacts=$!; }}\n{}",
+                                   first_contact, contacts, during),
+             .bench = {"--gpio", "head:56"},
+             .lines = first_contact + 1}) {}
 
   /// x went on until edges were lost, then it stopped, and nobody knows where it is.
   void expect_a_stop_when_edges_were_lost(std::int64_t ticks_to_stop) const {

@@ -104,10 +104,10 @@ struct HomeScene : GpioScene {
 
 TEST(GpioHome, AxesThatFindTheirSwitchesKnowToTheStepWhereTheyAre) {
   constexpr int switch_x = -150, switch_y = -260;
-  const std::string turn = in_build("tests/bench/inbetween_turn_switch");
-  const HomeScene scene(fmt::format("{0} $chips/head {1} {2} 6 {3} 4 & {0} $chips/head {4} {5} 7 {6} 4 &",
-                                    turn, step_x, dir_x, switch_x, step_y, dir_y, switch_y),
-                        "");
+  const HomeScene scene(
+      fmt::format("{0} $chips/head {1} {2} 6 {3} 4 & {0} $chips/head {4} {5} 7 {6} 4 &",
+                  "inbetween_turn_switch", step_x, dir_x, switch_x, step_y, dir_y, switch_y),
+      "");
   EXPECT_EQ(scene.run.status, 0) << scene.run.err;
   EXPECT_THAT(scene.run.out, HasSubstr("bench: the axes are home"));
   struct Axis {

@@ -123,11 +123,11 @@ TEST(GpioRun, TheStepsOnTheLinesAreThePlanInNumberDirectionAndTime) {
   const GpioRunScene scene("");
   ASSERT_EQ(scene.run.status, 0) << scene.run.err << scene.run.out;
   struct Axis {
-    unsigned step, dir;
+    unsigned step, dir, enable;
     int column;
     std::size_t steps;
   };
-  for (const Axis& axis : {Axis{step_x, dir_x, 2, 500}, Axis{step_y, dir_y, 3, 200}}) {
+  for (const Axis& axis : {Axis{step_x, dir_x, enable_x, 2, 500}, Axis{step_y, dir_y, enable_y, 3, 200}}) {
     const std::vector<std::int64_t> rises = scene.rises(axis.step);
     const std::vector<double> planned = planned_ns(scene, axis.column);
     ASSERT_EQ(planned.size(), axis.steps);
@@ -142,6 +142,7 @@ TEST(GpioRun, TheStepsOnTheLinesAreThePlanInNumberDirectionAndTime) {
     for (std::size_t i = 1; i < scene.record.size(); ++i) {
       if (scene.is_high(i, axis.step) && !scene.is_high(i - 1, axis.step)) {
         directions.push_back(scene.is_high(i, axis.dir));
+        ASSERT_TRUE(scene.is_high(i, axis.enable)) << "the drive is off at step " << directions.size();
       }
     }
     EXPECT_EQ(std::ranges::count(directions, directions.front()), static_cast<std::ptrdiff_t>(axis.steps));
@@ -211,16 +212,15 @@ TEST(GpioRun, ABusyLineNamesItsUserAndNothingIsSwitchedOn) {
                          (folder.path() / "positions").string(), "--set-zero", "x", "y"})
                 .status,
             0);
-  script +=
-      in_build("tests/bench/inbetween_watch_lines") + " $INBETWEEN_BENCH_GPIO/head 8 >record & watch=$!\n";
+  script += "inbetween_watch_lines $INBETWEEN_BENCH_GPIO/head 8 >record & watch=$!\n";
   for (const unsigned line : busy) {
     // Somebody who listens to the line has it, and leaves its level alone.
     script += fmt::format(
         "gpiomon --chip $chip --consumer lamp {0} >/dev/null & lamp=$!\n"
         "until_true eval 'gpioinfo --chip $chip {0} | grep -q lamp'\n"
-        "{1} run move.toml --rig rig.toml --positions positions 2>err{0} || echo $? >status{0}\n"
+        "inbetween run move.toml --rig rig.toml --positions positions 2>err{0} || echo $? >status{0}\n"
         "kill $lamp; wait $lamp || true\n",
-        line, in_build("inbetween"));
+        line);
   }
   const ProgramRun run =
       script_in_bench({"--gpio", "head:8", "--virtual-time"}, script + "sleep 0.5; kill $watch");
@@ -253,9 +253,9 @@ TEST(GpioRun, AStepRateBeyondTheDrivesIsRefusedAtItsPlaceInTheRig) {
   std::string text = rig_text;
   text.replace(text.find("max_velocity = 33"), 17, "max_velocity = 34");
   const TemporaryFile rig("rig.toml", text);
-  const ProgramRun run = script_in_bench(
-      {"--gpio", "head:8"},
-      fmt::format("{} run {} --rig {}", in_build("inbetween"), move.path().string(), rig.path().string()));
+  const ProgramRun run =
+      script_in_bench({"--gpio", "head:8"},
+                      fmt::format("inbetween run {} --rig {}", move.path().string(), rig.path().string()));
   EXPECT_EQ(run.status, 1);
   EXPECT_THAT(run.err, HasSubstr("rig.toml:"));
   EXPECT_THAT(run.err, HasSubstr("max_step_rate"));
@@ -272,7 +272,6 @@ TEST(GpioRun, AMixedRigPlaysOneMoveOnCanAndOnGpioTogether) {
     text.replace(at, 9, "\"none\"");
   }
   std::ofstream(rig) << text;
-  const std::string program = in_build("inbetween");
   // Shorter than the example's: the kernel of the bench watches the clock before every step.
   const std::string move = (folder.path() / "move.toml").string();
   std::ofstream(move) << R"(name = "a little"
@@ -291,9 +290,9 @@ speed = [0, 0, 10, 0, 0]
   EXPECT_EQ(run_program({"goto", "--rig", rig, "--positions", positions, "--set-zero", "focus"}).status, 0);
   const ProgramRun run = script_in_bench(
       {"--gpio", "pinctrl-bcm2711:54", "--vcan", "can0", "--virtual-time", "--timeout", "280"},
-      "echo -1 >/proc/sys/kernel/sched_rt_runtime_us\nsleep 1\n" + program + " sim-drives --rig " + rig +
+      "echo -1 >/proc/sys/kernel/sched_rt_runtime_us\nsleep 1\ninbetween sim-drives --rig " + rig +
           " --from track=200 --record " + record + " 2>" + err + " & drives=$!\nuntil_true grep -q power " +
-          err + "\nstatus=0; " + program + " run " + move + " --rig " + rig + " --positions " + positions +
+          err + "\nstatus=0; inbetween run " + move + " --rig " + rig + " --positions " + positions +
           " --yes --json - || status=$?\nkill -TERM $drives; wait $drives; exit $status");
   EXPECT_EQ(run.status, 0) << run.err << run.out;
   const std::string drives = file_contents(record);

@@ -58,13 +58,13 @@ std::string BusScene::move() {
   return in_checkout("examples/reveal.toml");
 }
 std::string BusScene::run_command() {
-  return in_build("inbetween") + " run " + move() + " --rig " + rig();
+  return "inbetween run '" + move() + "' --rig '" + rig() + "'";
 }
 
 BusScene::BusScene(const BusSceneOptions& options) {
   const std::string record = (folder_.path() / "record.csv").string();
   const std::string err = (folder_.path() / "drives.txt").string();
-  std::string drives_command = in_build("inbetween") + " sim-drives --rig " + rig();
+  std::string drives_command = "inbetween sim-drives --rig '" + rig() + "'";
   for (const auto& [axis, position] : options.standing) {
     drives_command += fmt::format(" --from {}={}", axis, position);
   }
