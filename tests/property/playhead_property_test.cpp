@@ -8,14 +8,12 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/check/check.hpp"
 #include "host_tools/check/planned_stops.hpp"
 #include "host_tools/motions/staged_move.hpp"
 #include "inbetween/play/playhead.hpp"
+#include "tests/support/fitting_move.hpp"
 #include "tests/support/property.hpp"
-#include "tests/support/random_move.hpp"
 #include "tests/support/recorded_play.hpp"
-#include "tests/support/rig_near.hpp"
 
 /// Commands in any order at any time: the axes stay inside their stop limits, and a stop ends when it was
 /// foretold.
@@ -119,18 +117,9 @@ void play_at_random(const Plan& plan, const PlannedStops& stops, const CheckRepo
 TEST(PlayheadProperty, AnyCommandsAtAnyTimeKeepTheStopLimits) {
   Tried tried;
   check_property(many_sequences, [&] {
-    const RandomMove random = *regular_move();
-    const std::optional<MoveFile> move = for_a_rig(random);
-    if (!move) return;
-    const std::optional<RigFile> rig =
-        rig_near(*move, {.share = [] { return *rc::gen::inRange(102, 160) / 100.0; },
-                         .limits_jerk = *rc::gen::arbitrary<bool>(),
-                         .allows_steps = *rc::gen::arbitrary<bool>(),
-                         .rate_hz = *rc::gen::element(100, 250, 1000)});
-    if (!rig) return;
-    const Plan plan(*move, rig, {});
-    const CheckReport report = check(plan);
-    if (!report.fits()) return;
+    const std::optional<FittingMove> fitting = fitting_move(160);
+    if (!fitting) return;
+    const auto& [plan, report] = *fitting;
     const double rate = *rc::gen::arbitrary<bool>() ? std::clamp(report.highest_rate, 1.0, 1.3) : 1.0;
     const PlannedStops stops(plan, rate);
     if (stops.obstacle()) {
@@ -154,15 +143,6 @@ TEST(PlayheadProperty, AnyCommandsAtAnyTimeKeepTheStopLimits) {
 }
 
 // --- what is no stop
-
-/// The same rig, on which a stop may use no more than the motion.
-RigFile without_stop_limits(RigFile rig) {
-  for (RigAxis& axis : rig.axes) {
-    axis.stop_acceleration = axis.max_acceleration;
-    axis.stop_jerk = axis.max_jerk;
-  }
-  return rig;
-}
 
 struct Gentle {
   int played = 0;
@@ -240,17 +220,9 @@ void play_gently(StagedMove& staged, const Plan& held_to, const CheckReport& rep
 TEST(PlayheadProperty, WhatIsNoStopKeepsTheMotionLimits) {
   Gentle tried;
   check_property(many_sequences, [&] {
-    const std::optional<MoveFile> move = for_a_rig(*regular_move());
-    if (!move) return;
-    const std::optional<RigFile> rig =
-        rig_near(*move, {.share = [] { return *rc::gen::inRange(102, 300) / 100.0; },
-                         .limits_jerk = *rc::gen::arbitrary<bool>(),
-                         .allows_steps = *rc::gen::arbitrary<bool>(),
-                         .rate_hz = *rc::gen::element(100, 250, 1000)});
-    if (!rig) return;
-    const Plan plan(*move, rig, {});
-    const CheckReport report = check(plan);
-    if (!report.fits()) return;
+    const std::optional<FittingMove> fitting = fitting_move(300);
+    if (!fitting) return;
+    const auto& [plan, report] = *fitting;
     const double rate = *rc::gen::arbitrary<bool>() ? std::clamp(report.highest_rate, 1.0, 1.3) : 1.0;
     std::unique_ptr<StagedMove> staged;
     try {
@@ -260,7 +232,7 @@ TEST(PlayheadProperty, WhatIsNoStopKeepsTheMotionLimits) {
       return;
     }
     ++tried.played;
-    play_gently(*staged, Plan(*move, without_stop_limits(*rig), {}), report, rate, tried);
+    play_gently(*staged, without_stop_limits(plan), report, rate, tried);
   });
   std::cout << tried.played << " moves played, " << tried.refused << " refused, " << tried.finished
             << " ends reached; at most " << tried.acceleration_share << " of the acceleration, "

@@ -9,27 +9,16 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/check/check.hpp"
 #include "host_tools/motions/run_checks.hpp"
+#include "tests/support/fitting_move.hpp"
 #include "tests/support/property.hpp"
-#include "tests/support/random_move.hpp"
 #include "tests/support/recorded_play.hpp"
-#include "tests/support/rig_near.hpp"
 
 namespace inbetween {
 namespace shoot_property_test {
 
 constexpr int many_shoots = 1000;
 constexpr int max_ticks = 60'000;
-
-/// The same rig, on which a stop may use no more than the motion: what a recorder of stops holds a shoot to.
-RigFile without_stop_limits(RigFile rig) {
-  for (RigAxis& axis : rig.axes) {
-    axis.stop_acceleration = axis.max_acceleration;
-    axis.stop_jerk = axis.max_jerk;
-  }
-  return rig;
-}
 
 ShootOptions shoot_of(const MoveFile& move) {
   ShootOptions options{.settle_s = 0, .exposure_s = 0.01};
@@ -86,18 +75,10 @@ void shoot_at_random(StagedMove& staged, const ShootSpec<double>& spec, const Pl
 TEST(ShootProperty, FrameByFrameAndInMotionTheMotionLimitsHold) {
   Tried tried;
   check_property(many_shoots, [&] {
-    const std::optional<MoveFile> move = for_a_rig(*regular_move());
-    if (!move) return;
-    const std::optional<RigFile> rig =
-        rig_near(*move, {.share = [] { return *rc::gen::inRange(102, 200) / 100.0; },
-                         .limits_jerk = *rc::gen::arbitrary<bool>(),
-                         .allows_steps = *rc::gen::arbitrary<bool>(),
-                         .rate_hz = *rc::gen::element(100, 250, 1000)});
-    if (!rig) return;
-    const Plan plan(*move, rig, {});
-    const CheckReport report = check(plan);
-    if (!report.fits()) return;
-    const ShootOptions options = shoot_of(*move);
+    const std::optional<FittingMove> fitting = fitting_move(200);
+    if (!fitting) return;
+    const auto& [plan, report] = *fitting;
+    const ShootOptions options = shoot_of(plan.move());
     std::unique_ptr<StagedMove> staged;
     try {
       staged = checked_move(plan, 1, Repeat::none, options);
@@ -107,8 +88,8 @@ TEST(ShootProperty, FrameByFrameAndInMotionTheMotionLimitsHold) {
     }
     ++tried.shot;
     if (options.shutter) ++tried.in_motion;
-    const Plan held_to(*move, without_stop_limits(*rig), {});
-    shoot_at_random(*staged, shoot_spec(options, rig->rate_hz), held_to, report, tried);
+    shoot_at_random(*staged, shoot_spec(options, plan.rig()->rate_hz), without_stop_limits(plan), report,
+                    tried);
   });
   std::cout << tried.shot << " moves shot, " << tried.in_motion << " of them in motion; " << tried.refused
             << " refused; at most " << tried.acceleration_share << " of the acceleration used\n";
