@@ -18,6 +18,7 @@ inline constexpr std::size_t max_keys = 8;
 inline constexpr std::size_t max_axes = 3;
 inline constexpr std::size_t max_values = 97;  ///< those that locked keys may refine a curve to
 inline constexpr std::size_t max_locks = 2;
+inline constexpr std::size_t max_pieces = 1120;  ///< of arc length; beside a rest they are short
 inline constexpr std::int32_t max_move_frames = 240;
 
 struct Move {

@@ -78,7 +78,7 @@ class SolvedMove {
   /// Of a path over frames: beside a rest.
   static constexpr std::size_t max_segments = 4 * max_keys;
 
-  TrackStorage<Real, max_segments, max_axes, max_values, 720> storage_;
+  TrackStorage<Real, max_segments, max_axes, max_values, max_pieces> storage_;
   std::array<FrameKnot, max_segments> knots_;
   std::array<KeyInterval<Real>, max_segments> key_intervals_;
   std::array<Real, max_keys * max_axes> keys_;

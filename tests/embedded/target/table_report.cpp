@@ -80,7 +80,7 @@ constexpr std::size_t max_portions = max_keys - 1;
 
 template <Precise Real>
 void hash_counts(const Track<double>& track, const Move& move) {
-  static CountTrackStorage<Real, max_axes, max_values, 560, max_portions> storage;
+  static CountTrackStorage<Real, max_axes, max_values, max_pieces, max_portions> storage;
   const std::array scale{move.counts_per_unit, -move.counts_per_unit, move.counts_per_unit / 7};
   const auto axes = static_cast<std::size_t>(move.axis_count);
   const auto counts = CountTrack<Real>::make(track, std::span(scale).first(axes), storage.memory());
