@@ -10,7 +10,7 @@
 
 #include "host_tools/plan/plan_plot.hpp"
 #include "tests/support/places.hpp"
-#include "tests/support/run_program.hpp"
+#include "tests/support/run_on.hpp"
 #include "tests/support/temporary_file.hpp"
 
 /// What an animator expects of keys, as the program's users meet it: keys on frames, turns that ease, holds
@@ -46,15 +46,6 @@ const std::string zoom =
     "timing = \"frames\"\n"
     "keys = [ {at=[10], frame=0}, {at=[11], frame=24}, {at=[30], frame=72}, {at=[32], frame=96} ]\n";
 
-ProgramRun check(const std::string& text, const std::vector<std::string>& more = {}) {
-  const TemporaryFile move_file("move.toml", text);
-  const TemporaryFile rig_file("rig.toml", rig);
-  std::vector<std::string> arguments = {"check", move_file.path().string(), "--rig",
-                                        rig_file.path().string()};
-  arguments.insert(arguments.end(), more.begin(), more.end());
-  return run_program(arguments);
-}
-
 Json planned(const std::string& text) {
   const TemporaryFile move_file("move.toml", text);
   const ProgramRun run = run_program({"plan", move_file.path().string(), "--json", "-"});
@@ -69,7 +60,7 @@ std::vector<double> positions(const Json& plan) {
 TEST(KeyFrames, APlainZoomOfFourKeysFits) {
   for (const char* way : {"", "kinetic = \"curves\"\n", "kinetic = \"pace\"\n"}) {
     const std::string text = move_of(way + zoom);
-    const ProgramRun run = check(text);
+    const ProgramRun run = run_on(rig, "check", text);
     EXPECT_EQ(run.status, 0) << way << run.err;
     EXPECT_THAT(run.out, HasSubstr("no step of velocity or acceleration")) << way;
     const std::vector<double> at = positions(planned(text));
@@ -83,11 +74,11 @@ TEST(KeyFrames, APlainZoomOfFourKeysFits) {
 
 TEST(KeyFrames, WhatStepsNamesCurvesAsTheRemedy) {
   for (const char* way : {"kinetic = \"monotone\"\n", "kinetic = \"linear\"\n"}) {
-    const ProgramRun run = check(move_of(way + zoom));
+    const ProgramRun run = run_on(rig, "check", move_of(way + zoom));
     EXPECT_EQ(run.status, 3) << way;
     EXPECT_THAT(run.err, HasSubstr("use kinetic = \"curves\"")) << way;
   }
-  const ProgramRun old = check(move_of("kinetic = \"smooth\"\n" + zoom));
+  const ProgramRun old = run_on(rig, "check", move_of("kinetic = \"smooth\"\n" + zoom));
   EXPECT_EQ(old.status, 1);
   EXPECT_THAT(old.err, HasSubstr("called \"monotone\""));
 }
@@ -109,15 +100,16 @@ TEST(KeyFrames, AKeyWrittenTwiceIsAHoldOnEveryPath) {
     const std::string text = move_of("spline = \"" + std::string(spline) + "\"\n" + keys);
     const std::vector<double> at = positions(planned(text));
     for (std::size_t frame = 30; frame <= 60; ++frame) EXPECT_EQ(at[frame], 20) << spline << " " << frame;
-    const ProgramRun run = check(text, {"--json", "-"});
+    const ProgramRun run = run_on(rig, "check", text, {"--json", "-"});
     const Json json = Json::parse(run.out);
     for (const auto& step : json["steps"]) EXPECT_EQ(step["velocity_step"], 0) << spline;
   }
-  EXPECT_EQ(check(move_of(keys)).status, 0);
+  EXPECT_EQ(run_on(rig, "check", move_of(keys)).status, 0);
 }
 
 TEST(KeyFrames, AnEndWithoutRestIsPassedAtASpeedWithARoll) {
-  const Json json = Json::parse(check(move_of("rest = \"end\"\n" + zoom), {"--json", "-"}).out);
+  const Json json =
+      Json::parse(run_on(rig, "check", move_of("rest = \"end\"\n" + zoom), {"--json", "-"}).out);
   EXPECT_TRUE(json["fits"]);
   const std::vector<double> moving = planned(move_of("rest = \"none\"\n" + zoom))["axes"][0]["velocity"];
   const std::vector<double> resting = planned(move_of(zoom))["axes"][0]["velocity"];
@@ -132,13 +124,13 @@ TEST(KeyFrames, AnEndWithoutRestIsPassedAtASpeedWithARoll) {
 TEST(KeyFrames, ANodOnOneAxisEasesAtItsTurningPoint) {
   const std::string keys =
       "keys = [ {at=[0]}, {at=[-15]}, {at=[0]} ]\nspeed = [0, 0, 10, 10, 10, 10, 10, 0, 0]\n";
-  const ProgramRun passed = check(move_of(keys, 48));
+  const ProgramRun passed = run_on(rig, "check", move_of(keys, 48));
   EXPECT_EQ(passed.status, 3);
   EXPECT_THAT(passed.err, HasSubstr("ease"));
   const std::string eased_keys =
       "keys = [ {at=[0]}, {at=[-15], ease=true}, {at=[0]} ]\nspeed = [0, 0, 10, 10, 10, 10, 10, 0, 0]\n";
   for (const std::string& text : {move_of("corners = \"ease\"\n" + keys, 48), move_of(eased_keys, 48)}) {
-    const ProgramRun run = check(text);
+    const ProgramRun run = run_on(rig, "check", text);
     EXPECT_EQ(run.status, 0) << run.err;
     const Json plan = planned(text);
     const std::vector<double> at = positions(plan);
@@ -150,8 +142,8 @@ TEST(KeyFrames, ANodOnOneAxisEasesAtItsTurningPoint) {
 TEST(KeyFrames, CornersEaseBetweenKeysToo) {
   const std::string keys =
       "keys = [ {at=[0]}, {at=[-15]}, {at=[3]}, {at=[0]} ]\nspeed = [0, 0, 10, 10, 10, 10, 10, 0, 0]\n";
-  EXPECT_EQ(check(move_of(keys, 48)).status, 3);
-  const ProgramRun run = check(move_of("corners = \"ease\"\n" + keys, 48));
+  EXPECT_EQ(run_on(rig, "check", move_of(keys, 48)).status, 3);
+  const ProgramRun run = run_on(rig, "check", move_of("corners = \"ease\"\n" + keys, 48));
   EXPECT_EQ(run.status, 0) << run.err;
 }
 
@@ -159,7 +151,7 @@ TEST(KeyFrames, ACornerWhoseKeyIsWrittenTwiceEasesOnce) {
   const std::string speed = "speed = [0, 0, 10, 10, 10, 10, 10, 0, 0]\ncorners = \"ease\"\n";
   const std::string once = move_of("keys = [ {at=[0]}, {at=[-15]}, {at=[0]} ]\n" + speed, 48);
   const std::string twice = move_of("keys = [ {at=[0]}, {at=[-15]}, {at=[-15]}, {at=[0]} ]\n" + speed, 48);
-  EXPECT_EQ(check(twice).status, 0) << check(twice).err;
+  EXPECT_EQ(run_on(rig, "check", twice).status, 0) << run_on(rig, "check", twice).err;
   const std::vector<double> expected = positions(planned(once));
   const std::vector<double> actual = positions(planned(twice));
   ASSERT_EQ(actual.size(), expected.size());
@@ -173,13 +165,13 @@ TEST(KeyFrames, AnEasedKeyIsLockedOnAKnotAndTheNearestFrameIsNamed) {
                        "}, {at=[0]} ]\nspeed = [0, 0, 10, 10, 10, 10, 10, 0, 0]\n",
                    51);
   };
-  const ProgramRun refused = check(locked(20));
+  const ProgramRun refused = run_on(rig, "check", locked(20));
   EXPECT_EQ(refused.status, 1);
   EXPECT_THAT(refused.err, HasSubstr("the nearest frame that is possible is "));
-  const ProgramRun even =
-      check(move_of("keys = [ {at=[0]}, {at=[-15], ease=true, frame=21}, {at=[0]} ]\n"
-                    "speed = [0, 0, 10, 10, 10, 10, 10, 0, 0]\n",
-                    48));
+  const ProgramRun even = run_on(rig, "check",
+                                 move_of("keys = [ {at=[0]}, {at=[-15], ease=true, frame=21}, {at=[0]} ]\n"
+                                         "speed = [0, 0, 10, 10, 10, 10, 10, 0, 0]\n",
+                                         48));
   EXPECT_EQ(even.status, 0) << even.err;
 }
 
@@ -188,8 +180,8 @@ TEST(KeyFrames, APaceEasesAtACornerOnItsFrame) {
       "timing = \"frames\"\nkinetic = \"pace\"\nkeys = [ {at=[0], frame=0}, {at=[-15], frame=31}, {at=[0], "
       "frame=96} "
       "]\n";
-  EXPECT_EQ(check(move_of(keys)).status, 3);
-  const ProgramRun run = check(move_of("corners = \"ease\"\n" + keys));
+  EXPECT_EQ(run_on(rig, "check", move_of(keys)).status, 3);
+  const ProgramRun run = run_on(rig, "check", move_of("corners = \"ease\"\n" + keys));
   EXPECT_EQ(run.status, 0) << run.err;
   EXPECT_NEAR(positions(planned(move_of("corners = \"ease\"\n" + keys)))[31], -15, 1e-9);
 }
@@ -204,7 +196,7 @@ TEST(KeyFrames, EaseInAndOutBringAPlainSpeedFromRestAndToRest) {
   const std::string keys = "keys = [ {at=[0]}, {at=[100]} ]\n";
   for (const char* speed : {"speed = [10]\n", "speed = [10, 10, 10, 10, 10]\n"}) {
     const std::string text = move_of(std::string("ease_in = 12\nease_out = 24\n") + keys + speed);
-    EXPECT_EQ(check(text).status, 0);
+    EXPECT_EQ(run_on(rig, "check", text).status, 0);
     const std::vector<double> v = velocities(text);
     EXPECT_EQ(v[0], 0);
     EXPECT_EQ(v[96], 0);
@@ -223,8 +215,8 @@ TEST(KeyFrames, RestWithoutAnEaseTakesADrawnSpan) {
   const std::vector<double> start = velocities(move_of("rest = \"start\"\n" + keys));
   EXPECT_EQ(start[0], 0);
   EXPECT_GT(start[96], 0);
-  EXPECT_EQ(check(move_of("rest = \"both\"\n" + keys)).status, 0);
-  const ProgramRun both_ways = check(move_of("rest = \"end\"\nease_in = 12\n" + keys));
+  EXPECT_EQ(run_on(rig, "check", move_of("rest = \"both\"\n" + keys)).status, 0);
+  const ProgramRun both_ways = run_on(rig, "check", move_of("rest = \"end\"\nease_in = 12\n" + keys));
   EXPECT_EQ(both_ways.status, 1);
   EXPECT_THAT(both_ways.err, HasSubstr("ease_in contradicts rest"));
 }
@@ -237,8 +229,8 @@ TEST(KeyFrames, ACurveThroughItsValuesHasThem) {
   for (std::size_t i = 0; i < values.size(); ++i) {
     EXPECT_NEAR(v[24 * i] / v[0], values[i] / 4, 1e-9) << i;
   }
-  const ProgramRun below =
-      check(move_of("through = true\nkeys = [ {at=[0]}, {at=[100]} ]\nspeed = [0, 0, 10, 0, 0]\n"));
+  const ProgramRun below = run_on(
+      rig, "check", move_of("through = true\nkeys = [ {at=[0]}, {at=[100]} ]\nspeed = [0, 0, 10, 0, 0]\n"));
   EXPECT_EQ(below.status, 1);
   EXPECT_THAT(below.err, HasSubstr("the curve through these values goes below 0"));
 }
@@ -248,14 +240,14 @@ TEST(KeyFrames, AFitKeepsAnEasedEndAndWritesTheCurveThatIsPlayed) {
   const std::string fitted = (folder.path() / "fitted.toml").string();
   const std::string text = move_of(
       "ease_in = 10\nease_out = 10\nkeys = [ {at=[0]}, {at=[20]}, {at=[320]} ]\nspeed = [2, 20, 2]\n", 56);
-  EXPECT_EQ(check(text).status, 3);
-  const ProgramRun run = check(text, {"--fit", fitted});
+  EXPECT_EQ(run_on(rig, "check", text).status, 3);
+  const ProgramRun run = run_on(rig, "check", text, {"--fit", fitted});
   EXPECT_EQ(run.status, 0) << run.err;
   EXPECT_THAT(file_contents(fitted), HasSubstr("ease_in = 0\nease_out = 0\n"));
   const std::vector<double> v = velocities(file_contents(fitted));
   EXPECT_EQ(v.front(), 0);
   EXPECT_EQ(v.back(), 0);
-  EXPECT_EQ(check(file_contents(fitted)).status, 0);
+  EXPECT_EQ(run_on(rig, "check", file_contents(fitted)).status, 0);
 }
 
 // --- overshoot

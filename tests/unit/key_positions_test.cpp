@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/support/run_program.hpp"
+#include "tests/support/run_on.hpp"
 #include "tests/support/temporary_file.hpp"
 
 /// Where a key is, as an author writes it: by name, in any unit, and as a direction of a rotary axis.
@@ -45,19 +45,9 @@ std::string move_of(const std::string& track) {
 const std::string both = "axes = [\"track\", \"pan\"]\nweights = [1, 1]\n";
 const std::string pan = "axes = [\"pan\"]\n";
 
-ProgramRun run_on_rig(const std::string& command, const std::string& text,
-                      const std::vector<std::string>& more = {}) {
-  const TemporaryFile move_file("move.toml", text);
-  const TemporaryFile rig_file("rig.toml", rig);
-  std::vector<std::string> arguments = {command, move_file.path().string(), "--rig",
-                                        rig_file.path().string()};
-  arguments.insert(arguments.end(), more.begin(), more.end());
-  return run_program(arguments);
-}
-
 /// Of an axis at every key of track 0.
 std::vector<double> keys_of(const std::string& text, std::size_t axis) {
-  const ProgramRun run = run_on_rig("plan", text, {"--json", "-"});
+  const ProgramRun run = run_on(rig, "plan", text, {"--json", "-"});
   EXPECT_EQ(run.status, 0) << run.err;
   std::vector<double> keys;
   if (run.status != 0) return keys;
@@ -70,7 +60,7 @@ std::vector<double> keys_of(const std::string& text, std::size_t axis) {
 }
 
 void expect_refused(const std::string& text, const std::string& words) {
-  const ProgramRun run = run_on_rig("plan", text);
+  const ProgramRun run = run_on(rig, "plan", text);
   EXPECT_EQ(run.status, 1) << text;
   EXPECT_THAT(run.err, HasSubstr(words));
   EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
@@ -186,19 +176,17 @@ TEST(KeyPositions, WhatADirectionDoesNotSayIsRefused) {
 TEST(KeyPositions, TurnsBeyondALimitAreRefusedBeforeAnythingMoves) {
   const std::string text =
       move_of(pan + "wrap = 360\nkeys = [{ at = [0] }, { at = [0], turns = 4 }]");  // the rig ends at 1080
-  const ProgramRun run = run_on_rig("run", text, {"--sim", "--fast"});
+  const ProgramRun run = run_on(rig, "run", text, {"--sim", "--fast"});
   EXPECT_EQ(run.status, 3);
   EXPECT_THAT(run.err, HasSubstr("1440"));
   EXPECT_EQ(run.out, "");
 }
 
 TEST(KeyPositions, TurnsThatADriveCannotCountAreRefusedWithTheRig) {
-  const TemporaryFile move_file("move.toml",
-                                move_of(pan + "wrap = 360\nkeys = [{ at = [0] }, { at = [90] }]"));
   std::string long_rig = rig;
   long_rig.replace(long_rig.find("max = 1080"), 10, "max = 36000000");
-  const TemporaryFile rig_file("rig.toml", long_rig);
-  const ProgramRun run = run_program({"check", move_file.path().string(), "--rig", rig_file.path().string()});
+  const ProgramRun run =
+      run_on(long_rig, "check", move_of(pan + "wrap = 360\nkeys = [{ at = [0] }, { at = [90] }]"));
   EXPECT_EQ(run.status, 1);
   EXPECT_THAT(run.err, HasSubstr("count"));
 }
@@ -207,7 +195,7 @@ TEST(KeyPositions, ARunGoesOnOverWholeTurns) {
   const TemporaryFolder folder;
   const std::string record = (folder.path() / "record.csv").string();
   const std::string text = move_of(pan + "wrap = 360\nkeys = [{ at = [0] }, { at = [0], turns = 2 }]");
-  const ProgramRun run = run_on_rig("run", text, {"--sim", "--fast", "--record", record});
+  const ProgramRun run = run_on(rig, "run", text, {"--sim", "--fast", "--record", record});
   EXPECT_EQ(run.status, 0) << run.err;
   EXPECT_THAT(run.out, HasSubstr("720.0000"));
 }
@@ -221,12 +209,12 @@ TEST(KeyPositions, AFitLeavesKeysByNameAsTheirAuthorWroteThem) {
       "{ at = { track = 40.5 }, unit = { track = \"ft\" } }, { at = { pan = 90 }, turns = { pan = 1 } }]";
   const std::string text = "name = \"move\"\nfps = 24\nframes = 150\n[[track]]\n" + both + keys +
                            "\nspeed = [0, 0, 1, 30, 1, 0, 0]\n";
-  const ProgramRun run = run_on_rig("check", text, {"--fit", fitted});
+  const ProgramRun run = run_on(rig, "check", text, {"--fit", fitted});
   ASSERT_EQ(run.status, 0) << run.err;
   const std::string written = file_contents(fitted);
   EXPECT_THAT(written, HasSubstr(keys));
   EXPECT_NE(written, text) << "the curve was to be fitted";
-  EXPECT_EQ(run_on_rig("check", written).status, 0);
+  EXPECT_EQ(run_on(rig, "check", written).status, 0);
 }
 
 }  // namespace key_positions_test

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "tests/support/places.hpp"
-#include "tests/support/run_program.hpp"
+#include "tests/support/run_on.hpp"
 #include "tests/support/temporary_file.hpp"
 
 /// Loops at speed: what a periodic move does at its seam, differentiated from what was sent to the drives.
@@ -40,9 +40,7 @@ max = 1000
 max_velocity = 1000
 max_acceleration = 4000
 drive = { type = "pipe", path = "/dev/null", counts_per_unit = 1000 }
-[[output]]
 )";
-const std::string plain_rig = rig.substr(0, rig.find("[[output]]"));
 
 /// A walk that is quicker on one side, in 48 frames a turn.
 std::string loop_of(const std::string& timing) {
@@ -74,16 +72,6 @@ const std::string eased_at_its_seam = changed(", ease = true", "", gentle);
 const std::string through = changed("", "", gentle + "through = true\n");
 const std::string cornered = changed("", "", gentle + "spline = \"linear\"\ncorners = \"ease\"\n");
 
-struct RigAndMove {
-  explicit RigAndMove(const std::string& text) : move("move.toml", text), rig_file("rig.toml", plain_rig) {}
-  ProgramRun run(const std::string& command, const std::vector<std::string>& more = {}) const {
-    std::vector<std::string> words = {command, move.path().string(), "--rig", rig_file.path().string()};
-    words.insert(words.end(), more.begin(), more.end());
-    return run_program(words);
-  }
-  TemporaryFile move, rig_file;
-};
-
 /// The column of a record, every tick.
 std::vector<double> column(const std::string& csv, const std::string& name) {
   std::istringstream lines(csv);
@@ -107,10 +95,10 @@ std::vector<double> column(const std::string& csv, const std::string& name) {
 struct Sent {
   std::vector<double> x, y;
 };
-Sent sent(const RigAndMove& files, const std::string& turns) {
+Sent sent(const std::string& move, const std::string& turns) {
   const TemporaryFolder folder;
   const std::string csv = (folder.path() / "ticks.csv").string();
-  const ProgramRun run = files.run("plan", {"--turns", turns, "--per", "tick", "--csv", csv});
+  const ProgramRun run = run_on(rig, "plan", move, {"--turns", turns, "--per", "tick", "--csv", csv});
   EXPECT_EQ(run.status, 0) << run.err;
   const std::string text = file_contents(csv);
   return {column(text, "x (mm)"), column(text, "y (mm)")};
@@ -134,9 +122,8 @@ TEST(PeriodicMove, RunsThroughItsSeamsForThreeTurnsWithoutAStep) {
   for (const std::string& text :
        {drawn, by_frames, locked, held, held_at_its_seam, eased, eased_at_its_seam, through, cornered}) {
     SCOPED_TRACE(text);
-    const RigAndMove files(text);
-    const Sent three = sent(files, "3");
-    const ProgramRun json = files.run("plan", {"--turns", "3", "--json", "-"});
+    const Sent three = sent(text, "3");
+    const ProgramRun json = run_on(rig, "plan", text, {"--turns", "3", "--json", "-"});
     ASSERT_EQ(json.status, 0) << json.err;
     const Json plan = Json::parse(json.out);
     const std::size_t roll =
@@ -166,9 +153,8 @@ TEST(PeriodicMove, RunsThroughItsSeamsForThreeTurnsWithoutAStep) {
 }
 
 TEST(PeriodicMove, HasOnePreRollAndOnePostRollAndItsStopsAreProvenAcrossTheSeams) {
-  const RigAndMove files(drawn);
-  const ProgramRun one = files.run("check", {"--json", "-"});
-  const ProgramRun three = files.run("check", {"--turns", "3", "--json", "-"});
+  const ProgramRun one = run_on(rig, "check", drawn, {"--json", "-"});
+  const ProgramRun three = run_on(rig, "check", drawn, {"--turns", "3", "--json", "-"});
   ASSERT_EQ(one.status, 0) << one.err;
   ASSERT_EQ(three.status, 0) << three.err;
   const Json of_one = Json::parse(one.out);
@@ -184,7 +170,7 @@ TEST(PeriodicMove, HasOnePreRollAndOnePostRollAndItsStopsAreProvenAcrossTheSeams
   }
   EXPECT_TRUE(of_three["steps"].empty());
   EXPECT_GT(of_three["stop"]["longest_s"].get<double>(), 0);
-  const ProgramRun run = files.run("run", {"--sim", "--fast", "--turns", "3"});
+  const ProgramRun run = run_on(rig, "run", drawn, {"--sim", "--fast", "--turns", "3"});
   EXPECT_EQ(run.status, 0) << run.err;
 }
 
@@ -246,10 +232,9 @@ std::vector<double> nearest_periodic(const std::vector<double>& wanted, const st
 }
 
 Json planned(const std::string& text, const std::vector<std::string>& more = {}) {
-  const RigAndMove files(text);
   std::vector<std::string> words = {"--json", "-"};
   words.insert(words.end(), more.begin(), more.end());
-  const ProgramRun run = files.run("plan", words);
+  const ProgramRun run = run_on(rig, "plan", text, words);
   EXPECT_EQ(run.status, 0) << run.err;
   return run.status == 0 ? Json::parse(run.out) : Json();
 }
@@ -330,7 +315,6 @@ TEST(PeriodicMove, ACurveThroughItsValuesHasThemAllRound) {
 TEST(PeriodicMove, IsFittedAndKeepsItsSeamSmooth) {
   for (const std::string& text : {drawn, locked, held_at_its_seam}) {
     SCOPED_TRACE(text);
-    const RigAndMove files(text);
     const Json before = planned(text);
     double peak = 0;  // between its ends: a roll takes as long as it needs
     for (const Json& axis : before["axes"]) {
@@ -339,30 +323,27 @@ TEST(PeriodicMove, IsFittedAndKeepsItsSeamSmooth) {
       }
     }
     // A rig on which it does not fit by a tenth.
-    std::string weak = plain_rig;
+    std::string weak = rig;
     const std::string limit = "max_acceleration = 4000";
     for (std::size_t at = weak.find(limit); at != std::string::npos; at = weak.find(limit)) {
       weak.replace(at, limit.size(), "max_acceleration = " + std::to_string(0.92 * peak));
     }
-    const TemporaryFile weak_rig("weak.toml", weak);
     const TemporaryFolder folder;
     const std::string fitted = (folder.path() / "fitted.toml").string();
-    const std::string rig_path = weak_rig.path().string();
-    EXPECT_EQ(run_program({"check", files.move.path().string(), "--rig", rig_path}).status, 3);
-    const ProgramRun fit =
-        run_program({"check", files.move.path().string(), "--rig", rig_path, "--fit", fitted});
+    EXPECT_EQ(run_on(weak, "check", text).status, 3);
+    const ProgramRun fit = run_on(weak, "check", text, {"--fit", fitted});
     ASSERT_EQ(fit.status, 0) << fit.err;
     for (const char* turns : {"1", "3"}) {
-      const ProgramRun check = run_program({"check", fitted, "--rig", rig_path, "--turns", turns});
+      const ProgramRun check = run_on(weak, "check", file_contents(fitted), {"--turns", turns});
       EXPECT_EQ(check.status, 0) << turns << check.err;
     }
-    const ProgramRun run = run_program({"plan", fitted, "--rig", rig_path, "--json", "-"});
+    const ProgramRun run = run_on(weak, "plan", file_contents(fitted), {"--json", "-"});
     const auto speed = Json::parse(run.out)["tracks"][0]["speed"].get<std::vector<double>>();
     EXPECT_EQ(speed.front(), speed.back());
     // Two turns: the acceleration changes at the seam between them as it does elsewhere.
     const std::string csv = (folder.path() / "ticks.csv").string();
-    const ProgramRun two = run_program(
-        {"plan", fitted, "--rig", rig_path, "--turns", "2", "--per", "tick", "--csv", csv, "--json", "-"});
+    const ProgramRun two = run_on(weak, "plan", file_contents(fitted),
+                                  {"--turns", "2", "--per", "tick", "--csv", csv, "--json", "-"});
     ASSERT_EQ(two.status, 0) << two.err;
     const Json plan = Json::parse(two.out);
     const std::size_t roll = plan["pre_roll"].is_object() ? plan["pre_roll"]["frames"].get<std::size_t>() : 0;
@@ -396,22 +377,21 @@ TEST(PeriodicMove, IsRefusedWhereItWouldStep) {
   refused(open, "needs a closed path");
   std::string plain = loop_of(keys + "speed = [8, 8]\n");
   plain.replace(plain.find("periodic = true"), 15, "periodic = false");
-  const RigAndMove files(plain);
-  const ProgramRun run = files.run("run", {"--sim", "--fast", "--turns", "2"});
+  const ProgramRun run = run_on(rig, "run", plain, {"--sim", "--fast", "--turns", "2"});
   EXPECT_EQ(run.status, 1);
   EXPECT_THAT(run.err, HasSubstr("only a periodic move has turns"));
 }
 
 TEST(PeriodicMove, IsShotInNFramesATurnOfWhichFrameNIsFrame0) {
-  const RigAndMove files(drawn);
   const ProgramRun once =
-      files.run("run", {"--sim", "--fast", "--step", "--settle", "0", "--exposure", "0.01"});
+      run_on(rig, "run", drawn, {"--sim", "--fast", "--step", "--settle", "0", "--exposure", "0.01"});
   EXPECT_THAT(once.out, HasSubstr("49 frames exposed")) << once.err;
-  const ProgramRun loop =
-      files.run("run", {"--sim", "--fast", "--step", "--loop", "--settle", "0", "--exposure", "0.01"});
+  const ProgramRun loop = run_on(
+      rig, "run", drawn, {"--sim", "--fast", "--step", "--loop", "--settle", "0", "--exposure", "0.01"});
   EXPECT_THAT(loop.out, HasSubstr("48 frames exposed")) << loop.err;
   const ProgramRun two =
-      files.run("run", {"--sim", "--fast", "--step", "--turns", "2", "--settle", "0", "--exposure", "0.01"});
+      run_on(rig, "run", drawn,
+             {"--sim", "--fast", "--step", "--turns", "2", "--settle", "0", "--exposure", "0.01"});
   EXPECT_THAT(two.out, HasSubstr("96 frames exposed")) << two.err;
 }
 
