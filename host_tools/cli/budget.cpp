@@ -8,6 +8,8 @@
 #include <string>
 
 #include "host_tools/files/diagnostics.hpp"
+#include "inbetween/can/bus_load.hpp"
+#include "inbetween/can/cia402_port.hpp"
 #include "inbetween/limits/roll.hpp"
 #include "inbetween/limits/stop_bounds.hpp"
 #include "inbetween/play/playhead.hpp"
@@ -72,6 +74,10 @@ std::array<std::optional<std::int64_t>, budget_object_count> bytes(const BudgetC
                 size(sizeof(PeakSlack<Real>) + sizeof(AxisTurn<Real>))),
       size(sizeof(Playhead<Real>)),
       (n.segments + 1) * size(sizeof(OdeSegment<Real>)),
+      n.axes * size(sizeof(can::Cia402Drive)),
+      size(sizeof(can::Cia402Bus)) +
+          n.axes * size(sizeof(can::Cia402Axis<Real>) + sizeof(can::PortDrive) + sizeof(std::int32_t)) +
+          size(can::frames_per_read(static_cast<std::size_t>(n.axes)) * sizeof(can::Frame)),
   };
   if (delta_of<Real>(capacity) < static_cast<double>(Precision<Real>::smallest_delta)) result[1] = {};
   if (n.locks == 0) result[4] = result[5] = {};
@@ -92,10 +98,12 @@ constexpr std::array<std::string_view, budget_object_count> object_names{
     "stop bounds, 256 cells",
     "  while they are made, more",
     "playhead",
-    "Runge-Kutta solver, more"};
+    "Runge-Kutta solver, more",
+    "CiA 402 drives, one for each axis",
+    "  their CAN bus, with its frames"};
 
 // These solve a move, or every tick calls them: the stack of another function is in neither of these.
-constexpr std::array<FunctionBudget, 15> stack{{
+constexpr std::array<FunctionBudget, 18> stack{{
     {"ArcLength::make", {3360, 2208}, {3680, 2208}},
     {"adjust_to_locks", {1024, 800}, {1632, 800}},
     {"Track::make", {608, 512}, {672, 512}},
@@ -111,6 +119,9 @@ constexpr std::array<FunctionBudget, 15> stack{{
     {"supervise", {32, 32}, {32, 32}},
     {"StepGenerator::advance", {1344, 960}, {1472, 960}},
     {"StepMerge::merge", {2240, 2240}, {2240, 2240}},
+    {"Cia402Drive::make", {8192, 8192}, {8192, 8192}},
+    {"Cia402Bus::tick", {384, 384}, {384, 384}},
+    {"Cia402Bus::receive", {288, 288}, {288, 288}},
 }};
 
 // The first line has the required numbers: 140 in double on a Cortex-M7, 130 in single precision on a
@@ -143,7 +154,42 @@ void print_limits(std::span<const FunctionBudget> limits, std::FILE* out) {
   }
 }
 
+can::BusUse bus_use(const BudgetCapacity& capacity, std::int64_t bitrate) {
+  return {.bitrate = bitrate, .rate_hz = capacity.rate_hz, .drives = capacity.axes};
+}
+
+void print_buses(const BudgetCapacity& capacity, std::FILE* out) {
+  const auto drives = static_cast<std::size_t>(capacity.axes);
+  const std::size_t cyclic = 2 * drives + 1;
+  fmt::print(out, "\nCAN bus with {} at {} Hz (--axes, --rate):\n", counted(capacity.axes, "CiA 402 drive"),
+             capacity.rate_hz);
+  fmt::print(out, "  frames in every tick: {} (SYNC, and of each drive a setpoint and a feedback)\n", cyclic);
+  fmt::print(out,
+             "  and at most: {} (besides, the heartbeat of the program, one message of set-up, and of each "
+             "drive a\n"
+             "    question and an answer whether it lives; the answer to the set-up, and emergencies)\n",
+             can::Cia402Bus::frames_per_tick(drives) + 3 * drives + 1);
+  fmt::print(out, "  {:<28}{:>24}{:>24}\n", "bit/s", "load at worst, %", "drives that fit");
+  for (const BusBudget& bus : bus_budgets(capacity)) {
+    fmt::print(out, "  {:<28}{:>24.1f}{:>24}\n", bus.bitrate, bus.load_percent, bus.max_drives);
+  }
+  fmt::print(out, "  at most {} % may be used; a rig that needs more is refused\n",
+             can::bus_load_limit_percent);
+}
+
 }  // namespace
+
+std::array<BusBudget, budget_bitrates> bus_budgets(const BudgetCapacity& capacity) {
+  std::array<BusBudget, budget_bitrates> buses;
+  constexpr std::array<std::int64_t, budget_bitrates> bitrates{125'000, 250'000, 500'000, 1'000'000};
+  for (std::size_t i = 0; i < buses.size(); ++i) {
+    const can::BusUse use = bus_use(capacity, bitrates.at(i));
+    buses.at(i) = {.bitrate = use.bitrate,
+                   .load_percent = static_cast<double>(can::bus_load_per_mille(use)) / 10,
+                   .max_drives = can::max_drives(use)};
+  }
+  return buses;
+}
 
 std::span<const FunctionBudget> stack_limits() {
   return stack;
@@ -191,6 +237,7 @@ void print_budget(const BudgetCapacity& capacity, std::FILE* out) {
   print_limits(stack_limits(), out);
   fmt::print(out, "\nInstructions for three axes, on average over a move, at most:\n");
   print_limits(instruction_limits(), out);
+  print_buses(capacity, out);
 }
 
 }  // namespace inbetween

@@ -20,6 +20,7 @@ struct BudgetCapacity {
   std::int32_t frames = 240;
   std::optional<double> delta = {};  ///< absent: the default of each precision
   std::int32_t locks = 0;            ///< keys that must be met on a frame
+  std::int32_t rate_hz = 250;        ///< ticks of a CAN bus
 };
 
 /// The largest sizes that `budget` accepts (delta excluded). It accepts every move that the reader of moves
@@ -29,7 +30,8 @@ inline constexpr BudgetCapacity largest_budget{.keys = 10'000,
                                                .control_values = 100'000,
                                                .frames = 1'000'000,
                                                .delta = 0.1,
-                                               .locks = 10'000};
+                                               .locks = 10'000,
+                                               .rate_hz = 10'000};
 
 /// The size of one object of the core, in bytes. Absent: the object does not exist in that precision.
 struct BudgetObject {
@@ -38,7 +40,7 @@ struct BudgetObject {
   std::optional<std::int64_t> in_float;
 };
 
-inline constexpr std::size_t budget_object_count = 14;
+inline constexpr std::size_t budget_object_count = 16;
 
 /// The number of cells into which the time line is cut for the bounds of stops.
 inline constexpr std::int64_t budget_stop_cells = 256;
@@ -47,7 +49,8 @@ inline constexpr std::int64_t budget_stop_cells = 256;
 /// arm64 and Cortex-M (held by Embedded.CortexM7HasTheBitsOfThisMachine and its neighbours). The inverse has
 /// usual_pieces_per_segment() pieces a segment. A count track in single precision is made from a track in
 /// double; therefore it is within 0.1 counts. Rolls, stop bounds and playhead are those of a move of one
-/// track. The playhead is an object itself and holds two pointers: on a Cortex-M it takes 8 bytes less.
+/// track. The playhead is an object itself and holds two pointers: on a Cortex-M it takes 8 bytes less. So do
+/// drives and their bus, which hold pointers and lengths.
 std::array<BudgetObject, budget_object_count> budget_objects(const BudgetCapacity& capacity);
 
 /// The number of pieces that the inverse of arc length usually takes for a segment, averaged over a path. It
@@ -76,7 +79,16 @@ std::span<const FunctionBudget> stack_limits();
 /// stops.
 std::span<const FunctionBudget> instruction_limits();
 
-/// Prints memory, stack and instructions as tables for people.
+/// The frames and the worst-case load of a CAN bus with a CiA 402 drive for each axis.
+struct BusBudget {
+  std::int64_t bitrate = 0;
+  double load_percent = 0;
+  std::int64_t max_drives = 0;  ///< within the load that may be used
+};
+inline constexpr std::size_t budget_bitrates = 4;
+std::array<BusBudget, budget_bitrates> bus_budgets(const BudgetCapacity& capacity);
+
+/// Prints memory, stack, instructions and the load of a bus as tables for people.
 void print_budget(const BudgetCapacity& capacity, std::FILE* out);
 
 }  // namespace inbetween

@@ -31,6 +31,7 @@ void describe(CLI::App& app, BudgetCapacity& capacity) {
   add_count("--frames", capacity.frames, 1, largest_budget.frames, "frames of the move");
   add_count("--locks", capacity.locks, 0, largest_budget.locks,
             "keys with a frame, a hold or a break of their own");
+  add_count("--rate", capacity.rate_hz, 1, largest_budget.rate_hz, "ticks of a CAN bus in a second");
   app.add_option("--delta", capacity.delta,
                  "largest relative error of the speed; without it 1e-6 in double, 1e-5 in single precision")
       ->check([](const std::string& text) {
@@ -41,15 +42,17 @@ void describe(CLI::App& app, BudgetCapacity& capacity) {
         return known ? "" : fmt::format("Value {} not in range: from {:g} to below {:g}", text, min, above);
       });
   app.footer(
-      R"(Three tables: the bytes that the caller of the core provides for every object of a move of that
+      R"(Four tables: the bytes that the caller of the core provides for every object of a move of that
 capacity (the same on every processor); the worst stack of every public function on two microcontrollers,
 added up from what the compiler says; the instructions that a tick of three axes takes there, counted in an
-emulator. The last two are limits, which the tests of the project hold.
+emulator. These two are limits, which the tests of the project hold. The last is the load of a CAN bus with a
+CiA 402 drive for each axis: the bits of its cyclic frames, with all the stuffing bits that there can be.
 
 Examples:
   inbetween budget                                           8 keys, 3 axes, 240 frames
   inbetween budget --keys 100 --axes 16 --control-values 40 --frames 5000
-  inbetween budget --delta 1e-4                              coarser, in less memory)");
+  inbetween budget --delta 1e-4                              coarser, in less memory
+  inbetween budget --axes 8 --rate 500                       eight drives on a bus, 500 ticks a second)");
 }
 
 }  // namespace

@@ -17,6 +17,7 @@
 #include "host_tools/cli/budget.hpp"
 #include "host_tools/files/move_file.hpp"
 #include "host_tools/plan/plan.hpp"
+#include "inbetween/can/cia402_drive.hpp"
 #include "inbetween/limits/roll.hpp"
 #include "inbetween/limits/stop_bounds.hpp"
 #include "inbetween/play/playhead.hpp"
@@ -83,6 +84,17 @@ TEST(BudgetCommand, PrintsTheMemoryAndTheLimitsThatTheTestsHold) {
       EXPECT_THAT(run.out, HasSubstr(std::to_string(function.cortex_m4f.in_float)));
     }
   }
+}
+
+/// By the standard: 55 bits of SYNC, 115 and 125 of a setpoint and its feedback.
+TEST(BudgetCommand, CountsTheFramesAndTheLoadOfACanBus) {
+  const ProgramRun run = run_program({"budget", "--axes", "4", "--rate", "500"});
+  EXPECT_THAT(run.out, HasSubstr("CAN bus with 4 CiA 402 drives at 500 Hz"));
+  EXPECT_THAT(run.out, HasSubstr("frames in every tick: 9 "));
+  EXPECT_THAT(run.out, testing::ContainsRegex("\n  500000 +101.5 +2\n"));
+  EXPECT_THAT(run.out, testing::ContainsRegex("\n  1000000 +50.8 +5\n"));
+  EXPECT_EQ(bytes_of({.axes = 4}, "CiA 402 drives"), static_cast<std::int64_t>(4 * sizeof(can::Cia402Drive)));
+  EXPECT_GE(bytes_of({.axes = 4}, "their CAN bus"), static_cast<std::int64_t>(32 * sizeof(can::Frame)));
 }
 
 TEST(BudgetCommand, TakesEveryPartOfTheCapacityFromItsOption) {
