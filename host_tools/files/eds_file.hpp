@@ -1,0 +1,47 @@
+// The objects of a CANopen device as its electronic data sheet tells them: an EDS file, or a DCF file, which
+// has the values of one device besides (CiA 306).
+//
+// Read is what an object is, how long, who may read or write it, and what it has at first. Lists and counts
+// of objects are passed over: makers get them wrong, and the sections say the same. So are names, which may
+// be in any alphabet.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "host_tools/files/diagnostics.hpp"
+
+namespace inbetween {
+
+inline constexpr std::size_t max_eds_objects = 20'000;
+
+struct EdsObject {
+  std::uint16_t index = 0;
+  std::uint8_t sub = 0;
+  std::uint8_t size = 0;  // of a number, 1 to 4 bytes; 0: it is none, and `bytes` is what it has
+  bool can_be_read = true;
+  bool can_be_written = true;
+  std::uint32_t value = 0;  // ParameterValue of a DCF, or else DefaultValue, or 0
+  std::vector<std::uint8_t> bytes{};
+  std::optional<std::uint32_t> low{}, high{};  // of a number without sign
+  std::uint32_t line = 0;                      // of its section
+};
+
+struct EdsFile {
+  std::string path;
+  std::vector<EdsObject> objects;  // by index and sub-index
+
+  [[nodiscard]] const EdsObject* find(std::uint16_t index, std::uint8_t sub) const;
+};
+
+/// Throws InputError at the line that is wrong. `node` stands for $NODEID.
+EdsFile read_eds_file(const std::filesystem::path& path, int node);
+/// The same from text; `file_name` stands in places and in EdsFile::path.
+EdsFile parse_eds(std::string_view text, const std::string& file_name, int node);
+
+}  // namespace inbetween

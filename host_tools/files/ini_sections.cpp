@@ -1,0 +1,112 @@
+#include "host_tools/files/ini_sections.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+
+namespace inbetween {
+namespace {
+
+constexpr std::string_view spaces = " \t\r\f\v";
+
+template <class Number>
+bool is_hexadecimal(std::string_view text, Number& number) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number, 16);
+  return error == std::errc{} && end == text.data() + text.size() && !text.empty();
+}
+
+}  // namespace
+
+std::string lower_case(std::string_view text) {
+  std::string lower(text);
+  for (char& letter : lower) {
+    if (letter >= 'A' && letter <= 'Z') letter = static_cast<char>(letter - 'A' + 'a');
+  }
+  return lower;
+}
+
+std::string_view trimmed(std::string_view text) {
+  const std::size_t begin = text.find_first_not_of(spaces);
+  if (begin == text.npos) return {};
+  return text.substr(begin, text.find_last_not_of(spaces) - begin + 1);
+}
+
+std::string_view IniValue::number_text() const {
+  return trimmed(std::string_view(text_).substr(0, text_.find(';')));
+}
+
+void IniValue::refuse(const std::string& message) const {
+  throw InputError(place_, key_ + " " + message);
+}
+
+std::optional<IniSection::Object> IniSection::object() const {
+  Object object;
+  const std::size_t sub = name_.find("sub");
+  if (!is_hexadecimal(std::string_view(name_).substr(0, sub), object.index)) return {};
+  if (sub == name_.npos) return object;
+  std::uint8_t number = 0;
+  if (!is_hexadecimal(std::string_view(name_).substr(sub + 3), number)) return {};
+  object.sub = number;
+  return object;
+}
+
+const IniValue* IniSection::find(std::string_view key) const {
+  const auto found = values_.find(key);
+  return found == values_.end() ? nullptr : &found->second;
+}
+
+const IniValue& IniSection::at(std::string_view key, std::string_view example) const {
+  const IniValue* const value = find(key);
+  if (value != nullptr) return *value;
+  throw InputError(place_, fmt::format("section {} lacks a line; add {}, say", in_quotes(name_), example));
+}
+
+void IniSection::add(const std::string& key, std::string text, std::uint32_t line) {
+  const auto [place, is_new] =
+      values_.try_emplace(lower_case(key), key, std::move(text), Place{place_.file, line, 0});
+  if (is_new) return;
+  throw InputError({place_.file, line, 0}, fmt::format("{} is in section {} already; remove one of the two",
+                                                       in_quotes(key), in_quotes(name_)));
+}
+
+IniSections::IniSections(std::string_view text, const std::string& file_name) {
+  constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
+  if (text.starts_with(byte_order_mark)) text.remove_prefix(byte_order_mark.size());
+  std::uint32_t number = 0;
+  while (!text.empty()) {
+    const std::size_t end = text.find('\n');
+    const std::string_view line = trimmed(text.substr(0, end));
+    text.remove_prefix(end == text.npos ? text.size() : end + 1);
+    ++number;
+    if (line.empty() || line.front() == ';') continue;
+    const Place place{file_name, number, 0};
+    if (line.front() == '[') {
+      const std::size_t close = line.find(']');
+      if (close == line.npos) throw InputError(place, "a section has no ]; write [1000], say");
+      const std::string name = lower_case(trimmed(line.substr(1, close - 1)));
+      const auto [earlier, is_new] = by_name_.try_emplace(name, sections_.size());
+      if (!is_new) {
+        throw InputError(place, fmt::format("section {} is in line {} already; remove one of the two",
+                                            in_quotes(name), sections_[earlier->second].line()));
+      }
+      sections_.emplace_back(name, place);
+      continue;
+    }
+    const std::size_t equals = line.find('=');
+    if (equals == line.npos || sections_.empty()) {
+      throw InputError(place, fmt::format("{} is no [SECTION], no KEY=VALUE in one and no comment; remove it "
+                                          "or put ; before it",
+                                          in_quotes(line)));
+    }
+    sections_.back().add(std::string(trimmed(line.substr(0, equals))),
+                         std::string(trimmed(line.substr(equals + 1))), number);
+  }
+}
+
+const IniSection* IniSections::find(std::string_view name) const {
+  const auto found = by_name_.find(name);
+  return found == by_name_.end() ? nullptr : &sections_[found->second];
+}
+
+}  // namespace inbetween
