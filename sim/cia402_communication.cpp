@@ -1,4 +1,4 @@
-// A simulated drive speaks and hears NMT, heartbeats, SYNC, EMCY, SDO and PDO.
+// A simulated drive speaks and hears NMT, heartbeats, guarding, SYNC, EMCY and PDO.
 #include <algorithm>
 
 #include "inbetween/can/pdo.hpp"
@@ -53,13 +53,16 @@ void SimulatedCia402Drive::enter(NmtState nmt) {
   if (leaves_operational) react_to_lost_communication();
   setpoint_deadline_ns_.reset();
   waiting_.fill({});
+  transfer_.reset();
   // SYNC and the host's heartbeat are watched in pre-operational as well.
   if (nmt == NmtState::stopped || nmt == NmtState::boot_up) {
     host_deadline_ns_.reset();
     sync_deadline_ns_.reset();
+    guard_deadline_ns_.reset();
   }
   if (nmt != NmtState::boot_up) return;
   missing_ = 0;
+  guard_toggle_ = false;
   is_booting_ = true;
   boot_ns_ = now_ns_ + settings_.boot_delay_ns;
   objects_.restore(defaults_, 0, last_of_communication);
@@ -107,6 +110,7 @@ void SimulatedCia402Drive::watch_communication() {
     lose_communication(code);
   };
   watch(host_deadline_ns_, host_heartbeat, 0x8130);
+  watch(guard_deadline_ns_, guarding, 0x8130);
   watch(setpoint_deadline_ns_, setpoints, 0x8250);
   watch(sync_deadline_ns_, sync, 0x8100);
 }
@@ -126,14 +130,26 @@ void SimulatedCia402Drive::lose_communication(std::uint16_t code) {
 }
 
 void SimulatedCia402Drive::receive(const can::Frame& frame) {
-  if (is_booting_ || !can::is_canopen(frame)) return;
+  const bool is_guard = frame.is_remote && !frame.is_extended && frame.id == can::heartbeat_id(node());
+  if (is_booting_ || !(is_guard || can::is_canopen(frame))) return;
   if (is_meant_for_it(frame) && takes_frame(Kind::lose_heard)) return;
+  if (is_guard) return hear_guard();
   if (const auto order = can::read_nmt(frame)) return obey(*order);
   hear_host(frame);
   if (nmt_ == NmtState::stopped) return;
   if (frame.id == can::sdo_request_id(node())) return serve(frame);
   if (frame.id == (objects_.value(0x1005) & can::cob_id_number)) return hear_sync(frame);
   if (nmt_ == NmtState::operational) hear_pdo(frame);
+}
+
+/// A drive that tells that it lives by heartbeats is not guarded. Supervised from the first request on.
+void SimulatedCia402Drive::hear_guard() {
+  if (objects_.value(0x1017) != 0) return;
+  if (!has_trouble(Kind::lose_heartbeat)) send(can::guard_answer_frame(node(), {nmt_, guard_toggle_}));
+  guard_toggle_ = !guard_toggle_;
+  has_come(guarding);
+  const std::int64_t life_ns = std::int64_t{objects_.value(0x100C)} * objects_.value(0x100D) * ms;
+  if (life_ns > 0) guard_deadline_ns_ = now_ns_ + life_ns;
 }
 
 /// The drive supervises the host from its first heartbeat on, not from its boot-up message.
@@ -149,50 +165,6 @@ void SimulatedCia402Drive::hear_host(const can::Frame& frame) {
     host_deadline_ns_.reset();
     lose_communication(0x8130);
   }
-}
-
-void SimulatedCia402Drive::serve(const can::Frame& frame) {
-  const auto request = can::read_sdo_request(frame);
-  if (!request || request->kind == can::SdoKind::abort) return;
-  const ObjectDictionary::Object* const asked = objects_.find(request->object);
-  if (asked != nullptr && asked->access == ObjectDictionary::Access::silent) return;
-  can::SdoMessage answer{
-      .kind = can::SdoKind::abort, .object = request->object, .value = can::abort_unknown_command};
-  if (request->kind == can::SdoKind::upload) {
-    show();
-    if (asked != nullptr) {
-      answer.kind = can::SdoKind::upload_value;
-      answer.size = asked->size;
-      answer.value = asked->value;
-    } else {
-      answer.value = *objects_.refuses_read(request->object);
-    }
-  } else if (request->kind == can::SdoKind::download) {
-    if (const auto why = refuses_download(*request)) {
-      answer.value = *why;
-    } else {
-      objects_.write(request->object, request->value);
-      note_written(request->object);
-      answer.kind = can::SdoKind::download_done;
-      answer.value = 0;
-    }
-  }
-  send(can::sdo_frame(can::sdo_answer_id(node()), answer));
-}
-
-std::optional<std::uint32_t> SimulatedCia402Drive::refuses_download(const can::SdoMessage& request) const {
-  const can::ObjectAddress object = request.object;
-  if (const auto why = objects_.refuses_write(object, request.size, request.value)) return why;
-  if (object.index == 0x1019) {
-    if (objects_.value(0x1006) != 0) return can::abort_device_state;
-    if (!can::is_sync_overflow(static_cast<std::uint8_t>(request.value))) return can::abort_bad_value;
-  }
-  if (object.index == 0x6060) {
-    const bool is_known = request.value >= 1 && request.value <= 32 &&
-                          ((objects_.value(0x6502) >> (request.value - 1)) & 1) != 0;
-    if (!is_known) return can::abort_bad_value;
-  }
-  return refuses_pdo(object, request.value);
 }
 
 bool SimulatedCia402Drive::is_valid(const Pdo& pdo) const {
@@ -257,6 +229,7 @@ std::optional<std::uint32_t> SimulatedCia402Drive::refuses_mapping(const Pdo& pd
 void SimulatedCia402Drive::note_written(can::ObjectAddress object) {
   if (object.index == 0x1017) heartbeat_ns_ = now_ns_;
   if (object.index == 0x1016) host_deadline_ns_.reset();
+  if (object.index == 0x100C || object.index == 0x100D) guard_deadline_ns_.reset();
   if (object.index == 0x1006 && objects_.value(0x1006) == 0) sync_deadline_ns_.reset();
   if (object == can::ObjectAddress{.index = 0x1400, .sub = can::pdo_sub_event_timer}) {
     setpoint_deadline_ns_.reset();
@@ -315,6 +288,8 @@ void SimulatedCia402Drive::hear_sync(const can::Frame& frame) {
     waiting_.at(n).reset();
   }
   from_ = demand_;
+  if (sync_ns_) sync_period_s_ = static_cast<double>(now_ns_ - *sync_ns_) * 1e-9;
+  sync_ns_ = now_ns_;
   since_sync_s_ = 0;
   if (is_in_operation()) {
     const auto target = static_cast<std::int32_t>(objects_.value(0x607A));

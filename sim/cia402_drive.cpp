@@ -31,7 +31,7 @@ std::uint32_t as_counts(double value) {
 
 SimulatedCia402Drive::SimulatedCia402Drive(const SimulatedCia402Settings& settings, std::int64_t now_ns)
     : settings_(settings),
-      objects_(factory_objects(settings.node)),
+      objects_(settings.objects.value_or(factory_objects(settings.node))),
       defaults_(objects_),
       motor_(settings.motor, settings.position),
       now_ns_(now_ns),
@@ -90,7 +90,12 @@ void SimulatedCia402Drive::step(double seconds) {
   if (is_enabling_ && now_ns_ >= enabled_ns_) enter(Cia402State::operation_enabled);
 }
 
+/// A drive without 60C2 goes by 1006, or by the SYNC that it hears.
 double SimulatedCia402Drive::period_s() const {
+  if (objects_.value(0x60C2, 1) == 0) {
+    const std::uint32_t sync_us = objects_.value(0x1006);
+    return std::max(sync_us > 0 ? sync_us * 1e-6 : sync_period_s_, static_cast<double>(step_ns) * 1e-9);
+  }
   const auto index = static_cast<std::int8_t>(objects_.value(0x60C2, 2));
   return objects_.value(0x60C2, 1) * std::pow(10, index);
 }
@@ -130,7 +135,9 @@ void SimulatedCia402Drive::watch_following_error(double seconds) {
 /// By the ramp of 6085, the same for a quick stop, for the reaction to a fault and where targets are ignored.
 /// Whether it rests.
 bool SimulatedCia402Drive::slow_demand_down(double seconds) {
-  const double lost = objects_.value(0x6085) * seconds;
+  constexpr double unsaid_ramp = 500'000;  // counts/s^2, of a drive without 6085
+  const std::uint32_t ramp = objects_.value(0x6085);
+  const double lost = (ramp > 0 ? ramp : unsaid_ramp) * seconds;
   const bool rests = std::fabs(demand_velocity_) <= lost;
   demand_velocity_ = rests ? 0 : demand_velocity_ - std::copysign(lost, demand_velocity_);
   demand_ += demand_velocity_ * seconds;

@@ -61,12 +61,14 @@ struct SimulatedCia402Settings {
   std::int64_t enable_delay_ns = 100'000'000;  ///< the brake opens
   SimulatedMotor::Settings motor{};
   std::vector<DriveTrouble> troubles{};
+  std::optional<ObjectDictionary> objects{};  ///< at power-on; without, those of a drive of no make
   bool keeps_record = false;  ///< applied(), entered() and reported(), which grow with every tick
 };
 
 /// A CiA 402 drive with its motor, frame in and frame out: an object dictionary with the mapping rules of CiA
-/// 301, NMT, heartbeats both ways, EMCY, and the states of the profile in cyclic synchronous position. It has
-/// been written from the standards and not from the host's side, of which it uses the frames only.
+/// 301, NMT, heartbeats both ways, guarding, EMCY, and the states of the profile in cyclic synchronous
+/// position. It has been written from the standards and not from the host's side, of which it uses the frames
+/// only.
 ///
 /// Time is the caller's, in nanoseconds, and never goes back: a virtual clock, or that of the machine.
 class SimulatedCia402Drive {
@@ -140,11 +142,27 @@ class SimulatedCia402Drive {
   void watch_communication();
   void lose_communication(std::uint16_t code);
   /// It watches these; an error lasts until that is there again, or its communication starts anew.
-  enum Watched : std::uint8_t { host_heartbeat = 1, setpoints = 2, sync = 4 };
+  enum Watched : std::uint8_t { host_heartbeat = 1, setpoints = 2, sync = 4, guarding = 8 };
   void has_come(Watched what);
   void hear_host(const can::Frame& frame);
+  void hear_guard();
+  // SDO
+  struct Transfer {
+    can::ObjectAddress object{};
+    std::vector<std::uint8_t> bytes{};  ///< to be sent, or received so far
+    std::size_t at = 0;
+    std::uint32_t announced = 0;  ///< bytes of a download; 0: it is an upload
+    bool toggle = false;          ///< of the next segment
+  };
   void serve(const can::Frame& frame);
-  [[nodiscard]] std::optional<std::uint32_t> refuses_download(const can::SdoMessage& request) const;
+  can::SdoMessage answer_to(const can::SdoMessage& request);
+  can::SdoMessage begin_upload(can::ObjectAddress object);
+  can::SdoMessage next_segment();
+  can::SdoMessage take_segment(const can::SdoMessage& request);
+  can::SdoMessage take(can::ObjectAddress object, const std::vector<std::uint8_t>& bytes);
+  [[nodiscard]] std::optional<std::uint32_t> refuses_download(can::ObjectAddress object,
+                                                              const std::vector<std::uint8_t>& bytes) const;
+  // PDO
   [[nodiscard]] std::optional<std::uint32_t> refuses_pdo(can::ObjectAddress object,
                                                          std::uint32_t value) const;
   [[nodiscard]] std::optional<std::uint32_t> refuses_mapping(const Pdo& pdo, bool is_sent, std::uint8_t sub,
@@ -200,9 +218,12 @@ class SimulatedCia402Drive {
   std::int64_t boot_ns_;
   std::int64_t heartbeat_ns_ = 0;
   std::optional<std::int64_t> host_deadline_ns_;      ///< from the host's first heartbeat on
+  std::optional<std::int64_t> guard_deadline_ns_;     ///< from the first request on
+  bool guard_toggle_ = false;                         ///< of the next answer
   std::optional<std::int64_t> setpoint_deadline_ns_;  ///< from the first setpoint on
   std::optional<std::int64_t> sync_deadline_ns_;      ///< from the first SYNC on
   unsigned missing_ = 0;                              ///< Watched
+  std::optional<Transfer> transfer_;                  ///< of SDO in segments
   std::array<std::optional<can::Frame>, 4> waiting_;  ///< RPDOs that SYNC will apply
   std::uint32_t syncs_ = 0;
 
@@ -214,6 +235,8 @@ class SimulatedCia402Drive {
   double demand_ = 0;
   double demand_velocity_ = 0;
   double since_sync_s_ = 0;
+  std::optional<std::int64_t> sync_ns_;  ///< the last
+  double sync_period_s_ = 0;             ///< between the last two
   double beyond_window_s_ = 0;
   bool is_following_error_ = false;
   bool is_limited_ = false;

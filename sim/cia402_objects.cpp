@@ -1,5 +1,7 @@
 #include "sim/cia402_objects.hpp"
 
+#include <string_view>
+
 #include "inbetween/can/pdo.hpp"
 
 namespace inbetween {
@@ -35,6 +37,10 @@ void add_communication(ObjectDictionary& objects, can::NodeId node) {
   fixed(0x1001, 0, u8, 0);
   objects.add({.index = 0x1005}, {.size = u32, .value = can::sync_id});
   objects.add({.index = 0x1006}, {.size = u32});
+  const std::string_view name = "simulated CiA 402 drive";
+  objects.add({.index = 0x1008}, {.access = Access::read_only, .bytes = {name.begin(), name.end()}});
+  objects.add({.index = 0x100C}, {.size = u16});
+  objects.add({.index = 0x100D}, {.size = u8});
   fixed(0x1016, 0, u8, 1);
   objects.add({.index = 0x1016, .sub = 1}, {.size = u32});
   objects.add({.index = 0x1017}, {.size = u16});

@@ -107,6 +107,7 @@ void SimulatedCia402Drive::meet(const DriveTrouble& trouble) {
 /// A wire has every frame; the drive takes these.
 bool SimulatedCia402Drive::is_meant_for_it(const can::Frame& frame) const {
   if (frame.id == can::nmt_id || frame.id == can::sync_id) return true;
+  if (frame.is_remote) return true;
   const std::uint32_t host = objects_.value(0x1016, 1) >> 16;
   const std::uint32_t function = frame.id & function_bits;
   if (function == (can::heartbeat_id(node()) & function_bits)) return (frame.id & ~function_bits) == host;

@@ -1,6 +1,15 @@
 #include "sim/object_dictionary.hpp"
 
 namespace inbetween {
+namespace {
+
+std::uint32_t number_of(const std::vector<std::uint8_t>& bytes) {
+  std::uint32_t value = 0;
+  for (std::size_t i = 0; i < bytes.size(); ++i) value |= std::uint32_t{bytes[i]} << (8 * i);
+  return value;
+}
+
+}  // namespace
 
 const ObjectDictionary::Object* ObjectDictionary::find(can::ObjectAddress address) const {
   const auto found = objects_.find(key(address));
@@ -18,9 +27,19 @@ void ObjectDictionary::set(std::uint16_t index, std::uint8_t sub, std::uint32_t 
     found->second.value = value & (0xFFFFFFFFU >> (8U * (4U - found->second.size)));
 }
 
-void ObjectDictionary::write(can::ObjectAddress address, std::uint32_t value) {
-  const Object* const object = find(address);
-  if (object != nullptr && object->access != Access::write_ignored) set(address.index, address.sub, value);
+std::vector<std::uint8_t> ObjectDictionary::read(can::ObjectAddress address) const {
+  const Object& object = objects_.at(key(address));
+  if (!object.bytes.empty()) return object.bytes;
+  std::vector<std::uint8_t> bytes;
+  for (unsigned i = 0; i < object.size; ++i)
+    bytes.push_back(static_cast<std::uint8_t>(object.value >> (8 * i)));
+  return bytes;
+}
+
+void ObjectDictionary::write(can::ObjectAddress address, const std::vector<std::uint8_t>& bytes) {
+  Object& object = objects_.at(key(address));
+  if (object.access == Access::write_ignored) return;
+  object.bytes.empty() ? void(object.value = number_of(bytes)) : void(object.bytes = bytes);
 }
 
 void ObjectDictionary::change_access(can::ObjectAddress address, Access access) {
@@ -32,26 +51,42 @@ void ObjectDictionary::restore(const ObjectDictionary& defaults, std::uint16_t f
   for (auto& [key, object] : objects_) {
     const std::uint32_t index = key >> 8;
     const auto found = defaults.objects_.find(key);
-    if (index >= first && index <= last && found != defaults.objects_.end())
-      object.value = found->second.value;
+    if (index < first || index > last || found == defaults.objects_.end()) continue;
+    object.value = found->second.value;
+    object.bytes = found->second.bytes;
   }
 }
 
-std::optional<std::uint32_t> ObjectDictionary::refuses_read(can::ObjectAddress address) const {
-  if (find(address) != nullptr) return {};
+std::uint32_t ObjectDictionary::reason_not_there(can::ObjectAddress address) const {
   const auto next = objects_.lower_bound(key({.index = address.index}));
   const bool has_index = next != objects_.end() && next->first >> 8 == address.index;
   return has_index ? can::abort_no_sub_index : can::abort_no_object;
 }
 
-std::optional<std::uint32_t> ObjectDictionary::refuses_write(can::ObjectAddress address, std::uint8_t size,
-                                                             std::uint32_t value) const {
+std::optional<std::uint32_t> ObjectDictionary::refuses_read(can::ObjectAddress address) const {
   const Object* const found = find(address);
-  if (found == nullptr) return refuses_read(address);
-  const Object& object = *found;
-  if (object.access == Access::read_only) return can::abort_read_only;
-  if (object.access == Access::write_refused) return can::abort_device_state;
-  if (size != 0 && size != object.size) return can::abort_wrong_length;
+  if (found == nullptr) return reason_not_there(address);
+  if (found->access == Access::write_only) return can::abort_write_only;
+  return {};
+}
+
+std::optional<std::uint32_t> ObjectDictionary::refuses_length(can::ObjectAddress address,
+                                                              std::size_t length) const {
+  const Object* const found = find(address);
+  if (found == nullptr) return reason_not_there(address);
+  if (found->access == Access::read_only) return can::abort_read_only;
+  if (found->access == Access::write_refused) return can::abort_device_state;
+  const std::size_t own = found->bytes.empty() ? found->size : found->bytes.size();
+  if (length != own) return can::abort_wrong_length;
+  return {};
+}
+
+std::optional<std::uint32_t> ObjectDictionary::refuses_write(can::ObjectAddress address,
+                                                             const std::vector<std::uint8_t>& bytes) const {
+  if (const auto why = refuses_length(address, bytes.size())) return why;
+  const Object& object = objects_.at(key(address));
+  if (!object.bytes.empty()) return {};
+  const std::uint32_t value = number_of(bytes);
   if (value > object.max) return can::abort_too_high;
   if (value < object.min) return can::abort_too_low;
   return {};

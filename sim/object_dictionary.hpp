@@ -1,27 +1,38 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <map>
 #include <optional>
+#include <vector>
 
 #include "inbetween/can/sdo.hpp"
 
 namespace inbetween {
 
-/// The objects of a simulated CANopen device: numbers of one to four bytes with their access and range.
-/// Each refusal has the abort code of CiA 301.
+/// The objects of a simulated CANopen device: numbers of one to four bytes with their access and range, and
+/// bytes, such as its name. Each refusal has the abort code of CiA 301.
 class ObjectDictionary {
  public:
   /// write_refused: not in the state of the device. write_ignored: a broken device, which says yes and keeps
   /// what it has. silent: one that does not answer at all.
-  enum class Access : std::uint8_t { read_only, read_write, write_refused, write_ignored, silent };
+  enum class Access : std::uint8_t {
+    read_only,
+    read_write,
+    write_only,
+    write_refused,
+    write_ignored,
+    silent
+  };
   struct Object {
     std::uint8_t size = 4;
     Access access = Access::read_write;
     std::uint32_t value = 0;
     std::uint32_t min = 0;  ///< compared without sign
     std::uint32_t max = std::numeric_limits<std::uint32_t>::max();
+    /// Of an object that is no number: it keeps its length, and what is above but the access says nothing.
+    std::vector<std::uint8_t> bytes = {};
   };
 
   void add(can::ObjectAddress address, const Object& object) { objects_[key(address)] = object; }
@@ -29,21 +40,31 @@ class ObjectDictionary {
   void remove(can::ObjectAddress address) { objects_.erase(key(address)); }
   [[nodiscard]] const Object* find(can::ObjectAddress address) const;
 
+  [[nodiscard]] bool is_silent(can::ObjectAddress address) const {
+    const Object* const object = find(address);
+    return object != nullptr && object->access == Access::silent;
+  }
   /// As the device itself sees it; 0 where there is none.
   [[nodiscard]] std::uint32_t value(std::uint16_t index, std::uint8_t sub = 0) const;
   void set(std::uint16_t index, std::uint8_t sub, std::uint32_t value);
+  /// As a client reads it, a number from its lowest byte on, once nothing refuses that.
+  [[nodiscard]] std::vector<std::uint8_t> read(can::ObjectAddress address) const;
   /// As a client writes it, once nothing refuses that.
-  void write(can::ObjectAddress address, std::uint32_t value);
+  void write(can::ObjectAddress address, const std::vector<std::uint8_t>& bytes);
   void change_access(can::ObjectAddress address, Access access);
   /// The values of another dictionary, from one index to the other.
   void restore(const ObjectDictionary& defaults, std::uint16_t first, std::uint16_t last);
 
   /// Why a client may not read or write it; nothing where it may.
   [[nodiscard]] std::optional<std::uint32_t> refuses_read(can::ObjectAddress address) const;
-  [[nodiscard]] std::optional<std::uint32_t> refuses_write(can::ObjectAddress address, std::uint8_t size,
-                                                           std::uint32_t value) const;
+  [[nodiscard]] std::optional<std::uint32_t> refuses_write(can::ObjectAddress address,
+                                                           const std::vector<std::uint8_t>& bytes) const;
+  /// The same before the bytes are known.
+  [[nodiscard]] std::optional<std::uint32_t> refuses_length(can::ObjectAddress address,
+                                                            std::size_t length) const;
 
  private:
+  [[nodiscard]] std::uint32_t reason_not_there(can::ObjectAddress address) const;
   static std::uint32_t key(can::ObjectAddress address) {
     return (std::uint32_t{address.index} << 8) | address.sub;
   }

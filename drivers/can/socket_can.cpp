@@ -85,7 +85,8 @@ bool set_option(int socket, int level, int option, const Value& value) {
 bool set_filters(int socket, std::span<const CanFilter> filters) {
   std::vector<can_filter> raw;
   for (const CanFilter& filter : filters) {
-    raw.push_back({.can_id = filter.id | (filter.is_extended ? CAN_EFF_FLAG : 0U),
+    raw.push_back({.can_id = filter.id | (filter.is_extended ? CAN_EFF_FLAG : 0U) |
+                             (filter.is_remote ? CAN_RTR_FLAG : 0U),
                    .can_mask = flags_and_id | (filter.is_extended ? CAN_EFF_MASK : CAN_SFF_MASK)});
   }
   return ::setsockopt(socket, SOL_CAN_RAW, CAN_RAW_FILTER, raw.data(),

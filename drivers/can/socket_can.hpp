@@ -46,10 +46,11 @@ struct CanCounters {
   std::uint64_t restarts = 0;
 };
 
-/// Which frames come in: those of one identifier. Remote frames never do.
+/// Which frames come in: data frames of one identifier, or remote frames.
 struct CanFilter {
   std::uint32_t id = 0;
   bool is_extended = false;
+  bool is_remote = false;
 };
 
 /// Classic CAN through SocketCAN (CAN_RAW), for a real-time loop. After `open` nothing is allocated, nothing

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <filesystem>
 #include <limits>
 #include <utility>
 
@@ -14,14 +15,9 @@
 namespace inbetween {
 namespace {
 
-constexpr std::array<std::string_view, 8> cia402_fields = {"type",
-                                                           "bus",
-                                                           "node",
-                                                           "counts_per_unit",
-                                                           "deceleration_per_unit",
-                                                           "enable_timeout_s",
-                                                           "reset",
-                                                           "watches_following_error"};
+constexpr std::array<std::string_view, 10> cia402_fields = {
+    "type",  "bus",      "node", "counts_per_unit",        "deceleration_per_unit", "enable_timeout_s",
+    "reset", "watchdog", "eds",  "watches_following_error"};
 constexpr std::array<std::string_view, 4> turns_fields = {"type", "bus", "node", "turns_per_unit"};
 constexpr std::array<std::string_view, 13> step_dir_fields = {
     "type",     "chip",     "step",         "dir",         "enable",        "steps_per_unit", "max_step_rate",
@@ -100,6 +96,12 @@ void read_habits(const TomlTable& table, Cia402Drive& drive) {
   }
   if (const auto reset = table.optional("reset")) {
     drive.resets_node = reset->choice({"communication", "node"}) == 1;
+  }
+  if (const auto eds = table.optional("eds")) {
+    drive.eds = (std::filesystem::path(eds->place().file).parent_path() / eds->text()).string();
+  }
+  if (const auto watchdog = table.optional("watchdog")) {
+    drive.is_guarded = watchdog->choice({"heartbeat", "life-guarding"}) == 1;
   }
   if (const auto watches = table.optional("watches_following_error")) {
     drive.watches_following_error = watches->boolean();

@@ -47,7 +47,9 @@ struct Cia402Drive {
   std::uint32_t stop_deceleration = 0;   // of a quick stop, in units of the drive (object 6085), above 0
   bool resets_node = false;              // reset node instead of reset communication
   bool watches_following_error = false;  // though it has no object 6065
+  bool is_guarded = false;               // life guarding instead of heartbeats
   double enable_timeout_s = 5;
+  std::string eds = {};  // path of its data sheet; empty: none
 };
 struct OdriveDrive {
   std::string bus;

@@ -1,6 +1,9 @@
 #include "host_tools/loop/rig_session.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cstdio>
 #include <utility>
 
 #include "host_tools/loop/loop_preparations.hpp"
@@ -96,10 +99,17 @@ ActEnd RigSession::perform(LoopTask& act, std::optional<std::int64_t> last) {
   return fast_ ? fast_->run(act, last) : timed_->run(act, last);
 }
 
+/// Once: the drives are the same however often they are switched on.
+void RigSession::tell_notes() {
+  if (std::exchange(has_told_notes_, true)) return;
+  for (const std::string& note : drives_.notes()) fmt::print(stderr, "{}\n", note);
+}
+
 bool RigSession::arm() {
   is_armed_ = true;
   Arming arming(loop());
   perform(arming);
+  tell_notes();
   positions_ = arming.positions();
   return loop().state() == SupervisorState::ready;
 }

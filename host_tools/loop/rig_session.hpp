@@ -97,6 +97,7 @@ class RigSession {
 
  private:
   void start();
+  void tell_notes();
 
   const RigFile& rig_;
   RigReference& reference_;
@@ -112,6 +113,7 @@ class RigSession {
   WakeLatency latency_;
   std::int64_t late_ticks_ = 0;
   bool is_armed_ = false;
+  bool has_told_notes_ = false;
   // One of them, destroyed first.
   std::optional<FastRunner> fast_;
   std::optional<TimedRunner> timed_;

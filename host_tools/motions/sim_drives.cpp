@@ -43,6 +43,7 @@ std::vector<can::CanFilter> what_drives_hear(const std::deque<DriveOnBus>& drive
   for (const DriveOnBus& one : drives) {
     filters.push_back({can::rpdo1_id(one.drive.node()), false});
     filters.push_back({can::sdo_request_id(one.drive.node()), false});
+    filters.push_back({.id = can::heartbeat_id(one.drive.node()), .is_remote = true});
   }
   return filters;
 }

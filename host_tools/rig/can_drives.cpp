@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -19,7 +20,7 @@ namespace {
 constexpr double step_share = 1.2;
 /// The host's heartbeat, and how many of them a drive waits for.
 constexpr std::int64_t heartbeat_ns = 30'000'000;
-constexpr std::int64_t heartbeats_waited_for = 4;
+constexpr std::int64_t heartbeats_waited_for = can::life_time_factor;
 constexpr std::int64_t ns_per_ms = 1'000'000;
 /// How long a drive waits for a setpoint: in ticks, of which one may be late, and at least. Meanwhile it
 /// holds the last one, which stops the axis as hard as its motor can; then it brakes by its own ramp.
@@ -35,6 +36,23 @@ std::int64_t tick_ns(std::int32_t rate_hz) {
 std::int64_t heartbeat_period_ns(std::int32_t rate_hz) {
   return std::max(heartbeat_ns, tick_ns(rate_hz));
 }
+
+/// What a drive may lack that its owner should know.
+struct Lack {
+  std::uint16_t index;
+  const char* words;
+};
+constexpr std::array lacks{
+    Lack{0x6502, "the drive does not list its modes (no 6502); it is moved once 6061 shows mode 8"},
+    Lack{0x60C2, "the drive is not told how long a tick is (no 60C2); it goes by the period of SYNC (1006)"},
+    Lack{0x607D,
+         "the drive has no soft limits (no 607D); only this program keeps the axis between min and max"},
+    Lack{0x605A, "the drive does not say how it brakes in a quick stop (no 605A); its manual must"},
+    Lack{0x6085, "the drive is not told how hard it brakes in a quick stop (no 6085); set that in the drive"},
+    Lack{0x605E, "the drive does not say how it brakes in a fault (no 605E); its manual must"},
+    Lack{0x1016,
+         "the drive does not watch this program's heartbeat (no 1016); its setpoint timeout (1400:5) stops "
+         "it"}};
 
 /// A length of an axis in counts of its drive, at least one.
 std::int32_t whole_counts(double length, double counts_per_unit) {
@@ -66,6 +84,7 @@ can::Cia402Settings settings_of(const RigAxis& axis, std::int32_t rate_hz) {
           .host = host_node(),
           .rate_hz = rate_hz,
           .host_timeout_ms = static_cast<std::uint16_t>(std::min<std::int64_t>(timeout_ms, 65'535)),
+          .is_guarded = drive.is_guarded,
           .setpoint_timeout_ms = static_cast<std::uint16_t>(std::min<std::int64_t>(setpoint_ms, 65'535)),
           .position_limits =
               can::CountRange{.min = static_cast<std::int32_t>(std::floor(std::min(ends[0], ends[1]))),
@@ -223,6 +242,18 @@ std::string CanDrives::drive_trouble() const {
     return text + "; " + words.remedy;
   }
   return "";
+}
+
+std::vector<std::string> CanDrives::notes() const {
+  std::vector<std::string> notes;
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    const auto& absent = port_->drive(i).setup().absent();
+    for (const Lack& lack : lacks) {
+      if (std::ranges::find(absent, lack.index) == absent.end()) continue;
+      notes.push_back(fmt::format("note: {}: {}", named(rig_.axes[axes_[i]]), lack.words));
+    }
+  }
+  return notes;
 }
 
 std::string CanDrives::left_on() const {

@@ -43,6 +43,8 @@ class CanDrives final : public PortDrives<can::Cia402Port<double, BusLink>> {
   [[nodiscard]] std::string bus_trouble() const;
   [[nodiscard]] std::string drive_trouble() const;
   /// RigDrives::left_on.
+  /// What drives that are set up do without, a line each, with what stands in for it.
+  [[nodiscard]] std::vector<std::string> notes() const;
   [[nodiscard]] std::string left_on() const;
   /// Adds what the buses and the drives on them have counted.
   void count(Counters& counts) const;

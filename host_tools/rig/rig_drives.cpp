@@ -5,6 +5,8 @@
 #include <utility>
 #include <variant>
 
+#include "host_tools/rig/eds_drive.hpp"
+
 namespace inbetween {
 
 void refuse_falling_axes(const RigFile& rig) {
@@ -39,6 +41,7 @@ RigDrives::RigDrives(const RigFile& rig, RigHardware& hardware)
     }
   }
   refuse_overloaded_buses(rig);
+  refuse_unfit_drives(rig);
   std::unique_ptr<AxisDrives> other_drives;
   if (!others.empty()) other_drives = hardware.open_others(others);
   if (!on_can.empty()) {

@@ -51,6 +51,10 @@ class RigDrives {
   /// Once disable() was over: which drive may have power, or will report that this program is gone, and what
   /// to do; "" for none.
   [[nodiscard]] std::string left_on() const { return can_ != nullptr ? can_->left_on() : ""; }
+  /// CanDrives::notes.
+  [[nodiscard]] std::vector<std::string> notes() const {
+    return can_ != nullptr ? can_->notes() : std::vector<std::string>{};
+  }
   /// The counters of the buses, the drives on them and the chips that steps go to. Once no tick follows.
   [[nodiscard]] Counters counts() const;
 

@@ -6,6 +6,7 @@
 
 #include "host_tools/files/diagnostics.hpp"
 #include "host_tools/rig/can_drives.hpp"
+#include "host_tools/rig/eds_drive.hpp"
 #include "sim/simulated_link.hpp"
 #include "sim/simulated_rig.hpp"
 
@@ -110,6 +111,7 @@ SimulatedCia402Settings simulated_settings_of(const RigAxis& axis, double positi
   SimulatedCia402Settings settings{
       .node = node_of(axis),
       .position = static_cast<std::int32_t>(std::floor(position * drive.counts_per_unit + 0.5))};
+  if (!drive.eds.empty()) settings.objects = dictionary_of(read_eds_file(drive.eds, drive.node));
   settings.motor.max_acceleration =
       std::max(settings.motor.max_acceleration, 4 * std::fabs(drive.counts_per_unit) * axis.max_acceleration);
   return settings;

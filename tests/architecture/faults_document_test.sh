@@ -21,6 +21,13 @@ trap 'rm --recursive --force "$scratch"' EXIT
   done
 } | sort >"$scratch/registered"
 
+# missing_tests DOCUMENT: a line for each test that it names and that is not there.
+# shellcheck disable=SC2016  # the backticks are those of the document
+missing_tests() {
+  comm -13 "$scratch/registered" <(grep --only-matching --extended-regexp '`[A-Za-z0-9]+\.[A-Za-z0-9]+`' "$1" |
+    grep --invert-match '\.md`' | tr --delete '`' | sort --unique) | sed 's/^/no such test: /'
+}
+
 # complaints_of DOCUMENT: a line for each thing that is wrong with it.
 # shellcheck disable=SC2016  # the backticks are those of the document
 complaints_of() {
@@ -29,13 +36,13 @@ complaints_of() {
     grep --quiet --extended-regexp "^\| $number \||^$number \(|and $number \(" "$1" || printf 'no row of fault %d\n' "$number"
   done
   grep --extended-regexp '^\| [0-9]+ \|' "$1" | grep --invert-match '`[A-Za-z0-9]*\.[A-Za-z0-9]*`' | sed 's/^/no test in /'
-  comm -13 "$scratch/registered" <(grep --only-matching --extended-regexp '`[A-Za-z0-9]+\.[A-Za-z0-9]+`' "$1" |
-    grep --invert-match '\.md`' | tr --delete '`' | sort --unique) | sed 's/^/no such test: /'
+  missing_tests "$1"
   return 0
 }
 
 complaints=$(complaints_of "$document")
 expect "docs/faults.md names a test of every fault" "" "$complaints"
+expect "docs/drives.md names tests that there are" "" "$(missing_tests "$root/docs/drives.md")"
 
 # A number as in "docs/faults.md 13, 20".
 for cited in $(grep --recursive --no-filename --only-matching --extended-regexp 'docs/faults\.md [0-9]+(, [0-9]+)*' \

@@ -1,16 +1,19 @@
-// A host with one drive of another make on a bus in memory, on a virtual clock at 250 Hz.
+// A host with one drive of another make, on a virtual clock at 250 Hz. The bus is memory, or that of the
+// bench.
 #pragma once
 
 #include <algorithm>
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "host_tools/rig/can_drives.hpp"
+#include "tests/support/quirk_wire.hpp"
 #include "tests/support/quirky_drive.hpp"
 
 namespace inbetween {
@@ -53,7 +56,9 @@ class QuirkScene {
     deliver();
     for (std::size_t i = 0; i < count; ++i) {
       sent.push_back(frames.at(i));
-      drive.receive(frames.at(i));
+      for (const can::Frame& frame : wire_->carry({&frames.at(i), 1}, QuirkWire::Sender::host)) {
+        drive.receive(frame);
+      }
       deliver();
     }
   }
@@ -106,9 +111,13 @@ class QuirkScene {
 
  private:
   void deliver() {
-    for (const can::Frame& frame : drive.take_frames()) bus_.front().receive(frame, now_ns);
+    const std::vector<can::Frame> frames = drive.take_frames();
+    for (const can::Frame& frame : wire_->carry(frames, QuirkWire::Sender::drive)) {
+      bus_.front().receive(frame, now_ns);
+    }
   }
   RigFile rig_;
+  std::unique_ptr<QuirkWire> wire_ = make_quirk_wire();
   std::vector<can::Cia402Drive> hosts_;
   std::vector<can::Cia402Bus> bus_;
 };

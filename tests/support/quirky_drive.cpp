@@ -70,6 +70,8 @@ void QuirkyDrive::fill_dictionary() {
   add(0x1001, 0, 1, 0);
   add(0x1005, 0, 4, 0x80);
   add(0x1006, 0, 4, 0);
+  add(0x100C, 0, 2, 0);
+  add(0x100D, 0, 1, 0);
   add(0x1016, 1, 4, 0);
   add(0x1017, 0, 2, 0);
   add(0x1018, 1, 4, 1);
@@ -158,6 +160,7 @@ void QuirkyDrive::read_quirks(std::string_view quirks) {
   take("bit_11_ms", habits_.bit_11_ms);
   take("emergency", habits_.emergency);
   take("warns", habits_.warns);
+  take("toggles", habits_.toggles);
   take("fails", habits_.fails);
   if (known != table.size()) throw std::invalid_argument("a quirk has another name");
 }
@@ -202,6 +205,8 @@ void QuirkyDrive::obey_nmt(unsigned command) {
   if (starts_anew) {
     nmt_ = 0;
     host_deadline_ns_.reset();
+    guard_deadline_ns_.reset();
+    guard_answers_ = 0;
   }
 }
 
@@ -216,6 +221,10 @@ void QuirkyDrive::advance(std::int64_t now_ns) {
   }
   if (host_deadline_ns_ && now_ns >= *host_deadline_ns_) {
     host_deadline_ns_.reset();
+    stop_without_host(0x8130);
+  }
+  if (guard_deadline_ns_ && now_ns >= *guard_deadline_ns_) {
+    guard_deadline_ns_.reset();
     stop_without_host(0x8130);
   }
   if (setpoint_deadline_ns_ && now_ns >= *setpoint_deadline_ns_) {
@@ -243,7 +252,9 @@ void QuirkyDrive::send_emergency(unsigned code) {
 }
 
 void QuirkyDrive::receive(const can::Frame& frame) {
-  if (boot_ns_ || frame.is_extended || frame.is_remote) return;
+  if (boot_ns_ || frame.is_extended) return;
+  if (frame.is_remote && frame.id == 0x700 + node_) return answer_guard();
+  if (frame.is_remote) return;
   const Bytes bytes(frame.data.begin(), frame.data.begin() + frame.length);
   const std::uint32_t host = value(0x1016, 1);
   if (frame.id == 0x000 && bytes.size() == 2 && (bytes[1] == 0 || bytes[1] == node_)) obey_nmt(bytes[0]);
@@ -259,6 +270,14 @@ void QuirkyDrive::receive(const can::Frame& frame) {
   } else {
     apply(bytes);
   }
+}
+
+void QuirkyDrive::answer_guard() {
+  if (value(0x1017) != 0) return;  // it has heartbeats
+  const bool is_odd = habits_.toggles && guard_answers_++ % 2 == 1;
+  send(0x700 + node_, {static_cast<std::uint8_t>(nmt_ | (is_odd ? 0x80 : 0))});
+  const std::int64_t life_ms = std::int64_t{value(0x100C)} * value(0x100D);
+  if (life_ms != 0) guard_deadline_ns_ = now_ns_ + life_ms * ms;
 }
 
 // --- SDO
@@ -392,6 +411,7 @@ void QuirkyDrive::download(unsigned key, const Bytes& bytes) {
     heartbeat_ns_ = now_ns_;
   }
   if (key >> 8 == 0x1016) host_deadline_ns_.reset();
+  if (key >> 8 == 0x100C || key >> 8 == 0x100D) guard_deadline_ns_.reset();
   if (key == key_of(0x1400, 5)) setpoint_deadline_ns_.reset();
   if (key >> 8 == 0x6040) obey(value(0x6040));
   answer(0x60, key, {});

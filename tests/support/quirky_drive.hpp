@@ -36,6 +36,7 @@ namespace inbetween {
 ///     emergency = 0                       # the code that it sends 200 ms after it was enabled
 ///     warns = false                       # and whether bit 7 tells of it; otherwise nothing does
 ///     fails = false                       # or it is in fault
+///     toggles = true                      # its answers to guarding have another bit 7 each time
 class QuirkyDrive {
  public:
   explicit QuirkyDrive(std::string_view quirks, unsigned node = 5);
@@ -82,6 +83,7 @@ class QuirkyDrive {
     unsigned emergency = 0;
     bool warns = false;
     bool fails = false;
+    bool toggles = true;
   };
   void read_quirks(std::string_view quirks);
   void fill_dictionary();
@@ -90,6 +92,7 @@ class QuirkyDrive {
   void send(unsigned id, const Bytes& bytes);
   void boot();
   void obey_nmt(unsigned command);
+  void answer_guard();
   // SDO
   void serve(const Bytes& request);
   void answer(std::uint8_t command, unsigned key, const Bytes& bytes);
@@ -128,6 +131,8 @@ class QuirkyDrive {
   std::int64_t heartbeat_ns_ = 0;
   std::optional<std::int64_t> host_deadline_ns_;
   std::optional<std::int64_t> setpoint_deadline_ns_;
+  std::optional<std::int64_t> guard_deadline_ns_;
+  int guard_answers_ = 0;
   std::uint8_t nmt_ = 0;
   std::optional<Bytes> waiting_;  ///< the RPDO that SYNC will apply
   std::uint8_t state_ = 0x40;

@@ -204,7 +204,7 @@ TEST_F(BusOfTwo, FramesOfOthersAreCountedAndLeftAlone) {
 TEST_F(BusOfTwo, TooLittleRoomOrTooFewTargetsAreRefusedBeforeAnythingChanges) {
   enable();
   std::array<Frame, 4> few;
-  EXPECT_EQ(bus.tick(now, {}, few).error().needed, 5);
+  EXPECT_EQ(bus.tick(now, {}, few).error().needed, 7);
   std::array<Frame, 5> enough;
   const std::array<std::int32_t, 1> target{0};
   EXPECT_EQ(bus.tick(now, target, enough).error().code, ErrorCode::wrong_count);

@@ -200,6 +200,65 @@ TEST(DriveQuirk, ADriveThatObeysResetNodeOnlyNeedsTheRigToSaySo) {
   EXPECT_EQ(scene.times_sent(0x000, {0x82, 5}), 0);
 }
 
+// --- life guarding
+
+constexpr std::string_view knows_no_heartbeats = R"(absent = ["1016:1", "1017", "1400:5"])";
+const QuirkRig guards{.drive = ", watchdog = \"life-guarding\""};
+
+TEST(DriveQuirk, ADriveWithoutHeartbeatsIsRefusedUnlessTheRigGuardsIt) {
+  QuirkScene refused(R"(absent = ["1016:1", "1400:5"])");
+  EXPECT_FALSE(refused.is_set_up());
+  EXPECT_EQ(refused.host().first_finding(), DriveFinding::watchdog_unset);
+  EXPECT_THAT(refused.trouble(), HasSubstr("watchdog = \"life-guarding\""));
+  QuirkScene scene(knows_no_heartbeats, guards);
+  EXPECT_TRUE(scene.runs()) << scene.trouble();
+  EXPECT_EQ(scene.drive.value(0x100C) + scene.drive.value(0x100D), 0U) << "it is let go";
+}
+
+TEST(DriveQuirk, GuardingNeedsItsObjectsAndALifeTimeThatWasAskedFor) {
+  for (const char* const quirks :
+       {R"(absent = ["1016:1", "1400:5", "100C"])", R"(absent = ["1016:1", "1400:5", "100D"])",
+        "read_only = [\"100D\"]", "read_only = [\"100C\"]\nvalues = { \"100C\" = 500 }",
+        "read_only = [\"100D\"]\nvalues = { \"100D\" = 200 }"}) {
+    QuirkScene scene(quirks, guards);
+    EXPECT_FALSE(scene.is_set_up()) << quirks;
+    EXPECT_THAT(scene.trouble(), HasSubstr("object 100")) << quirks;
+  }
+}
+
+TEST(DriveQuirk, AGuardedDriveIsAskedInTimeAndItsHeartbeatIsOff) {
+  QuirkScene scene("values = { \"1017\" = 100 }", guards);
+  ASSERT_TRUE(scene.is_switched_on()) << scene.trouble();
+  EXPECT_EQ(scene.drive.value(0x1017), 0U);
+  EXPECT_EQ(scene.drive.value(0x100C) * scene.drive.value(0x100D), 120U);
+  const std::int32_t held = scene.host().target();
+  scene.sent.clear();
+  for (int i = 0; i < 250; ++i) scene.tick({held});
+  EXPECT_TRUE(scene.host().findings().empty()) << scene.trouble();
+  const auto is_question = [](const can::Frame& frame) { return frame.is_remote && frame.id == 0x705; };
+  EXPECT_NEAR(static_cast<double>(std::ranges::count_if(scene.sent, is_question)), 1000 / 30.0, 3);
+}
+
+TEST(DriveQuirk, AGuardedDriveStopsByItselfWhenSetpointsAndQuestionsCease) {
+  QuirkScene scene(knows_no_heartbeats, guards);
+  ASSERT_TRUE(scene.is_switched_on()) << scene.trouble();
+  scene.tick({scene.host().target()});
+  scene.sent.clear();
+  int ticks = 0;
+  for (; scene.drive.has_power() && ticks < 100; ++ticks) scene.tick();
+  EXPECT_LE(4 * ticks, 120 + 4);  // ms
+  for (const can::Frame& frame : scene.sent) EXPECT_FALSE(frame.is_remote);
+  EXPECT_EQ(scene.host().last_emergency().code, 0x8130);
+}
+
+TEST(DriveQuirk, AGuardedDriveThatGivesTheSameAnswerAgainCountsAsSilent) {
+  QuirkScene scene("toggles = false", guards);
+  ASSERT_TRUE(scene.is_switched_on()) << "the first answer is right";
+  const std::int32_t held = scene.host().target();
+  for (int i = 0; i < 50 && scene.host().findings().empty(); ++i) scene.tick({held});
+  EXPECT_EQ(scene.host().first_finding(), DriveFinding::heartbeat_lost);
+}
+
 // --- in operation
 
 TEST(DriveQuirk, ALimitForAMomentIsNone) {

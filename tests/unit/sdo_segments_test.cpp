@@ -1,62 +1,22 @@
-// SDO in segments against a server of the tests' own: every size, both ways, and frames that are lost,
-// doubled or late.
+// SDO in segments, against a server of the tests' own and that of the simulated drive: every size, both ways,
+// and frames that are lost, doubled or late, in either direction.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <string>
 #include <vector>
 
 #include "inbetween/can/sdo_client.hpp"
+#include "sim/cia402_drive.hpp"
 #include "tests/support/quirky_drive.hpp"
 
 namespace inbetween {
 namespace sdo_segments_test {
 
+using can::SdoKind;
+using can::SdoMessage;
 using can::SdoState;
-
-/// A client and a drive with an object 2F00 of `size` bytes, a millisecond between a request and its answer.
-struct Transfer {
-  explicit Transfer(std::size_t size) : drive("sizes = { \"2F00\" = " + std::to_string(size) + " }") {
-    for (; now_ns < 20'000'000; now_ns += 1'000'000) drive.advance(now_ns);
-    static_cast<void>(drive.take_frames());
-  }
-  /// Until it has ended. The answer with number `lost` does not come, `doubled` comes twice, and `late` after
-  /// the timeout.
-  void work(int lost = -1, int doubled = -1, int late = -1) {
-    std::vector<can::Frame> held;
-    for (int tick = 0; tick < 5000; ++tick) {
-      now_ns += 1'000'000;
-      if (const auto frame = client.poll(now_ns)) drive.receive(*frame);
-      for (const can::Frame& frame : drive.take_frames()) {
-        const int number = answers++;
-        if (number == late) held.push_back(frame);
-        if (number != lost && number != late) client.receive(frame);
-        // The copy comes when the next request is on its way.
-        if (number == doubled) copy.push_back(frame);
-      }
-      if (!copy.empty()) {
-        now_ns += 1'000'000;
-        if (const auto frame = client.poll(now_ns)) drive.receive(*frame);
-        EXPECT_FALSE(client.receive(copy.front())) << "it has come before";
-        copy.clear();
-        for (const can::Frame& frame : drive.take_frames()) {
-          ++answers;
-          client.receive(frame);
-        }
-      }
-      if (client.state() == SdoState::done || client.state() == SdoState::failed) break;
-    }
-    for (const can::Frame& frame : held) EXPECT_FALSE(client.receive(frame)) << "it is too late";
-  }
-
-  std::int64_t now_ns = 0;
-  int answers = 0;
-  std::vector<can::Frame> copy;
-  QuirkyDrive drive;
-  can::SdoClient client{*can::NodeId::make(5), 50'000'000};
-};
-
-constexpr can::ObjectAddress object{.index = 0x2F00};
 
 std::vector<std::uint8_t> pattern(std::size_t size) {
   std::vector<std::uint8_t> bytes(size);
@@ -64,75 +24,353 @@ std::vector<std::uint8_t> pattern(std::size_t size) {
   return bytes;
 }
 
-TEST(SdoSegments, EverySizeUpTo2000BytesIsReadAndWritten) {
-  for (std::size_t size = 1; size <= 2000; size += size < 64 ? 1 : 121) {
-    Transfer transfer(size);
+/// Drives with an object 2F00 of `size` bytes.
+struct OwnServer : QuirkyDrive {
+  explicit OwnServer(std::size_t size) : QuirkyDrive("sizes = { \"2F00\" = " + std::to_string(size) + " }") {}
+  [[nodiscard]] std::vector<std::uint8_t> bytes_of_object() const { return bytes(0x2F00); }
+};
+struct SimulatedServer : SimulatedCia402Drive {
+  explicit SimulatedServer(std::size_t size) : SimulatedCia402Drive({.node = *can::NodeId::make(5)}, 0) {
+    std::vector<std::uint8_t> bytes = pattern(size);
+    std::ranges::reverse(bytes);
+    add_object({.index = 0x2F00}, {.bytes = bytes});
+    advance(60'000'000);
+    static_cast<void>(take_frames());
+  }
+  [[nodiscard]] std::vector<std::uint8_t> bytes_of_object() const {
+    return objects().read({.index = 0x2F00});
+  }
+};
+
+/// A client and a drive, a millisecond between a request and its answer.
+template <class Server>
+struct Transfer {
+  explicit Transfer(std::size_t size) : drive(size) {
+    for (; now_ns < 70'000'000; now_ns += 10'000'000) drive.advance(now_ns);
+    static_cast<void>(drive.take_frames());
+  }
+  /// Of the frames of a transfer, by their number.
+  struct Trouble {
+    int lost_answer = -1;
+    int doubled_answer = -1;
+    int late_answer = -1;
+    int lost_request = -1;
+    int doubled_request = -1;
+  };
+  /// Until it has ended. A late answer comes after the timeout.
+  void work(const Trouble& trouble = {}) {
+    std::vector<can::Frame> held;
+    for (int tick = 0; tick < 5000; ++tick) {
+      now_ns += 1'000'000;
+      if (const auto frame = client.poll(now_ns)) send(*frame, trouble);
+      for (const can::Frame& frame : drive.take_frames()) {
+        const int number = answers++;
+        if (number == trouble.late_answer) held.push_back(frame);
+        if (number != trouble.lost_answer && number != trouble.late_answer) client.receive(frame);
+        // The copy comes when the next request is on its way.
+        if (number == trouble.doubled_answer) copy.push_back(frame);
+      }
+      if (!copy.empty()) take_copy(trouble);
+      if (client.state() == SdoState::done || client.state() == SdoState::failed) break;
+    }
+    for (const can::Frame& frame : held) EXPECT_FALSE(client.receive(frame)) << "it is too late";
+  }
+  void send(const can::Frame& frame, const Trouble& trouble) {
+    const int number = requests++;
+    if (number != trouble.lost_request) drive.receive(frame);
+    if (number == trouble.doubled_request) drive.receive(frame);
+  }
+  void take_copy(const Trouble& trouble) {
+    now_ns += 1'000'000;
+    if (const auto frame = client.poll(now_ns)) send(*frame, trouble);
+    EXPECT_FALSE(client.receive(copy.front())) << "it has come before";
+    copy.clear();
+    for (const can::Frame& frame : drive.take_frames()) {
+      ++answers;
+      client.receive(frame);
+    }
+  }
+  void read_whole() {
+    std::vector<std::uint8_t> read(drive.bytes_of_object().size());
+    ASSERT_TRUE(client.begin_upload({.index = 0x2F00}, read));
+    work();
+    ASSERT_EQ(client.state(), SdoState::done);
+    EXPECT_EQ(read, drive.bytes_of_object());
+  }
+
+  std::int64_t now_ns = 0;
+  int answers = 0;
+  int requests = 0;
+  std::vector<can::Frame> copy;
+  Server drive;
+  can::SdoClient client{*can::NodeId::make(5), 50'000'000};
+};
+
+constexpr can::ObjectAddress object{.index = 0x2F00};
+
+template <class Server>
+class SdoSegments : public testing::Test {};
+struct ServerNames {
+  template <class Server>
+  static std::string GetName(int number) {
+    return number == 0 ? "OwnServer" : "SimulatedDrive";
+  }
+};
+using Servers = testing::Types<OwnServer, SimulatedServer>;
+TYPED_TEST_SUITE(SdoSegments, Servers, ServerNames);
+
+TYPED_TEST(SdoSegments, EverySizeUpTo2000BytesIsReadAndWritten) {
+  for (std::size_t size = 1; size <= 2000; ++size) {
+    Transfer<TypeParam> transfer(size);
     std::vector<std::uint8_t> read(2000);
     ASSERT_TRUE(transfer.client.begin_upload(object, read));
     transfer.work();
     ASSERT_EQ(transfer.client.state(), SdoState::done) << size;
     ASSERT_EQ(transfer.client.length(), size);
     read.resize(size);
-    EXPECT_EQ(read, transfer.drive.bytes(0x2F00));
+    EXPECT_EQ(read, transfer.drive.bytes_of_object());
     const std::vector<std::uint8_t> written = pattern(size);
     ASSERT_TRUE(transfer.client.begin_download(object, written));
     transfer.work();
     ASSERT_EQ(transfer.client.state(), SdoState::done) << size;
-    EXPECT_EQ(transfer.drive.bytes(0x2F00), written);
+    EXPECT_EQ(transfer.drive.bytes_of_object(), written);
   }
 }
 
-TEST(SdoSegments, WhatHasNoRoomIsRefusedAndTheDeviceIsTold) {
-  Transfer transfer(21);
+TYPED_TEST(SdoSegments, WhatHasNoRoomIsRefusedAndTheDeviceIsTold) {
+  Transfer<TypeParam> transfer(21);
   std::vector<std::uint8_t> read(20);
   ASSERT_TRUE(transfer.client.begin_upload(object, read));
   transfer.work();
   EXPECT_EQ(transfer.client.state(), SdoState::failed);
   EXPECT_EQ(transfer.client.abort_code(), 0x05040005U);
+  transfer.read_whole();
 }
 
-TEST(SdoSegments, AnAbortOfTheDeviceEndsATransferAtItsLastSegment) {
-  Transfer transfer(21);
+TYPED_TEST(SdoSegments, AnAbortOfTheDeviceEndsATransfer) {
+  Transfer<TypeParam> transfer(21);
   const std::vector<std::uint8_t> another = pattern(22);
   ASSERT_TRUE(transfer.client.begin_download(object, another));
   transfer.work();
   EXPECT_EQ(transfer.client.state(), SdoState::failed);
   EXPECT_EQ(transfer.client.abort_code(), 0x06070010U);
   EXPECT_FALSE(transfer.client.has_given_up());
-  EXPECT_NE(transfer.drive.bytes(0x2F00), another);
+  EXPECT_NE(transfer.drive.bytes_of_object(), another);
 }
 
-TEST(SdoSegments, ALostOrLateSegmentIsATimeoutAndTheNextTransferIsWhole) {
+TYPED_TEST(SdoSegments, ALostOrLateSegmentIsATimeoutAndTheNextTransferIsWhole) {
   for (int answer = 0; answer < 4; ++answer) {
     for (const bool is_late : {false, true}) {
-      Transfer transfer(21);
+      Transfer<TypeParam> transfer(21);
       std::vector<std::uint8_t> read(21);
       ASSERT_TRUE(transfer.client.begin_upload(object, read));
-      is_late ? transfer.work(-1, -1, answer) : transfer.work(answer);
+      is_late ? transfer.work({.late_answer = answer}) : transfer.work({.lost_answer = answer});
       EXPECT_EQ(transfer.client.state(), SdoState::failed);
       EXPECT_EQ(transfer.client.abort_code(), 0x05040000U);
       ASSERT_TRUE(transfer.client.begin_upload(object, read));
       transfer.work();
       EXPECT_EQ(transfer.client.state(), SdoState::done);
-      EXPECT_EQ(read, transfer.drive.bytes(0x2F00));
+      EXPECT_EQ(read, transfer.drive.bytes_of_object());
     }
   }
 }
 
-TEST(SdoSegments, ASegmentThatComesTwiceDoesNoHarm) {
+TYPED_TEST(SdoSegments, ASegmentThatComesTwiceDoesNoHarm) {
   for (int answer = 0; answer < 3; ++answer) {
-    Transfer transfer(21);
+    Transfer<TypeParam> transfer(21);
     std::vector<std::uint8_t> read(21);
     ASSERT_TRUE(transfer.client.begin_upload(object, read));
-    transfer.work(-1, answer);
+    transfer.work({.doubled_answer = answer});
     EXPECT_EQ(transfer.client.state(), SdoState::done) << answer;
-    EXPECT_EQ(read, transfer.drive.bytes(0x2F00));
+    EXPECT_EQ(read, transfer.drive.bytes_of_object());
     const std::vector<std::uint8_t> written = pattern(21);
-    Transfer other(21);
+    Transfer<TypeParam> other(21);
     ASSERT_TRUE(other.client.begin_download(object, written));
-    other.work(-1, answer);
+    other.work({.doubled_answer = answer});
     EXPECT_EQ(other.client.state(), SdoState::done) << answer;
-    EXPECT_EQ(other.drive.bytes(0x2F00), written);
+    EXPECT_EQ(other.drive.bytes_of_object(), written);
+  }
+}
+
+TYPED_TEST(SdoSegments, ALostRequestAndOneThatComesTwiceEndATransferAndTheNextOneIsWhole) {
+  for (int request = 0; request < 4; ++request) {
+    for (const bool is_upload : {true, false}) {
+      Transfer<TypeParam> lost(21), doubled(21);
+      for (Transfer<TypeParam>* const transfer : {&lost, &doubled}) {
+        std::vector<std::uint8_t> read(21);
+        const std::vector<std::uint8_t> written = pattern(21);
+        const std::vector<std::uint8_t> before = transfer->drive.bytes_of_object();
+        ASSERT_TRUE(is_upload ? transfer->client.begin_upload(object, read)
+                              : transfer->client.begin_download(object, written));
+        const bool is_lost = transfer == &lost;
+        is_lost ? transfer->work({.lost_request = request}) : transfer->work({.doubled_request = request});
+        // What begins a transfer begins it anew, and nobody waits for anything after its end.
+        const bool is_harmless = !is_lost && (request == 0 || request == 3);
+        EXPECT_EQ(transfer->client.state(), is_harmless ? SdoState::done : SdoState::failed) << request;
+        // The device has ended it, 05030000, before the next request: nothing answers that.
+        EXPECT_EQ(transfer->client.abort_code(), is_harmless ? 0U : 0x05040000U);
+        const bool is_written = is_harmless && !is_upload;
+        EXPECT_EQ(transfer->drive.bytes_of_object(), is_written ? written : before);
+        transfer->read_whole();
+      }
+    }
+  }
+}
+
+/// What the simulated drive answers to requests that a client would not send.
+class SdoServer : public testing::Test {
+ protected:
+  SimulatedServer drive{21};
+  std::uint32_t reason(const SdoMessage& request) { return reason(can::sdo_frame(0x605, request)); }
+  /// Of the abort; 0 where the answer is none.
+  std::uint32_t reason(const can::Frame& frame) {
+    drive.receive(frame);
+    const std::vector<can::Frame> answers = drive.take_frames();
+    EXPECT_EQ(answers.size(), 1U);
+    const SdoMessage answer = can::read_sdo_answer(answers.at(0)).value();
+    return answer.kind == SdoKind::abort ? answer.value : 0;
+  }
+  void begin_download() {
+    ASSERT_EQ(reason({.kind = SdoKind::announce_download, .object = object, .value = 21}), 0U);
+  }
+  static SdoMessage segment(bool toggle, std::uint8_t size = 7, bool is_last = false) {
+    return {.kind = SdoKind::download_segment, .size = size, .toggle = toggle, .is_last = is_last};
+  }
+};
+
+TEST_F(SdoServer, AbortsATransferWhoseToggleBitDoesNotAlternate) {
+  ASSERT_EQ(reason({.kind = SdoKind::upload, .object = object}), 0U);
+  EXPECT_EQ(reason({.kind = SdoKind::ask_segment, .toggle = true}), 0x05030000U);
+  EXPECT_EQ(reason({.kind = SdoKind::ask_segment, .toggle = false}), 0x05040001U) << "it has ended";
+  begin_download();
+  EXPECT_EQ(reason(segment(true)), 0x05030000U);
+  begin_download();
+  EXPECT_EQ(reason(segment(false)), 0U);
+  EXPECT_EQ(reason(segment(false)), 0x05030000U);
+}
+
+TEST_F(SdoServer, AbortsSegmentsOfNoTransferAndOfTheOtherDirection) {
+  EXPECT_EQ(reason(segment(false)), 0x05040001U);
+  EXPECT_EQ(reason({.kind = SdoKind::ask_segment}), 0x05040001U);
+  begin_download();
+  EXPECT_EQ(reason({.kind = SdoKind::ask_segment}), 0x05040001U);
+  ASSERT_EQ(reason({.kind = SdoKind::upload, .object = object}), 0U);
+  EXPECT_EQ(reason(segment(false)), 0x05040001U);
+}
+
+TEST_F(SdoServer, AbortsATransferOfAnotherLengthThanWasAnnounced) {
+  EXPECT_EQ(reason({.kind = SdoKind::announce_download, .object = object, .value = 22}), 0x06070010U);
+  EXPECT_EQ(reason({.kind = SdoKind::announce_download, .object = object, .value = 0}), 0x06070010U);
+  begin_download();
+  EXPECT_EQ(reason(segment(false, 7, true)), 0x06070010U) << "too early";
+  begin_download();
+  EXPECT_EQ(reason(segment(false)), 0U);
+  EXPECT_EQ(reason(segment(true)), 0U);
+  EXPECT_EQ(reason(segment(false)), 0U);
+  EXPECT_EQ(reason(segment(true, 1, true)), 0x06070010U) << "a byte too many";
+}
+
+TEST_F(SdoServer, AbortsWhatIsNotThereCannotBeWrittenOrIsNotSpoken) {
+  const auto announce = [&](std::uint16_t index, std::uint8_t sub) {
+    return reason({.kind = SdoKind::announce_download, .object = {.index = index, .sub = sub}, .value = 23});
+  };
+  EXPECT_EQ(announce(0x2FFF, 0), 0x06020000U);
+  EXPECT_EQ(announce(0x2F00, 1), 0x06090011U);
+  EXPECT_EQ(announce(0x1008, 0), 0x06010002U);
+  for (const unsigned command : {0xA0U, 0xC2U, 0xE0U, 0x20U}) {  // block transfer; a size that is not told
+    EXPECT_EQ(reason(can::Frame{.id = 0x605, .length = 8, .data = {static_cast<std::uint8_t>(command)}}),
+              0x05040001U);
+  }
+  drive.add_object({.index = 0x2F01}, {.access = ObjectDictionary::Access::write_only});
+  EXPECT_EQ(reason({.kind = SdoKind::upload, .object = {.index = 0x2F01}}), 0x06010001U);
+}
+
+TEST_F(SdoServer, TakesANumberInSegmentsAndForgetsATransferThatIsAborted) {
+  const SdoMessage announcement{.kind = SdoKind::announce_download, .object = {.index = 0x6065}, .value = 4};
+  ASSERT_EQ(reason(announcement), 0U);
+  SdoMessage number = segment(false, 4, true);
+  number.segment = {0x10, 0x27};
+  EXPECT_EQ(reason(number), 0U);
+  EXPECT_EQ(drive.objects().value(0x6065), 10'000U);
+  begin_download();
+  drive.receive(can::sdo_frame(0x605, {.kind = SdoKind::abort, .object = object, .value = 0x08000000}));
+  EXPECT_TRUE(drive.take_frames().empty());
+  EXPECT_EQ(reason(segment(false)), 0x05040001U);
+}
+
+/// What the client says to answers that no right device gives.
+class SdoSegmentClient : public testing::Test {
+ protected:
+  can::SdoClient client{*can::NodeId::make(5), 50'000'000};
+  std::vector<std::uint8_t> storage = std::vector<std::uint8_t>(21);
+  const std::vector<std::uint8_t> bytes = pattern(21);
+  void hear(const SdoMessage& answer) {
+    client.poll(0);
+    client.receive(can::sdo_frame(0x585, answer));
+  }
+  /// The reason that the device is told with the next frame; 0: it is told none.
+  std::uint32_t told() {
+    const auto frame = client.poll(0);
+    const auto message = frame ? can::read_sdo_request(*frame) : std::nullopt;
+    return message && message->kind == SdoKind::abort ? message->value : 0;
+  }
+  void begin_upload() {
+    ASSERT_TRUE(client.begin_upload(object, storage));
+    hear({.kind = SdoKind::announce_upload, .object = object, .value = 21});
+  }
+  void begin_download() {
+    ASSERT_TRUE(client.begin_download(object, bytes));
+    hear({.kind = SdoKind::download_done, .object = object});
+  }
+};
+
+TEST_F(SdoSegmentClient, AbortsWhereTheToggleBitDoesNotAlternate) {
+  begin_upload();
+  hear({.kind = SdoKind::upload_segment, .size = 7, .toggle = true});
+  EXPECT_EQ(told(), 0x05030000U);
+  begin_download();
+  hear({.kind = SdoKind::download_segment_done, .toggle = true});
+  EXPECT_EQ(told(), 0x05030000U);
+}
+
+TEST_F(SdoSegmentClient, AbortsWhereTheLengthIsNotWhatWasAnnounced) {
+  begin_upload();
+  hear({.kind = SdoKind::upload_segment, .size = 7, .is_last = true});
+  EXPECT_EQ(told(), 0x06070010U);
+  begin_upload();
+  hear({.kind = SdoKind::upload_segment, .size = 0});
+  EXPECT_EQ(told(), 0x06070010U);
+  begin_upload();
+  for (const bool toggle : {false, true, false}) {
+    hear({.kind = SdoKind::upload_segment, .size = 7, .toggle = toggle});
+  }
+  hear({.kind = SdoKind::upload_segment, .size = 7, .toggle = true, .is_last = true});
+  EXPECT_EQ(told(), 0x05040005U);
+  ASSERT_TRUE(client.begin_upload(object, storage));
+  hear({.kind = SdoKind::announce_upload, .object = object, .value = 22});
+  EXPECT_EQ(told(), 0x05040005U);
+}
+
+TEST_F(SdoSegmentClient, AbortsWhereTheAnswerIsToAnotherRequest) {
+  begin_upload();
+  hear({.kind = SdoKind::download_segment_done});
+  EXPECT_EQ(told(), 0x05040001U);
+  begin_download();
+  hear({.kind = SdoKind::upload_segment, .size = 7});
+  EXPECT_EQ(told(), 0x05040001U);
+}
+
+TEST_F(SdoSegmentClient, EndsWithTheReasonOfTheDevice) {
+  for (const std::uint32_t code : {0x05030000U, 0x05040005U, 0x06070012U, 0x08000022U}) {
+    begin_upload();
+    hear({.kind = SdoKind::abort, .object = object, .value = code});
+    EXPECT_EQ(client.state(), SdoState::failed);
+    EXPECT_EQ(client.abort_code(), code);
+    EXPECT_EQ(told(), 0U);
+    begin_download();
+    hear({.kind = SdoKind::abort, .object = object, .value = code});
+    EXPECT_EQ(client.abort_code(), code);
+    EXPECT_EQ(told(), 0U);
   }
 }
 

@@ -94,6 +94,33 @@ class SimulatedDrive : public testing::Test {
   }
 };
 
+TEST_F(SimulatedDrive, AnswersWhetherItLivesWithAnotherToggleBitEachTime) {
+  boot();
+  const Frame question{.id = 0x705, .is_remote = true, .length = 1};
+  for (const unsigned state : {0x7FU, 0xFFU, 0x7FU}) {
+    EXPECT_EQ(hear(question),
+              (std::vector{Frame{.id = 0x705, .length = 1, .data = {static_cast<std::uint8_t>(state)}}}));
+  }
+  EXPECT_EQ(write(0x1017, 0, 2, 50), 0U);
+  pass(1 * ms);
+  EXPECT_TRUE(hear(question).empty()) << "it has heartbeats";
+}
+
+TEST_F(SimulatedDrive, LeavesOperationalWhenNobodyHasAskedForItsLifeTime) {
+  boot();
+  EXPECT_EQ(write(0x100C, 0, 2, 30), 0U);
+  EXPECT_EQ(write(0x100D, 0, 1, 4), 0U);
+  EXPECT_EQ(write(0x1029, 1, 1, 0), 0U);
+  obey(can::NmtCommand::start);
+  EXPECT_TRUE(pass(500 * ms).empty()) << "watched from the first question on";
+  hear(can::guard_request_frame(node(5)));
+  EXPECT_TRUE(pass(119 * ms).empty());
+  const std::vector<Frame> told = pass(2 * ms);
+  ASSERT_EQ(told.size(), 1U);
+  EXPECT_EQ(can::read_emergency(told[0], node(5)).value().code, 0x8130);
+  EXPECT_EQ(drive.nmt(), NmtState::pre_operational);
+}
+
 TEST_F(SimulatedDrive, TellsOnceThatItHasBootedAndIsPreOperational) {
   EXPECT_TRUE(pass(49 * ms).empty());
   const std::vector<Frame> frames = pass(ms);
@@ -125,7 +152,7 @@ TEST_F(SimulatedDrive, RefusesWithTheReasonsOfTheStandard) {
   EXPECT_EQ(write(0x1006, 0, 4, 4000), 0U);
   EXPECT_EQ(write(0x1019, 0, 1, 10), can::abort_device_state);
   EXPECT_EQ(ask({.kind = can::SdoKind::announce_download, .object = {.index = 0x6060}, .value = 9}).value,
-            can::abort_unknown_command);
+            can::abort_wrong_length);
 }
 
 TEST_F(SimulatedDrive, TakesAMappingInTheOrderOfTheStandardOnly) {

@@ -122,7 +122,7 @@ TEST_F(Trouble, ADriveWithOtherObjectsHasThemAfterAResetToo) {
   const ObjectDictionary& objects = rig.drive(0).objects();
   EXPECT_EQ(objects.find({.index = 0x6007}), nullptr);
   EXPECT_EQ(objects.value(0x1016, 1), 0xFFFFFFFF);
-  EXPECT_EQ(objects.refuses_write({.index = 0x1016, .sub = 1}, 4, 0), can::abort_read_only);
+  EXPECT_EQ(objects.refuses_length({.index = 0x1016, .sub = 1}, 4), can::abort_read_only);
   EXPECT_EQ(objects.find({.index = 0x605A})->access, ObjectDictionary::Access::silent);
 }
 

@@ -102,7 +102,7 @@ Result<std::size_t> Cia402Bus::tick(std::int64_t now_ns, std::span<const std::in
   if (const auto heartbeat =
           wants_heartbeat(targets) ? heartbeat_.poll(now_ns, NmtState::operational) : std::nullopt) {
     send(heartbeat);
-    for (Cia402Drive& drive : drives_) drive.note_host_heartbeat();
+    for (Cia402Drive& drive : drives_) send(drive.note_host_heartbeat());
   }
   send(next_service(now_ns));
   return count;

@@ -55,7 +55,7 @@ Cia402Drive::Cia402Drive(const Cia402Settings& settings, const SetupScript& scri
     : settings_(settings),
       script_(script),
       runner_(settings.setup.node, settings.sdo_timeout_ns),
-      exit_(settings.setup.node, settings.sdo_timeout_ns),
+      exit_(settings.setup.node, settings.sdo_timeout_ns, settings.setup.is_guarded),
       heartbeat_({.timeout_ns = settings.heartbeat_timeout_ns, .boot_timeout_ns = settings.boot_timeout_ns}),
       ticks_to_forgive_(settings.bad_frame_ticks) {}
 
@@ -157,6 +157,12 @@ void Cia402Drive::find(DriveFinding finding) {
 void Cia402Drive::find_lasting(DriveFinding finding) {
   lasting_.add(finding);
   find(finding);
+}
+
+std::optional<Frame> Cia402Drive::note_host_heartbeat() {
+  host_heartbeat_sent_ = true;
+  const bool is_asked = settings_.setup.is_guarded && needs_sync();
+  return is_asked ? std::optional(guard_request_frame(node())) : std::nullopt;
 }
 
 void Cia402Drive::note_foreign_frame() {

@@ -19,8 +19,20 @@ void Cia402Drive::take_bad_frame() {
   if (++bad_frame_level_ > settings_.bad_frame_limit) find(DriveFinding::bad_frames);
 }
 
+/// The answer of a guarded drive counts if its toggle bit is another one than before: the standard takes it
+/// for not received otherwise.
+std::optional<NmtState> Cia402Drive::heard_in(const Frame& frame) {
+  if (!settings_.setup.is_guarded) return read_heartbeat(frame, node());
+  const std::optional<GuardAnswer> answer = read_guard_answer(frame, node());
+  if (!answer) return {};
+  const bool is_boot_up = answer->state == NmtState::boot_up;
+  if (answer->toggle != (guard_toggle_ && !is_boot_up)) return {};
+  guard_toggle_ = !is_boot_up && !guard_toggle_;
+  return answer->state;
+}
+
 void Cia402Drive::take_heartbeat(const Frame& frame, std::int64_t now_ns) {
-  const std::optional<NmtState> heard = read_heartbeat(frame, node());
+  const std::optional<NmtState> heard = heard_in(frame);
   if (!heard) {
     ++counters_.bad_frames;
     return take_bad_frame();

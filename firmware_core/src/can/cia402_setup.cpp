@@ -197,6 +197,27 @@ void set_ramps(ScriptWriter& writer, const Cia402Setup& setup) {
               .value = *setup.quick_stop_deceleration});
 }
 
+/// It makes the drive notice a dead host.
+void set_host_watch(ScriptWriter& writer, const Cia402Setup& setup) {
+  const auto watch = [&](ObjectAddress object, std::uint8_t size, std::uint32_t value, bool may_be_absent) {
+    writer.add({.action = SetupAction::watchdog,
+                .finding = DriveFinding::watchdog_unset,
+                .object = object,
+                .size = size,
+                .may_be_absent = may_be_absent,
+                .value = value});
+  };
+  if (setup.is_guarded) {
+    // A drive that sends heartbeats answers no questions.
+    writer.write_if_there(heartbeat_producer, 2, 0);
+    watch(guard_time, 2, setup.host_timeout_ms / life_time_factor, false);
+    watch(life_factor, 1, life_time_factor, false);
+    return;
+  }
+  // A setpoint timeout stands in where it does not exist.
+  watch(heartbeat_consumer, 4, (std::uint32_t{setup.host.value()} << 16) | setup.host_timeout_ms, true);
+}
+
 void set_watch(ScriptWriter& writer, const Cia402Setup& setup, const InterpolationPeriod& period) {
   // A drive that has no 1029 goes to pre-operational, which is what 0 asks for.
   writer.write_if_there({.index = 0x1029, .sub = 1}, 1, 0);
@@ -209,12 +230,7 @@ void set_watch(ScriptWriter& writer, const Cia402Setup& setup, const Interpolati
               .may_be_absent = setup.stops_without_host,
               .value = 3,
               .mask = setup.coasts ? brakes | bit_of(2) : brakes});
-  // It makes the drive notice a dead host. A setpoint timeout stands in where it does not exist.
-  writer.add({.action = SetupAction::watchdog,
-              .finding = DriveFinding::watchdog_unset,
-              .object = heartbeat_consumer,
-              .may_be_absent = true,
-              .value = (std::uint32_t{setup.host.value()} << 16) | setup.host_timeout_ms});
+  set_host_watch(writer, setup);
   // The period of SYNC is exactly that or 0: drives tune their clocks by it. With it many drives are in fault
   // when SYNC is half a period late, which one late tick brings about; without, they watch SYNC no more, and
   // its loss is found by the host's heartbeat, of which one may be late. A drive that cannot watch the
@@ -223,6 +239,7 @@ void set_watch(ScriptWriter& writer, const Cia402Setup& setup, const Interpolati
               .object = {.index = 0x1006},
               .may_be_absent = true,
               .value = static_cast<std::uint32_t>(period.microseconds)});
+  if (setup.is_guarded) return;
   writer.add({.action = SetupAction::watchdog,
               .object = heartbeat_producer,
               .size = 2,
@@ -234,7 +251,9 @@ Status check(const Cia402Setup& setup) {
     return Error{.code = ErrorCode::out_of_range, .what = what, .remedy = remedy};
   };
   if (setup.node == setup.host) return refuse("host and drive are the same node", "give each its own number");
-  if (setup.drive_heartbeat_ms == 0 || setup.host_timeout_ms == 0 || setup.setpoint_timeout_ms == 0) {
+  const bool has_no_guard_time = setup.is_guarded && setup.host_timeout_ms < life_time_factor;
+  if (setup.drive_heartbeat_ms == 0 || setup.host_timeout_ms == 0 || setup.setpoint_timeout_ms == 0 ||
+      has_no_guard_time) {
     return refuse("a heartbeat or timeout of 0 ms watches nothing", "give it in milliseconds");
   }
   if (setup.quick_stop_option < 1 || setup.quick_stop_option > 8) {

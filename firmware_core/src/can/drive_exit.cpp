@@ -25,9 +25,16 @@ struct Release {
 /// Setpoints (1400:5), SYNC (1006) and the host's heartbeat (1016) may cease after that. The drive's own
 /// heartbeat (1017) is the last: a drive that goes on to send to a bus on which nobody listens any more
 /// becomes error-passive and reports 8120.
-constexpr std::array releases{Release{{.index = 0x1400, .sub = pdo_sub_event_timer}, 2},
-                              Release{{.index = 0x1006}, 4}, Release{{.index = 0x1016, .sub = 1}, 4},
-                              Release{{.index = 0x1017}, 2}};
+using Releases = std::array<Release, 4>;
+constexpr Releases releases{{{{.index = 0x1400, .sub = pdo_sub_event_timer}, 2},
+                             {{.index = 0x1006}, 4},
+                             {{.index = 0x1016, .sub = 1}, 4},
+                             {{.index = 0x1017}, 2}}};
+/// A guarded drive watches the host's questions (100D, 100C).
+constexpr Releases guarded_releases{{{{.index = 0x1400, .sub = pdo_sub_event_timer}, 2},
+                                     {{.index = 0x1006}, 4},
+                                     {{.index = 0x100D}, 1},
+                                     {{.index = 0x100C}, 2}}};
 
 enum Question : std::size_t { statusword, position, controlword_order, questions };
 
@@ -95,7 +102,8 @@ void DriveExit::begin_question(std::optional<std::uint16_t> controlword) {
 
 void DriveExit::begin_release() {
   is_begun_ = true;
-  client_.begin_download(releases[step_].object, releases[step_].size, 0);
+  const Release& release = (is_guarded_ ? guarded_releases : releases)[step_];
+  client_.begin_download(release.object, release.size, 0);
 }
 
 }  // namespace inbetween::can

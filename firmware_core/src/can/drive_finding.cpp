@@ -57,8 +57,8 @@ constexpr std::array table{
          .remedy = "set its object 607B:1 to 80000000h and 607B:2 to 7FFFFFFFh, which is off"}},
     Row{DriveFinding::watchdog_unset,
         {.what = "the drive would run on if this program died",
-         .remedy = "set its heartbeat consumer (1016), or use a drive that has none but a setpoint timeout "
-                   "(1400:5)"}},
+         .remedy = "set its heartbeat consumer (1016) or its setpoint timeout (1400:5), or write watchdog = "
+                   "\"life-guarding\" in the drive of the axis if it has objects 100C and 100D"}},
     Row{DriveFinding::first_heartbeat_missing,
         {.what = "the first heartbeat of the drive never came", .remedy = "look at its object 1017"}},
     Row{DriveFinding::not_operational,

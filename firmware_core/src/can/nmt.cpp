@@ -1,6 +1,11 @@
 #include "inbetween/can/nmt.hpp"
 
 namespace inbetween::can {
+namespace {
+
+constexpr std::uint8_t guard_toggle_bit = 0x80;
+
+}  // namespace
 
 Frame nmt_frame(const NmtOrder& order) {
   return {.id = nmt_id, .length = 2, .data = {static_cast<std::uint8_t>(order.command), order.node}};
@@ -33,6 +38,24 @@ std::optional<NmtState> read_heartbeat(const Frame& frame, NodeId node) {
       return state;
   }
   return {};
+}
+
+Frame guard_request_frame(NodeId node) {
+  return {.id = heartbeat_id(node), .is_remote = true, .length = 1};
+}
+
+Frame guard_answer_frame(NodeId node, const GuardAnswer& answer) {
+  Frame frame = heartbeat_frame(node, answer.state);
+  frame.data[0] |= answer.toggle ? guard_toggle_bit : std::uint8_t{0};
+  return frame;
+}
+
+std::optional<GuardAnswer> read_guard_answer(const Frame& frame, NodeId node) {
+  Frame plain = frame;
+  plain.data[0] &= static_cast<std::uint8_t>(~guard_toggle_bit);
+  const std::optional<NmtState> state = read_heartbeat(plain, node);
+  if (!state) return {};
+  return GuardAnswer{.state = *state, .toggle = (frame.data[0] & guard_toggle_bit) != 0};
 }
 
 }  // namespace inbetween::can

@@ -46,6 +46,7 @@ void SetupRunner::begin(const SetupScript& script) {
   drive_heartbeat_ms_ = 0;
   fault_may_coast_ = false;
   range_begin_ = 0;
+  absent_.clear();
   has_period_ = true;
   has_no_other_target_ = true;
   begin_step(script);
@@ -198,6 +199,7 @@ void SetupRunner::has_failed(const SetupScript& script, const SetupStep& step) {
   }
   const bool has_none = !is_there;
   if (has_none && can_do_without(step)) return is_absent(script, step);
+  if (has_none && step.finding == DriveFinding::watchdog_unset) return refuse(step, step.finding);
   if (has_none && step.object.index == host_loss_index) return refuse(step, DriveFinding::host_loss_unsaid);
   if (has_none && step.object.index == window_index) return refuse(step, DriveFinding::window_unsaid);
   const bool is_refused = !has_none && !client_.has_given_up();
@@ -216,6 +218,9 @@ void SetupRunner::is_absent(const SetupScript& script, const SetupStep& step) {
   if (step.object.index == fault_reaction_index) fault_may_coast_ = !may_coast;
   if (step.object == interpolation_time) has_period_ = false;
   if (step.object == heartbeat_consumer && setpoint_timeout_ms_ == 0) return refuse(step, step.finding);
+  const bool is_noted = !absent_.empty() && absent_[absent_.size() - 1] == step.object.index;
+  // There is room for every index of a script.
+  if (!is_noted) static_cast<void>(absent_.push_back(step.object.index));
   next_step(script);
 }
 
@@ -231,17 +236,26 @@ void SetupRunner::refuse(const SetupStep& step, DriveFinding finding) {
 
 /// A drive may round a time up; one of more than twice what was asked is as good as none.
 bool SetupRunner::note_watchdog(const SetupStep& step) {
+  if (step.object == life_factor) return note_life_time(step);
   const auto asked_ms = static_cast<std::uint16_t>(step.value);
   const auto found_ms = static_cast<std::uint16_t>(*found_);
   const bool is_same_node = (*found_ >> 16) == (step.value >> 16);
   if (!is_same_node || found_ms == 0 || found_ms > 2 * asked_ms) return false;
   if (step.object == heartbeat_consumer) {
     host_timeout_ms_ = found_ms;
-  } else if (step.object == heartbeat_producer) {
+  } else if (step.object == heartbeat_producer || step.object == guard_time) {
     drive_heartbeat_ms_ = found_ms;
   } else {
     setpoint_timeout_ms_ = found_ms;
   }
+  return true;
+}
+
+/// The life time of a guarded drive is in two objects, of which it may round the first.
+bool SetupRunner::note_life_time(const SetupStep& step) {
+  const std::uint32_t life_ms = *found_ * drive_heartbeat_ms_;
+  if (*found_ != step.value || life_ms > 0xFFFF) return false;
+  host_timeout_ms_ = static_cast<std::uint16_t>(life_ms);
   return true;
 }
 

@@ -16,8 +16,9 @@ namespace inbetween::can {
 
 /// The host's side of a bus with CiA 402 drives. In tick k it sends, in this order: SYNC, by which every
 /// drive applies the target of tick k and samples its feedback; the targets of tick k + 1, in the order of
-/// the drives; the host's heartbeat when it is due; at most one frame of NMT or SDO, the drives taking turns.
-/// So SYNC never waits for another frame, and a target acts exactly one tick after it was given.
+/// the drives; the host's heartbeat when it is due, with the questions to guarded drives; at most one frame
+/// of NMT or SDO, the drives taking turns. So SYNC never waits for another frame, and a target acts exactly
+/// one tick after it was given.
 ///
 /// Only tick() sends, so that the drives stop by themselves as soon as nobody calls it.
 class Cia402Bus {
@@ -35,13 +36,13 @@ class Cia402Bus {
   [[nodiscard]] std::span<Cia402Drive> drives() { return drives_; }
   [[nodiscard]] std::span<const Cia402Drive> drives() const { return drives_; }
   /// The frames that a tick may send.
-  static constexpr std::size_t frames_per_tick(std::size_t drives) { return drives + 3; }
+  static constexpr std::size_t frames_per_tick(std::size_t drives) { return 2 * drives + 3; }
 
   /// A frame that has arrived. Those of others are no concern of ours. O(drives).
   void receive(const Frame& frame, std::int64_t now_ns);
   /// A target for each drive, in counts, or none at all: then nothing is sent to those that follow targets,
-  /// nor the host's heartbeat, and their own watchdogs stop them. Returns how many frames were put into
-  /// `frames`. Errors: capacity, wrong_count, before anything has changed.
+  /// nor the host's heartbeat nor a question, and their own watchdogs stop them. Returns how many frames were
+  /// put into `frames`. Errors: capacity, wrong_count, before anything has changed.
   Result<std::size_t> tick(std::int64_t now_ns, std::span<const std::int32_t> targets,
                            std::span<Frame> frames);
 

@@ -109,8 +109,9 @@ class Cia402Drive {
   void receive(const Frame& frame, std::int64_t now_ns);
   /// Somebody else has sent what only the host sends.
   void note_foreign_frame();
-  /// The host's heartbeat has been sent: from the first one on the drive watches it.
-  void note_host_heartbeat() { host_heartbeat_sent_ = true; }
+  /// The host's heartbeat has been sent: from the first one on the drive watches it. A guarded drive watches
+  /// the question that is to be sent with it, from when it is set up until it is let go.
+  std::optional<Frame> note_host_heartbeat();
 
   /// Once a tick, before anything is sent: what was missed, what was found, which phase follows.
   void tick(std::int64_t now_ns);
@@ -164,6 +165,7 @@ class Cia402Drive {
   void find_lasting(DriveFinding finding);
   void take_bad_frame();
   void take_heartbeat(const Frame& frame, std::int64_t now_ns);
+  [[nodiscard]] std::optional<NmtState> heard_in(const Frame& frame);
   void take_emergency(const Frame& frame, std::int64_t now_ns);
   void take_feedback(const Frame& frame, std::int64_t now_ns);
   void judge_emergency(std::int64_t now_ns);
@@ -213,6 +215,7 @@ class Cia402Drive {
   DriveFeedback feedback_;
   std::optional<NmtCommand> order_;  ///< to be sent by service()
   NmtState heard_ = NmtState::boot_up;
+  bool guard_toggle_ = false;  ///< of the next answer of a guarded drive
   std::int64_t phase_deadline_ns_ = 0;
   std::int64_t followed_ns_ = 0;   ///< when bit 12 was seen last
   std::int64_t unlimited_ns_ = 0;  ///< and when bit 11 was clear

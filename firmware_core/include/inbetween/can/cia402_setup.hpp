@@ -27,11 +27,14 @@ struct Cia402Setup {
   NodeId node;
   NodeId host;
   std::int64_t rate_hz = 250;
-  std::uint8_t sync_overflow = 0;                         ///< object 1019; 0: no counter in SYNC
-  std::uint16_t drive_heartbeat_ms = 50;                  ///< how often the drive tells that it lives (1017)
-  std::uint16_t host_timeout_ms = 100;                    ///< how long it believes that the host lives (1016)
-  std::uint16_t setpoint_timeout_ms = 50;                 ///< how long it waits for setpoints (1400:5)
-  std::optional<std::uint32_t> following_error_window{};  ///< 6065, counts
+  std::uint8_t sync_overflow = 0;         ///< object 1019; 0: no counter in SYNC
+  std::uint16_t drive_heartbeat_ms = 50;  ///< how often the drive tells that it lives (1017)
+  std::uint16_t host_timeout_ms = 100;    ///< how long it believes that the host lives (1016)
+  /// It is asked whether it lives (guarding, 100C and 100D), for a drive that knows no heartbeats (1016,
+  /// 1017).
+  bool is_guarded = false;
+  std::uint16_t setpoint_timeout_ms = 50;                     ///< how long it waits for setpoints (1400:5)
+  std::optional<std::uint32_t> following_error_window{};      ///< 6065, counts
   std::optional<std::uint16_t> following_error_timeout_ms{};  ///< 6066
   std::optional<CountRange> position_limits{};                ///< 607D
   /// How it brakes in a quick stop (605A), 1 to 8: 2 by the ramp of 6085 and then without power, 6 by the
@@ -48,7 +51,12 @@ struct Cia402Setup {
   std::optional<std::uint32_t> product{};  ///< 1018:2, must be so
 };
 
+/// The questions that a guarded drive may miss: its life time (host_timeout_ms) is so many guard times.
+inline constexpr std::uint8_t life_time_factor = 4;
+
 /// Objects of which the steps depend on each other.
+inline constexpr ObjectAddress guard_time{.index = 0x100C};
+inline constexpr ObjectAddress life_factor{.index = 0x100D};
 inline constexpr ObjectAddress heartbeat_consumer{.index = 0x1016, .sub = 1};
 inline constexpr ObjectAddress heartbeat_producer{.index = 0x1017};
 inline constexpr std::uint16_t fault_reaction_index = 0x605E;
@@ -75,7 +83,7 @@ enum class SetupAction : std::uint8_t {
   write_at_once,  ///< it must be `value`
   write_near,     ///< it must be `value`, or off by no more than a drive rounds
   write_code,     ///< it must be a number of which `mask` has the bit
-  watchdog,       ///< a heartbeat or the setpoint timeout: it must be as long, or up to twice
+  watchdog,       ///< a heartbeat, guarding or the setpoint timeout: it must be as long, or up to twice
 };
 
 struct SetupStep {
@@ -148,8 +156,12 @@ class SetupRunner {
   /// The times of the drive's own watchdogs as read back, in milliseconds; 0: it has none.
   [[nodiscard]] std::uint16_t host_timeout_ms() const { return host_timeout_ms_; }
   [[nodiscard]] std::uint16_t setpoint_timeout_ms() const { return setpoint_timeout_ms_; }
-  /// How often it will tell that it lives, as read back.
+  /// How often it will tell that it lives, as read back; a guarded drive, how often it is asked.
   [[nodiscard]] std::uint16_t drive_heartbeat_ms() const { return drive_heartbeat_ms_; }
+  /// The objects that were to be written or checked and that the drive does not have, by their index, in
+  /// order.
+  using Absent = FixedVector<std::uint16_t, 24>;
+  [[nodiscard]] const Absent& absent() const { return absent_; }
   /// Neither a velocity (60FF) nor a torque (6071) is asked of it, whatever mode it is in.
   [[nodiscard]] bool has_no_other_target() const { return has_no_other_target_; }
 
@@ -170,6 +182,7 @@ class SetupRunner {
   [[nodiscard]] bool is_right_code(const SetupStep& step) const;
   bool is_no_range(const SetupStep& step);
   bool note_watchdog(const SetupStep& step);
+  bool note_life_time(const SetupStep& step);
 
   SdoClient client_;
   SetupState state_ = SetupState::idle;
@@ -180,6 +193,7 @@ class SetupRunner {
   std::uint32_t abort_code_ = 0;        ///< of this step
   bool is_so_ = false;                  ///< the comparisons
   bool has_no_other_target_ = true;
+  Absent absent_;
   bool has_period_ = true;         ///< 60C2 tells it how long a tick is
   bool fault_may_coast_ = false;   ///< nobody knows what it does in a fault
   std::uint32_t range_begin_ = 0;  ///< 607B:1

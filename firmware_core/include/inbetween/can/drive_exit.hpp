@@ -38,7 +38,8 @@ ExitState next_state(ExitState state, ExitEvent event);
 /// One request at a time, each bounded by the timeout of an SDO transfer. O(1), no allocation.
 class DriveExit {
  public:
-  constexpr DriveExit(NodeId node, std::int64_t sdo_timeout_ns) : client_(node, sdo_timeout_ns) {}
+  constexpr DriveExit(NodeId node, std::int64_t sdo_timeout_ns, bool is_guarded)
+      : client_(node, sdo_timeout_ns), is_guarded_(is_guarded) {}
 
   void hush() { apply(ExitEvent::hush); }
   /// Goes on if it is asking already.
@@ -62,6 +63,7 @@ class DriveExit {
   void begin_release();
 
   SdoClient client_;
+  bool is_guarded_;
   ExitState state_ = ExitState::silent;
   std::size_t step_ = 0;
   bool is_begun_ = false;  ///< the transfer of this step

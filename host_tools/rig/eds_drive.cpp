@@ -1,0 +1,108 @@
+#include "host_tools/rig/eds_drive.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <vector>
+
+#include "host_tools/rig/can_drives.hpp"
+#include "host_tools/rig/simulated_hardware.hpp"
+#include "inbetween/can/cia402_bus.hpp"
+#include "inbetween/can/pdo.hpp"
+#include "sim/can_bus.hpp"
+
+namespace inbetween {
+namespace {
+
+using Access = ObjectDictionary::Access;
+
+Access access_of(const EdsObject& object) {
+  if (!object.can_be_read) return Access::write_only;
+  return object.can_be_written ? Access::read_write : Access::read_only;
+}
+
+/// Objects of which the program asks that somebody has set them in the drive.
+struct Setting {
+  can::ObjectAddress object;
+  std::uint32_t value;
+};
+constexpr std::array set_by_somebody{Setting{{.index = 0x1005}, can::sync_id}, Setting{{.index = 0x6065}, 1},
+                                     Setting{{.index = 0x607B, .sub = 1}, 0},
+                                     Setting{{.index = 0x607B, .sub = 2}, 0}};
+
+SimulatedCia402Settings with_settings(SimulatedCia402Settings drive) {
+  for (const Setting& setting : set_by_somebody) {
+    const ObjectDictionary::Object* const object = drive.objects->find(setting.object);
+    const bool can_be_set = object != nullptr && object->access == Access::read_write;
+    if (can_be_set) drive.objects->set(setting.object.index, setting.object.sub, setting.value);
+  }
+  return drive;
+}
+
+/// Ticks until the drive is set up or refused.
+void set_up(can::Cia402Bus& bus, SimulatedCia402Drive& drive, std::int32_t rate_hz) {
+  SimulatedCanBus wire;
+  wire.attach(drive);
+  std::array<can::Frame, can::Cia402Bus::frames_per_tick(1)> frames;
+  constexpr std::int64_t longest_s = 20;
+  can::Cia402Drive& host = bus.drives().front();
+  for (std::int64_t tick = 1; tick < longest_s * rate_hz; ++tick) {
+    const std::int64_t now_ns = tick * (ns_per_s / rate_hz);
+    for (const can::Frame& frame : wire.run(now_ns)) bus.receive(frame, now_ns);
+    if (host.phase() == can::DrivePhase::off && now_ns > 2 * ns_per_s) host.connect(now_ns);
+    if (host.phase() == can::DrivePhase::idle || host.phase() == can::DrivePhase::refused) return;
+    const std::size_t count = bus.tick(now_ns, {}, frames).value();
+    for (std::size_t i = 0; i < count; ++i) wire.send(frames.at(i));
+  }
+}
+
+void refuse_unfit_drive(const RigAxis& axis, std::int32_t rate_hz) {
+  const auto& drive = std::get<Cia402Drive>(axis.drive);
+  const EdsFile eds = read_eds_file(drive.eds, drive.node);
+  std::vector<can::Cia402Drive> hosts{
+      value_or_refuse(can::Cia402Drive::make(settings_of(axis, rate_hz)), axis.place, named(axis))};
+  const std::int64_t between_ns = hosts.front().host_timeout_ns() / can::life_time_factor;
+  can::Cia402Bus bus =
+      value_or_refuse(can::Cia402Bus::make(hosts, {.host = host_node(), .heartbeat_period_ns = between_ns}),
+                      axis.place, named(axis));
+  SimulatedCia402Drive simulated(with_settings(simulated_settings_of(axis, 0)), 0);
+  set_up(bus, simulated, rate_hz);
+  const can::Cia402Drive& host = hosts.front();
+  if (host.phase() == can::DrivePhase::idle) return;
+  const can::ObjectAddress asked = host.refusal().object;
+  const EdsObject* const object = eds.find(asked.index, asked.sub);
+  const can::DriveFindingWords words = can::words_of(host.first_finding().value());
+  throw InputError(
+      {eds.path, object == nullptr ? 0 : object->line, 0},
+      fmt::format("{}: {} ({}); {}", named(axis), words.what, words_of(host.refusal()), words.remedy));
+}
+
+}  // namespace
+
+ObjectDictionary dictionary_of(const EdsFile& eds) {
+  ObjectDictionary objects;
+  for (const EdsObject& object : eds.objects) {
+    const can::ObjectAddress address{.index = object.index, .sub = object.sub};
+    if (object.size == 0) {
+      // An object of no length is one of which the data sheet does not tell it.
+      std::vector<std::uint8_t> bytes = object.bytes;
+      if (bytes.empty()) bytes.resize(1);
+      objects.add(address, {.access = access_of(object), .bytes = bytes});
+      continue;
+    }
+    ObjectDictionary::Object number{.size = object.size, .access = access_of(object), .value = object.value};
+    number.min = object.low.value_or(number.min);
+    number.max = object.high.value_or(number.max);
+    objects.add(address, number);
+  }
+  return objects;
+}
+
+void refuse_unfit_drives(const RigFile& rig) {
+  for (const RigAxis& axis : rig.axes) {
+    const auto* const drive = std::get_if<Cia402Drive>(&axis.drive);
+    if (drive != nullptr && !drive->eds.empty()) refuse_unfit_drive(axis, rig.rate_hz);
+  }
+}
+
+}  // namespace inbetween
