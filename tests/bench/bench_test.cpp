@@ -29,6 +29,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
 const std::string bench_run = in_checkout("sim/bench/run");
+const std::string in_script = "'" + bench_run + "'";
 
 /// Processes whose arguments hold a text.
 int processes_with(std::string_view text) {
@@ -92,7 +93,7 @@ TEST(Bench, ACommandThatIsNotThereIsToldFromABenchThatIsNot) {
 TEST(Bench, RunsInTheFolderAndWithTheEnvironmentOfItsCaller) {
   const TemporaryFolder folder;
   const std::string script = "cd '" + folder.path().string() + "' && NOTE=\"two words\n and a line\" " +
-                             bench_run + " -- /bin/sh -c 'pwd; printf \"%s\" \"$NOTE\"; echo kept >beside'";
+                             in_script + " -- /bin/sh -c 'pwd; printf \"%s\" \"$NOTE\"; echo kept >beside'";
   const ProgramRun run = run_command({"/bin/bash", "-c", script});
   EXPECT_EQ(run.status, 0) << run.err;
   EXPECT_EQ(run.out, folder.path().string() + "\ntwo words\n and a line");
@@ -128,7 +129,7 @@ TEST(Bench, WhoeverKillsTheScriptEndsTheGuest) {
   const TemporaryFolder folder;
   const std::string begun = (folder.path() / "begun").string();
   const std::string script =
-      bench_run + " --kernel --memory 207 -- /bin/sh -c 'echo $INBETWEEN_BENCH_GPIO >" + begun +
+      in_script + " --kernel --memory 207 -- /bin/sh -c 'echo $INBETWEEN_BENCH_GPIO >" + begun +
       "; sleep 1000' & pid=$!\n"
       "until [[ -s " +
       begun +
@@ -144,7 +145,7 @@ TEST(Bench, AskedToEndAgainAndAgainItEndsTheGuestAndTakesItsFilesAway) {
   const TemporaryFolder folder;
   const std::string begun = (folder.path() / "begun").string();
   const std::string script =
-      bench_run + " --kernel --memory 211 -- /bin/sh -c 'echo $INBETWEEN_BENCH_GPIO >" + begun +
+      in_script + " --kernel --memory 211 -- /bin/sh -c 'echo $INBETWEEN_BENCH_GPIO >" + begun +
       "; sleep 1000' & pid=$!\n"
       "until [[ -s " +
       begun +
@@ -295,7 +296,7 @@ TEST(Bench, OnVirtualTimeAnHourOfWaitingPassesAtOnce) {
 // The bench kernel is a host that has everything, and from which the namespaces can be looked at.
 TEST(Bench, OnAHostWithCanAndGpioItNeedsNoKernelOfItsOwn) {
   const ProgramRun run = script_in_bench(
-      {"--kernel"}, bench_run + R"( --vcan can5 --gpio io:2 --hog io:1:lamp -- /bin/bash -euc '
+      {"--kernel"}, in_script + R"( --vcan can5 --gpio io:2 --hog io:1:lamp -- /bin/bash -euc '
       echo $INBETWEEN_IN_BENCH
       ip -brief link show type vcan | cut -d" " -f1
       gpioinfo | grep -c lamp
@@ -310,13 +311,13 @@ TEST(Bench, OnAHostWithCanAndGpioItNeedsNoKernelOfItsOwn) {
 
 TEST(Bench, TheTimeLimitHoldsOnAHostToo) {
   const ProgramRun run = script_in_bench({"--kernel", "--timeout", "60"},
-                                         bench_run + R"( --host --timeout 1 -- sleep 1000 || echo status $?
+                                         in_script + R"( --host --timeout 1 -- sleep 1000 || echo status $?
     pgrep -c sleep || true)");
   EXPECT_EQ(run.out, "status 124\n0\n");
 }
 
 TEST(Bench, InsideItRefusesToStartAnotherKernel) {
-  const ProgramRun run = script_in_bench({"--kernel"}, bench_run + " -- true");
+  const ProgramRun run = script_in_bench({"--kernel"}, in_script + " -- true");
   EXPECT_EQ(run.status, 125);
   EXPECT_EQ(
       run.err,
@@ -324,7 +325,7 @@ TEST(Bench, InsideItRefusesToStartAnotherKernel) {
 }
 
 TEST(Bench, AHostWithoutWhatIsAskedForIsNamed) {
-  const ProgramRun run = script_in_bench({"--kernel"}, bench_run + " --host --virtual-time -- true");
+  const ProgramRun run = script_in_bench({"--kernel"}, in_script + " --host --virtual-time -- true");
   EXPECT_EQ(run.status, 125);
   EXPECT_EQ(run.err, "sim/bench/run: error: --host is not possible: --virtual-time needs the bench kernel\n");
 }
@@ -332,7 +333,7 @@ TEST(Bench, AHostWithoutWhatIsAskedForIsNamed) {
 // As in containers: its default is 64 MB of shared memory, from which nothing may be executed.
 TEST(Bench, NeedsNoSharedMemoryOfTheHost) {
   for (const std::string options : {"size=16m", "size=16m,noexec", "size=400m,noexec"}) {
-    const std::string script = "mount -t tmpfs -o " + options + " none /dev/shm || exit 77\n" + bench_run +
+    const std::string script = "mount -t tmpfs -o " + options + " none /dev/shm || exit 77\n" + in_script +
                                " --kernel -- /usr/bin/perl -e 'print length(\"x\" x 100000000)'";
     const ProgramRun run = run_command({"/usr/bin/unshare", "--mount", "/bin/bash", "-c", script});
     if (run.err.find("unshare") != std::string::npos || run.status == 77)

@@ -19,11 +19,11 @@ inline ProgramRun in_bench(const std::vector<std::string>& options, const std::v
   return run_command(words);
 }
 
-/// A bash script there, which has `inbetween` and the programs of the tests as commands. `until_true
-/// COMMAND...` waits for a condition; the time limit of the bench is its bound.
+/// A bash script there, which has `inbetween`, the programs of the tests and those of root as commands.
+/// `until_true COMMAND...` waits for a condition; the time limit of the bench is its bound.
 inline ProgramRun script_in_bench(const std::vector<std::string>& options, std::string_view script) {
   const std::string whole = "PATH='" + in_build("") + "':'" + in_build("tests/bench") +
-                            "':$PATH\nuntil_true() { until \"$@\"; do sleep 0.01; done; }\n" +
+                            "':$PATH:/usr/sbin\nuntil_true() { until \"$@\"; do sleep 0.01; done; }\n" +
                             std::string(script);
   return in_bench(options, {"/bin/bash", "-euc", whole});
 }
