@@ -10,18 +10,13 @@ ErrorFrame decode_error_frame(std::uint32_t id, const std::array<std::uint8_t, 8
   // The second byte says what a controller problem is, and is without meaning otherwise.
   const auto controller = [&](unsigned bits) { return has(CAN_ERR_CRTL) && (data[1] & bits) != 0; };
   return {
-      .is_transmit_timeout = has(CAN_ERR_TX_TIMEOUT),
-      .is_arbitration_lost = has(CAN_ERR_LOSTARB),
       .is_receive_overflow = controller(CAN_ERR_CRTL_RX_OVERFLOW),
       .is_transmit_overflow = controller(CAN_ERR_CRTL_TX_OVERFLOW),
       .is_warning = controller(CAN_ERR_CRTL_RX_WARNING | CAN_ERR_CRTL_TX_WARNING),
       .is_passive = controller(CAN_ERR_CRTL_RX_PASSIVE | CAN_ERR_CRTL_TX_PASSIVE),
       .is_active = controller(CAN_ERR_CRTL_ACTIVE),
-      .is_protocol_violation = has(CAN_ERR_PROT),
-      .is_transceiver_fault = has(CAN_ERR_TRX),
       .is_unacknowledged = has(CAN_ERR_ACK),
       .is_bus_off = has(CAN_ERR_BUSOFF),
-      .is_bus_error = has(CAN_ERR_BUSERROR),
       .is_restarted = has(CAN_ERR_RESTARTED),
   };
 }

@@ -5,21 +5,17 @@
 
 namespace inbetween::can {
 
-/// A report of a controller about itself and its bus, in a frame that was never on the bus.
+/// A report of a controller about itself and its bus, in a frame that was never on the bus, as far as
+/// somebody acts on it.
 struct ErrorFrame {
-  bool is_transmit_timeout = false;    ///< a frame could not be sent in time
-  bool is_arbitration_lost = false;    ///< one-shot sending only
-  bool is_receive_overflow = false;    ///< the controller was not emptied in time: frames are lost
-  bool is_transmit_overflow = false;   ///< the controller was given more than it can hold
-  bool is_warning = false;             ///< one of its error counters is at 96 or above
-  bool is_passive = false;             ///< at 128 or above: it cannot make others hear its errors any more
-  bool is_active = false;              ///< back to normal
-  bool is_protocol_violation = false;  ///< bit, form, stuff or overload error
-  bool is_transceiver_fault = false;   ///< a wire is open or shorted
-  bool is_unacknowledged = false;      ///< nobody on the bus has heard a frame
-  bool is_bus_off = false;             ///< its transmit counter reached 256: it has left the bus
-  bool is_bus_error = false;           ///< an error on the bus, of whatever kind
-  bool is_restarted = false;           ///< it is on the bus again after bus-off
+  bool is_receive_overflow = false;   ///< the controller was not emptied in time: frames are lost
+  bool is_transmit_overflow = false;  ///< the controller was given more than it can hold
+  bool is_warning = false;            ///< one of its error counters is at 96 or above
+  bool is_passive = false;            ///< at 128 or above: it cannot make others hear its errors any more
+  bool is_active = false;             ///< back to normal
+  bool is_unacknowledged = false;     ///< nobody on the bus has heard a frame
+  bool is_bus_off = false;            ///< its transmit counter reached 256: it has left the bus
+  bool is_restarted = false;          ///< it is on the bus again after bus-off
   friend bool operator==(const ErrorFrame&, const ErrorFrame&) = default;
 };
 

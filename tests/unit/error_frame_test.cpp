@@ -15,15 +15,15 @@ ErrorFrame decoded(std::uint32_t error_class, std::uint8_t controller = 0) {
   return decode_error_frame(error_flag | error_class, {0, controller, 0, 0, 0, 0, 0, 0});
 }
 
-TEST(ErrorFrame, EveryClassHasItsOwnName) {
+TEST(ErrorFrame, EveryClassThatSomebodyActsOnHasItsOwnName) {
   EXPECT_EQ(decoded(0), ErrorFrame{});
-  EXPECT_EQ(decoded(0x001), ErrorFrame{.is_transmit_timeout = true});
-  EXPECT_EQ(decoded(0x002), ErrorFrame{.is_arbitration_lost = true});
-  EXPECT_EQ(decoded(0x008), ErrorFrame{.is_protocol_violation = true});
-  EXPECT_EQ(decoded(0x010), ErrorFrame{.is_transceiver_fault = true});
+  EXPECT_EQ(decoded(0x001), ErrorFrame{}) << "only counted";
+  EXPECT_EQ(decoded(0x002), ErrorFrame{}) << "only counted";
+  EXPECT_EQ(decoded(0x008), ErrorFrame{}) << "only counted";
+  EXPECT_EQ(decoded(0x010), ErrorFrame{}) << "only counted";
   EXPECT_EQ(decoded(0x020), ErrorFrame{.is_unacknowledged = true});
   EXPECT_EQ(decoded(0x040), ErrorFrame{.is_bus_off = true});
-  EXPECT_EQ(decoded(0x080), ErrorFrame{.is_bus_error = true});
+  EXPECT_EQ(decoded(0x080), ErrorFrame{}) << "only counted";
   EXPECT_EQ(decoded(0x100), ErrorFrame{.is_restarted = true});
 }
 
