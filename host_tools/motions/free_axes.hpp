@@ -1,6 +1,8 @@
 // Axes of a rig that move without a drawn move: what they may do, and together what a motion loop plays.
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <utility>
@@ -23,23 +25,22 @@ FreeAxisLimits<double> free_limits_of(const RigAxis& axis, double share);
 FreeAxis<double> free_axis_of(const RigAxis& axis, const FreeAxisLimits<double>& limits, double position,
                               double tick_seconds);
 
-/// A FreeSource, each axis by itself. Allocates only when it is made.
+/// A FreeSource, each axis by itself: they are on no common path. Allocates only when it is made.
 class FreeAxes {
  public:
-  explicit FreeAxes(std::vector<FreeAxis<double>> axes) : axes_(std::move(axes)), motion_(axes_) {}
-  FreeAxes(const FreeAxes&) = delete;
-  FreeAxes& operator=(const FreeAxes&) = delete;
+  explicit FreeAxes(std::vector<FreeAxis<double>> axes) : axes_(std::move(axes)) {}
 
-  void tick(std::int64_t /*now_ns*/, std::span<Setpoint<double>> out) { motion_.tick(out); }
-  void stop() { motion_.stop(); }
-  void halt() { motion_.halt(); }
-  [[nodiscard]] bool is_resting() const { return motion_.is_resting(); }
+  void tick(std::int64_t /*now_ns*/, std::span<Setpoint<double>> out) {
+    for (std::size_t i = 0; i < axes_.size(); ++i) out[i] = axes_[i].tick();
+  }
+  void stop() { std::ranges::for_each(axes_, &FreeAxis<double>::stop); }
+  void halt() { std::ranges::for_each(axes_, &FreeAxis<double>::halt); }
+  [[nodiscard]] bool is_resting() const { return std::ranges::all_of(axes_, &FreeAxis<double>::is_resting); }
   [[nodiscard]] std::span<FreeAxis<double>> axes() { return axes_; }
   [[nodiscard]] std::span<const FreeAxis<double>> axes() const { return axes_; }
 
  private:
   std::vector<FreeAxis<double>> axes_;
-  FreeMotion<double> motion_;
 };
 
 }  // namespace inbetween

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <limits>
 
+#include "host_tools/motions/free_axes.hpp"
+
 namespace inbetween {
 namespace free_axis_test {
 
@@ -245,22 +247,21 @@ TEST(FreeAxis, IllegalNumbersAreRefused) {
   EXPECT_TRUE(axis.is_resting());
 }
 
-TEST(FreeMotion, TicksAndStopsAllAxes) {
-  std::array<FreeAxis<double>, 2> axes{axis_at(0), axis_at(500)};
-  FreeMotion<double> motion{axes};
+TEST(FreeAxes, AreTickedAndStoppedTogether) {
+  FreeAxes motion({axis_at(0), axis_at(500)});
   EXPECT_TRUE(motion.is_resting());
-  ASSERT_TRUE(axes[0].drive(100));
-  ASSERT_TRUE(axes[1].drive(-50));
+  ASSERT_TRUE(motion.axes()[0].drive(100));
+  ASSERT_TRUE(motion.axes()[1].drive(-50));
   std::array<Setpoint<double>, 2> out;
-  for (int i = 0; i < 250; ++i) motion.tick(out);
+  for (int i = 0; i < 250; ++i) motion.tick(0, out);
   EXPECT_EQ(out[0].velocity, 100);
   EXPECT_EQ(out[1].velocity, -50);
   EXPECT_FALSE(motion.is_resting());
   motion.stop();
-  for (int i = 0; i < 188; ++i) motion.tick(out);
+  for (int i = 0; i < 188; ++i) motion.tick(0, out);
   EXPECT_TRUE(motion.is_resting());
-  ASSERT_TRUE(axes[0].drive(100));
-  motion.tick(out);
+  ASSERT_TRUE(motion.axes()[0].drive(100));
+  motion.tick(0, out);
   motion.halt();
   EXPECT_TRUE(motion.is_resting());
 }

@@ -253,30 +253,7 @@ Real FreeAxis<Real>::velocity_that_stops_within(Real seconds) const {
   return std::min(velocity, limits_.velocity);
 }
 
-template <Precise Real>
-void FreeMotion<Real>::tick(std::span<Setpoint<Real>> out) {
-  if (out.size() < axes_.size()) __builtin_trap();
-  for (std::size_t i = 0; i < axes_.size(); ++i) out[i] = axes_[i].tick();
-}
-
-template <Precise Real>
-void FreeMotion<Real>::stop() {
-  for (FreeAxis<Real>& axis : axes_) axis.stop();
-}
-
-template <Precise Real>
-void FreeMotion<Real>::halt() {
-  for (FreeAxis<Real>& axis : axes_) axis.halt();
-}
-
-template <Precise Real>
-bool FreeMotion<Real>::is_resting() const {
-  return std::ranges::all_of(axes_, &FreeAxis<Real>::is_resting);
-}
-
 template class FreeAxis<double>;
 template class FreeAxis<float>;
-template class FreeMotion<double>;
-template class FreeMotion<float>;
 
 }  // namespace inbetween

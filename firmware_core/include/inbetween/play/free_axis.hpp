@@ -2,7 +2,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <span>
 
 #include "inbetween/base/precision.hpp"
 #include "inbetween/base/result.hpp"
@@ -119,27 +118,7 @@ class FreeAxis {
   std::int64_t ticks_ = 0;
 };
 
-/// Several axes that share their ticks and nothing else. Refers to the caller's axes.
-template <Precise Real>
-class FreeMotion {
- public:
-  explicit FreeMotion(std::span<FreeAxis<Real>> axes) : axes_(axes) {}
-
-  /// One tick later. `out` has room for every axis; otherwise the program ends.
-  void tick(std::span<Setpoint<Real>> out);
-  /// Stops each axis by itself, because they are on no common path.
-  void stop();
-  void halt();
-  [[nodiscard]] bool is_resting() const;
-  [[nodiscard]] std::span<FreeAxis<Real>> axes() const { return axes_; }
-
- private:
-  std::span<FreeAxis<Real>> axes_;
-};
-
 extern template class FreeAxis<double>;
 extern template class FreeAxis<float>;
-extern template class FreeMotion<double>;
-extern template class FreeMotion<float>;
 
 }  // namespace inbetween

@@ -10,7 +10,7 @@
 
 namespace inbetween {
 
-/// Refers to a motion that is not on a time line: free axes (FreeMotion), or axes that look for their
+/// Refers to a motion that is not on a time line: free axes (FreeAxis), or axes that look for their
 /// switches (Homing). None of these functions allocates or waits.
 template <Precise Real>
 struct FreeSource {
