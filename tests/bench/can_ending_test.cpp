@@ -17,7 +17,6 @@
 #include <vector>
 
 #include "tests/support/bench.hpp"
-#include "tests/support/places.hpp"
 #include "tests/support/temporary_file.hpp"
 
 namespace inbetween {

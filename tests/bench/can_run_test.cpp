@@ -8,7 +8,6 @@
 
 #include "tests/support/bench.hpp"
 #include "tests/support/bus_scene.hpp"
-#include "tests/support/places.hpp"
 #include "tests/support/run_program.hpp"
 
 namespace inbetween {
@@ -16,8 +15,6 @@ namespace {
 
 using testing::HasSubstr;
 
-const std::string rig = BusScene::rig();
-const std::string move = BusScene::move();
 using Scene = BusScene;
 
 TEST(CanRun, TheDrivesOwnRecordOfTheirTargetsIsThePlanAtEveryTick) {

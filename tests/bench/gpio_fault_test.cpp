@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "tests/bench/gpio_scene.hpp"
-#include "tests/support/places.hpp"
 
 namespace inbetween {
 namespace {

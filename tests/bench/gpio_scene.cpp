@@ -7,7 +7,6 @@
 #include <sstream>
 
 #include "tests/support/bench.hpp"
-#include "tests/support/places.hpp"
 
 namespace inbetween {
 
