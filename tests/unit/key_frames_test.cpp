@@ -252,6 +252,23 @@ TEST(KeyFrames, AFitKeepsAnEasedEndAndWritesTheCurveThatIsPlayed) {
 
 // --- overshoot
 
+/// Kochanek and Bartels 1984, adjusted to the frames: half the way from neighbour to neighbour, shared out
+/// over half of the frames that it takes.
+TEST(KeyFrames, ATangentOfCatmullRomCountsTheFramesOnBothSides) {
+  const MoveFile move = parse_move(
+      "name = \"m\"\nfps = 24\nframes = 96\n[[track]]\naxes = [\"x\"]\nspline = \"catmull-rom\"\ntiming = "
+      "\"frames\"\nkeys = [{ at = [10], frame = 0 }, { at = [11], frame = 24 }, { at = [30], frame = 72 }, { "
+      "at = "
+      "[32], frame = 96 }]\n",
+      "m.toml");
+  const Plan plan(move, std::nullopt, {});
+  std::vector<AxisMotion<double>> motion(1);
+  plan.tracks().front().track().motion({24, 0}, motion);
+  EXPECT_NEAR(motion[0].velocity, (30 - 10) / 72.0 * 24, 1e-12);
+  plan.tracks().front().track().motion({72, 0}, motion);
+  EXPECT_NEAR(motion[0].velocity, (32 - 11) / 72.0 * 24, 1e-12);
+}
+
 TEST(KeyFrames, TheSpeedIsDrawnBetweenFramesToo) {
   const Plan plan(read_move_file(in_checkout("examples/blink.toml")), std::nullopt, {});
   const PlotTrack plot = plot_of(plan).tracks.front();

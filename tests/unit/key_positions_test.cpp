@@ -168,6 +168,8 @@ TEST(KeyPositions, WhatADirectionDoesNotSayIsRefused) {
                  "half a turn to go, and neither way is shorter; write turns = 0 to go up, or turns = -1");
   expect_refused(keys("{ at = [0] }, { at = [720] }"),
                  "720 is not within one turn; write 0, and turns = ...");
+  expect_refused(keys("{ at = [0] }, { at = [360] }"),
+                 "360 is not within one turn; write 0, and turns = ...");
   expect_refused(keys("{ at = [0], turns = 1 }, { at = [10] }"), "nothing leads there");
   expect_refused(keys("{ at = [0] }, { at = [10], turns = 1, way = \"long\" }"), "remove one of the two");
   expect_refused(move_of(pan + "keys = [{ at = [0] }, { at = [10], turns = 1 }]"), "wrap = 360");
