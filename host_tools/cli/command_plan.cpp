@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <numbers>
 #include <optional>
 #include <string>
 
@@ -45,6 +46,23 @@ void print_key_timing(const SolvedTrack<double>& solved, std::FILE* out) {
              static_cast<double>(timing.largest_change_at) * solved.track().frames() / f);
 }
 
+/// What is proven of a track whose axes follow a link in space, or the reverse.
+void print_accuracy(const Plan& plan, std::size_t track, std::FILE* out) {
+  const std::optional<FollowAccuracy>& accuracy = plan.accuracy(track);
+  if (!accuracy) return;
+  const MoveTrack& written = plan.move().tracks[track];
+  const std::string& tip = written.space ? written.space->tip : written.distance->tip;
+  fmt::print(out, "    {} in space:", in_quotes(tip));
+  if (!written.space || written.space->has_at) {
+    fmt::print(out, " within {:.2g} um of its path, its speed within {:.2g}", accuracy->way_m * 1e6,
+               accuracy->speed_share);
+  }
+  if (accuracy->aim_rad > 0)
+    fmt::print(out, " aim within {:.2g} deg", accuracy->aim_rad * 180 / std::numbers::pi);
+  fmt::print(out, " (proven, between all of {} places)\n",
+             plan.tracks()[track].track().path().segment_count() + 1);
+}
+
 void print_plan_summary(const Plan& plan, std::FILE* out) {
   const MoveFile& move = plan.move();
   fmt::print(out, "{}: {} at {} fps, {:.3f} s\n", move.name, counted(move.frames, "frame"),
@@ -58,6 +76,7 @@ void print_plan_summary(const Plan& plan, std::FILE* out) {
                solved.track().arc_length().total(), unit.empty() ? "" : " ", unit);
     if (!solved.track().has_profile()) {
       fmt::print(out, "timed by the frames of its keys\n");
+      print_accuracy(plan, t, out);
       continue;
     }
     if (solved.track().portions().empty()) fmt::print(out, "K {:.6g}; ", made.constant);
@@ -67,6 +86,7 @@ void print_plan_summary(const Plan& plan, std::FILE* out) {
       fmt::print(out, "Runge-Kutta, {} integrations of {} steps a frame, speed within {:.2g} (frame {})\n",
                  made.integrations, made.substeps, made.speed_error, made.speed_error_frame);
     }
+    print_accuracy(plan, t, out);
     print_key_timing(solved, out);
   }
   print_rolls(plan, out);

@@ -11,6 +11,7 @@
 
 #include "host_tools/files/move_cue_reader.hpp"
 #include "host_tools/files/move_key_reader.hpp"
+#include "host_tools/files/move_space_reader.hpp"
 #include "host_tools/files/toml_source.hpp"
 #include "host_tools/files/toml_value.hpp"
 
@@ -19,9 +20,10 @@ namespace {
 
 constexpr std::array<std::string_view, 7> move_fields = {"name", "fps",     "frames", "track",
                                                          "cue",  "clapper", "start"};
-constexpr std::array<std::string_view, 17> track_fields = {
-    "axes", "unit",    "wrap",    "spline",    "closed",  "periodic", "keys",     "timing", "speed",
-    "rest", "kinetic", "weights", "overshoot", "corners", "ease_in",  "ease_out", "through"};
+constexpr std::array<std::string_view, 22> track_fields = {
+    "axes",    "unit",  "wrap",    "spline",  "closed",    "periodic", "keys",    "timing",
+    "speed",   "rest",  "kinetic", "weights", "overshoot", "corners",  "ease_in", "ease_out",
+    "through", "space", "aim",     "elbow",   "near",      "distance"};
 
 constexpr std::int64_t max_fps = 1'000;
 constexpr std::int64_t max_fps_part = 1'000'000;
@@ -116,6 +118,9 @@ void read_speed(const TomlTable& table, MoveTrack& track) {
 void read_weights(const TomlTable& table, MoveTrack& track) {
   const auto weights = table.optional("weights");
   if (!weights) return;
+  if (track.space || track.distance) {
+    weights->refuse("say how far axes count, and here the distance is that of a link in space; remove them");
+  }
   for (const TomlValue& weight : weights->list(max_track_axes)) {
     track.weights.push_back(weight.number(0, max_magnitude));
     track.weight_places.push_back(weight.place());
@@ -264,7 +269,8 @@ MoveTrack read_track(const TomlValue& value, std::int32_t frames, std::map<std::
       overshoot->refuse(R"(has a meaning with spline = "smooth" and "catmull-rom"; remove it)");
     }
   }
-  read_counting(table, track);
+  read_space(table, track);
+  if (!track.space) read_counting(table, track);
   read_keys(table, frames, track);
   read_speed(table, track);
   read_weights(table, track);
@@ -273,6 +279,15 @@ MoveTrack read_track(const TomlValue& value, std::int32_t frames, std::map<std::
 }
 
 }  // namespace
+
+std::vector<std::string> coordinates_of(const MoveTrack& track) {
+  if (!track.space) return track.axes;
+  std::vector<std::string> names;
+  if (track.space->has_at) names = {"x", "y", "z"};
+  if (track.space->has_aim) names.insert(names.end(), {"x of aim", "y of aim", "z of aim"});
+  if (track.space->has_roll) names.emplace_back("roll");
+  return names;
+}
 
 void replace_curve(MoveTrack& track, std::vector<double> control_values) {
   track.speed = std::move(control_values);

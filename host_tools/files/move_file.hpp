@@ -83,6 +83,30 @@ struct CurveWish {
   std::string_view as_drawn;
 };
 
+/// Keys that say where a link of the rig is in the world, and not where the axes are. MoveKey::at has the
+/// coordinates that keys have, in this order: x, y, z of the link (m), x, y, z of the point at which it looks
+/// (m), its roll (deg).
+struct MoveSpace {
+  std::string tip;
+  Place place;
+  bool has_at = false;
+  bool has_aim = false;
+  bool has_roll = false;
+  MoveUnit unit = MoveUnit::m;          // of numbers in the file; here they are metres
+  std::vector<double> fixed_aim;        // one point for all keys (m); empty: none
+  std::optional<std::string> aim_node;  // a link in its place
+  Place aim_place;
+  std::optional<bool> elbow_up;
+  Place elbow_place;
+  std::vector<std::optional<double>> near;  // of each axis, in the unit of the rig; empty: none
+};
+
+/// A tip whose way is the distance.
+struct MoveDistance {
+  std::string tip;
+  Place place;
+};
+
 struct MoveTrack {
   std::vector<std::string> axes;
   std::vector<Place> axis_places;
@@ -91,7 +115,9 @@ struct MoveTrack {
   std::vector<double> lap;      // how far beyond key 0 a closed path returns (key_positions.hpp); empty: 0
   Spline spline = Spline::smooth;
   bool closed = false;
-  bool periodic = false;  // the closed path is passed at a speed through its seam
+  bool periodic = false;                 // the closed path is passed at a speed through its seam
+  std::optional<MoveSpace> space;        // the axes follow
+  std::optional<MoveDistance> distance;  // in place of weights
   std::vector<MoveKey> keys;
   std::vector<double> speed;  // control values 0..100; empty with Timing::frames
   std::vector<Place> speed_places;
@@ -125,6 +151,9 @@ struct MoveFile {
 
 /// The kinetic of a track with Timing::frames, written or not.
 MoveKinetic kinetic_of(const MoveTrack& track);
+
+/// What a coordinate of a key is called: the axes, or those of MoveSpace.
+std::vector<std::string> coordinates_of(const MoveTrack& track);
 
 /// Replaces what is drawn of the track by a curve that is played as it is.
 void replace_curve(MoveTrack& track, std::vector<double> control_values);

@@ -10,11 +10,14 @@
 #include <string_view>
 #include <utility>
 
+#include "host_tools/files/move_space_reader.hpp"
+
 namespace inbetween {
 namespace {
 
-constexpr std::array<std::string_view, 11> key_fields = {
-    "at", "tension", "continuity", "bias", "frame", "break", "hold", "ease", "unit", "way", "turns"};
+constexpr std::array<std::string_view, 13> key_fields = {"at",    "tension", "continuity", "bias", "frame",
+                                                         "break", "hold",    "ease",       "unit", "way",
+                                                         "turns", "aim",     "roll"};
 
 constexpr std::int64_t max_whole_turns = 1'000'000;
 
@@ -146,13 +149,18 @@ void read_way(const TomlTable& table, const MoveTrack& track, MoveKey& key) {
   }
 }
 
-MoveKey read_key(const TomlValue& value, std::int32_t frames, const MoveTrack& track) {
+MoveKey read_key(const TomlValue& value, std::int32_t frames, MoveTrack& track) {
   const std::size_t index = track.keys.size();
   const TomlTable table(value.table(), fmt::format("key {}", index), key_fields);
   MoveKey key;
   key.place = table.place();
-  read_position(table, index, track, key);
-  read_way(table, track, key);
+  if (track.space) {
+    read_space_position(table, index, track, key);
+  } else {
+    refuse_space_fields(table);
+    read_position(table, index, track, key);
+    read_way(table, track, key);
+  }
   read_shape(table, track.spline, key);
   read_lock(table, frames, key);
   return key;

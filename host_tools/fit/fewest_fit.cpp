@@ -16,7 +16,7 @@ constexpr std::size_t quick_control_values = 32;
 std::optional<FewestFit> fit_in(const Plan& plan, std::int32_t frames, FitStart start, int refinements) {
   FewestFit found{.move = with_frames(plan.move(), frames), .fit = {}};
   try {
-    const Plan other(found.move, plan.rig(), {});
+    const Plan other(found.move, plan.rig(), {.kinematics = plan.kinematics()});
     found.fit = fit_speed(other, check(other), start, {}, refinements);
   } catch (const InputError&) {  // two keys on one frame, a lock that cannot be met
     return std::nullopt;

@@ -21,7 +21,7 @@ constexpr double hold_reach = 3;
 Plan plan_of(const Plan& plan, std::size_t index) {
   MoveFile move = plan.move();
   move.tracks = {plan.move().tracks[index]};
-  return {std::move(move), plan.rig(), {}};
+  return {std::move(move), plan.rig(), {.kinematics = plan.kinematics()}};
 }
 
 /// What lies beyond an end of a periodic curve is at its other end.
@@ -39,7 +39,7 @@ void rest_between(double begin, double end, CurveFrame& frame) {
 CheckReport checked(const Plan& plan) {
   CheckReport once = check(plan);
   if (!plan.move().tracks.front().periodic || !once.fits() || max_turns_of(plan) < 2) return once;
-  CheckReport twice = check(Plan(turns_of(plan, 2), plan.rig(), {}));
+  CheckReport twice = check(Plan(turns_of(plan, 2), plan.rig(), {.kinematics = plan.kinematics()}));
   if (twice.fits()) return once;
   const double frames = plan.move().frames;
   for (CheckedAxis& axis : twice.axes) {
@@ -109,7 +109,7 @@ std::optional<CheckReport> FittedTrack::judge(std::span<const double> values, st
   MoveFile move = played_.move();
   replace_curve(move.tracks.front(), {values.begin(), values.end()});
   try {
-    const Plan plan(std::move(move), played_.rig(), {});
+    const Plan plan(std::move(move), played_.rig(), {.kinematics = played_.kinematics()});
     const std::vector<double>& again = plan.tracks().front().control_values();
     double largest = 0;
     double difference = again.size() == values.size() ? 0 : largest_control_value;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <set>
 #include <stdexcept>
@@ -10,30 +11,39 @@
 
 #include "host_tools/plan/drawn_curve.hpp"
 #include "host_tools/plan/key_positions.hpp"
+#include "host_tools/plan/space_track.hpp"
 
 namespace inbetween {
 namespace {
 
+/// Of a loop whose axes follow a closed path in space.
+constexpr double loop_rounding = 1e-7;
+
 /// The numbers of a track as the core takes them. Lives until the track is solved.
 struct TrackNumbers {
   std::vector<double> keys;
+  std::vector<double> weights;
   std::vector<KeyShape<double>> shapes;
   std::vector<KeyLock> locks;
   std::vector<std::int32_t> key_frames;
   std::vector<double> speed;
   TrackSpec<double> spec;
 
-  TrackNumbers(const MoveTrack& track, const MoveFile& move) {
+  TrackNumbers(const MoveTrack& track, const MoveFile& move)
+      : weights(track.space ? space_weights(*track.space) : track.weights) {
+    std::size_t rows = 0;
     for (const MoveKey& key : track.keys) {
-      keys.insert(keys.end(), key.at.begin(), key.at.end());
+      const std::vector<double> row = track.space ? space_row(*track.space, key) : key.at;
+      keys.insert(keys.end(), row.begin(), row.end());
+      rows = row.size();
       shapes.push_back({key.tension, key.continuity, key.bias});
     }
     spec.path = {.spline = track.spline,
                  .closed = track.closed,
-                 .axis_count = static_cast<std::int32_t>(track.axes.size()),
+                 .axis_count = static_cast<std::int32_t>(rows),
                  .keys = keys,
                  .lap = track.lap,
-                 .weights = track.weights,
+                 .weights = weights,
                  .shapes = shapes,
                  .overshoot = track.overshoot};
     if (track.timing == Timing::speed) speed = drawn_curve(track, move.frames);
@@ -127,8 +137,16 @@ const Place& place_of(const Error& error, const MoveTrack& track) {
 
 std::string message_of(const Error& error, const MoveTrack& track, std::int32_t frames) {
   std::string where;
-  if (error.axis >= 0 && static_cast<std::size_t>(error.axis) < track.axes.size()) {
-    where += fmt::format("axis {}: ", in_quotes(track.axes[static_cast<std::size_t>(error.axis)]));
+  const std::vector<std::string> names = coordinates_of(track);
+  if (error.axis >= 0 && static_cast<std::size_t>(error.axis) < names.size()) {
+    where += fmt::format("{}{}: ", track.space ? "" : "axis ",
+                         in_quotes(names[static_cast<std::size_t>(error.axis)]));
+  }
+  if (error.code == ErrorCode::unmeasured && (track.space || track.distance)) {
+    return fmt::format(
+        "{}key {}: the link stands still after this key while something else moves, and its way in "
+        "space is the distance; let it move too, or give what moves a track of its own",
+        where, error.key);
   }
   if (error.key >= 0) where += fmt::format("key {}: ", error.key);
   if (error.frame >= 0) where += fmt::format("frame {}: ", error.frame);
@@ -143,9 +161,62 @@ std::string message_of(const Error& error, const MoveTrack& track, std::int32_t 
   return fmt::format("{}{}; {}", where, error.what, error.remedy);
 }
 
-SolvedTrack<double> solve_track(const MoveTrack& track, const MoveFile& move, const PlanOptions& options) {
-  const TrackNumbers numbers(track, move);
+void refuse_curves_in_space(const MoveTrack& track) {
+  if (track.timing == Timing::speed) return;
+  const MoveKinetic kinetic = kinetic_of(track);
+  if (kinetic == MoveKinetic::linear || kinetic == MoveKinetic::pace) return;
+  throw InputError(
+      track.space ? track.space->place : track.distance->place,
+      R"(with timing = "frames" a way in space is passed with kinetic = "pace" or "linear"; write one )"
+      "of the two");
+}
+
+/// A loop goes on where it began, and axes that follow may have turned on.
+void refuse_open_loop(const MoveTrack& track, const FollowedPath& path) {
+  if (!track.periodic) return;
+  const std::size_t rows = path.weights.size();
+  for (std::size_t d = 0; d < track.axes.size(); ++d) {
+    const double begin = path.cubics[d].c0;
+    const double end = path.cubics[path.cubics.size() - rows + d].value(1);
+    const double lap = track.lap.empty() ? 0 : track.lap[d];
+    if (std::fabs(end - begin - lap) <= loop_rounding * (1 + std::fabs(begin))) continue;
+    throw InputError(track.place,
+                     fmt::format("axis {} ends a loop at {:.6g}, and it began at {:.6g}; a loop that is "
+                                 "played round and round must come back",
+                                 in_quotes(track.axes[d]), end, begin));
+  }
+}
+
+/// What is played of a track whose distance is that of a tip.
+FollowedPath follow(const MoveTrack& track, const TrackSpec<double>& spec, const RigFile& rig,
+                    const Kinematics& kinematics) {
+  if (track.space) {
+    const SolvedTrack<double> drawn(spec, Solver::closed_form);
+    return axes_in_space(track, drawn.track(), kinematics, rig);
+  }
+  const PathOnHeap<double> drawn(spec.path);
+  return tip_of_axes(track, drawn.path(), kinematics, rig);
+}
+
+SolvedTrack<double> solve_track(const MoveTrack& track, const MoveFile& move,
+                                const std::optional<RigFile>& rig, const PlanOptions& options,
+                                std::optional<FollowAccuracy>& accuracy) {
+  TrackNumbers numbers(track, move);
   try {
+    std::optional<FollowedPath> followed;
+    if (track.space || track.distance) {
+      refuse_curves_in_space(track);
+      followed = follow(track, numbers.spec, *rig, *options.kinematics);
+      accuracy = followed->accuracy;
+      numbers.spec.cubics = CubicPathSpec<double>{.spline = track.spline,
+                                                  .closed = track.closed && track.keys.size() > 1,
+                                                  .axis_count = static_cast<std::int32_t>(track.axes.size()),
+                                                  .key_count = static_cast<std::int32_t>(track.keys.size()),
+                                                  .cubics = followed->cubics,
+                                                  .weights = followed->weights,
+                                                  .knots = followed->knots};
+      refuse_open_loop(track, *followed);
+    }
     SolvedTrack<double> solved(numbers.spec, options.solver);
     value_or_throw(check_invariants(solved.track(), solved.table()));
     return solved;
@@ -160,6 +231,7 @@ Plan::Plan(MoveFile move, std::optional<RigFile> rig, const PlanOptions& options
     : move_(std::move(move)), rig_(std::move(rig)), kinematics_(options.kinematics) {
   list_axes();
   settle_positions(move_, rig_);
+  settle_aims(move_, kinematics_.get(), held_positions());
   warn_of_mixed_units();
   list_tips();
   if (rig_) check_cues(move_, *rig_);
@@ -183,6 +255,16 @@ void Plan::refuse_too_many_ticks() const {
                                "allowed; lower frames or rate_hz",
                                frames / move_.fps.rate.frames_per_second(), ticks, rig_->rate_hz,
                                in_quotes(rig_->name), max_ticks));
+}
+
+std::vector<std::optional<double>> Plan::held_positions() const {
+  std::vector<std::optional<double>> held(axes_.size());
+  for (std::size_t a = 0; a < axes_.size(); ++a) {
+    if (!axes_[a].track) continue;
+    const MoveTrack& track = move_.tracks[*axes_[a].track];
+    if (!track.space && track.keys.size() == 1) held[a] = track.keys.front().at[axes_[a].track_axis];
+  }
+  return held;
 }
 
 void Plan::list_axes() {
@@ -218,7 +300,7 @@ void Plan::warn_of_mixed_units() {
   if (!rig_) return;
   for (std::size_t t = 0; t < move_.tracks.size(); ++t) {
     const MoveTrack& track = move_.tracks[t];
-    if (!track.weights.empty() || !length_unit(t).empty()) continue;
+    if (!track.weights.empty() || !length_unit(t).empty() || track.space || track.distance) continue;
     std::set<std::string_view> units;
     for (const PlanAxis& axis : axes_) {
       if (axis.track == t) units.insert(to_string(*axis.unit));
@@ -254,6 +336,7 @@ void Plan::list_tips() {
 }
 
 std::string Plan::length_unit(std::size_t track) const {
+  if (move_.tracks[track].space || move_.tracks[track].distance) return "m";
   const std::vector<double>& weights = move_.tracks[track].weights;
   std::optional<AxisUnit> unit;
   for (const PlanAxis& axis : axes_) {
@@ -265,7 +348,10 @@ std::string Plan::length_unit(std::size_t track) const {
 }
 
 void Plan::solve(const PlanOptions& options) {
-  for (const MoveTrack& track : move_.tracks) tracks_.push_back(solve_track(track, move_, options));
+  accuracies_.resize(move_.tracks.size());
+  for (std::size_t t = 0; t < move_.tracks.size(); ++t) {
+    tracks_.push_back(solve_track(move_.tracks[t], move_, rig_, options, accuracies_[t]));
+  }
 }
 
 void Plan::put_together() {

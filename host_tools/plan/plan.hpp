@@ -12,6 +12,7 @@
 #include "host_tools/files/move_file.hpp"
 #include "host_tools/files/rig_file.hpp"
 #include "host_tools/joints/kinematics.hpp"
+#include "host_tools/plan/followed_path.hpp"
 #include "host_tools/plan/move_rolls.hpp"
 #include "host_tools/plan/solved_track.hpp"
 
@@ -22,7 +23,7 @@ inline constexpr std::int64_t max_ticks = 1'000'000'000;
 
 struct PlanOptions {
   Solver solver = Solver::closed_form;
-  std::shared_ptr<const Kinematics> kinematics = nullptr;  // of the rig, where its tips are to be shown
+  std::shared_ptr<const Kinematics> kinematics = nullptr;  // of the rig, where it has some
 };
 
 /// An axis of the plan, with its place in the rig, the tracks and the move.
@@ -55,7 +56,11 @@ class Plan {
   [[nodiscard]] const std::vector<AxisLimits<double>>& limits() const { return limits_; }
   [[nodiscard]] const std::vector<RollObstacle>& roll_obstacles() const { return rolls_.obstacles; }
   /// The geometry of the rig, if it was given.
-  [[nodiscard]] const Kinematics* kinematics() const { return kinematics_.get(); }
+  [[nodiscard]] const std::shared_ptr<const Kinematics>& kinematics() const { return kinematics_; }
+  /// How well the axes of a track, or its tip, follow what is drawn; nothing where nothing follows.
+  [[nodiscard]] const std::optional<FollowAccuracy>& accuracy(std::size_t track) const {
+    return accuracies_[track];
+  }
   /// The tips whose way is known: all axes that move them are in a track. warnings() names the others.
   [[nodiscard]] const std::vector<Tip>& tips() const { return tips_; }
   /// The axis of axes() that is axis `move_axis` of played().
@@ -75,10 +80,12 @@ class Plan {
   void list_axes();
   void warn_of_mixed_units();
   void list_tips();
+  [[nodiscard]] std::vector<std::optional<double>> held_positions() const;
 
   MoveFile move_;
   std::optional<RigFile> rig_;
   std::vector<SolvedTrack<double>> tracks_;
+  std::vector<std::optional<FollowAccuracy>> accuracies_;  // of tracks_
   std::vector<PlanAxis> axes_;
   std::vector<Warning> warnings_;
   std::vector<Track<double>> track_views_;  // of tracks_, one after another

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "host_tools/files/csv_field.hpp"
@@ -18,6 +19,26 @@
 
 namespace inbetween {
 namespace {
+
+void add_text(std::string_view text, Fnv1a& hash) {
+  for (const char c : text) hash.add(static_cast<std::int32_t>(c));
+}
+
+void add_space(const MoveTrack& track, Fnv1a& hash) {
+  if (track.distance) add_text(track.distance->tip, hash);
+  if (!track.space) return;
+  const MoveSpace& space = *track.space;
+  add_text(space.tip, hash);
+  for (const bool flag : {space.has_at, space.has_aim, space.has_roll, space.elbow_up.has_value(),
+                          space.elbow_up.value_or(false)}) {
+    hash.add(static_cast<std::int32_t>(flag));
+  }
+  for (const double value : space.fixed_aim) hash.add(value);
+  for (const std::optional<double>& value : space.near) {
+    hash.add(static_cast<std::int32_t>(value.has_value()));
+    hash.add(value.value_or(0));
+  }
+}
 
 /// The hash of everything that decides the motion. Two files that differ in comments or names only have the
 /// same hash.
@@ -50,6 +71,7 @@ std::uint64_t hash_of(const MoveFile& move) {
       hash.add(ease ? ease->frames : 0);
     }
     hash.add(static_cast<std::int32_t>(track.through));
+    add_space(track, hash);
     for (const std::vector<double>* list : {&track.speed, &track.weights, &track.lap}) {
       hash.add(static_cast<std::int32_t>(list->size()));
       for (const double value : *list) hash.add(value);
@@ -70,7 +92,7 @@ void write_segments(const Path<double>& path, JsonWriter& json) {
   json.objects("segments", path.segment_count(), [&](std::int32_t i) {
     if (!path.knots().empty()) json.member("s", path.parameter({i, 0}));
     json.array("coefficients", [&] {
-      for (const Cubic<double>& cubic : path.segment(i)) {
+      for (const Cubic<double>& cubic : path.segment(i).first(static_cast<std::size_t>(path.axis_count()))) {
         json.value(std::array{cubic.c0, cubic.c1, cubic.c2, cubic.c3});
       }
     });

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "host_tools/plan/frame_of_distance.hpp"
 #include "host_tools/plan/link_rows.hpp"
 #include "host_tools/plan/plan_rows.hpp"
 #include "inbetween/base/bisection.hpp"
@@ -20,16 +21,6 @@ constexpr std::size_t samples_per_span = 32;
 /// An axis over time has about so many samples, and looks smooth; a frame has at least one.
 constexpr int smooth_samples = 1200;
 constexpr int max_samples_per_frame = 32;
-
-/// The frame at which a distance is reached, between the rows of the table. Bisection on the drawn curve
-/// finds it.
-double frame_of_distance(const Track<double>& track, const TwoSum<double>& distance) {
-  const auto is_before = [&](double time) {
-    const auto frame = static_cast<std::int32_t>(time);
-    return track.distance({frame, time - frame}).minus(distance) < 0;
-  };
-  return bisected<double>({0, static_cast<double>(track.frames())}, 60, is_before).high;
-}
 
 /// The frame at which a segment begins.
 double frame_of_segment(const Track<double>& track, std::int32_t segment) {
@@ -106,11 +97,11 @@ PlotTrack plot_of_track(const Plan& plan, std::size_t index) {
     plot.speed.push_back(frame_row(track, solved.table(), frame).speed);
   }
   plot.keys.resize(axes);
-  for (const MoveKey& key : written.keys) {
-    for (std::size_t d = 0; d < axes; ++d) plot.keys[d].push_back(key.at[d]);
-  }
   for (std::int32_t i = 0; i <= track.path().segment_count(); ++i) {
-    if (track.path().key_at(i)) plot.key_frames.push_back(frame_of_segment(track, i));
+    if (!track.path().key_at(i)) continue;
+    plot.key_frames.push_back(frame_of_segment(track, i));
+    if (plot.keys.front().size() == written.keys.size()) continue;  // the return to key 0
+    for (std::size_t d = 0; d < axes; ++d) plot.keys[d].push_back(track.path().segment(i)[d].c0);
   }
   plot.key_frames.back() = track.frames();
   if (solved.key_timing()) take_holds(*solved.key_timing(), track.frames(), plot);

@@ -20,6 +20,14 @@ SolverError::SolverError(const Error& error)
     : std::runtime_error(fmt::format("{}: {}", error.what, error.remedy)), error_(error) {}
 
 template <Precise Real>
+PathOnHeap<Real>::PathOnHeap(const PathSpec<Real>& spec) {
+  const auto axes = static_cast<std::size_t>(std::max(spec.axis_count, 1));
+  cubics_.resize((spec.keys.size() / axes + 1) * axes);
+  weights_.resize(axes);
+  path_ = value_or_throw(Path<Real>::make(spec, {cubics_, weights_}));
+}
+
+template <Precise Real>
 SolvedTrack<Real>::SolvedTrack(const TrackSpec<Real>& spec, Solver solver, const OdeOptions<Real>& ode) {
   const Path<Real> path = make_path(spec);
   const ArcLength<Real> arc_length = make_arc_length(path, spec.arc_length);
@@ -166,12 +174,18 @@ void SolvedTrack<Real>::apply_locks(const TrackSpec<Real>& spec, std::span<const
     if (place >= waypoints.size()) continue;  // memory beyond the locks that there are
     const bool inside = lock.key > 0 && place + 1 < waypoints.size();
     lock.key = waypoints[place].is_key ? waypoints[place].key : -1;
-    if (lock.breaks && inside) breaks_.push_back({lock.key, lock.frame});
+    if (lock.breaks && inside) breaks_.push_back({waypoints[place].segment, lock.frame});
   }
 }
 
 template <Precise Real>
 Path<Real> SolvedTrack<Real>::make_path(const TrackSpec<Real>& spec) {
+  if (spec.cubics) {
+    cubics_.resize(spec.cubics->cubics.size() + spec.cubics->weights.size());
+    weights_.resize(spec.cubics->weights.size());
+    knots_.resize(spec.cubics->knots.size());
+    return value_or_throw(Path<Real>::make_of_cubics(*spec.cubics, {cubics_, weights_, knots_}));
+  }
   PathSpec<Real> path = spec.path;
   const auto axes = static_cast<std::size_t>(std::max(path.axis_count, 1));
   std::size_t rows = path.keys.size() / axes + 1;
@@ -213,6 +227,7 @@ SpeedProfile<Real> SolvedTrack<Real>::make_profile(std::span<const Real> control
   return value_or_throw(SpeedProfile<Real>::make(control_values, {spans_, integrals_}, ends));
 }
 
+template class PathOnHeap<double>;
 template class SolvedTrack<double>;
 template class SolvedTrack<float>;
 

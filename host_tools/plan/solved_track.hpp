@@ -41,6 +41,8 @@ const T& value_or_throw(const Result<T>& result) {
 template <Precise Real>
 struct TrackSpec {
   PathSpec<Real> path;
+  /// In its place a path that is solved already, through as many keys.
+  std::optional<CubicPathSpec<Real>> cubics = {};
   std::span<const Real> control_values;
   CurveEnds ends = CurveEnds::natural;
   std::int32_t frames = 0;
@@ -58,6 +60,19 @@ struct TrackSpec {
   bool rests_at_end = true;
   /// The speed touches 0 wherever the path turns at once. Locks of a pace are its touches.
   bool ease_corners = false;
+};
+
+/// A path with memory of its own. Throws SolverError.
+template <Precise Real>
+class PathOnHeap {
+ public:
+  explicit PathOnHeap(const PathSpec<Real>& spec);
+  [[nodiscard]] const Path<Real>& path() const { return *path_; }
+
+ private:
+  std::vector<Cubic<Real>> cubics_;
+  std::vector<Real> weights_;
+  std::optional<Path<Real>> path_;
 };
 
 /// Path, arc length, speed profile, track and frame table of one spec. Movable, not copyable: its

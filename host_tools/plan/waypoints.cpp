@@ -57,6 +57,14 @@ bool is_corner(const Direction& arriving, const Direction& leaving) {
   return length_of(change) > corner_size<Real>;
 }
 
+/// The key at which a segment begins, or the last before it. The end of a closed path counts on.
+template <Precise Real>
+std::int32_t key_before(const Path<Real>& path, std::int32_t segment) {
+  if (path.knots().empty()) return segment;
+  if (segment == path.segment_count()) return path.knots().back().key + 1;
+  return path.knots()[static_cast<std::size_t>(segment)].key;
+}
+
 }  // namespace
 
 template <Precise Real>
@@ -68,17 +76,21 @@ std::vector<Waypoint> waypoints_of(const Track<Real>& track) {
   std::optional<Direction> first_leaving;
   std::size_t first_of_place = 0;  // of the keys in one place
   for (std::int32_t i = 0; i <= path.segment_count(); ++i) {
-    if (i == 0 || lengths.segment_begin(i).minus(lengths.segment_begin(i - 1)) > 0)
-      first_of_place = waypoints.size();
-    waypoints.push_back({.distance = static_cast<double>(lengths.segment_begin(i).high), .key = i});
+    const std::int32_t key = key_before(path, i);
+    if (path.key_at(i)) {
+      if (i == 0 || lengths.segment_begin(i).minus(lengths.segment_begin(i - 1)) > 0)
+        first_of_place = waypoints.size();
+      waypoints.push_back(
+          {.distance = static_cast<double>(lengths.segment_begin(i).high), .key = key, .segment = i});
+    }
     if (i == path.segment_count()) break;
     const std::optional<Direction> leaving = direction_of(path, i, true);
     if (!leaving) continue;
-    if (arriving) {
+    if (!arriving) {
+      first_leaving = leaving;
+    } else if (path.key_at(i)) {
       const bool turns = is_corner<Real>(*arriving, *leaving);
       for (std::size_t k = first_of_place; k < waypoints.size(); ++k) waypoints[k].is_corner = turns;
-    } else {
-      first_leaving = leaving;
     }
     const Standstills<Real> turns = standstills_within(track, i);
     for (std::size_t k = 0; k < turns.count; ++k) {
@@ -88,7 +100,8 @@ std::vector<Waypoint> waypoints_of(const Track<Real>& track) {
       const auto begin = static_cast<double>(lengths.segment_begin(i).high);
       const auto end = static_cast<double>(lengths.segment_begin(i + 1).high);
       if (distance - begin <= rounding || end - distance <= rounding) continue;
-      waypoints.push_back({.distance = distance, .key = i, .is_key = false, .is_corner = true});
+      waypoints.push_back(
+          {.distance = distance, .key = key, .segment = i, .is_key = false, .is_corner = true});
     }
     arriving = direction_of(path, i, false);
   }

@@ -9,8 +9,9 @@
 namespace inbetween {
 
 struct Waypoint {
-  double distance = 0;   ///< along the path
-  std::int32_t key = 0;  ///< the key, or the key before it
+  double distance = 0;       ///< along the path
+  std::int32_t key = 0;      ///< the key, or the key before it
+  std::int32_t segment = 0;  ///< of the path, that begins at the key, or in which it is
   bool is_key = true;
   bool is_corner = false;  ///< the direction of the path changes at once: a corner, or the way back
 };

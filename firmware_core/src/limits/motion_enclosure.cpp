@@ -25,19 +25,15 @@ void MotionEnclosure<Real>::show(const PathPiece<Real>& piece) {
     show_parameter(cubics);
     return;
   }
-  const Real scale = inverse_scale_;
-  const Real side = piece.interval.forward ? 1 : -1;
-  const Real anchor = piece.interval.anchor;
-  for (std::size_t d = 0; d < axes_; ++d) {
-    const Cubic<Real>& c = cubics[d];
-    turns_[d] = {};
-    turns_[d].first = {scale * (c.c1 + anchor * (2 * c.c2 + 3 * c.c3 * anchor)),
-                       side * scale * (2 * c.c2 + 6 * c.c3 * anchor), 3 * scale * c.c3};
-    turns_[d].size = scale * (std::fabs(c.c1) + 2 * std::fabs(c.c2) + 3 * std::fabs(c.c3));
-    // An axis without a weight may move on where the others stand still.
-    if (is_still_ && std::fabs(turns_[d].first[0]) <= still_speed_share<Real> * turns_[d].size) {
-      turns_[d].first[0] = 0;
+  for (std::size_t d = 0; d < cubics.size(); ++d) {
+    const ScaledSlope<Real> slope = slope_of(cubics[d], piece);
+    if (d >= axes_) {
+      guides_[d - axes_] = slope;
+      continue;
     }
+    turns_[d] = {};
+    turns_[d].first = slope.first;
+    turns_[d].size = slope.size;
   }
   for (std::size_t d = 0; d < axes_; ++d) {
     if (turns_by_pace(d)) {
@@ -46,6 +42,19 @@ void MotionEnclosure<Real>::show(const PathPiece<Real>& piece) {
       turn(d);
     }
   }
+}
+
+template <Precise Real>
+ScaledSlope<Real> MotionEnclosure<Real>::slope_of(const Cubic<Real>& c, const PathPiece<Real>& piece) const {
+  const Real scale = inverse_scale_;
+  const Real side = piece.interval.forward ? 1 : -1;
+  const Real anchor = piece.interval.anchor;
+  ScaledSlope<Real> slope{.first = {scale * (c.c1 + anchor * (2 * c.c2 + 3 * c.c3 * anchor)),
+                                    side * scale * (2 * c.c2 + 6 * c.c3 * anchor), 3 * scale * c.c3},
+                          .size = scale * (std::fabs(c.c1) + 2 * std::fabs(c.c2) + 3 * std::fabs(c.c3))};
+  // An axis without a weight may move on where the others stand still.
+  if (is_still_ && std::fabs(slope.first[0]) <= still_speed_share<Real> * slope.size) slope.first[0] = 0;
+  return slope;
 }
 
 template <Precise Real>
@@ -66,16 +75,18 @@ void MotionEnclosure<Real>::turn(std::size_t d) {
   const auto [a, b, c] = axis.first;
   const std::span<const Real> weights = track_.path().weights();
   axis.straight = true;
-  for (std::size_t e = 0; e < axes_; ++e) {
-    const auto [A, B, C] = turns_[e].first;
+  for (std::size_t e = 0; e < weights.size(); ++e) {
     const Real weight = weights[e] * weights[e];
+    if (weight == 0) continue;
+    const ScaledSlope<Real> other = slope(e);
+    const auto [A, B, C] = other.first;
     // T' q^(3/2) = sum of w^2 P_e' (P_d'' P_e' - P_d' P_e''): exactly 0 for the axis itself.
     const std::array<Real, 3> cross{b * A - a * B, 2 * (c * A - a * C), c * B - b * C};
     // On a line nothing but the rounding of the coefficients is left of it.
-    const Real rounding = 32 * std::numeric_limits<Real>::epsilon() * (axis.size * turns_[e].size);
+    const Real rounding = 32 * std::numeric_limits<Real>::epsilon() * (axis.size * other.size);
     for (std::size_t j = 0; j < 3; ++j) {
-      if (weight > 0 && std::fabs(cross[j]) > rounding) axis.straight = false;
-      for (std::size_t i = 0; i < 3; ++i) axis.second[i + j] += weight * (turns_[e].first[i] * cross[j]);
+      if (std::fabs(cross[j]) > rounding) axis.straight = false;
+      for (std::size_t i = 0; i < 3; ++i) axis.second[i + j] += weight * (other.first[i] * cross[j]);
     }
   }
   if (axis.straight) return find_direction(d);
@@ -98,12 +109,14 @@ void MotionEnclosure<Real>::turn_where_still(std::size_t d) {
   const std::span<const Real> weights = track_.path().weights();
   axis.straight = true;
   std::array<Real, 2> turn{};
-  for (std::size_t e = 0; e < axes_; ++e) {
-    const auto [none, B, C] = turns_[e].first;
+  for (std::size_t e = 0; e < weights.size(); ++e) {
     const Real weight = weights[e] * weights[e];
+    if (weight == 0) continue;
+    const ScaledSlope<Real> other = slope(e);
+    const auto [none, B, C] = other.first;
     const Real cross = c * B - b * C;
-    const Real rounding = 32 * std::numeric_limits<Real>::epsilon() * (axis.size * turns_[e].size);
-    if (weight > 0 && std::fabs(cross) > rounding) axis.straight = false;
+    const Real rounding = 32 * std::numeric_limits<Real>::epsilon() * (axis.size * other.size);
+    if (std::fabs(cross) > rounding) axis.straight = false;
     turn[0] += weight * (B * cross);
     turn[1] += weight * (C * cross);
   }

@@ -60,6 +60,13 @@ struct MotionRange {
   MotionTriple<Real> bound;  ///< of the magnitude anywhere on the box; infinity where there is none
 };
 
+/// The derivative of a row on a piece, as a quadratic in tau, and the size of its terms.
+template <Precise Real>
+struct ScaledSlope {
+  std::array<Real, 3> first{};
+  Real size = 0;
+};
+
 /// Usage: show(path) for the piece of the path, around(...) for the box, range(d, ...) for each axis. Refers
 /// to the track and to `turns`, an entry for each axis.
 ///
@@ -97,6 +104,12 @@ class MotionEnclosure {
   using Triple = MotionTriple<Real>;
   using Factor = MotionFactor<Real>;
 
+  [[nodiscard]] ScaledSlope<Real> slope_of(const Cubic<Real>& c, const PathPiece<Real>& piece) const;
+  /// Of an axis or, behind them, of a guide.
+  [[nodiscard]] ScaledSlope<Real> slope(std::size_t row) const {
+    if (row < axes_) return {turns_[row].first, turns_[row].size};
+    return guides_[row - axes_];
+  }
   void show_parameter(std::span<const Cubic<Real>> cubics);
   void turn(std::size_t d);
   void turn_where_still(std::size_t d);
@@ -133,6 +146,7 @@ class MotionEnclosure {
   const Track<Real>& track_;
   std::size_t axes_;
   std::span<AxisTurn<Real>> turns_;
+  std::array<ScaledSlope<Real>, max_guides> guides_{};
   PathPiece<Real> shown_{.segment = -1, .index = -1, .exponent = 0, .interval = {}};
   Real scale_ = 1;
   Real inverse_scale_ = 1;

@@ -334,6 +334,7 @@ Result<Path<Real>> Path<Real>::make(const PathSpec<Real>& spec, const PathMemory
       memory.cubics.first((construction.segments() + 1) * static_cast<std::size_t>(spec.axis_count));
   path.weights_ = construction.weights();
   if (!spec.key_frames.empty()) path.knots_ = memory.knots.first(construction.segments());
+  path.over_frames_ = !spec.key_frames.empty();
   path.spline_ = spec.spline;
   path.closed_ = spec.closed;
   return path;

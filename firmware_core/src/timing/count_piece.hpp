@@ -202,9 +202,10 @@ class PieceCutter {
   /// All axes of a segment over a stretch of it, as the next row of cubics.
   Status set_row(std::int32_t segment, const Stretch& stretch) {
     const std::span<const Cubic<Source>> cubics = path_.segment(segment);
-    for (std::size_t d = 0; d < cubics.size(); ++d) {
+    const auto axes = static_cast<std::size_t>(path_.axis_count());
+    for (std::size_t d = 0; d < axes; ++d) {
       const Cubic<double> counts = cut_cubic(cubics[d], stretch, counts_per_unit_[d]);
-      if (set_base(counts, memory_.cubics[count_ * cubics.size() + d])) continue;
+      if (set_base(counts, memory_.cubics[count_ * axes + d])) continue;
       return Error{
           .code = ErrorCode::out_of_range,
           .what = "a position after this key does not fit the counts of a drive",

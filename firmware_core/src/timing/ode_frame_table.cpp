@@ -128,9 +128,8 @@ Real polygon_constant(const Track<Real>& track) {
   Real sum = 0;
   for (std::int32_t i = 0; i < path.segment_count(); ++i) {
     Real square = 0;
-    for (std::int32_t d = 0; d < path.axis_count(); ++d) {
-      const auto axis = static_cast<std::size_t>(d);
-      const Real chord = path.weights()[axis] * (path.segment(i + 1)[axis].c0 - path.segment(i)[axis].c0);
+    for (std::size_t d = 0; d < path.weights().size(); ++d) {
+      const Real chord = path.weights()[d] * (path.segment(i + 1)[d].c0 - path.segment(i)[d].c0);
       square += chord * chord;
     }
     sum += std::sqrt(square);

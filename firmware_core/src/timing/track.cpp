@@ -53,7 +53,7 @@ ParameterRates<Real> parameter_rates(const AlongPath<Real>& along, const Paramet
 template <Precise Real>
 void write_motion(std::span<const Cubic<Real>> cubics, Real t, const ParameterRates<Real>& s,
                   std::span<AxisMotion<Real>> out) {
-  for (std::size_t d = 0; d < cubics.size(); ++d) {
+  for (std::size_t d = 0; d < out.size(); ++d) {
     const Real p1 = cubics[d].derivative(t);
     const Real p2 = cubics[d].second(t);
     const Real p3 = cubics[d].third();
@@ -136,7 +136,7 @@ Derivatives write_standstill(const Path<Real>& path, const AlongPath<Real>& alon
   // The direction is the limit of P' / |P'|, +-P'' on either side, and where P'' = 0 too, P'''.
   const Real side = along.point.segment == path.segment_count() ? Real(-1) : Real(1);
   Derivatives derivatives = stays ? Derivatives::exact : Derivatives::one_sided;
-  for (std::size_t d = 0; d < cubics.size(); ++d) {
+  for (std::size_t d = 0; d < out.size(); ++d) {
     const bool measured = path.weights()[d] > 0 && !standstill.is_here();
     out[d] = {.position = cubics[d].value(t)};
     if (stays) continue;

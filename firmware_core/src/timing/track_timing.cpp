@@ -99,10 +99,13 @@ Status check_key_frames(const Path<Real>& path, std::span<const std::int32_t> ke
   return Done{};
 }
 
-/// Curves need a path over frames, and nothing else can use one.
+/// Curves need a path over frames, and nothing else can use one. A monotone spline is one of whole keys.
 template <Precise Real>
 Status check_knots(const Path<Real>& path, Kinetic kinetic) {
-  if (path.knots().empty() != (kinetic == Kinetic::curves)) return Done{};
+  const bool has_parts = !path.over_frames() && !path.knots().empty();
+  if (path.over_frames() == (kinetic == Kinetic::curves) && !(has_parts && kinetic == Kinetic::monotone)) {
+    return Done{};
+  }
   return Error{.code = ErrorCode::out_of_range,
                .what = "the path and the way of timing do not go together",
                .remedy = "make the path over the frames of its keys for curves, and for nothing else"};
@@ -222,7 +225,7 @@ Result<Track<Real>> Track<Real>::make_with_key_frames(const Path<Real>& path,
   for (std::size_t i = 0; i < segments; ++i) {
     KeyInterval<Real>& interval = memory.key_intervals[i];
     const FrameKnot knot =
-        kinetic == Kinetic::curves ? path.knots()[i] : FrameKnot{.key = static_cast<std::int32_t>(i)};
+        path.knots().empty() ? FrameKnot{.key = static_cast<std::int32_t>(i)} : path.knots()[i];
     const auto key = static_cast<std::size_t>(knot.key);
     interval = {.begin_frame = key_frames[key],
                 .frames = key_frames[key + 1] - key_frames[key],

@@ -65,8 +65,8 @@ struct PathSpec {
   }
 };
 
-/// The begin of a segment of a path over frames: `part` of `parts` equal parts of the time from `key` to the
-/// next key.
+/// The begin of a segment that is a part of the way between two keys: `part` of `parts` equal parts of the
+/// way from `key` to the next key, of the time on a path over frames and otherwise of s.
 struct FrameKnot {
   std::int32_t key = 0;
   std::int16_t part = 0;
@@ -84,13 +84,31 @@ struct Cubic {
   [[nodiscard]] constexpr Real third() const { return 6 * c3; }
 };
 
+/// A guide is a row of a path that is no axis and only measures. So many are x, y and z of a point in space.
+inline constexpr std::size_t max_guides = 3;
+
+/// A path whose coefficients are known, such as that of joints that follow a curve in space. Nothing is kept.
+template <Precise Real>
+struct CubicPathSpec {
+  Spline spline = Spline::smooth;  ///< of the keys that it was made from
+  bool closed = false;
+  std::int32_t axis_count = 0;
+  std::int32_t key_count = 0;
+  /// Segment after segment, in each the axes and then the guides.
+  std::span<const Cubic<Real>> cubics;
+  /// One for each axis and each guide. With weights of 0 for the axes, the guides alone are the distance.
+  std::span<const Real> weights;
+  /// One for each segment, in the order of the path: all the parts of the way from key 0 to key 1, and so on.
+  std::span<const FrameKnot> knots;
+};
+
 /// The memory of a path, owned by the caller, who keeps it alive and unmoved as long as the path.
 template <Precise Real>
 struct PathMemory {
-  std::span<Cubic<Real>> cubics;  ///< (segments + 1) * axes
-  std::span<Real> weights;        ///< axes
-  std::span<FrameKnot> knots =
-      {};  ///< segments, for a path over frames; there a rest may need 4 between keys
+  std::span<Cubic<Real>> cubics;  ///< (segments + 1) * (axes + guides)
+  std::span<Real> weights;        ///< axes + guides
+  /// Segments, of a path of cubics or over frames; there a rest may need 4 between keys.
+  std::span<FrameKnot> knots = {};
 };
 
 /// A path that exists is valid: finite coefficients, positive weighted length wherever an axis moves.
@@ -119,14 +137,23 @@ class Path {
   /// that stays there.
   static Result<Path> make(const PathSpec<Real>& spec, const PathMemory<Real>& memory);
 
+  /// Takes coefficients as they are. Errors: wrong_count, not_finite, out_of_range (a weight, a coefficient,
+  /// a knot that is not the next one), capacity, unmeasured, as for make(), and no_solution where a segment
+  /// does not begin where the one before it ends. O(segments * axes).
+  static Result<Path> make_of_cubics(const CubicPathSpec<Real>& spec, const PathMemory<Real>& memory);
+
   [[nodiscard]] std::int32_t axis_count() const { return axis_count_; }
   [[nodiscard]] std::int32_t key_count() const { return key_count_; }
   /// n for n + 1 open keys, n for n closed keys, 0 for one open key; more where a path over frames rests.
   [[nodiscard]] std::int32_t segment_count() const { return segment_count_; }
   [[nodiscard]] bool closed() const { return closed_; }
   [[nodiscard]] Spline spline() const { return spline_; }
+  /// One for each axis and, behind them, one for each guide.
   [[nodiscard]] std::span<const Real> weights() const { return weights_; }
-  /// One for every segment of a path over frames; otherwise empty, and segment i begins at key i.
+  /// The knots are frames, and every axis is a curve over time.
+  [[nodiscard]] bool over_frames() const { return over_frames_; }
+  /// One for every segment of a path over frames or of cubics; otherwise empty, and segment i begins at key
+  /// i.
   [[nodiscard]] std::span<const FrameKnot> knots() const { return knots_; }
   /// The key at which segment `index` begins, 0..segment_count(); nothing where it begins between keys. The
   /// end of a closed path is key 0.
@@ -147,12 +174,11 @@ class Path {
            (static_cast<Real>(knot.part) + point.t) / static_cast<Real>(knot.parts);
   }
 
-  /// The cubics of all axes on a segment. Segment `segment_count()` is the continuation of the last
-  /// one beyond its end, expanded there: at t = 0 it gives the last key to the last bit, and the
-  /// derivatives with which the path arrives.
+  /// The cubics of all axes on a segment, and behind them those of the guides. Segment `segment_count()` is
+  /// the continuation of the last one beyond its end, expanded there: at t = 0 it gives the last key to the
+  /// last bit, and the derivatives with which the path arrives.
   [[nodiscard]] std::span<const Cubic<Real>> segment(std::int32_t index) const {
-    const auto axes = static_cast<std::size_t>(axis_count_);
-    return cubics_.subspan(static_cast<std::size_t>(index) * axes, axes);
+    return cubics_.subspan(static_cast<std::size_t>(index) * weights_.size(), weights_.size());
   }
   /// Position of one axis, in axis units.
   [[nodiscard]] Real position(const PathPoint<Real>& point, std::int32_t axis) const {
@@ -173,6 +199,7 @@ class Path {
   std::int32_t segment_count_ = 0;
   Spline spline_ = Spline::smooth;
   bool closed_ = false;
+  bool over_frames_ = false;
 };
 
 /// Memory for paths of up to `Keys` keys (closed or open) and `Axes` axes.

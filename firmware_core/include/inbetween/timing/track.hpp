@@ -208,7 +208,8 @@ class Track {
   void positions(const FrameTime<Real>& time, std::span<Real> out) const {
     const PathPoint<Real> point = locate(time);
     const std::span<const Cubic<Real>> cubics = path_.segment(point.segment);
-    for (std::size_t d = 0; d < cubics.size(); ++d) out[d] = cubics[d].value(point.t);
+    const auto axes = static_cast<std::size_t>(path_.axis_count());
+    for (std::size_t d = 0; d < axes; ++d) out[d] = cubics[d].value(point.t);
   }
 
   /// locate() at whole frames `first`, `first` + 1, ..., bit for bit, in runs of frames that share a span

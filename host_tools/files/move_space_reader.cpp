@@ -1,0 +1,146 @@
+#include "host_tools/files/move_space_reader.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <string_view>
+#include <tuple>
+#include <utility>
+
+#include "host_tools/files/move_unit.hpp"
+
+namespace inbetween {
+namespace {
+
+/// Metres. The farthest that the geometry of a rig goes.
+constexpr double max_place = 1e6;
+
+/// The length unit of numbers in the world.
+MoveUnit length_unit_of(const TomlTable& table, MoveUnit otherwise) {
+  const auto unit = table.optional("unit");
+  if (!unit) return otherwise;
+  const auto chosen = static_cast<MoveUnit>(unit->choice(move_unit_words) + 1);
+  if (!converted(1, chosen, AxisUnit::m)) unit->refuse("is not a length; write m, mm, cm, in or ft");
+  return chosen;
+}
+
+void read_place(const TomlValue& value, MoveUnit unit, MoveKey& key) {
+  const std::vector<TomlValue> numbers = value.list(max_track_axes);
+  if (numbers.size() != 3) {
+    value.refuse(fmt::format("has {}; write three, x, y and z in the world",
+                             counted(static_cast<std::int64_t>(numbers.size()), "number")));
+  }
+  for (const TomlValue& number : numbers) {
+    const double metres = *converted(number.number(), unit, AxisUnit::m);
+    if (!(metres >= -max_place && metres <= max_place)) number.refuse("is more than 1e6 m from the origin");
+    key.at.push_back(metres);
+    key.at_places.push_back(number.place());
+  }
+}
+
+void refuse_in_space(const TomlTable& table, std::initializer_list<std::string_view> fields) {
+  for (const std::string_view field : fields) {
+    if (const auto value = table.optional(field)) {
+      value->refuse("is for axes, and the keys of this track are places in the world; remove it");
+    }
+  }
+}
+
+void read_near(const TomlTable& table, MoveTrack& track) {
+  const auto near = table.optional("near");
+  if (!near) return;
+  const std::vector<std::string_view> names(track.axes.begin(), track.axes.end());
+  const TomlTable values(near->table(), near->name(), names);
+  for (const std::string_view name : names) {
+    const auto value = values.optional(name);
+    track.space->near.push_back(value ? std::optional(value->number()) : std::nullopt);
+  }
+}
+
+}  // namespace
+
+void read_space(const TomlTable& table, MoveTrack& track) {
+  const auto space = table.optional("space");
+  if (const auto distance = table.optional("distance")) {
+    if (space) distance->refuse("is that of the link in space anyway; remove distance");
+    track.distance.emplace();
+    track.distance->tip = distance->text();
+    track.distance->place = distance->place();
+  }
+  if (!space) {
+    for (const std::string_view field : {"aim", "elbow", "near"}) {
+      if (const auto value = table.optional(field)) {
+        value->refuse(R"(needs keys in the world; add space = "camera", the name of a tip of the rig)");
+      }
+    }
+    return;
+  }
+  MoveSpace& read = track.space.emplace();
+  read.tip = space->text();
+  read.place = read.aim_place = read.elbow_place = space->place();
+  refuse_in_space(table, {"wrap"});
+  static_cast<void>(length_unit_of(table, MoveUnit::m));
+  if (const auto elbow = table.optional("elbow")) {
+    track.space->elbow_up = elbow->choice({"up", "down"}) == 0;
+    track.space->elbow_place = elbow->place();
+  }
+  if (const auto aim = table.optional("aim")) {
+    track.space->aim_place = aim->place();
+    if (aim->node().is_string()) {
+      track.space->aim_node = aim->text();
+    } else {
+      MoveKey fixed;
+      read_place(*aim, length_unit_of(table, MoveUnit::m), fixed);
+      track.space->fixed_aim = fixed.at;
+    }
+  }
+  read_near(table, track);
+  track.space->unit = length_unit_of(table, MoveUnit::m);
+}
+
+void read_space_position(const TomlTable& table, std::size_t index, MoveTrack& track, MoveKey& key) {
+  refuse_in_space(table, {"way", "turns"});
+  MoveSpace& space = *track.space;
+  const MoveUnit unit = length_unit_of(table, space.unit);
+  const auto at = table.optional("at");
+  const auto aim = table.optional("aim");
+  const auto roll = table.optional("roll");
+  if (index == 0) {
+    space.has_at = at.has_value();
+    space.has_aim = aim.has_value();
+    space.has_roll = roll.has_value();
+    if (!at && !aim) {
+      throw InputError(table.place(),
+                       "key 0 has neither at nor aim; write at = [x, y, z], where the link is, or "
+                       "aim = [x, y, z], where it looks");
+    }
+  }
+  if (aim && (space.aim_node || !space.fixed_aim.empty())) {
+    aim->refuse("is said by the track already; remove one of the two");
+  }
+  for (const auto& [name, first_has, has] :
+       {std::tuple("at", space.has_at, at.has_value()), std::tuple("aim", space.has_aim, aim.has_value()),
+        std::tuple("roll", space.has_roll, roll.has_value())}) {
+    if (first_has == has) continue;
+    throw InputError(table.place(),
+                     fmt::format("key {} has {} {}, and key 0 has {}; give it to all keys or to none", index,
+                                 has ? "the field" : "no", name, has ? "none" : "one"));
+  }
+  if (at) read_place(*at, unit, key);
+  if (aim) read_place(*aim, unit, key);
+  if (roll) {
+    key.at.push_back(roll->number(-360, 360));
+    key.at_places.push_back(roll->place());
+  }
+}
+
+void refuse_space_fields(const TomlTable& table) {
+  for (const std::string_view field : {"aim", "roll"}) {
+    if (const auto value = table.optional(field)) {
+      value->refuse(
+          R"(needs keys in the world; add space = "camera" to the track, the name of a tip of the rig)");
+    }
+  }
+}
+
+}  // namespace inbetween

@@ -1,0 +1,20 @@
+// Eigenvalues of small symmetric matrices.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+namespace inbetween {
+
+/// matrix = sum of value[k] * vector[k] vector[k]^T; values from the largest to the smallest, vectors of
+/// length 1.
+struct SymmetricEigen {
+  std::vector<double> values;
+  std::vector<std::vector<double>> vectors;
+};
+
+/// Jacobi's rotations, O(n^3) each sweep; to the rounding of the largest value. `matrix` is symmetric, a
+/// vector for each row.
+SymmetricEigen eigen_of(std::vector<std::vector<double>> matrix);
+
+}  // namespace inbetween

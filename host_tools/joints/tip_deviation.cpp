@@ -1,0 +1,189 @@
+#include "host_tools/joints/tip_deviation.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "host_tools/joints/vector_length.hpp"
+
+namespace inbetween {
+namespace {
+
+/// Chebyshev's places on [0, 1], and the sum of the magnitudes of the Lagrange polynomials (Lebesgue
+/// constant).
+constexpr std::array chebyshev_4 = {0.038060233744356624, 0.30865828381745514, 0.69134171618254492,
+                                    0.96193976625564337};
+constexpr double lebesgue_4 = 1.8479;
+constexpr std::array chebyshev_3 = {0.066987298107780674, 0.5, 0.93301270189221931};
+constexpr double lebesgue_3 = 1.667;
+/// max |product of (t - t_i)| / n!, for e and for e'.
+constexpr double remainder_4 = 1.0 / 3072;
+constexpr double remainder_3 = 1.0 / 192;
+/// No t is farther than this from a place of chebyshev_3.
+constexpr double gap_3 = 0.22;
+
+/// Bounds of the magnitude of a function and of its first four derivatives on the stretch.
+using Jet = std::array<double, 5>;
+
+Jet product(const Jet& a, const Jet& b) {
+  return {a[0] * b[0], a[0] * b[1] + a[1] * b[0], a[0] * b[2] + 2 * a[1] * b[1] + a[2] * b[0],
+          a[0] * b[3] + 3 * a[1] * b[2] + 3 * a[2] * b[1] + a[3] * b[0],
+          a[0] * b[4] + 4 * a[1] * b[3] + 6 * a[2] * b[2] + 4 * a[3] * b[1] + a[4] * b[0]};
+}
+
+Jet sum(const Jet& a, const Jet& b) {
+  Jet result;
+  for (std::size_t i = 0; i < result.size(); ++i) result[i] = a[i] + b[i];
+  return result;
+}
+
+/// By the control points of Bernstein's form.
+Jet jet_of(const Cubic<double>& c) {
+  const auto largest = [](std::initializer_list<double> values) {
+    double result = 0;
+    for (const double value : values) result = std::max(result, std::fabs(value));
+    return result;
+  };
+  return {largest({c.c0, c.c0 + c.c1 / 3, c.c0 + (2 * c.c1 + c.c2) / 3, c.value(1)}),
+          largest({c.c1, c.c1 + c.c2, c.derivative(1)}), largest({2 * c.c2, c.second(1)}),
+          std::fabs(c.third()), 0};
+}
+
+Jet jet_of(std::span<const Cubic<double>> xyz) {
+  Jet result{};
+  for (const Cubic<double>& c : xyz) {
+    const Jet one = jet_of(c);
+    for (std::size_t i = 0; i < result.size(); ++i) result[i] = std::hypot(result[i], one[i]);
+  }
+  return result;
+}
+
+Jet rotation_by(const Jet& angle) {
+  const double a = angle[1];
+  const double b = angle[2];
+  const double c = angle[3];
+  return {1, a, b + a * a, c + 3 * a * b + a * a * a, 4 * a * c + 3 * b * b + 6 * a * a * b + a * a * a * a};
+}
+
+struct LinkJets {
+  Jet position{};                // of the link in the world
+  Jet direction{1, 0, 0, 0, 0};  // of its x axis
+};
+
+class Stretch {
+ public:
+  Stretch(const Kinematics& kinematics, std::int32_t link, const TipStretch& stretch)
+      : tree_(kinematics.tree()),
+        link_(link),
+        stretch_(stretch),
+        coordinates_(tree_.coordinate_count()),
+        poses_(tree_.joints().size()),
+        columns_(tree_.coordinate_count()) {}
+
+  /// What is drawn, in one of its places.
+  static Vector3<double> value(std::span<const Cubic<double>> xyz, double t) {
+    return {xyz[0].value(t), xyz[1].value(t), xyz[2].value(t)};
+  }
+  static Vector3<double> slope(std::span<const Cubic<double>> xyz, double t) {
+    return {xyz[0].derivative(t), xyz[1].derivative(t), xyz[2].derivative(t)};
+  }
+
+  const Pose<double>& pose(double t) {
+    for (std::size_t i = 0; i < stretch_.axes.size(); ++i) {
+      coordinates_[stretch_.coordinates[i]] = stretch_.axes[i].value(t);
+    }
+    // Out of range only where no axis of a rig ever goes.
+    static_cast<void>(tree_.poses(coordinates_, poses_));
+    return poses_[static_cast<std::size_t>(link_)];
+  }
+  /// The derivative of the link's position, after pose(t).
+  Vector3<double> pose_slope(double t) {
+    tree_.jacobian(link_, poses_, columns_);
+    Vector3<double> result;
+    for (std::size_t i = 0; i < stretch_.axes.size(); ++i) {
+      result += columns_[stretch_.coordinates[i]].linear * stretch_.axes[i].derivative(t);
+    }
+    return result;
+  }
+
+  [[nodiscard]] LinkJets jets() const {
+    LinkJets result;
+    const auto joints = tree_.joints();
+    for (std::int32_t i = link_; i >= 0; i = joints[static_cast<std::size_t>(i)].parent) {
+      const Joint<double>& joint = joints[static_cast<std::size_t>(i)];
+      const Jet value = value_of(joint);
+      if (joint.kind == JointKind::revolute) {
+        const Jet rotation = rotation_by(value);
+        result.position = product(rotation, result.position);
+        result.direction = product(rotation, result.direction);
+      } else if (joint.kind == JointKind::prismatic) {
+        result.position = sum(result.position, value);
+      }
+      const Vector3<double>& origin = joint.origin.position;
+      result.position[0] += std::sqrt(dot(origin, origin));
+    }
+    return result;
+  }
+
+ private:
+  [[nodiscard]] Jet value_of(const Joint<double>& joint) const {
+    Jet value{};
+    for (std::size_t i = 0; i < stretch_.axes.size(); ++i) {
+      if (joint.coordinate != static_cast<std::int32_t>(stretch_.coordinates[i])) continue;
+      value = jet_of(stretch_.axes[i]);
+      for (double& bound : value) bound *= std::fabs(joint.factor);
+    }
+    value[0] += std::fabs(joint.offset);
+    return value;
+  }
+
+  const JointTree<double>& tree_;
+  std::int32_t link_;
+  const TipStretch& stretch_;
+  std::vector<double> coordinates_;
+  std::vector<Pose<double>> poses_;
+  std::vector<JacobianColumn<double>> columns_;
+};
+
+}  // namespace
+
+TipDeviation tip_deviation(const Kinematics& kinematics, std::int32_t link, const TipStretch& stretch) {
+  Stretch along(kinematics, link, stretch);
+  const LinkJets jets = along.jets();
+  TipDeviation result;
+  if (!stretch.position.empty()) {
+    const Jet drawn = jet_of(stretch.position);
+    for (const double t : chebyshev_4) {
+      result.way = std::max(result.way, length(along.pose(t).position - Stretch::value(stretch.position, t)));
+    }
+    result.way = lebesgue_4 * result.way + remainder_4 * jets.position[4];
+    result.slowest = std::numeric_limits<double>::infinity();
+    for (const double t : chebyshev_3) {
+      static_cast<void>(along.pose(t));
+      const Vector3<double> slope = Stretch::slope(stretch.position, t);
+      result.speed = std::max(result.speed, length(along.pose_slope(t) - slope));
+      result.slowest = std::min(result.slowest, length(slope));
+    }
+    result.speed = lebesgue_3 * result.speed + remainder_3 * jets.position[4];
+    result.slowest = std::max(result.slowest - gap_3 * drawn[2], 0.0);
+    result.fastest = drawn[1];
+  }
+  if (stretch.aim.empty()) return result;
+  // The sine of the angle is |(A - p) x lens| / |A - p|.
+  const Jet sight = sum(jet_of(stretch.aim), jets.position);
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const double t : chebyshev_4) {
+    const Pose<double>& pose = along.pose(t);
+    const Vector3<double> way = Stretch::value(stretch.aim, t) - pose.position;
+    nearest = std::min(nearest, length(way));
+    result.aim = std::max(result.aim, length(cross(way, pose.rotation.x)));
+  }
+  constexpr double gap_4 = 0.2;
+  nearest -= gap_4 * sight[1];
+  const double sine = lebesgue_4 * result.aim + remainder_4 * product(sight, jets.direction)[4];
+  result.aim = nearest > sine ? std::asin(sine / nearest) : std::numeric_limits<double>::infinity();
+  return result;
+}
+
+}  // namespace inbetween

@@ -1,0 +1,14 @@
+// The length of a vector in space.
+#pragma once
+
+#include <cmath>
+
+#include "inbetween/joints/pose.hpp"
+
+namespace inbetween {
+
+inline double length(const Vector3<double>& v) {
+  return std::sqrt(dot(v, v));
+}
+
+}  // namespace inbetween

@@ -1,0 +1,15 @@
+// When a place of a path is passed.
+#pragma once
+
+#include "inbetween/timing/track.hpp"
+
+namespace inbetween {
+
+/// The frame at which a distance is reached, between whole frames. `track` has a speed curve, which is
+/// searched by bisection.
+double frame_of_distance(const Track<double>& track, const TwoSum<double>& distance);
+
+/// The frame at which a place of the path is passed, whatever times the track.
+double frame_of_place(const Track<double>& track, const PathPoint<double>& place);
+
+}  // namespace inbetween

@@ -1,0 +1,296 @@
+// Keys in the world: the axes follow a path of the hand or of the camera. By the program itself, and measured
+// with another library's kinematics.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "tests/support/oracle_kinematics.hpp"
+#include "tests/support/places.hpp"
+#include "tests/support/refused_text.hpp"
+#include "tests/support/run_program.hpp"
+#include "tests/support/temporary_file.hpp"
+
+namespace inbetween {
+namespace space_track_test {
+
+using Json = nlohmann::json;
+using testing::AllOf;
+using testing::HasSubstr;
+using Vector = std::array<double, 3>;
+
+constexpr double degree = 0.017453292519943295;
+
+/// examples/arm/arm.urdf and examples/crane/crane.urdf, written again by hand.
+std::vector<OracleJoint> arm() {
+  using Kind = OracleJointKind;
+  return {{.kind = Kind::revolute, .parent = -1, .coordinate = 0, .factor = degree},
+          {.kind = Kind::revolute, .parent = 0, .coordinate = 1, .factor = degree, .xyz = {0.3, 0, 0}},
+          {.kind = Kind::fixed, .parent = 1, .xyz = {0.25, 0, 0}}};
+}
+std::vector<OracleJoint> crane() {
+  using Kind = OracleJointKind;
+  return {{.kind = Kind::prismatic, .parent = -1, .coordinate = 0, .factor = 1e-3, .axis = {1, 0, 0}},
+          {.kind = Kind::revolute, .parent = 0, .coordinate = 1, .factor = degree, .xyz = {0, 0, 0.4}},
+          {.kind = Kind::revolute,
+           .parent = 1,
+           .coordinate = 2,
+           .factor = degree,
+           .xyz = {0, 0, 0.9},
+           .axis = {0, -1, 0}},
+          {.kind = Kind::revolute,
+           .parent = 2,
+           .coordinate = 2,
+           .factor = -degree,
+           .xyz = {2.5, 0, 0},
+           .axis = {0, -1, 0}},
+          {.kind = Kind::revolute, .parent = 3, .coordinate = 3, .factor = degree, .xyz = {0.2, 0, -0.25}},
+          {.kind = Kind::revolute, .parent = 4, .coordinate = 4, .factor = degree, .axis = {0, -1, 0}},
+          {.kind = Kind::revolute, .parent = 5, .coordinate = 5, .factor = degree, .axis = {1, 0, 0}},
+          {.kind = Kind::fixed, .parent = 6, .xyz = {0.1, 0, 0}}};
+}
+constexpr Vector puppet = {4.2, 2.4, 1};
+
+double size(const Vector& v) {
+  return std::hypot(v[0], v[1], v[2]);
+}
+Vector difference(const Vector& a, const Vector& b) {
+  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
+
+Json planned(const std::string& move, const std::string& rig) {
+  const ProgramRun run = run_program({"plan", move, "--rig", rig, "--per", "tick", "--json", "-"});
+  EXPECT_EQ(run.status, 0) << run.err;
+  return Json::parse(run.out);
+}
+
+std::vector<double> row_of(const Json& json, const char* what, std::size_t row) {
+  std::vector<double> numbers;
+  for (const Json& axis : json.at("axes")) numbers.push_back(axis.at(what).at(row).get<double>());
+  return numbers;
+}
+
+Vector vector_of(const std::vector<double>& numbers) {
+  return {numbers.at(0), numbers.at(1), numbers.at(2)};
+}
+
+/// A rig of three slides along x, y and z, in metres: a move on it draws the same path without any joints.
+const char* const slides = R"(name = "slides"
+rate_hz = 250
+[[axis]]
+name = "x"
+unit = "m"
+min = -9
+max = 9
+max_velocity = 9
+max_acceleration = 9
+drive = { type = "pipe", path = "x", counts_per_unit = 1000 }
+[[axis]]
+name = "y"
+unit = "m"
+min = -9
+max = 9
+max_velocity = 9
+max_acceleration = 9
+drive = { type = "pipe", path = "y", counts_per_unit = 1000 }
+[[axis]]
+name = "z"
+unit = "m"
+min = -9
+max = 9
+max_velocity = 9
+max_acceleration = 9
+drive = { type = "pipe", path = "z", counts_per_unit = 1000 }
+)";
+
+/// The text without the lines that begin with one of these words, and with axes x, y, z.
+std::string drawn_text(const std::string& text) {
+  std::string drawn;
+  std::size_t begin = 0;
+  while (begin < text.size()) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size() - 1) + 1;
+    std::string line = text.substr(begin, end - begin);
+    begin = end;
+    const auto starts = [&](const char* word) { return line.starts_with(word); };
+    if (starts("space") || starts("elbow") || starts("aim") || starts("near")) continue;
+    if (starts("axes")) line = "axes = [\"x\", \"y\", \"z\"]\n";
+    const std::size_t roll = line.find(", roll = 0");
+    if (roll != std::string::npos) line.erase(roll, 10);
+    drawn += line;
+  }
+  return drawn;
+}
+
+struct Worst {
+  double way_share = 0;    // of the length
+  double speed_share = 0;  // of the drawn speed, where that is above a hundredth of the fastest
+};
+
+/// How far the link of the oracle is from the path that is drawn, at every tick.
+Worst worst_of(const Json& followed, const Json& drawn, const OracleTree& tree, int link) {
+  Worst worst;
+  const double length = drawn.at("tracks")[0].at("length").get<double>();
+  const std::size_t rows = drawn.at("axes")[0].at("position").size();
+  EXPECT_EQ(followed.at("axes")[0].at("position").size(), rows);
+  double fastest = 0;
+  for (std::size_t row = 0; row < rows; ++row) {
+    fastest = std::max(fastest, size(vector_of(row_of(drawn, "velocity", row))));
+  }
+  for (std::size_t row = 0; row < rows; ++row) {
+    const std::vector<double> axes = row_of(followed, "position", row);
+    const Vector wanted = vector_of(row_of(drawn, "position", row));
+    worst.way_share =
+        std::max(worst.way_share, size(difference(tree.pose(link, axes).position, wanted)) / length);
+    const OracleTwist twist =
+        tree.motion(link, axes, row_of(followed, "velocity", row), row_of(followed, "acceleration", row))
+            .velocity;
+    const double speed = size(vector_of(row_of(drawn, "velocity", row)));
+    if (speed < fastest / 100) continue;
+    worst.speed_share =
+        std::max(worst.speed_share, std::fabs(size({twist[0], twist[1], twist[2]}) / speed - 1));
+  }
+  return worst;
+}
+
+Worst worst_of_example(const std::string& name, const std::string& rig, const OracleTree& tree, int link) {
+  const std::string move = in_checkout(name);
+  const TemporaryFile drawn("drawn.toml", drawn_text(file_contents(move)));
+  const TemporaryFile slides_file("slides.toml", slides);
+  const Worst worst =
+      worst_of(planned(move, in_checkout(rig)), planned(drawn.path(), slides_file.path()), tree, link);
+  testing::Test::RecordProperty(name + " way", fmt::format("{:.3g}", worst.way_share));
+  fmt::print("{}: way {:.3g} of the length, speed {:.3g}\n", name, worst.way_share, worst.speed_share);
+  return worst;
+}
+
+TEST(SpaceTrack, TheHandGoesWhereItIsDrawnWithItsElbowOnTheSideThatIsAsked) {
+  const OracleTree tree(arm());
+  for (const auto& [side, sign] : {std::pair("up", -1), std::pair("down", 1)}) {
+    const std::string name = fmt::format("examples/arm/hand_elbow_{}.toml", side);
+    const Worst worst = worst_of_example(name, "examples/arm/rig.toml", tree, 2);
+    EXPECT_LE(worst.way_share, 1e-6) << name;
+    EXPECT_LE(worst.speed_share, 1e-4) << name;
+    const Json json = planned(in_checkout(name), in_checkout("examples/arm/rig.toml"));
+    for (const Json& elbow : json.at("axes")[1].at("position"))
+      ASSERT_GT(sign * elbow.get<double>(), 20) << name;
+  }
+}
+
+TEST(SpaceTrack, TheCraneCarriesItsCameraAlongThePathAndLooksAtThePuppet) {
+  const OracleTree tree(crane());
+  const std::string name = "examples/crane/round_the_puppet.toml";
+  const Worst worst = worst_of_example(name, "examples/crane/rig.toml", tree, 7);
+  EXPECT_LE(worst.way_share, 1e-6);
+  EXPECT_LE(worst.speed_share, 1e-4);
+  const Json json = planned(in_checkout(name), in_checkout("examples/crane/rig.toml"));
+  double aim = 0;
+  for (std::size_t row = 0; row < json.at("axes")[0].at("position").size(); ++row) {
+    const OraclePose pose = tree.pose(7, row_of(json, "position", row));
+    const Vector sight = difference(puppet, pose.position);
+    const Vector& lens = pose.columns[0];
+    const Vector cross = {lens[1] * sight[2] - lens[2] * sight[1], lens[2] * sight[0] - lens[0] * sight[2],
+                          lens[0] * sight[1] - lens[1] * sight[0]};
+    const double along = lens[0] * sight[0] + lens[1] * sight[1] + lens[2] * sight[2];
+    aim = std::max(aim, std::atan2(size(cross), along) / degree);
+    ASSERT_NEAR(pose.columns[1][2], 0, 1e-6) << "the horizon is level";
+  }
+  fmt::print("aim {:.3g} deg\n", aim);
+  EXPECT_LE(aim, 0.01);
+}
+
+TEST(SpaceTrack, EveryExampleInSpaceKeepsTheLimitsOfItsRig) {
+  for (const auto& [move, rig] :
+       {std::pair("examples/arm/hand_elbow_up.toml", "examples/arm/rig.toml"),
+        std::pair("examples/arm/hand_elbow_down.toml", "examples/arm/rig.toml"),
+        std::pair("examples/crane/round_the_puppet.toml", "examples/crane/rig.toml")}) {
+    const ProgramRun run = run_program({"check", in_checkout(move), "--rig", in_checkout(rig)});
+    EXPECT_EQ(run.status, 0) << run.out << run.err;
+  }
+}
+
+TEST(SpaceTrack, DistanceAtATipMakesTheDrawnSpeedThatOfTheTip) {
+  const std::string text = with(with(file_contents(in_checkout("examples/arm/reach_over.toml")),
+                                     "spline = \"smooth\"", "distance = \"hand\""),
+                                "speed = [0, 0, 8, 10, 8, 10, 8, 0, 0]", "speed = [5]");
+  const TemporaryFile move("even.toml", text);
+  const OracleTree tree(arm());
+  const Json json = planned(move.path(), in_checkout("examples/arm/rig.toml"));
+  const std::size_t rows = json.at("axes")[0].at("position").size();
+  const double speed = json.at("tracks")[0].at("length").get<double>() / 6;
+  int compared = 0;
+  for (std::size_t row = 0; row < rows; ++row) {
+    const auto motion = tree.motion(2, row_of(json, "position", row), row_of(json, "velocity", row),
+                                    row_of(json, "acceleration", row));
+    const double found = std::hypot(motion.velocity[0], motion.velocity[1], motion.velocity[2]);
+    if (found < speed * 0.9 && compared == 0) continue;  // its pre-roll
+    if (++compared > 1500) break;
+    ASSERT_NEAR(found / speed, 1, 1e-4) << row;
+  }
+  EXPECT_GT(compared, 1400);
+}
+
+/// The arm's example with one thing changed, and why it is refused.
+std::string refusal(const std::string& example, const std::string& rig, const std::string& from,
+                    const std::string& to) {
+  const TemporaryFile move("move.toml", with(file_contents(in_checkout(example)), from, to));
+  const ProgramRun run = run_program({"plan", move.path(), "--rig", in_checkout(rig)});
+  EXPECT_EQ(run.status, 1) << run.out;
+  EXPECT_EQ(std::ranges::count(run.err, '\n'), 1) << run.err;
+  return run.err;
+}
+std::string refusal_of_arm(const std::string& from, const std::string& to) {
+  return refusal("examples/arm/hand_elbow_up.toml", "examples/arm/rig.toml", from, to);
+}
+
+TEST(SpaceTrack, AMillimetreBeyondTheReachIsRefusedWithFrameJointAndDistance) {
+  EXPECT_THAT(refusal_of_arm("[-150.0,  380.0, 0.0]", "[0.0,  551.0, 0.0]"),
+              AllOf(HasSubstr("frame 125.00"), HasSubstr("1 mm beyond"), HasSubstr("\"elbow\"")));
+}
+
+TEST(SpaceTrack, AMillimetreAwayFromThePlaneOfTheArmIsRefused) {
+  EXPECT_THAT(refusal_of_arm("[-150.0,  380.0, 0.0]", "[-150.0,  380.0, 1.0]"), HasSubstr("1 mm beyond"));
+}
+
+TEST(SpaceTrack, ASingularPlaceIsRefusedWithFrameAndJoint) {
+  // Straight below the camera of a crane: pan may be anything.
+  EXPECT_THAT(refusal("examples/crane/round_the_puppet.toml", "examples/crane/rig.toml",
+                      "aim    = \"puppet\"", "aim    = [3.3, 1.5, 0.2]"),
+              AllOf(HasSubstr("frame "), HasSubstr("\"pan\""), HasSubstr("singular")));
+}
+
+TEST(SpaceTrack, ARangeThatEndsInTheMiddleIsRefusedWithFrameJointAndDistance) {
+  EXPECT_THAT(refusal_of_arm("[-150.0,  380.0, 0.0]", "[-380.0,  -50.0, 0.0]"),
+              AllOf(HasSubstr("frame "), HasSubstr("axis \"shoulder\" would have to go to"),
+                    HasSubstr("deg beyond its max = 170")));
+}
+
+TEST(SpaceTrack, AnArmWithoutElbowAndWordsWithoutSpaceAreRefused) {
+  EXPECT_THAT(refusal_of_arm("elbow  = \"up\"\n", ""), HasSubstr("elbow = \"up\" or elbow = \"down\""));
+  EXPECT_THAT(refusal_of_arm("space  = \"hand\"\n", ""), HasSubstr("elbow needs keys in the world"));
+  EXPECT_THAT(refusal_of_arm("space  = \"hand\"", "space  = \"foot\""),
+              HasSubstr("no tip \"foot\"; it has hand"));
+  EXPECT_THAT(refusal_of_arm("axes   = [\"shoulder\", \"elbow\"]", "axes   = [\"shoulder\"]"),
+              HasSubstr("axis \"elbow\" moves \"hand\" and is not in this track"));
+  EXPECT_THAT(refusal_of_arm("unit   = \"mm\"", "unit   = \"deg\""), HasSubstr("is not a length"));
+  EXPECT_THAT(refusal_of_arm("[-150.0,  380.0, 0.0]", "[-150.0,  380.0]"),
+              HasSubstr("write three, x, y and z"));
+  EXPECT_THAT(
+      refusal("examples/crane/round_the_puppet.toml", "examples/crane/rig.toml", "\"puppet\"", "\"pan\""),
+      HasSubstr("no link \"pan\" to look at"));
+}
+
+TEST(SpaceTrack, WithoutARigItSaysWhatIsMissing) {
+  const ProgramRun run = run_program({"plan", in_checkout("examples/arm/hand_elbow_up.toml")});
+  EXPECT_EQ(run.status, 1);
+  EXPECT_THAT(run.err, HasSubstr("plan with --rig RIG"));
+}
+
+}  // namespace space_track_test
+}  // namespace inbetween
