@@ -8,10 +8,14 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
+#include "host_tools/check/planned_stops.hpp"
+#include "host_tools/plan/plan.hpp"
+#include "inbetween/play/playhead.hpp"
 #include "tests/support/oracle_kinematics.hpp"
 #include "tests/support/places.hpp"
 #include "tests/support/refused_text.hpp"
@@ -63,6 +67,16 @@ double size(const Vector& v) {
 }
 Vector difference(const Vector& a, const Vector& b) {
   return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
+
+/// Between the lens and the puppet, in degrees.
+double aim_error(const OraclePose& pose) {
+  const Vector sight = difference(puppet, pose.position);
+  const Vector& lens = pose.columns[0];
+  const Vector cross = {lens[1] * sight[2] - lens[2] * sight[1], lens[2] * sight[0] - lens[0] * sight[2],
+                        lens[0] * sight[1] - lens[1] * sight[0]};
+  const double along = lens[0] * sight[0] + lens[1] * sight[1] + lens[2] * sight[2];
+  return std::atan2(size(cross), along) / degree;
 }
 
 Json planned(const std::string& move, const std::string& rig) {
@@ -193,16 +207,64 @@ TEST(SpaceTrack, TheCraneCarriesItsCameraAlongThePathAndLooksAtThePuppet) {
   double aim = 0;
   for (std::size_t row = 0; row < json.at("axes")[0].at("position").size(); ++row) {
     const OraclePose pose = tree.pose(7, row_of(json, "position", row));
-    const Vector sight = difference(puppet, pose.position);
-    const Vector& lens = pose.columns[0];
-    const Vector cross = {lens[1] * sight[2] - lens[2] * sight[1], lens[2] * sight[0] - lens[0] * sight[2],
-                          lens[0] * sight[1] - lens[1] * sight[0]};
-    const double along = lens[0] * sight[0] + lens[1] * sight[1] + lens[2] * sight[2];
-    aim = std::max(aim, std::atan2(size(cross), along) / degree);
+    aim = std::max(aim, aim_error(pose));
     ASSERT_NEAR(pose.columns[1][2], 0, 1e-6) << "the horizon is level";
   }
   fmt::print("aim {:.3g} deg\n", aim);
   EXPECT_LE(aim, 0.01);
+}
+
+/// Of the camera at the places of a playhead, in degrees.
+class AimWatch {
+ public:
+  explicit AimWatch(const Plan& plan) : plan_(plan), positions_(plan.played().axis_count()) {}
+  void take(const Playhead<double>& playhead) {
+    plan_.played().positions(playhead.time(), positions_);
+    std::vector<double> axes(positions_.size());
+    for (std::size_t d = 0; d < axes.size(); ++d) axes[plan_.axis_of(d)] = positions_[d];
+    worst_ = std::max(worst_, aim_error(tree_.pose(7, axes)));
+    ++places_;
+  }
+  [[nodiscard]] double worst() const { return worst_; }
+  [[nodiscard]] int places() const { return places_; }
+
+ private:
+  const Plan& plan_;
+  OracleTree tree_{crane()};
+  std::vector<double> positions_;
+  double worst_ = 0;
+  int places_ = 0;
+};
+
+TEST(SpaceTrack, TheCraneHoldsItsAimInAControlledStopAndInReverse) {
+  const RigFile rig = read_rig_file(in_checkout("examples/crane/rig.toml"));
+  const auto kinematics = std::make_shared<const Kinematics>(read_kinematics(rig));
+  const Plan plan(read_move_file(in_checkout("examples/crane/round_the_puppet.toml")), rig,
+                  {.kinematics = kinematics});
+  const PlannedStops stops(plan);
+  ASSERT_TRUE(stops.bounds());
+  Playhead<double> playhead(plan.played(), *stops.bounds(), rig.rate_hz);
+  AimWatch watch(plan);
+  const auto run = [&](int ticks) {
+    for (int i = 0; i < ticks && !(i > 0 && playhead.is_resting()); ++i) {
+      playhead.tick();
+      watch.take(playhead);
+    }
+  };
+  ASSERT_TRUE(playhead.play(Direction::forward));
+  run(1200);
+  playhead.stop();
+  run(100'000);
+  ASSERT_TRUE(playhead.is_resting());
+  ASSERT_TRUE(playhead.play(Direction::backward));
+  run(700);
+  playhead.stop();
+  run(100'000);
+  ASSERT_TRUE(playhead.is_resting());
+  EXPECT_GT(watch.places(), 1900);
+  EXPECT_GT(watch.worst(), 0);
+  EXPECT_LE(watch.worst(), 0.01);
+  fmt::print("aim in a stop and in reverse {:.3g} deg\n", watch.worst());
 }
 
 TEST(SpaceTrack, EveryExampleInSpaceKeepsTheLimitsOfItsRig) {
