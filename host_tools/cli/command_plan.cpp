@@ -4,6 +4,7 @@
 #include <numbers>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "host_tools/cli/command.hpp"
 #include "host_tools/files/output_file.hpp"
@@ -52,15 +53,16 @@ void print_accuracy(const Plan& plan, std::size_t track, std::FILE* out) {
   if (!accuracy) return;
   const MoveTrack& written = plan.move().tracks[track];
   const std::string& tip = written.space ? written.space->tip : written.distance->tip;
-  fmt::print(out, "    {} in space:", in_quotes(tip));
+  std::vector<std::string> bounds;
   if (!written.space || written.space->has_at) {
-    fmt::print(out, " within {:.2g} um of its path, its speed within {:.2g}", accuracy->way_m * 1e6,
-               accuracy->speed_share);
+    bounds.push_back(fmt::format("within {:.2g} um of its path", accuracy->way_m * 1e6));
+    bounds.push_back(fmt::format("its speed within {:.2g} of what is drawn", accuracy->speed_share));
   }
-  if (accuracy->aim_rad > 0)
-    fmt::print(out, " aim within {:.2g} deg", accuracy->aim_rad * 180 / std::numbers::pi);
-  fmt::print(out, " (proven, between all of {} places)\n",
-             plan.tracks()[track].track().path().segment_count() + 1);
+  if (accuracy->aim_rad > 0) {
+    bounds.push_back(fmt::format("its aim within {:.2g} deg", accuracy->aim_rad * 180 / std::numbers::pi));
+  }
+  fmt::print(out, "    {} in space: {} (proven, between all of {} places)\n", in_quotes(tip),
+             fmt::join(bounds, ", "), plan.tracks()[track].track().path().segment_count() + 1);
 }
 
 void print_plan_summary(const Plan& plan, std::FILE* out) {

@@ -44,8 +44,8 @@ SymmetricEigen eigen_of(std::vector<std::vector<double>> matrix) {
     for (std::size_t p = 0; p < n; ++p) {
       for (std::size_t q = p + 1; q < n; ++q) {
         const double size = std::sqrt(std::fabs(matrix[p][p] * matrix[q][q]));
-        const double rounding = std::numeric_limits<double>::epsilon() * size;
-        if (std::fabs(matrix[p][q]) <= std::max(rounding, nothing)) continue;
+        const double smallest = std::numeric_limits<double>::epsilon() * size;
+        if (std::fabs(matrix[p][q]) <= std::max(smallest, nothing)) continue;
         rotate(matrix, vectors, p, q);
         is_diagonal = false;
       }

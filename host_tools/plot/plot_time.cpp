@@ -127,7 +127,10 @@ const std::vector<double>& line_of(const PlotAxis& axis) {
 
 // The moved range and each limit that is not much further out.
 Range row_range(const PlotAxis& axis) {
-  const Range moved = widened(range_of(line_of(axis)), 0);
+  constexpr double rounding = 1e-12;  // of a position, in any unit that a rig is measured in
+  Range moved = range_of(line_of(axis));
+  if (moved.size() < rounding) moved = {moved.low, moved.low};
+  moved = widened(moved, 0);
   const Range near = widened(moved, 0.6);
   Range shown = moved;
   for (const auto& limit : {axis.minimum, axis.maximum}) {

@@ -16,6 +16,7 @@
 #include "host_tools/check/planned_stops.hpp"
 #include "host_tools/plan/plan.hpp"
 #include "inbetween/play/playhead.hpp"
+#include "tests/support/example_joints.hpp"
 #include "tests/support/oracle_kinematics.hpp"
 #include "tests/support/places.hpp"
 #include "tests/support/refused_text.hpp"
@@ -31,35 +32,6 @@ using testing::HasSubstr;
 using Vector = std::array<double, 3>;
 
 constexpr double degree = 0.017453292519943295;
-
-/// examples/arm/arm.urdf and examples/crane/crane.urdf, written again by hand.
-std::vector<OracleJoint> arm() {
-  using Kind = OracleJointKind;
-  return {{.kind = Kind::revolute, .parent = -1, .coordinate = 0, .factor = degree},
-          {.kind = Kind::revolute, .parent = 0, .coordinate = 1, .factor = degree, .xyz = {0.3, 0, 0}},
-          {.kind = Kind::fixed, .parent = 1, .xyz = {0.25, 0, 0}}};
-}
-std::vector<OracleJoint> crane() {
-  using Kind = OracleJointKind;
-  return {{.kind = Kind::prismatic, .parent = -1, .coordinate = 0, .factor = 1e-3, .axis = {1, 0, 0}},
-          {.kind = Kind::revolute, .parent = 0, .coordinate = 1, .factor = degree, .xyz = {0, 0, 0.4}},
-          {.kind = Kind::revolute,
-           .parent = 1,
-           .coordinate = 2,
-           .factor = degree,
-           .xyz = {0, 0, 0.9},
-           .axis = {0, -1, 0}},
-          {.kind = Kind::revolute,
-           .parent = 2,
-           .coordinate = 2,
-           .factor = -degree,
-           .xyz = {2.5, 0, 0},
-           .axis = {0, -1, 0}},
-          {.kind = Kind::revolute, .parent = 3, .coordinate = 3, .factor = degree, .xyz = {0.2, 0, -0.25}},
-          {.kind = Kind::revolute, .parent = 4, .coordinate = 4, .factor = degree, .axis = {0, -1, 0}},
-          {.kind = Kind::revolute, .parent = 5, .coordinate = 5, .factor = degree, .axis = {1, 0, 0}},
-          {.kind = Kind::fixed, .parent = 6, .xyz = {0.1, 0, 0}}};
-}
 constexpr Vector puppet = {4.2, 2.4, 1};
 
 double size(const Vector& v) {
@@ -185,7 +157,7 @@ Worst worst_of_example(const std::string& name, const std::string& rig, const Or
 }
 
 TEST(SpaceTrack, TheHandGoesWhereItIsDrawnWithItsElbowOnTheSideThatIsAsked) {
-  const OracleTree tree(arm());
+  const OracleTree tree(joints_of_arm());
   for (const auto& [side, sign] : {std::pair("up", -1), std::pair("down", 1)}) {
     const std::string name = fmt::format("examples/arm/hand_elbow_{}.toml", side);
     const Worst worst = worst_of_example(name, "examples/arm/rig.toml", tree, 2);
@@ -198,7 +170,7 @@ TEST(SpaceTrack, TheHandGoesWhereItIsDrawnWithItsElbowOnTheSideThatIsAsked) {
 }
 
 TEST(SpaceTrack, TheCraneCarriesItsCameraAlongThePathAndLooksAtThePuppet) {
-  const OracleTree tree(crane());
+  const OracleTree tree(joints_of_crane());
   const std::string name = "examples/crane/round_the_puppet.toml";
   const Worst worst = worst_of_example(name, "examples/crane/rig.toml", tree, 7);
   EXPECT_LE(worst.way_share, 1e-6);
@@ -230,7 +202,7 @@ class AimWatch {
 
  private:
   const Plan& plan_;
-  OracleTree tree_{crane()};
+  OracleTree tree_{joints_of_crane()};
   std::vector<double> positions_;
   double worst_ = 0;
   int places_ = 0;
@@ -282,7 +254,7 @@ TEST(SpaceTrack, DistanceAtATipMakesTheDrawnSpeedThatOfTheTip) {
                                      "spline = \"smooth\"", "distance = \"hand\""),
                                 "speed = [0, 0, 8, 10, 8, 10, 8, 0, 0]", "speed = [5]");
   const TemporaryFile move("even.toml", text);
-  const OracleTree tree(arm());
+  const OracleTree tree(joints_of_arm());
   const Json json = planned(move.path(), in_checkout("examples/arm/rig.toml"));
   const std::size_t rows = json.at("axes")[0].at("position").size();
   const double speed = json.at("tracks")[0].at("length").get<double>() / 6;

@@ -14,6 +14,7 @@
 #include <tuple>
 #include <vector>
 
+#include "tests/support/example_joints.hpp"
 #include "tests/support/oracle_kinematics.hpp"
 #include "tests/support/places.hpp"
 #include "tests/support/run_program.hpp"
@@ -30,29 +31,6 @@ using testing::SizeIs;
 const std::string move_file = in_checkout("examples/crane/over_the_table.toml");
 const std::string rig_file = in_checkout("examples/crane/rig.toml");
 constexpr double degree = 0.017453292519943295;
-
-/// examples/crane/crane.urdf, written again by hand. The joint of the plate follows the boom.
-std::vector<OracleJoint> crane() {
-  using Kind = OracleJointKind;
-  return {{.kind = Kind::prismatic, .parent = -1, .coordinate = 0, .factor = 1e-3, .axis = {1, 0, 0}},
-          {.kind = Kind::revolute, .parent = 0, .coordinate = 1, .factor = degree, .xyz = {0, 0, 0.4}},
-          {.kind = Kind::revolute,
-           .parent = 1,
-           .coordinate = 2,
-           .factor = degree,
-           .xyz = {0, 0, 0.9},
-           .axis = {0, -1, 0}},
-          {.kind = Kind::revolute,
-           .parent = 2,
-           .coordinate = 2,
-           .factor = -degree,
-           .xyz = {2.5, 0, 0},
-           .axis = {0, -1, 0}},
-          {.kind = Kind::revolute, .parent = 3, .coordinate = 3, .factor = degree, .xyz = {0.2, 0, -0.25}},
-          {.kind = Kind::revolute, .parent = 4, .coordinate = 4, .factor = degree, .axis = {0, -1, 0}},
-          {.kind = Kind::revolute, .parent = 5, .coordinate = 5, .factor = degree, .axis = {1, 0, 0}},
-          {.kind = Kind::fixed, .parent = 6, .xyz = {0.1, 0, 0}}};
-}
 
 Json plan(const std::vector<std::string>& more) {
   std::vector<std::string> arguments = {"plan", move_file, "--rig", rig_file, "--json", "-"};
@@ -78,7 +56,7 @@ void expect_the_way_of_the_camera(const Json& json) {
   const Json& tip = json.at("tips")[0];
   EXPECT_EQ(tip.at("name"), "camera");
   EXPECT_EQ(tip.at("unit"), "m");
-  const OracleTree oracle(crane());
+  const OracleTree oracle(joints_of_crane());
   const std::size_t rows = json.at("axes")[0].at("position").size();
   ASSERT_THAT(tip.at("position"), SizeIs(rows));
   for (std::size_t row = 0; row < rows; row += 7) {
