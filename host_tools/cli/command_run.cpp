@@ -33,6 +33,7 @@ struct RunArguments {
   bool yes = false;
   bool allow_jitter = false;
   double top_rate = 1;
+  double rate = 1;
   std::vector<std::string> from;
   std::optional<std::string> faults;
   bool step = false;
@@ -66,6 +67,9 @@ std::optional<ShootOptions> shoot_options(const RunArguments& arguments) {
     return std::nullopt;
   }
   ShootOptions options;
+  if (arguments.rate != 1) {
+    throw UsageError("--rate is for a move that is played; leave it out, or --step and --shutter");
+  }
   if (arguments.ping_pong) {
     throw UsageError("a move that is shot frame by frame is not repeated; leave out --ping-pong");
   }
@@ -131,6 +135,7 @@ void print_run_summary(const RunReport& report, const Plan& plan, const RunArgum
 RunReport play(const Plan& plan, const RunArguments& arguments, const RigWatch& watch) {
   const InterruptWatch interrupts;
   RunOptions options{.top_rate = arguments.top_rate,
+                     .rate = arguments.rate,
                      .shoot = shoot_options(arguments),
                      .positions = arguments.positions,
                      .cue_log = arguments.cue_log};
@@ -296,6 +301,9 @@ void describe(CLI::App& app, RunArguments& arguments) {
   add_turns(app, arguments.turns);
   app.add_option("--top-rate", arguments.top_rate, "let + go up to so many times the drawn speed (1 to 10)")
       ->check(CLI::Range(1.0, 10.0))
+      ->capture_default_str();
+  app.add_option("--rate", arguments.rate, "begin at so many times the drawn speed (0.1 to 1)")
+      ->check(CLI::Range(0.1, 1.0))
       ->capture_default_str();
   app.add_flag("--yes", arguments.yes, "agree that the rig goes slowly to the start of the move");
   app.add_flag("--allow-jitter", arguments.allow_jitter,

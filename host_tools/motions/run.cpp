@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -113,7 +114,8 @@ class Run {
   }
 
   void perform_move() {
-    const std::int64_t last = staged_.plan().played().last_tick_at(session_.rig().rate_hz);
+    const auto drawn = static_cast<double>(staged_.plan().played().last_tick_at(session_.rig().rate_hz));
+    const auto last = static_cast<std::int64_t>(std::ceil(drawn / staged_.playhead().override_rate()));
     if (options_.shoot) {
       shoot();
     } else {
@@ -195,6 +197,9 @@ SessionOptions standing_at_start(const Plan& plan, const RigReference& reference
 RunReport run(const Plan& plan, const SessionOptions& rig, const RunOptions& options) {
   const std::unique_ptr<StagedMove> staged =
       checked_move(plan, rig.allow_jitter ? jitter_rate : options.top_rate, options.repeat, options.shoot);
+  if (options.rate < staged->playhead().override_rate()) {
+    value_or_throw(staged->playhead().set_override(options.rate));
+  }
   RigReference reference = reference_of(*plan.rig(), options.positions, rig.simulated);
   reference.refuse_unreferenced(staged->loop_spec().drive_of);
   return Run(*staged, reference, standing_at_start(plan, reference, rig), options).play();

@@ -169,6 +169,15 @@ TEST(Shooting, AnAxisThatTheRigDoesNotHaveCannotStandStill) {
   EXPECT_THAT(run.err, HasSubstr("has no axis \"roll\""));
 }
 
+TEST(Rate, BeginsSlowerThanDrawn) {
+  const ProgramRun run = run_with({"--rate", "0.25", "--json", "-"});
+  EXPECT_EQ(run.status, 0) << run.err;
+  EXPECT_EQ(nlohmann::ordered_json::parse(run.out)["ticks"], 8001) << "2 000 and one to arrive, at a quarter";
+  EXPECT_EQ(run_with({"--rate", "0"}).status, 2);
+  EXPECT_EQ(run_with({"--rate", "1.5"}).status, 2);
+  EXPECT_EQ(run_with({"--rate", "0.5", "--step"}).status, 2);
+}
+
 TEST(TopRate, AboveWhatIsCertifiedIsRefusedWithTheHighest) {
   const ProgramRun run = run_with({"--top-rate", "9"});
   EXPECT_EQ(run.status, 3);
