@@ -267,6 +267,9 @@ void RestingMotion::search(const End& end, long double reach) {
   };
   const bool passes = speed(0) == 0 && phi[0] > 0;
   passes_standstill_ = passes_standstill_ || passes;
+  // The powers of phi hold to the end of the span. Rounding may want a little more area than there is.
+  const auto span = static_cast<long double>(end.span);
+  const long double room = end.forward ? span + 1 - end.alpha : end.alpha - span;
   constexpr long double step = 1.015L;
   long double x = 0;
   long double length = 0;
@@ -278,8 +281,8 @@ void RestingMotion::search(const End& end, long double reach) {
     // The moment at which the path is there: Newton's method from above, where the area is convex or not.
     const long double wanted = length / end.constant;
     long double low = y;
-    long double high = 1;
-    long double guess = y > 0 ? std::min(y * 1.02L, 1.0L) : 1e-3L;
+    long double high = room;
+    long double guess = y > 0 ? std::min(y * 1.02L, room) : std::min(1e-3L, room);
     for (int i = 0; i < 300; ++i) {
       const long double beyond = area(guess) - wanted;
       (beyond > 0 ? high : low) = guess;
