@@ -47,7 +47,7 @@ void print_key_timing(const SolvedTrack<double>& solved, std::FILE* out) {
              static_cast<double>(timing.largest_change_at) * solved.track().frames() / f);
 }
 
-/// What is proven of a track whose axes follow a link in space, or the reverse.
+/// Prints what is proven of a track whose axes follow a link in space, or the reverse.
 void print_accuracy(const Plan& plan, std::size_t track, std::FILE* out) {
   const std::optional<FollowAccuracy>& accuracy = plan.accuracy(track);
   if (!accuracy) return;

@@ -71,8 +71,8 @@ class Construction {
     parts_[segment] = static_cast<std::int16_t>(2 * parts_[segment]);
     return true;
   }
-  /// Of what follows, the row whose direction changes most on a step.
-  [[nodiscard]] std::size_t most_turning(std::size_t step) const {
+  /// Returns the row that turns most on a step, among those that follow.
+  [[nodiscard]] std::size_t sharpest_row(std::size_t step) const {
     std::size_t most = 0;
     double largest = -1;
     for (std::size_t row = 0; row < followed_.size(); ++row) {
@@ -275,7 +275,7 @@ FollowedPath followed_path(const Path<double>& drawn, bool is_smooth, const Foll
       is_done = false;
       if (construction.make_denser(i)) continue;
       refuse({{static_cast<std::int32_t>(i), (bounds.worst_part + 0.5) / parts[i]},
-              construction.most_turning(bounds.worst_step)});
+              construction.sharpest_row(bounds.worst_step)});
     }
     if (is_done) return path;
   }

@@ -173,9 +173,9 @@ PlotMove plot_of(const Plan& plan) {
     const AxisColumn column(plan, axis, PlanRows::frame);
     for (std::int64_t frame = column.line().first(); frame <= column.line().last(); ++frame) {
       const FrameTime<double> when = column.line().at(frame);
-      drawn.positions.push_back(column.position(when));
       for (int i = 0; i < (frame < column.line().last() ? samples : 1); ++i) {
         drawn.line.push_back(column.position({when.frame, static_cast<double>(i) / samples}));
+        if (i == 0) drawn.positions.push_back(drawn.line.back());
       }
     }
     if (plan.rig()) {

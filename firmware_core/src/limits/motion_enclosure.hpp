@@ -105,7 +105,7 @@ class MotionEnclosure {
   using Factor = MotionFactor<Real>;
 
   [[nodiscard]] ScaledSlope<Real> slope_of(const Cubic<Real>& c, const PathPiece<Real>& piece) const;
-  /// Of an axis or, behind them, of a guide.
+  /// Returns the slope of an axis. The rows behind the axes are guides.
   [[nodiscard]] ScaledSlope<Real> slope(std::size_t row) const {
     if (row < axes_) return {turns_[row].first, turns_[row].size};
     return guides_[row - axes_];

@@ -176,7 +176,7 @@ struct Text {
   const char* after;
 };
 
-// In the order of RollQuantity.
+// The texts stand in the order of RollQuantity.
 constexpr std::array what_at_joint{
     Text{"the move starts outside the range of the axis", "the move ends outside the range of the axis"},
     Text{"the move starts faster than max_velocity", "the move ends faster than max_velocity"},

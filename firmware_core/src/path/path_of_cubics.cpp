@@ -7,8 +7,8 @@
 namespace inbetween {
 namespace {
 
-/// What the two cubics at a knot may be apart, as a share of their coefficients: the rounding of whoever
-/// computed them, and no more than a table is known to.
+/// Two cubics may be apart by this share of their coefficients at a knot. It covers the rounding of whoever
+/// computed them, and is no more than a table is known to.
 template <Precise Real>
 constexpr Real max_gap = std::numeric_limits<Real>::digits > 30 ? Real(1e-9) : Real(1e-4);
 

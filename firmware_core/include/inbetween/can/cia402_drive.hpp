@@ -98,7 +98,7 @@ class Cia402Drive {
   bool disable(std::int64_t now_ns) {
     return apply(has_written_ ? DriveEvent::disable : DriveEvent::disconnect, now_ns);
   }
-  /// Only a disabled drive takes this. It becomes off, or abandoned within two boot_timeout_ns.
+  /// Only a disabled drive takes this. It then is off, or is abandoned within two boot_timeout_ns.
   bool leave(std::int64_t now_ns) { return apply(DriveEvent::leave, now_ns); }
   bool quick_stop(std::int64_t now_ns) { return apply(DriveEvent::quick_stop, now_ns); }
   bool disconnect(std::int64_t now_ns) { return apply(DriveEvent::disconnect, now_ns); }

@@ -42,9 +42,9 @@ Frame heartbeat_frame(NodeId node, NmtState state);
 /// Nothing where the frame is not a heartbeat of `node` with one byte and a known state.
 std::optional<NmtState> read_heartbeat(const Frame& frame, NodeId node);
 
-/// What a drive answers to the host's question whether it lives, CiA 301 section 7.2.8.3.2.1. A drive that is
-/// asked so does not send heartbeats; its boot-up message is the same. It stops by itself where the questions
-/// cease for the guard time (100C) times the life time factor (100D).
+/// A drive answers with this when the host asks whether it lives (CiA 301 section 7.2.8.3.2.1). A drive that
+/// is asked so does not send heartbeats; its boot-up message is the same. It stops by itself where the
+/// questions cease for the guard time (100C) times the life time factor (100D).
 struct GuardAnswer {
   NmtState state = NmtState::boot_up;
   bool toggle = false;  ///< false in the first answer after boot-up, and another one each time
@@ -52,7 +52,7 @@ struct GuardAnswer {
 /// The question: a remote frame.
 Frame guard_request_frame(NodeId node);
 Frame guard_answer_frame(NodeId node, const GuardAnswer& answer);
-/// Nothing where the frame is not an answer of `node` with one byte and a known state; a boot-up is one.
+/// Returns nothing where the frame is no answer of `node` with one byte and a known state. A boot-up is one.
 std::optional<GuardAnswer> read_guard_answer(const Frame& frame, NodeId node);
 
 }  // namespace inbetween::can

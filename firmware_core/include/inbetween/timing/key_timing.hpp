@@ -31,7 +31,7 @@ struct KeyTimingSpec {
   std::span<const Real> key_distances;   ///< arc length from the start to each key; the last is the total
   std::span<const KeyLock> locks;        ///< in order of their keys
   std::int32_t frames = 0;               ///< N
-  /// Of the drawn curve. A periodic one stays periodic, and may touch 0 or rest at its seam, key 0.
+  /// The drawn curve has these ends. A periodic one stays so, and may touch 0 or rest at its seam, key 0.
   CurveEnds ends = CurveEnds::natural;
 };
 
