@@ -32,6 +32,8 @@ class ControlCurve {
   [[nodiscard]] std::size_t span_count() const { return spans_.size(); }
   [[nodiscard]] CurveValues at(const CurvePlace<double>& place) const;
   [[nodiscard]] double total() const { return areas_.back(); }
+  /// The mean of phi over a.
+  [[nodiscard]] double mean() const { return total() / static_cast<double>(span_count()); }
   /// The place where Phi first reaches `area`. The curve is nowhere negative. An area beyond the ends gives
   /// the nearer end. O(log f).
   [[nodiscard]] CurvePlace<double> place_of_area(double area) const;

@@ -87,10 +87,6 @@ double shape(double u, bool rises, bool falls) {
   return falls ? 2 * left * left * (3 - 2 * left) : 1;
 }
 
-double mean_of(std::span<const double> values, CurveEnds ends) {
-  return ControlCurve(values, ends).total() / static_cast<double>(values.size() - 1);
-}
-
 }  // namespace
 
 std::optional<Plan> with_eases_shared_out(const FittedTrack& fitted) {
@@ -117,10 +113,11 @@ std::optional<Plan> with_eases_shared_out(const FittedTrack& fitted) {
       values[i] = mean * shape((frame - begin) / (end - begin), rises, falls);
     }
   }
-  const double wanted = mean_of(fitted.solved().control_values(), fitted.ends());
+  const double wanted = ControlCurve(fitted.solved().control_values(), fitted.ends()).mean();
   if (fitted.ends() == CurveEnds::periodic) values.back() = values.front();
   const double largest = *std::ranges::max_element(values);
-  const double factor = std::min(wanted / mean_of(values, fitted.ends()), largest_control_value / largest);
+  const double factor =
+      std::min(wanted / ControlCurve(values, fitted.ends()).mean(), largest_control_value / largest);
   for (double& value : values) value *= factor;
   if (rests.front()) values[0] = values[1] = 0;
   if (rests.back()) values[values.size() - 1] = values[values.size() - 2] = 0;

@@ -141,8 +141,7 @@ class Programme {
 }  // namespace
 
 SpeedDescent::SpeedDescent(const CurveFrame& frame)
-    : frame_(frame),
-      unit_(ControlCurve(frame.wanted, frame.ends).total() / static_cast<double>(frame.wanted.size() - 1)) {
+    : frame_(frame), unit_(ControlCurve(frame.wanted, frame.ends).mean()) {
   static_cast<void>(programme(frame_.wanted, first_price));
 }
 

@@ -265,7 +265,7 @@ TrackFit described(const FittedTrack& fitted, std::size_t index, std::vector<dou
   const auto f = static_cast<double>(values.size() - 1);
   TrackFit fit{.track = index, .speed = std::move(values), .refinements = refinements};
   fit.change = std::sqrt(mean_square(difference, fitted.ends()));
-  fit.change_share = fit.change / (ControlCurve(played, fitted.ends()).total() / f);
+  fit.change_share = fit.change / ControlCurve(played, fitted.ends()).mean();
   fit.largest_change = change.at(place_at(largest.a, change.span_count())).value;
   fit.largest_change_at = largest.a;
   fit.largest_change_frame = largest.a * fitted.frames() / f;
