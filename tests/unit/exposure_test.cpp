@@ -156,6 +156,47 @@ TEST(Exposure, BeginsOnlyWhereItsRunUpStarts) {
   EXPECT_FALSE(playhead.go_to_run_up(exposure_of(24, 0, 0.5, 0.5)));
 }
 
+/// Whoever plays while the playhead is beyond an end, on its way to a run-up, in it or at rest there.
+TEST(Exposure, PlayedFromBeyondAnEndTheMoveBeginsOnThatEnd) {
+  const Bench bench("0, 0, 10, 6, 10, 0, 0");
+  const Exposure<double> exposure = exposure_of(0, -0.5, 0.5, 0.5);
+  const FrameTime<double> first{bench.plan.played().first_frame(), 0};
+  int beyond = 0;
+  for (const Repeat repeat : {Repeat::none, Repeat::ping_pong}) {
+    for (const Direction direction : {Direction::forward, Direction::backward}) {
+      Playhead<double> playhead = bench.playhead();
+      ASSERT_TRUE(playhead.set_repeat(repeat));
+      RecordedPlay record(bench.plan, *bench.stops.bounds(), tick_s);
+      ASSERT_TRUE(playhead.go_to_run_up(exposure));
+      for (bool is_exposed = false; !is_exposed || !playhead.is_resting();) {
+        if (playhead.is_resting()) {
+          ASSERT_TRUE(playhead.expose(exposure));
+          is_exposed = true;
+        }
+        playhead.tick();
+        record.take(playhead);
+        if (!(playhead.time() < first)) continue;
+        ++beyond;
+        Playhead<double> played = playhead;
+        RecordedPlay watch = record;
+        const bool has_way = direction == Direction::forward || repeat == Repeat::ping_pong;
+        ASSERT_EQ(played.play(direction).has_value(), has_way);
+        if (!has_way) {
+          ASSERT_EQ(played.time(), playhead.time());
+          ASSERT_EQ(played.state(), playhead.state());
+          continue;
+        }
+        ASSERT_EQ(played.time(), first);
+        played.tick();
+        ASSERT_NEAR(frames_between(first, played.time()), 24 * tick_s, 1e-12);
+        for (int i = 0; i < 200; ++i, played.tick()) watch.take(played);
+        ASSERT_EQ(watch.complaint(), "");
+      }
+    }
+  }
+  EXPECT_GT(beyond, 100);
+}
+
 TEST(Exposure, CanBeStoppedAtEveryTick) {
   const Bench bench;
   Playhead<double> playhead = bench.playhead();

@@ -55,18 +55,24 @@ Playhead<Real>::Playhead(const Move<Real>& move, const StopBounds<Real>& bounds,
 
 template <Precise Real>
 Status Playhead<Real>::play(Direction direction) {
-  if (is_resting() && time_ == end_towards(direction)) {
+  // An exposure may reach beyond an end. Nothing moves there, so that the move is played from the end itself,
+  // as if it rested there. From beyond, a repeat would take the whole way beyond for what one tick passed.
+  const FrameTime<Real> here =
+      std::clamp(time_, end_towards(Direction::backward), end_towards(Direction::forward));
+  const bool rests = is_resting() || here != time_;
+  if (rests && here == end_towards(direction)) {
     if (repeat_ == Repeat::none) {
       return Error{.code = ErrorCode::out_of_range,
                    .what = "the move is at that end already",
                    .remedy = "play it the other way, or go to a frame first"};
     }
-    if (repeat_ == Repeat::loop) time_ = end_towards(opposite(direction));
     if (repeat_ == Repeat::ping_pong) direction = opposite(direction);
   }
   // The rate means nothing at the end from which the move starts, because nothing moves there.
-  if (is_resting() && time_ == end_towards(opposite(direction))) {
+  if (rests && (here == end_towards(Direction::backward) || here == end_towards(Direction::forward))) {
+    time_ = end_towards(opposite(direction));
     rate_ = sign_of<Real>(direction) * override_;
+    change_ = 0;
     anchor_here();
   }
   direction_ = direction;
