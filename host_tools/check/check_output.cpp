@@ -202,6 +202,7 @@ void print_check(const Plan& plan, const CheckReport& report, const SmallestFram
   fmt::print(out, "{} on {}: {} at {} fps, {:.3f} s\n", move.name, plan.rig()->name,
              counted(move.frames, "frame"), move.fps.as_written, plan.duration_s());
   print_rolls(plan, out);
+  for (std::size_t t = 0; t < plan.tracks().size(); ++t) print_followed(plan, t, "  ", out);
   const Table table = table_of(report, out);
   print_row(table, "axis", "quantity", "peak", "frame", "limit", "share");
   for (const CheckedAxis& axis : report.axes) print_axis(axis, table);

@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <numbers>
 #include <optional>
 #include <string>
 #include <vector>
@@ -47,24 +46,6 @@ void print_key_timing(const SolvedTrack<double>& solved, std::FILE* out) {
              static_cast<double>(timing.largest_change_at) * solved.track().frames() / f);
 }
 
-/// Prints what is proven of a track whose axes follow a link in space, or the reverse.
-void print_accuracy(const Plan& plan, std::size_t track, std::FILE* out) {
-  const std::optional<FollowAccuracy>& accuracy = plan.accuracy(track);
-  if (!accuracy) return;
-  const MoveTrack& written = plan.move().tracks[track];
-  const std::string& tip = written.space ? written.space->tip : written.distance->tip;
-  std::vector<std::string> bounds;
-  if (!written.space || written.space->has_at) {
-    bounds.push_back(fmt::format("within {:.2g} um of its path", accuracy->way_m * 1e6));
-    bounds.push_back(fmt::format("its speed within {:.2g} of what is drawn", accuracy->speed_share));
-  }
-  if (accuracy->aim_rad > 0) {
-    bounds.push_back(fmt::format("its aim within {:.2g} deg", accuracy->aim_rad * 180 / std::numbers::pi));
-  }
-  fmt::print(out, "    {} in space: {} (proven, between all of {} places)\n", in_quotes(tip),
-             fmt::join(bounds, ", "), plan.tracks()[track].track().path().segment_count() + 1);
-}
-
 void print_plan_summary(const Plan& plan, std::FILE* out) {
   const MoveFile& move = plan.move();
   fmt::print(out, "{}: {} at {} fps, {:.3f} s\n", move.name, counted(move.frames, "frame"),
@@ -78,7 +59,7 @@ void print_plan_summary(const Plan& plan, std::FILE* out) {
                solved.track().arc_length().total(), unit.empty() ? "" : " ", unit);
     if (!solved.track().has_profile()) {
       fmt::print(out, "timed by the frames of its keys\n");
-      print_accuracy(plan, t, out);
+      print_followed(plan, t, "    ", out);
       continue;
     }
     if (solved.track().portions().empty()) fmt::print(out, "K {:.6g}; ", made.constant);
@@ -88,7 +69,7 @@ void print_plan_summary(const Plan& plan, std::FILE* out) {
       fmt::print(out, "Runge-Kutta, {} integrations of {} steps a frame, speed within {:.2g} (frame {})\n",
                  made.integrations, made.substeps, made.speed_error, made.speed_error_frame);
     }
-    print_accuracy(plan, t, out);
+    print_followed(plan, t, "    ", out);
     print_key_timing(solved, out);
   }
   print_rolls(plan, out);

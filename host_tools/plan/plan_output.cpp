@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -311,6 +312,23 @@ void print_roll(const Plan& plan, RollEnd end, std::FILE* out) {
 void print_rolls(const Plan& plan, std::FILE* out) {
   print_roll(plan, RollEnd::before, out);
   print_roll(plan, RollEnd::after, out);
+}
+
+void print_followed(const Plan& plan, std::size_t track, std::string_view indent, std::FILE* out) {
+  const std::optional<FollowAccuracy>& accuracy = plan.accuracy(track);
+  if (!accuracy) return;
+  const MoveTrack& written = plan.move().tracks[track];
+  const std::string& tip = written.space ? written.space->tip : written.distance->tip;
+  std::vector<std::string> bounds;
+  if (!written.space || written.space->has_at) {
+    bounds.push_back(fmt::format("within {:.2g} um of its path", accuracy->way_m * 1e6));
+    bounds.push_back(fmt::format("its speed within {:.2g} of what is drawn", accuracy->speed_share));
+  }
+  if (accuracy->aim_rad > 0) {
+    bounds.push_back(fmt::format("its aim within {:.2g} deg", accuracy->aim_rad * 180 / std::numbers::pi));
+  }
+  fmt::print(out, "{}{} in space: {} (proven, between all of {} places)\n", indent, in_quotes(tip),
+             fmt::join(bounds, ", "), plan.tracks()[track].track().path().segment_count() + 1);
 }
 
 }  // namespace inbetween

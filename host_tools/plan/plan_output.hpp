@@ -1,7 +1,9 @@
 // A plan as JSON and as CSV, and its rolls for people. docs/formats.md describes the formats.
 #pragma once
 
+#include <cstddef>
 #include <cstdio>
+#include <string_view>
 
 #include "host_tools/plan/plan.hpp"
 #include "host_tools/plan/plan_rows.hpp"
@@ -20,5 +22,9 @@ void write_plan_csv(const Plan& plan, PlanRows rows, std::FILE* file);
 /// Prints a line for the pre-roll and one for the post-roll, if the move has them. Without a rig the line
 /// says that the move would have one. If no roll keeps the limits, it says that `check` tells why.
 void print_rolls(const Plan& plan, std::FILE* out);
+
+/// Prints a line about a track whose axes follow a link in space, or the reverse: how far the one can be from
+/// the other. Prints nothing about other tracks.
+void print_followed(const Plan& plan, std::size_t track, std::string_view indent, std::FILE* out);
 
 }  // namespace inbetween

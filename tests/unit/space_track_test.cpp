@@ -249,6 +249,18 @@ TEST(SpaceTrack, EveryExampleInSpaceKeepsTheLimitsOfItsRig) {
   }
 }
 
+TEST(SpaceTrack, PlanAndCheckSayHowFarTheAxesCanBeFromWhatIsDrawn) {
+  const std::string move = in_checkout("examples/crane/round_the_puppet.toml");
+  const std::string rig = in_checkout("examples/crane/rig.toml");
+  for (const char* command : {"plan", "check"}) {
+    EXPECT_THAT(run_program({command, move, "--rig", rig}).out,
+                testing::ContainsRegex("\"camera\" in space: within 0[.][0-9]+ um of its path, its speed "
+                                       "within [0-9.e-]+ of what is drawn, its aim within [0-9.e-]+ deg "
+                                       "\\(proven, between all of [0-9]+ places\\)"))
+        << command;
+  }
+}
+
 TEST(SpaceTrack, DistanceAtATipMakesTheDrawnSpeedThatOfTheTip) {
   const std::string text = with(with(file_contents(in_checkout("examples/arm/reach_over.toml")),
                                      "spline = \"smooth\"", "distance = \"hand\""),
