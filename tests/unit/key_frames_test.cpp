@@ -57,6 +57,10 @@ std::vector<double> positions(const Json& plan) {
   return plan["axes"][0]["position"].get<std::vector<double>>();
 }
 
+std::vector<double> velocities(const std::string& text) {
+  return planned(text)["axes"][0]["velocity"].get<std::vector<double>>();
+}
+
 TEST(KeyFrames, APlainZoomOfFourKeysFits) {
   for (const char* way : {"", "kinetic = \"curves\"\n", "kinetic = \"pace\"\n"}) {
     const std::string text = move_of(way + zoom);
@@ -184,13 +188,10 @@ TEST(KeyFrames, APaceEasesAtACornerOnItsFrame) {
   const ProgramRun run = run_on(rig, "check", move_of("corners = \"ease\"\n" + keys));
   EXPECT_EQ(run.status, 0) << run.err;
   EXPECT_NEAR(positions(planned(move_of("corners = \"ease\"\n" + keys)))[31], -15, 1e-9);
+  EXPECT_NEAR(velocities(move_of("corners = \"ease\"\n" + keys))[31], 0, 1e-9);
 }
 
 // --- ends and values of a drawn curve
-
-std::vector<double> velocities(const std::string& text) {
-  return planned(text)["axes"][0]["velocity"].get<std::vector<double>>();
-}
 
 TEST(KeyFrames, EaseInAndOutBringAPlainSpeedFromRestAndToRest) {
   const std::string keys = "keys = [ {at=[0]}, {at=[100]} ]\n";

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
 #include <string>
@@ -105,23 +106,26 @@ TEST(QuadraticProgramOracle, RefinementKeepsTheCurve) {
 
 // --- a periodic curve
 
-TEST(PeriodicKeyTiming, IsTheSameWhicheverOfItsKeysIsTheSeam) {
-  // Eight spans in 64 frames, keys at a = 0, 3 and 7. The stretch behind each takes this much of the way.
+/// Eight spans in 64 frames, with keys on these frames. The stretch behind each takes this much of the way.
+/// Adjusts the curve as it is with each key as its seam, where that key lies on a span.
+void expect_same_at_every_seam(const std::array<std::int32_t, 3>& frames, int eased) {
   const std::vector<double> drawn = {9, 4, 6, 12, 15, 7, 5, 8};
-  const std::vector<std::size_t> places = {0, 3, 7, 8};
-  const std::vector<double> shares = {0.3, 0.56, 0.14};
+  const std::array<double, 3> shares = {0.3, 0.56, 0.14};
   std::vector<double> first;
-  for (std::size_t seam = 0; seam < 3; ++seam) {
+  for (int seam = 0; seam < 3; ++seam) {
+    const std::int32_t seam_frame = frames[static_cast<std::size_t>(seam)];
+    if (seam_frame % 8 != 0) continue;
     std::vector<double> speed;
-    for (std::size_t i = 0; i <= 8; ++i) speed.push_back(drawn[(i + places[seam]) % 8]);
+    for (std::int32_t i = 0; i <= 8; ++i)
+      speed.push_back(drawn[static_cast<std::size_t>(i + seam_frame / 8) % 8]);
     std::vector<double> distances = {0};
     std::vector<KeyLock> locks;
-    for (std::size_t k = 1; k <= 3; ++k) {
-      distances.push_back(distances.back() + shares[(seam + k - 1) % 3]);
-      const std::size_t frame = 8 * ((places[(seam + k) % 3] + 8 - places[seam]) % 8);
-      if (k < 3) {
-        locks.push_back({.key = static_cast<std::int32_t>(k), .frame = static_cast<std::int32_t>(frame)});
-      }
+    for (int k = 0; k < 3; ++k) {
+      const auto key = static_cast<std::size_t>(seam + k) % 3;
+      distances.push_back(distances.back() + shares[key]);
+      if (k == 0 && seam != eased) continue;
+      const std::int32_t frame = (frames[key] + 64 - seam_frame) % 64;
+      locks.push_back({.key = k, .frame = frame, .ease = static_cast<int>(key) == eased});
     }
     const auto storage = std::make_unique<Storage>();
     const Result<KeyTiming<double>> result = adjust_to_locks<double>({.control_values = speed,
@@ -130,16 +134,28 @@ TEST(PeriodicKeyTiming, IsTheSameWhicheverOfItsKeysIsTheSeam) {
                                                                       .frames = 64,
                                                                       .ends = CurveEnds::periodic},
                                                                      storage->memory());
-    ASSERT_TRUE(result.has_value()) << seam;
+    ASSERT_TRUE(result.has_value()) << seam << " " << result.error().what;
     const std::span<const double> values = result->control_values;
-    ASSERT_EQ(values.size(), 9U);
+    ASSERT_EQ(values.size(), (8U << result->refinements) + 1);
     EXPECT_EQ(values.front(), values.back());
     if (first.empty()) first.assign(values.begin(), values.end());
-    for (std::size_t i = 0; i < 8; ++i) {
-      EXPECT_NEAR(values[i], first[(i + places[seam]) % 8], 1e-11) << seam << " " << i;
+    const std::size_t count = values.size() - 1;
+    const std::size_t shift = count * static_cast<std::size_t>(seam_frame) / 64;
+    for (std::size_t i = 0; i < count; ++i) {
+      EXPECT_NEAR(values[i], first[(i + shift) % count], 1e-11) << seam << " " << i;
     }
-    EXPECT_GT(std::fabs(values[4] - speed[4]), 1e-3);
+    EXPECT_GT(result->largest_change, 1e-3);
   }
+}
+
+TEST(PeriodicKeyTiming, IsTheSameWhicheverOfItsKeysIsTheSeam) {
+  expect_same_at_every_seam({0, 24, 56}, -1);
+}
+
+TEST(PeriodicKeyTiming, IsTheSameWhereItTouchesZeroShortlyBeforeOrBehindItsSeam) {
+  expect_same_at_every_seam({0, 24, 60}, 2);
+  expect_same_at_every_seam({0, 4, 24}, 1);
+  expect_same_at_every_seam({0, 24, 56}, 2);
 }
 
 TEST(PeriodicKeyTiming, TouchesZeroAndRestsAtItsSeam) {

@@ -79,7 +79,7 @@ class Adjustment {
       const std::int32_t knot =
           touched_knot(static_cast<std::int32_t>((scaled + spec_.frames / 2) / spec_.frames), f);
       const bool is_seam = is_periodic_ && lock.key == 0;
-      const bool is_inside = is_seam ? f >= 6 : knot >= 3 && knot + 3 <= f;
+      const bool is_inside = is_seam ? f >= 6 : knot >= 1 && knot < f;
       const bool has_room = is_inside && f <= std::numeric_limits<std::int16_t>::max();
       lock.knot = static_cast<std::int16_t>(has_room ? knot : -1);
       if (!off_knot && has_room && (!is_coarse || touches(knot, f))) continue;
