@@ -6,7 +6,7 @@
 set -euo pipefail
 cd "$1"
 
-folders=(firmware_core drivers sim host_tools tests)
+folders=(firmware_core drivers sim host_tools editor tests)
 mapfile -t sources < <(find "${folders[@]}" -type f \( -name '*.[ch]pp' -o -name '*.[chS]' \) 2>/dev/null | sort)
 ((${#sources[@]})) || {
   printf '%s: error: no sources in %s; name the root of the checkout\n' "$0" "$1" >&2
@@ -25,7 +25,8 @@ BEGIN {
   sees["drivers"] = " firmware_core "
   sees["sim"] = " firmware_core "
   sees["host_tools"] = " firmware_core drivers sim "
-  sees["tests"] = " firmware_core drivers sim host_tools "
+  sees["editor"] = " firmware_core "
+  sees["tests"] = " firmware_core drivers sim host_tools editor "
 
   # Which rooms of the same folder a room may look into, besides itself: the lists of CMakeLists.txt.
   read_rooms("firmware_core")

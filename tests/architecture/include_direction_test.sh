@@ -87,6 +87,9 @@ refuses 'host_tools may not look into tests' host_tools/motions/run.cpp '#includ
 refuses 'path from the root' host_tools/motions/run.cpp '#include "beside.hpp"'
 refuses 'path from the root' host_tools/motions/run.cpp '#include "../sim/axis.hpp"'
 
+allows editor/solver/session.cpp '#include "inbetween/path/path.hpp"'
+refuses 'editor may not look into host_tools' editor/solver/session.cpp '#include "host_tools/plan/plan.hpp"'
+
 allows tests/unit/run_test.cpp '#include "host_tools/motions/run.hpp"'
 allows tests/support/oracle_length.cpp '#include "tests/support/oracle_length.hpp"'
 allows tests/support/oracle_length.cpp '#include <vector>'

@@ -116,6 +116,12 @@ expect "a machine that has everything is left alone, in silence" "" "$(run_boots
 machine_with "${demo_packages[@]}"
 expect "the demo does not install what only the tests need" "" "$(run_bootstrap demo)$(cat "$scratch/calls")"
 
+machine_with "${editor_packages[@]}"
+for command in node npm; do ln --symbolic /bin/true "$stand_ins/$command"; done
+expect "the editor takes node and npm from wherever they are" "" "$(run_bootstrap editor)$(cat "$scratch/calls")"
+rm "$stand_ins"/{node,npm}
+
+machine_with "${demo_packages[@]}"
 expect "the packages that are missing are named" \
   "scripts/bootstrap: installing ${test_packages[*]:${#demo_packages[@]}}" "$(run_bootstrap)"
 expect "apt is updated once, then asked for those packages only" \
@@ -169,6 +175,6 @@ E: told
 scripts/bootstrap: error: apt-get update failed; see above" "$(run_bootstrap)"
 
 expect "an unknown set is refused" \
-  "scripts/bootstrap: error: unknown set of packages 'dmeo'; say demo or test" "$(run_bootstrap dmeo)"
+  "scripts/bootstrap: error: unknown set of packages 'dmeo'; say demo, test or editor" "$(run_bootstrap dmeo)"
 
 all_was_as_expected 'scripts/bootstrap: all as promised'

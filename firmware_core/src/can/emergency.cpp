@@ -1,6 +1,7 @@
 #include "inbetween/can/emergency.hpp"
 
 #include <algorithm>
+#include <span>
 
 #include "inbetween/can/little_endian.hpp"
 
@@ -82,8 +83,8 @@ std::optional<Emergency> read_emergency(const Frame& frame, NodeId node) {
 }
 
 const char* words_of_emergency(std::uint16_t code) {
-  const auto* const known = std::ranges::lower_bound(codes, code, {}, &Words::code);
-  if (known != codes.end() && known->code == code) return known->words;
+  const auto known = std::ranges::lower_bound(std::span(codes), code, {}, &Words::code);
+  if (known != std::span(codes).end() && known->code == code) return known->words;
   for (const ClassOfCodes& one : classes) {
     if ((code & one.mask) == one.code) return one.words;
   }

@@ -1,6 +1,7 @@
 #include "inbetween/can/sdo.hpp"
 
 #include <algorithm>
+#include <span>
 
 #include "inbetween/can/canopen_id.hpp"
 #include "inbetween/can/little_endian.hpp"
@@ -208,8 +209,8 @@ std::optional<SdoMessage> read_sdo_answer(const Frame& frame) {
 }
 
 const char* words_of_abort(std::uint32_t code) {
-  const auto* const known = std::ranges::lower_bound(codes, code, {}, &Words::code);
-  if (known != codes.end() && known->code == code) return known->words;
+  const auto known = std::ranges::lower_bound(std::span(codes), code, {}, &Words::code);
+  if (known != std::span(codes).end() && known->code == code) return known->words;
   return "a reason that CiA 301 does not name";
 }
 

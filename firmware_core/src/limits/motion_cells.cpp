@@ -1,10 +1,11 @@
-#include "motion_cells.hpp"
+#include "inbetween/limits/motion_cells.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "branch_and_bound.hpp"
+#include "motion_enclosure.hpp"
 
 namespace inbetween {
 namespace {

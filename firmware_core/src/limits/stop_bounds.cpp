@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "base/cube_root.hpp"
-#include "motion_cells.hpp"
+#include "inbetween/limits/motion_cells.hpp"
 #include "stop_pairs.hpp"
 
 namespace inbetween {

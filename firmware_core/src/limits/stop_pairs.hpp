@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <optional>
 
+#include "inbetween/limits/motion_cells.hpp"
 #include "inbetween/limits/stop_bounds.hpp"
-#include "motion_cells.hpp"
 
 /// The pair of rate change and rate jerk from which a stop in one cell of the time line lasts shortest.
 

@@ -3,8 +3,8 @@
 #include <cstddef>
 #include <span>
 
+#include "inbetween/limits/motion_bounds.hpp"
 #include "inbetween/limits/move.hpp"
-#include "motion_enclosure.hpp"
 
 /// The time line of a move cut into cells of equal length, and how fast and how hard every axis moves in
 /// each.

@@ -1,0 +1,271 @@
+// The functions that the page calls (editor/page/src/solver.ts is the other side). Arguments and answers are
+// in the two arrays of Exchange; a function answers 1, or 0 after an error, which ib_error then tells.
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+
+#include "editor/solver/session.hpp"
+#include "inbetween/base/hash.hpp"
+#include "inbetween/limits/motion_steps.hpp"
+
+namespace inbetween::editor {
+namespace {
+
+// Of one move at a time: a page has one thread.
+Session session;
+Exchange exchange;
+
+std::int32_t answer(const Status& status) {
+  if (status) return 1;
+  exchange.error = status.error();
+  return 0;
+}
+
+void write_peak(Writer& out, const Peak<double>& peak) {
+  out.number(peak.value);
+  out.number(peak.frame);
+}
+
+FrameTime<double> time_at(double frame) {
+  return moved_by<double>({0, 0}, frame);
+}
+
+/// A point of a track at s counted in segments: of an open path of n segments up to n.
+PathPoint<double> point_at(const Path<double>& path, double s) {
+  const auto segments = static_cast<double>(path.segment_count());
+  const double whole = std::clamp(std::floor(s), 0.0, segments);
+  return {static_cast<int>(whole), whole < segments ? s - whole : 0};
+}
+
+}  // namespace
+}  // namespace inbetween::editor
+
+using namespace inbetween;          // NOLINT(google-build-using-namespace): the functions below have C names
+using namespace inbetween::editor;  // NOLINT(google-build-using-namespace)
+
+extern "C" {
+
+double* ib_numbers() {
+  return exchange.numbers.data();
+}
+
+std::int32_t* ib_integers() {
+  return exchange.integers.data();
+}
+
+/// Integers: code, key, axis, control value, frame, needed.
+void ib_error() {
+  Writer out(exchange);
+  const Error& error = exchange.error;
+  for (const std::int32_t part :
+       {static_cast<std::int32_t>(error.code), error.key, error.axis, error.control_value, error.frame,
+        static_cast<std::int32_t>(error.needed)}) {
+    out.integer(part);
+  }
+}
+const char* ib_error_what() {
+  return exchange.error.what;
+}
+const char* ib_error_remedy() {
+  return exchange.error.remedy;
+}
+
+/// Reads what Session::solve_track says, and solves that track.
+std::int32_t ib_solve(std::int32_t track) {
+  return answer(session.solve_track(track, exchange));
+}
+
+/// Integers: tracks, axes with limits (0: no rig). Numbers: seconds of a tick; eight for each axis (min, max,
+/// max_velocity, max_acceleration, max_jerk, max_acceleration_step, stop_acceleration, stop_jerk), not a
+/// number where the rig does not say.
+std::int32_t ib_assemble() {
+  return answer(session.assemble(exchange));
+}
+
+/// Integers: the two halves of the table's hash, low first; frames; segments; keys; pieces; played control
+/// values. Numbers: length, K, Phi(f). Returns 0 if the track is not solved, as the functions below do.
+std::int32_t ib_track(std::int32_t index) {
+  const TrackSlot* const slot = session.solved(index);
+  if (slot == nullptr) return 0;
+  const Track<double>& track = slot->track();
+  const std::uint64_t hash = hash_of(slot->table().points());
+  Writer out(exchange);
+  out.integer(static_cast<std::int32_t>(static_cast<std::uint32_t>(hash)));
+  out.integer(static_cast<std::int32_t>(static_cast<std::uint32_t>(hash >> 32U)));
+  out.integer(track.frames());
+  out.integer(track.path().segment_count());
+  out.integer(track.path().key_count());
+  out.integer(track.arc_length().piece_count());
+  out.integer(static_cast<std::int32_t>(slot->played_values().size()));
+  out.number(track.arc_length().total());
+  out.number(track.constant());
+  out.number(track.has_profile() ? track.profile().total_integral() : 0);
+  return 1;
+}
+
+/// Numbers: the control values that are played.
+std::int32_t ib_played_values(std::int32_t index) {
+  const TrackSlot* const slot = session.solved(index);
+  if (slot == nullptr) return 0;
+  Writer out(exchange);
+  for (const double value : slot->played_values()) out.number(value);
+  return static_cast<std::int32_t>(slot->played_values().size());
+}
+
+/// Numbers: the position of every axis at `per_segment` equal steps of each segment, and at the end.
+std::int32_t ib_path(std::int32_t index, std::int32_t per_segment) {
+  const TrackSlot* const slot = session.solved(index);
+  if (slot == nullptr || per_segment < 1) return 0;
+  const Path<double>& path = slot->track().path();
+  Writer out(exchange);
+  const auto write = [&](const PathPoint<double>& point) {
+    for (std::int32_t d = 0; d < path.axis_count(); ++d) out.number(path.position(point, d));
+  };
+  for (std::int32_t i = 0; i < path.segment_count(); ++i) {
+    for (std::int32_t k = 0; k < per_segment; ++k) {
+      write({i, static_cast<double>(k) / static_cast<double>(per_segment)});
+    }
+  }
+  write({path.segment_count(), 0});
+  return path.segment_count() * per_segment + 1;
+}
+
+/// Numbers: for every frame s, distance, speed, acceleration, then the position of every axis, which is that
+/// of the table.
+std::int32_t ib_frames(std::int32_t index) {
+  const TrackSlot* const slot = session.solved(index);
+  if (slot == nullptr) return 0;
+  const Track<double>& track = slot->track();
+  Writer out(exchange);
+  for (std::int32_t frame = 0; frame <= track.frames(); ++frame) {
+    const FrameRow<double> row = frame_row(track, slot->table(), frame);
+    out.number(track.path().parameter(row.point));
+    out.number(row.distance);
+    out.number(row.speed);
+    out.number(row.acceleration);
+    for (std::int32_t d = 0; d < track.path().axis_count(); ++d) {
+      out.number(track.path().position(row.point, d));
+    }
+  }
+  return track.frames() + 1;
+}
+
+/// Numbers: `samples` pairs of the speed curve phi (0 where a track has none) and of the speed along the
+/// path, in equal steps from frame 0 to frame N.
+std::int32_t ib_speed(std::int32_t index, std::int32_t samples) {
+  const TrackSlot* const slot = session.solved(index);
+  if (slot == nullptr || samples < 2) return 0;
+  const Track<double>& track = slot->track();
+  Writer out(exchange);
+  for (std::int32_t i = 0; i < samples; ++i) {
+    const double share = static_cast<double>(i) / static_cast<double>(samples - 1);
+    const double frame = share * track.frames();
+    out.number(track.has_profile() ? track.profile().value(share * track.profile().span_count()) : 0);
+    out.number(track.along(time_at(frame)).speed);
+  }
+  return samples;
+}
+
+/// Numbers: frame, s, distance at which key `key` is met; s and distance of a place `s` between segments come
+/// from ib_at instead.
+std::int32_t ib_key_frames(std::int32_t index) {
+  const TrackSlot* const slot = session.solved(index);
+  if (slot == nullptr) return 0;
+  const Track<double>& track = slot->track();
+  Writer out(exchange);
+  std::array<AxisStep<double>, max_axes> steps;
+  for (std::int32_t i = 0; i <= track.path().segment_count(); ++i) {
+    const double frame = steps_at_key<double>(
+        track, i, std::span(steps).first(static_cast<std::size_t>(track.path().axis_count())));
+    out.integer(track.path().key_at(i).value_or(-1));
+    out.number(frame);
+  }
+  return track.path().segment_count() + 1;
+}
+
+/// Numbers: the position of every axis at s, counted in segments.
+std::int32_t ib_at(std::int32_t index, double s) {
+  const TrackSlot* const slot = session.solved(index);
+  if (slot == nullptr) return 0;
+  const Path<double>& path = slot->track().path();
+  const PathPoint<double> point = point_at(path, s);
+  Writer out(exchange);
+  for (std::int32_t d = 0; d < path.axis_count(); ++d) out.number(path.position(point, d));
+  return 1;
+}
+
+/// Integers: first frame, last frame (the rolls included), axes, cells of the ceiling, steps, steps left out,
+/// whether stops are proven, whether a roll is in the way; the axis of the stop's obstacle, its quantity (0
+/// acceleration, 1 jerk); the axis of the roll's, its quantity (0 position .. 3 jerk); then for each cell the
+/// axis and the quantity of its ceiling, and for each step track, key, axis. Numbers: the highest rate;
+/// seconds and frames of the longest stop and from which frame; frame of the stop's obstacle, its value and
+/// limit; the same of the roll's; for each axis lowest, highest, velocity, acceleration and jerk, each a
+/// value and its frame; for each cell the rate at which it keeps the limits; for each step frame, velocity
+/// and acceleration.
+std::int32_t ib_certificate() {
+  if (!session.is_assembled()) return 0;
+  const Certificate& found = session.certificate();
+  Writer out(exchange);
+  out.integer(found.move().first_frame());
+  out.integer(found.move().last_frame());
+  out.integer(found.has_limits() ? static_cast<std::int32_t>(found.peaks().size()) : 0);
+  if (!found.has_limits()) return 1;
+  out.integer(static_cast<std::int32_t>(found.cells().size()));
+  out.integer(static_cast<std::int32_t>(found.steps().size()));
+  out.integer(static_cast<std::int32_t>(found.steps_left_out()));
+  out.integer(found.stops() ? 1 : 0);
+  out.integer(found.roll_obstacle() ? 1 : 0);
+  const StopObstacle<double> stop = found.stop_obstacle().value_or(StopObstacle<double>{});
+  const RollBreach<double> roll = found.roll_obstacle().value_or(RollBreach<double>{});
+  out.integer(stop.axis);
+  out.integer(static_cast<std::int32_t>(stop.quantity));
+  out.integer(roll.axis);
+  out.integer(static_cast<std::int32_t>(roll.quantity));
+  out.number(found.highest_rate());
+  const LongestStop<double> longest =
+      found.stops() ? found.stops()->longest_in_time() : LongestStop<double>{};
+  for (const double number : {longest.length.seconds, longest.length.frames, longest.from_frame, stop.frame,
+                              stop.value, stop.limit, roll.frame, roll.value, roll.limit}) {
+    out.number(number);
+  }
+  for (const AxisPeaks<double>& axis : found.peaks()) {
+    for (const Peak<double>& peak :
+         {axis.lowest, axis.highest, axis.velocity, axis.acceleration, axis.jerk}) {
+      write_peak(out, peak);
+    }
+  }
+  for (const CellCeiling& cell : found.cells()) {
+    out.number(cell.rate);
+    out.integer(cell.axis);
+    out.integer(cell.quantity);
+  }
+  for (const KeyStep& step : found.steps()) {
+    out.integer(step.track);
+    out.integer(step.key);
+    out.integer(step.axis);
+    out.number(step.frame);
+    out.number(step.velocity);
+    out.number(step.acceleration);
+  }
+  return 1;
+}
+
+/// Numbers: position, velocity, acceleration and jerk of every axis of the move at `samples` frames from
+/// `first` in steps of `step` frames.
+std::int32_t ib_motion(double first, double step, std::int32_t samples) {
+  if (!session.is_assembled()) return 0;
+  const Move<double>& move = session.certificate().move();
+  std::array<AxisMotion<double>, max_move_axes> motion;
+  const std::span<AxisMotion<double>> axes = std::span(motion).first(move.axis_count());
+  Writer out(exchange);
+  for (std::int32_t i = 0; i < samples; ++i) {
+    move.motion(time_at(first + step * i), axes);
+    for (const AxisMotion<double>& axis : axes) {
+      for (const double number : {axis.position, axis.velocity, axis.acceleration, axis.jerk})
+        out.number(number);
+    }
+  }
+  return samples;
+}
+
+}  // extern "C"

@@ -1,0 +1,42 @@
+// The move that the page edits: its tracks, solved, and its certificate. There is one, in static memory.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "editor/solver/certificate.hpp"
+#include "editor/solver/exchange.hpp"
+#include "editor/solver/track_slot.hpp"
+
+namespace inbetween::editor {
+
+/// The functions of abi.cpp, which says what each reads and writes, on data instead of on static memory.
+class Session {
+ public:
+  Status solve_track(std::int32_t index, const Exchange& arguments);
+  Status assemble(const Exchange& arguments);
+
+  [[nodiscard]] const TrackSlot* solved(std::int32_t index) const;
+  /// The move; false while there is none, or after an error.
+  [[nodiscard]] bool is_assembled() const { return assembled_; }
+  [[nodiscard]] const Certificate& certificate() const { return certificate_; }
+
+ private:
+  [[nodiscard]] std::span<const Track<double>> tracks() const;
+
+  std::array<TrackSlot, max_tracks> slots_;
+  std::array<KeyLock, max_locks> locks_;
+  std::array<KeyShape<double>, max_keys> shapes_;
+  std::array<Cubic<double>, max_segments*(max_axes + max_guides)> cubics_;
+  std::array<FrameKnot, max_segments> knots_;
+  /// Tracks one after the other, as Move wants them; a Track has no value without a path.
+  alignas(Track<double>) std::array<std::byte, max_tracks * sizeof(Track<double>)> tracks_;
+  std::size_t track_count_ = 0;
+  alignas(AxisLimits<double>) std::array<std::byte, max_move_axes * sizeof(AxisLimits<double>)> limits_;
+  Certificate certificate_;
+  bool assembled_ = false;
+};
+
+}  // namespace inbetween::editor
