@@ -192,7 +192,7 @@ void CanDrives::place(std::size_t drive, double position) {
 }
 
 bool CanDrives::has_lost_position(std::size_t drive) const {
-  return port_->drive(drive).findings().has(can::DriveFinding::unexpected_boot);
+  return can::loses_reference(port_->drive(drive).findings());
 }
 
 void CanDrives::count(Counters& counts) const {

@@ -161,6 +161,8 @@ void QuirkyDrive::read_quirks(std::string_view quirks) {
   take("emergency", habits_.emergency);
   take("warns", habits_.warns);
   take("toggles", habits_.toggles);
+  take("loses_answer", habits_.loses_answer);
+  take("doubles_answer", habits_.doubles_answer);
   take("fails", habits_.fails);
   if (known != table.size()) throw std::invalid_argument("a quirk has another name");
 }
@@ -274,8 +276,14 @@ void QuirkyDrive::receive(const can::Frame& frame) {
 
 void QuirkyDrive::answer_guard() {
   if (value(0x1017) != 0) return;  // it has heartbeats
-  const bool is_odd = habits_.toggles && guard_answers_++ % 2 == 1;
-  send(0x700 + node_, {static_cast<std::uint8_t>(nmt_ | (is_odd ? 0x80 : 0))});
+  const bool is_odd = habits_.toggles && guard_answers_ % 2 == 1;
+  ++guard_answers_;
+  const int times = guard_answers_ == habits_.loses_answer     ? 0
+                    : guard_answers_ == habits_.doubles_answer ? 2
+                                                               : 1;
+  for (int i = 0; i < times; ++i) {
+    send(0x700 + node_, {static_cast<std::uint8_t>(nmt_ | (is_odd ? 0x80 : 0))});
+  }
   const std::int64_t life_ms = std::int64_t{value(0x100C)} * value(0x100D);
   if (life_ms != 0) guard_deadline_ns_ = now_ns_ + life_ms * ms;
 }

@@ -37,6 +37,8 @@ namespace inbetween {
 ///     warns = false                       # and whether bit 7 tells of it; otherwise nothing does
 ///     fails = false                       # or it is in fault
 ///     toggles = true                      # its answers to guarding have another bit 7 each time
+///     loses_answer = 0                    # the answer to guarding of this number does not arrive
+///     doubles_answer = 0                  # that of this number comes twice
 class QuirkyDrive {
  public:
   explicit QuirkyDrive(std::string_view quirks, unsigned node = 5);
@@ -84,6 +86,8 @@ class QuirkyDrive {
     bool warns = false;
     bool fails = false;
     bool toggles = true;
+    int loses_answer = 0;
+    int doubles_answer = 0;
   };
   void read_quirks(std::string_view quirks);
   void fill_dictionary();

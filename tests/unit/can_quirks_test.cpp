@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <string_view>
@@ -251,12 +252,21 @@ TEST(DriveQuirk, AGuardedDriveStopsByItselfWhenSetpointsAndQuestionsCease) {
   EXPECT_EQ(scene.host().last_emergency().code, 0x8130);
 }
 
-TEST(DriveQuirk, AGuardedDriveThatGivesTheSameAnswerAgainCountsAsSilent) {
+TEST(DriveQuirk, AGuardedDriveThatGivesTheSameAnswerAgainIsFoundByIt) {
   QuirkScene scene("toggles = false", guards);
-  ASSERT_TRUE(scene.is_switched_on()) << "the first answer is right";
-  const std::int32_t held = scene.host().target();
-  for (int i = 0; i < 50 && scene.host().findings().empty(); ++i) scene.tick({held});
-  EXPECT_EQ(scene.host().first_finding(), DriveFinding::heartbeat_lost);
+  ASSERT_TRUE(scene.is_set_up()) << "the first answer is right";
+  scene.tick_until([&] { return !scene.host().findings().empty(); });
+  EXPECT_EQ(scene.host().first_finding(), DriveFinding::guard_answer_repeated);
+  const auto is_question = [](const can::Frame& frame) { return frame.id == 0x705 && frame.is_remote; };
+  EXPECT_EQ(std::ranges::count_if(scene.sent, is_question), 2) << "at once";
+}
+
+TEST(DriveQuirk, AnAnswerThatIsLostOrComesTwiceIsNoWrongToggleBit) {
+  for (const char* const habit : {"loses_answer = 5", "doubles_answer = 5"}) {
+    QuirkScene scene(habit, guards);
+    EXPECT_TRUE(scene.runs()) << habit << scene.trouble();
+    EXPECT_EQ(scene.host().counters().bad_frames, 1U) << habit;
+  }
 }
 
 // --- in operation

@@ -251,6 +251,29 @@ TEST(RigReference, AnAxisThatHasLostItsStepsIsLost) {
   EXPECT_EQ(stage.reference().position(focus), 0) << "it was not to move";
 }
 
+// docs/faults.md 24
+TEST(RigReference, AnAxisWhoseDriveHasStartedAnewIsLostAndNotRunAgain) {
+  const Stage stage;
+  stage.say({{slide, 120}, {focus, 0}, {swing, -30}});
+  {
+    RigReference reference = stage.reference();
+    const FaultScript faults = parse_fault_script("[[fault]]\naxis = \"swing\"\nwhat = \"reboot\"\nat = 4\n",
+                                                  "faults.toml", stage.rig);
+    SimulatedHardware hardware(stage.rig, {120, 0, 0, -30}, faults);
+    RigDrives drives(stage.rig, hardware);
+    reference.place(drives);
+    reference.about_to_move(std::vector{swing});
+    drives.enable();
+    Ticks loop{drives};
+    for (int i = 0; i < 2000 && !drives.has_lost_position(swing); ++i) loop.tick({});
+    ASSERT_TRUE(drives.has_lost_position(swing));
+    EXPECT_FALSE(drives.has_lost_position(crane));
+    reference.at_rest(drives, loop.states, false);
+  }
+  EXPECT_EQ(stage.unreferenced(), std::vector{swing});
+  EXPECT_THAT(refusal(stage.reference(), {swing}), HasSubstr("axis \"swing\" does not know where it is"));
+}
+
 TEST(RigReference, WhatIsLostIsUnreferencedUntilSomebodySaysWhereItIs) {
   const Stage stage;
   stage.say({{slide, 120}, {focus, 0}, {swing, -30}});

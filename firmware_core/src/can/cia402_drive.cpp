@@ -162,7 +162,9 @@ void Cia402Drive::find_lasting(DriveFinding finding) {
 std::optional<Frame> Cia402Drive::note_host_heartbeat() {
   host_heartbeat_sent_ = true;
   const bool is_asked = settings_.setup.is_guarded && needs_sync();
-  return is_asked ? std::optional(guard_request_frame(node())) : std::nullopt;
+  if (!is_asked) return {};
+  guard_questions_ = std::min(guard_questions_ + 1, 2);
+  return guard_request_frame(node());
 }
 
 void Cia402Drive::note_foreign_frame() {

@@ -20,14 +20,20 @@ void Cia402Drive::take_bad_frame() {
 }
 
 /// The answer of a guarded drive counts if its toggle bit is another one than before: the standard takes it
-/// for not received otherwise.
+/// for not received otherwise. Where the question before had been answered too, none is missing between the
+/// two, and the drive is wrong. An answer to no question is one that has come twice.
 std::optional<NmtState> Cia402Drive::heard_in(const Frame& frame) {
   if (!settings_.setup.is_guarded) return read_heartbeat(frame, node());
   const std::optional<GuardAnswer> answer = read_guard_answer(frame, node());
   if (!answer) return {};
   const bool is_boot_up = answer->state == NmtState::boot_up;
-  if (answer->toggle != (guard_toggle_ && !is_boot_up)) return {};
+  if (!is_boot_up && !needs_sync()) return answer->state;  // a heartbeat: nobody has asked yet
+  if (answer->toggle != (guard_toggle_ && !is_boot_up)) {
+    if (guard_questions_ == 1) find(DriveFinding::guard_answer_repeated);
+    return {};
+  }
   guard_toggle_ = !is_boot_up && !guard_toggle_;
+  guard_questions_ = 0;
   return answer->state;
 }
 

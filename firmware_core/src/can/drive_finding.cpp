@@ -1,5 +1,6 @@
 #include "inbetween/can/drive_finding.hpp"
 
+#include <algorithm>
 #include <array>
 
 namespace inbetween::can {
@@ -113,6 +114,11 @@ constexpr std::array table{
         {.what = "the heartbeat of the drive has stopped",
          .remedy = "look at its supply and the bus",
          .reaction = controlled_stop}},
+    Row{DriveFinding::guard_answer_repeated,
+        {.what = "the drive has answered two questions in a row with the same toggle bit (life guarding)",
+         .remedy = "look for a second device with its node number; a drive that does so alone cannot be "
+                   "guarded",
+         .reaction = controlled_stop}},
     Row{DriveFinding::unexpected_boot,
         {.what = "the drive has started anew",
          .remedy = "look at its supply, then find its reference again",
@@ -163,6 +169,11 @@ static_assert(is_in_order());
 
 DriveFindingWords words_of(DriveFinding finding) {
   return table[static_cast<std::size_t>(finding)].words;
+}
+
+bool loses_reference(const DriveFindings& findings) {
+  return std::ranges::any_of(
+      table, [&](const Row& row) { return row.words.loses_reference && findings.has(row.finding); });
 }
 
 }  // namespace inbetween::can

@@ -215,7 +215,8 @@ class Cia402Drive {
   DriveFeedback feedback_;
   std::optional<NmtCommand> order_;  ///< to be sent by service()
   NmtState heard_ = NmtState::boot_up;
-  bool guard_toggle_ = false;  ///< of the next answer of a guarded drive
+  bool guard_toggle_ = false;         ///< of the next answer of a guarded drive
+  std::int32_t guard_questions_ = 0;  ///< since the last answer that counted; two or more say the same
   std::int64_t phase_deadline_ns_ = 0;
   std::int64_t followed_ns_ = 0;   ///< when bit 12 was seen last
   std::int64_t unlimited_ns_ = 0;  ///< and when bit 11 was clear

@@ -42,6 +42,7 @@ enum class DriveFinding : std::uint8_t {
   internal_limit,
   emergency,
   heartbeat_lost,
+  guard_answer_repeated,
   unexpected_boot,
   left_operational,
   bad_frames,
@@ -53,7 +54,7 @@ enum class DriveFinding : std::uint8_t {
   moves_while_off,
   watchdog_stays,
 };
-inline constexpr std::size_t drive_findings = 40;
+inline constexpr std::size_t drive_findings = 41;
 
 /// The reaction of the loop with the whole rig (a drive decides nothing for the others).
 enum class DriveReaction : std::uint8_t {
@@ -72,6 +73,9 @@ struct DriveFindingWords {
 };
 
 DriveFindingWords words_of(DriveFinding finding);
+class DriveFindings;
+/// Whether the drive may have forgotten where it is, by one of these.
+bool loses_reference(const DriveFindings& findings);
 
 /// Several findings at a time.
 class DriveFindings {
