@@ -1,12 +1,17 @@
 // SDO in segments, against a server of the tests' own and that of the simulated drive: every size, both ways,
 // and frames that are lost, doubled or late, in either direction.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
+#include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "host_tools/rig/can_drives.hpp"
 #include "inbetween/can/sdo_client.hpp"
 #include "sim/cia402_drive.hpp"
 #include "tests/support/quirky_drive.hpp"
@@ -49,6 +54,14 @@ struct Transfer {
     for (; now_ns < 70'000'000; now_ns += 10'000'000) drive.advance(now_ns);
     static_cast<void>(drive.take_frames());
   }
+  /// An abort in the place of the frame of this number.
+  struct Injected {
+    int number = 0;
+    std::uint32_t code = 0;
+    [[nodiscard]] can::Frame frame(std::uint32_t id) const {
+      return can::sdo_frame(id, {.kind = SdoKind::abort, .object = {.index = 0x2F00}, .value = code});
+    }
+  };
   /// Of the frames of a transfer, by their number.
   struct Trouble {
     int lost_answer = -1;
@@ -56,6 +69,8 @@ struct Transfer {
     int late_answer = -1;
     int lost_request = -1;
     int doubled_request = -1;
+    std::optional<Injected> answered = {};
+    std::optional<Injected> requested = {};
   };
   /// Until it has ended. A late answer comes after the timeout.
   void work(const Trouble& trouble = {}) {
@@ -66,17 +81,25 @@ struct Transfer {
       for (const can::Frame& frame : drive.take_frames()) {
         const int number = answers++;
         if (number == trouble.late_answer) held.push_back(frame);
-        if (number != trouble.lost_answer && number != trouble.late_answer) client.receive(frame);
+        const bool is_abort = trouble.answered && number == trouble.answered->number;
+        if (is_abort) client.receive(trouble.answered->frame(0x585));
+        const bool is_gone = is_abort || number == trouble.lost_answer || number == trouble.late_answer;
+        if (!is_gone) client.receive(frame);
         // The copy comes when the next request is on its way.
         if (number == trouble.doubled_answer) copy.push_back(frame);
       }
       if (!copy.empty()) take_copy(trouble);
-      if (client.state() == SdoState::done || client.state() == SdoState::failed) break;
+      const bool was_reset = client.state() == SdoState::idle;
+      if (was_reset || client.state() == SdoState::done || client.state() == SdoState::failed) break;
     }
     for (const can::Frame& frame : held) EXPECT_FALSE(client.receive(frame)) << "it is too late";
   }
   void send(const can::Frame& frame, const Trouble& trouble) {
     const int number = requests++;
+    if (trouble.requested && number == trouble.requested->number) {
+      drive.receive(trouble.requested->frame(0x605));
+      return client.reset();
+    }
     if (number != trouble.lost_request) drive.receive(frame);
     if (number == trouble.doubled_request) drive.receive(frame);
   }
@@ -212,6 +235,93 @@ TYPED_TEST(SdoSegments, ALostRequestAndOneThatComesTwiceEndATransferAndTheNextOn
         const bool is_written = is_harmless && !is_upload;
         EXPECT_EQ(transfer->drive.bytes_of_object(), is_written ? written : before);
         transfer->read_whole();
+      }
+    }
+  }
+}
+
+// --- every abort of CiA 301, table 22
+
+struct Abort {
+  std::uint32_t code;
+  const char* words;  ///< that a message about it has
+};
+constexpr std::array aborts{
+    Abort{0x05030000, "toggle bit"},       Abort{0x05040000, "no answer in time"},
+    Abort{0x05040001, "command"},          Abort{0x05040002, "block size"},
+    Abort{0x05040003, "sequence number"},  Abort{0x05040004, "checksum"},
+    Abort{0x05040005, "out of memory"},    Abort{0x06010000, "cannot be accessed"},
+    Abort{0x06010001, "only be written"},  Abort{0x06010002, "only be read"},
+    Abort{0x06020000, "no such object"},   Abort{0x06040041, "cannot be mapped"},
+    Abort{0x06040042, "longer than"},      Abort{0x06040043, "do not go together"},
+    Abort{0x06040047, "not compatible"},   Abort{0x06060000, "hardware"},
+    Abort{0x06070010, "another length"},   Abort{0x06070012, "too long"},
+    Abort{0x06070013, "too short"},        Abort{0x06090011, "no such sub-index"},
+    Abort{0x06090030, "not allowed"},      Abort{0x06090031, "too high"},
+    Abort{0x06090032, "too low"},          Abort{0x06090036, "less than the minimum"},
+    Abort{0x060A0023, "resource"},         Abort{0x08000000, "does not name"},
+    Abort{0x08000020, "cannot be stored"}, Abort{0x08000021, "local control"},
+    Abort{0x08000022, "present state"},    Abort{0x08000023, "object dictionary"},
+    Abort{0x08000024, "no data"},          Abort{0x0BADC0DE, "CiA 301 does not name"},
+};
+
+/// The announcement of 21 bytes, and their segments.
+constexpr int first_segment = 1, middle_segment = 2, last_segment = 3;
+
+/// One that goes on when the abort comes.
+template <class Server>
+struct AbortedTransfer : Transfer<Server> {
+  explicit AbortedTransfer(bool uploads) : Transfer<Server>(21), is_upload(uploads) {
+    EXPECT_TRUE(is_upload ? this->client.begin_upload(object, read)
+                          : this->client.begin_download(object, written));
+  }
+  /// Neither side says another word, nothing was written, and the next transfers are whole.
+  void expect_clean_end() {
+    EXPECT_EQ(this->client.poll(this->now_ns + 1'000'000'000), std::nullopt);
+    EXPECT_TRUE(this->drive.take_frames().empty());
+    EXPECT_EQ(this->drive.bytes_of_object(), before);
+    this->read_whole();
+    ASSERT_TRUE(this->client.begin_download(object, written));
+    this->work();
+    EXPECT_EQ(this->client.state(), SdoState::done);
+    EXPECT_EQ(this->drive.bytes_of_object(), written);
+  }
+  bool is_upload;
+  std::vector<std::uint8_t> read = std::vector<std::uint8_t>(21);
+  std::vector<std::uint8_t> written = pattern(21);
+  std::vector<std::uint8_t> before = this->drive.bytes_of_object();
+};
+
+TYPED_TEST(SdoSegments, EveryAbortOfTheDeviceEndsATransferAtAnySegmentAndIsToldInWords) {
+  for (const Abort& abort : aborts) {
+    for (const bool is_upload : {true, false}) {
+      for (const int segment : {0, first_segment, middle_segment, last_segment}) {
+        SCOPED_TRACE(testing::Message() << std::hex << abort.code << ' ' << is_upload << ' ' << segment);
+        AbortedTransfer<TypeParam> transfer(is_upload);
+        transfer.work({.answered = {{.number = segment, .code = abort.code}}});
+        EXPECT_EQ(transfer.client.state(), SdoState::failed);
+        EXPECT_EQ(transfer.client.abort_code(), abort.code);
+        EXPECT_FALSE(transfer.client.has_given_up());
+        const std::string message =
+            words_of(can::SetupRefusal{.object = object, .abort_code = transfer.client.abort_code()});
+        EXPECT_THAT(message, testing::HasSubstr(abort.words));
+        // The last segment of a download had been taken before its answer was lost to the abort.
+        if (!is_upload && segment == last_segment) transfer.before = transfer.written;
+        transfer.expect_clean_end();
+      }
+    }
+  }
+}
+
+TYPED_TEST(SdoSegments, EveryAbortOfTheClientEndsATransferAtAnySegment) {
+  for (const Abort& abort : aborts) {
+    for (const bool is_upload : {true, false}) {
+      for (const int segment : {first_segment, middle_segment, last_segment}) {
+        SCOPED_TRACE(testing::Message() << std::hex << abort.code << ' ' << is_upload << ' ' << segment);
+        AbortedTransfer<TypeParam> transfer(is_upload);
+        transfer.work({.requested = {{.number = segment, .code = abort.code}}});
+        EXPECT_EQ(transfer.answers, segment) << "an abort is not answered";
+        transfer.expect_clean_end();
       }
     }
   }
@@ -358,6 +468,48 @@ TEST_F(SdoSegmentClient, AbortsWhereTheAnswerIsToAnotherRequest) {
   begin_download();
   hear({.kind = SdoKind::upload_segment, .size = 7});
   EXPECT_EQ(told(), 0x05040001U);
+}
+
+/// Every reason that the client has, at the first, a middle and the last segment.
+TEST_F(SdoSegmentClient, TellsTheDeviceWhyItEndsATransferAtAnySegment) {
+  struct Wrong {
+    bool is_upload;
+    std::uint32_t code;
+    std::function<void(SdoMessage&)> change;
+  };
+  const std::array wrongs{
+      Wrong{true, 0x05030000, [](SdoMessage& answer) { answer.toggle = !answer.toggle; }},
+      Wrong{false, 0x05030000, [](SdoMessage& answer) { answer.toggle = !answer.toggle; }},
+      Wrong{true, 0x05040001, [](SdoMessage& answer) { answer.kind = SdoKind::download_segment_done; }},
+      Wrong{false, 0x05040001, [](SdoMessage& answer) { answer.kind = SdoKind::upload_segment; }},
+      Wrong{true, 0x06070010, [](SdoMessage& answer) { answer.size = 0, answer.is_last = false; }},
+  };
+  for (const Wrong& wrong : wrongs) {
+    for (int wrong_segment = first_segment; wrong_segment <= last_segment; ++wrong_segment) {
+      SCOPED_TRACE(testing::Message() << std::hex << wrong.code << ' ' << wrong_segment);
+      wrong.is_upload ? begin_upload() : begin_download();
+      for (int segment = first_segment; segment <= wrong_segment; ++segment) {
+        SdoMessage answer{.kind = wrong.is_upload ? SdoKind::upload_segment : SdoKind::download_segment_done,
+                          .size = static_cast<std::uint8_t>(wrong.is_upload ? 7 : 0),
+                          .toggle = segment % 2 == 0,
+                          .is_last = wrong.is_upload && segment == last_segment};
+        answer.segment.fill(static_cast<std::uint8_t>(segment));
+        if (segment == wrong_segment) wrong.change(answer);
+        hear(answer);
+      }
+      if (!wrong.is_upload && wrong.code == 0x05030000 && wrong_segment != first_segment) {
+        // Bit by bit this is the answer before, which may come twice on CAN: it is not taken for another.
+        EXPECT_EQ(client.state(), SdoState::waiting);
+        static_cast<void>(client.poll(60'000'000));
+        EXPECT_EQ(client.abort_code(), 0x05040000U);
+        continue;
+      }
+      EXPECT_EQ(told(), wrong.code);
+      EXPECT_EQ(told(), 0U) << "once";
+      EXPECT_EQ(client.state(), SdoState::failed);
+      EXPECT_TRUE(client.has_given_up());
+    }
+  }
 }
 
 TEST_F(SdoSegmentClient, EndsWithTheReasonOfTheDevice) {
