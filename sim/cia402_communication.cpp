@@ -218,7 +218,8 @@ std::optional<std::uint32_t> SimulatedCia402Drive::refuses_mapping(const Pdo& pd
     constexpr std::array sent{0x60410010U, 0x60640020U, 0x60610008U, 0x603F0010U, 0x606C0020U, 0x60F40020U};
     const bool can_be_mapped =
         is_sent ? std::ranges::count(sent, value) != 0 : std::ranges::count(received, value) != 0;
-    if (!can_be_mapped) return can::abort_not_mappable;
+    const auto* const object = objects_.find(can::read_mapping_value(value).object);
+    if (!can_be_mapped || (object != nullptr && !object->can_be_mapped)) return can::abort_not_mappable;
     return {};
   }
   if (value > 8) return can::abort_pdo_too_long;

@@ -31,6 +31,7 @@ class ObjectDictionary {
     std::uint32_t value = 0;
     std::uint32_t min = 0;  ///< compared without sign
     std::uint32_t max = std::numeric_limits<std::uint32_t>::max();
+    bool can_be_mapped = true;  ///< into a PDO
     /// Of an object that is no number: it keeps its length, and what is above but the access says nothing.
     std::vector<std::uint8_t> bytes = {};
   };

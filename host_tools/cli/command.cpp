@@ -9,6 +9,7 @@
 #include "host_tools/joints/kinematics.hpp"
 #include "host_tools/plan/turns.hpp"
 #include "host_tools/plot/plot_canvas.hpp"
+#include "host_tools/rig/eds_drive.hpp"
 
 namespace inbetween {
 namespace {
@@ -61,10 +62,16 @@ void refuse_unknown_picture(const std::optional<std::string>& plot) {
   }
 }
 
+RigFile read_rig(const std::string& path) {
+  RigFile rig = read_rig_file(path);
+  refuse_unfit_drives(rig);
+  return rig;
+}
+
 Plan make_plan(const std::string& move, const std::optional<std::string>& rig, Solver solver,
                std::optional<std::int32_t> turns) {
   std::optional<RigFile> rig_file;
-  if (rig) rig_file = read_rig_file(*rig);
+  if (rig) rig_file = read_rig(*rig);
   PlanOptions options{.solver = solver};
   if (rig_file && rig_file->kinematics) {
     options.kinematics = std::make_shared<const Kinematics>(read_kinematics(*rig_file));

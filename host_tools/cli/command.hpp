@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "host_tools/files/rig_file.hpp"
 #include "host_tools/plan/plan.hpp"
 #include "host_tools/plot/plot_canvas.hpp"
 
@@ -69,6 +70,10 @@ void refuse_outputs_in_one_place(const std::vector<NamedFile>& inputs, const std
 
 /// Throws UsageError if the name of a picture has no known ending.
 void refuse_unknown_picture(const std::optional<std::string>& plot);
+
+/// Reads a rig, and the data sheets of its drives: what one lacks is told before anything is connected.
+/// Throws InputError.
+RigFile read_rig(const std::string& path);
 
 /// Reads and solves; warnings go to standard error. `turns`: so many turns of a periodic move.
 Plan make_plan(const std::string& move, const std::optional<std::string>& rig, Solver solver,

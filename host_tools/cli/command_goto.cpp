@@ -30,7 +30,7 @@ int say_where_axes_stand(const GotoArguments& arguments) {
   std::vector<std::string> said = arguments.stands_at;
   said.reserve(said.size() + arguments.set_zero.size());
   for (const std::string& name : arguments.set_zero) said.push_back(name + "=0");
-  const RigFile rig = read_rig_file(arguments.setup.rig);
+  const RigFile rig = read_rig(arguments.setup.rig);
   std::vector<GoTarget> stands;
   for (const auto& [name, position] : positions_of(said, "--stands-at")) {
     const std::size_t a = axis_named(rig, name);
@@ -61,7 +61,7 @@ int say_where_axes_stand(const GotoArguments& arguments) {
 
 int go(const GotoArguments& arguments) {
   const RigWatch watch(arguments.setup.rig);
-  const RigFile rig = read_rig_file(arguments.setup.rig);
+  const RigFile rig = read_rig(arguments.setup.rig);
   const std::vector<GoTarget> targets = go_targets(rig, positions_of(arguments.targets, "goto"));
   RigReference reference = reference_of(rig, arguments.setup.positions, arguments.setup.simulated);
   const InterruptWatch interrupts;

@@ -34,7 +34,7 @@ void print_outside(const RigFile& rig, const std::vector<std::size_t>& axes,
 int home_command(const HomeArguments& arguments) {
   check_setup_usage(arguments.setup);
   const RigWatch watch(arguments.setup.rig);
-  const RigFile rig = read_rig_file(arguments.setup.rig);
+  const RigFile rig = read_rig(arguments.setup.rig);
   const std::vector<std::size_t> axes = home_axes(rig, arguments.axes);
   RigReference reference = reference_of(rig, arguments.setup.positions, arguments.setup.simulated);
   const InterruptWatch interrupts;

@@ -41,7 +41,7 @@ int jog_command(const JogArguments& arguments) {
     throw UsageError("with --allow-jitter --speed is 0.1 at most");
   }
   const RigWatch watch(arguments.setup.rig);
-  const RigFile rig = read_rig_file(arguments.setup.rig);
+  const RigFile rig = read_rig(arguments.setup.rig);
   const std::size_t selected = axis_named(rig, arguments.axis);
   RigReference reference = reference_of(rig, arguments.setup.positions, arguments.setup.simulated);
   print_speeds(rig, reference, arguments.share);

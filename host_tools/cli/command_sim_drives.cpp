@@ -28,7 +28,7 @@ int sim_drives_command(const SimDrivesArguments& arguments) {
   const InterruptWatch interrupts;
   SimDrivesOptions options{.standing = positions_of(arguments.from), .interrupted = &InterruptWatch::asked};
   options.ready = [] { fmt::print(stderr, "the drives have power; Ctrl-C ends them\n"); };
-  const RigFile rig = read_rig_file(arguments.rig);
+  const RigFile rig = read_rig(arguments.rig);
   if (arguments.faults) options.faults = read_fault_script(*arguments.faults, rig);
   if (!arguments.record) {
     run_sim_drives(rig, options);

@@ -133,6 +133,7 @@ class EdsReader {
     }
     EdsObject object{.index = index, .sub = sub, .line = section.line()};
     read_access(section, object);
+    object.can_be_mapped = can_be_mapped(section);
     const EdsType type = type_of(*whole(section, "datatype", "DataType=0x0007"));
     const IniValue* value = own;
     for (const char* const key : {"parametervalue", "defaultvalue"}) {
@@ -162,6 +163,12 @@ class EdsReader {
     if (std::ranges::find(words, word) == words.end()) {
       access.refuse(fmt::format("is {}; write {}", in_quotes(access.text()), comma_separated(words)));
     }
+  }
+
+  [[nodiscard]] bool can_be_mapped(const IniSection& section) const {
+    const std::uint64_t flag = whole(section, "pdomapping").value_or(1);
+    if (flag > 1) section.at("pdomapping").refuse(fmt::format("is {}; write 0 or 1", flag));
+    return flag == 1;
   }
 
   void read_limits(const IniSection& section, const EdsType& type, EdsObject& object) const {

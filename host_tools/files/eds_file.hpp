@@ -26,7 +26,8 @@ struct EdsObject {
   std::uint8_t size = 0;  // of a number, 1 to 4 bytes; 0: it is none, and `bytes` is what it has
   bool can_be_read = true;
   bool can_be_written = true;
-  std::uint32_t value = 0;  // ParameterValue of a DCF, or else DefaultValue, or 0
+  bool can_be_mapped = true;  // into a PDO; also where the file does not say
+  std::uint32_t value = 0;    // ParameterValue of a DCF, or else DefaultValue, or 0
   std::vector<std::uint8_t> bytes{};
   std::optional<std::uint32_t> low{}, high{};  // of a number without sign
   std::uint32_t line = 0;                      // of its section

@@ -59,6 +59,19 @@ std::int32_t whole_counts(double length, double counts_per_unit) {
   return static_cast<std::int32_t>(std::clamp(std::round(length * std::fabs(counts_per_unit)), 1.0, 1e9));
 }
 
+/// A tick in which every drive gets a target and a question is sent at once, or not at all.
+void refuse_long_ticks(const Bus& bus, std::int64_t drives, std::int64_t guarded) {
+  constexpr std::int64_t of_bus = 3;  // SYNC, the heartbeat, and one of NMT or SDO
+  constexpr std::int64_t sent_at_once = can::SocketCan::max_frames;
+  const std::int64_t frames = of_bus + drives + guarded;
+  if (frames <= sent_at_once) return;
+  throw InputError(
+      bus.place,
+      fmt::format("the {} on bus {}, {} of them guarded, need {} frames in a tick, and {} are sent "
+                  "at once; spread them over more buses",
+                  counted(drives, "drive"), in_quotes(bus.name), guarded, frames, sent_at_once));
+}
+
 }  // namespace
 
 // --- what a rig file says
@@ -130,10 +143,14 @@ std::string words_of(const can::SetupRefusal& refusal) {
 void refuse_overloaded_buses(const RigFile& rig) {
   for (const Bus& bus : rig.buses) {
     can::BusUse use{.bitrate = bus.bitrate, .rate_hz = rig.rate_hz, .drives = 0};
+    std::int64_t guarded = 0;
     for (const RigAxis& axis : rig.axes) {
       const auto* const drive = std::get_if<Cia402Drive>(&axis.drive);
-      if (drive != nullptr && drive->bus == bus.name) ++use.drives;
+      if (drive == nullptr || drive->bus != bus.name) continue;
+      ++use.drives;
+      if (drive->is_guarded) ++guarded;
     }
+    refuse_long_ticks(bus, use.drives, guarded);
     if (use.drives == 0 || can::check_bus_load(use)) continue;
     throw InputError(bus.place,
                      fmt::format("the {} on bus {} need {:.1f} % of its {} bit/s at {} Hz, and {} % "

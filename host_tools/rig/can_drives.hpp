@@ -25,7 +25,8 @@ can::NodeId node_of(const RigAxis& axis);
 can::Cia402Settings settings_of(const RigAxis& axis, std::int32_t rate_hz);
 /// Why a drive could not be set up: the object, what it has, and the words of the drive.
 std::string words_of(const can::SetupRefusal& refusal);
-/// Throws InputError at the place of a bus whose load would be above bus_load_limit_percent.
+/// Throws InputError at the place of a bus whose load would be above bus_load_limit_percent, or that has more
+/// frames in a tick than are sent at once.
 void refuse_overloaded_buses(const RigFile& rig);
 
 class CanDrives final : public PortDrives<can::Cia402Port<double, BusLink>> {

@@ -53,6 +53,12 @@ std::vector<Count> counts_of(const can::DriveCounters& drive) {
           count_of("foreign_frames", drive.foreign_frames)};
 }
 
+std::vector<Count> counts_of(const StepDelays& delays) {
+  return {Count{.name = "late_steps", .count = delays.late_steps, .is_traffic = true},
+          Count{.name = "longest_delay_ns", .count = delays.longest_ns, .is_traffic = true},
+          Count{.name = "cancelled_pairs", .count = delays.cancelled_pairs, .is_traffic = true}};
+}
+
 std::vector<Count> counts_of(const gpio::StepPlayerCounters& edges) {
   return {traffic_of("played", edges.played), traffic_of("discarded", edges.discarded),
           count_of("refused", edges.refused), count_of("late", edges.late),

@@ -10,6 +10,7 @@
 #include "inbetween/can/cia402_drive.hpp"
 #include "inbetween/can/cia402_port.hpp"
 #include "inbetween/steps/cue_timer.hpp"
+#include "inbetween/steps/step_generator.hpp"
 
 namespace inbetween {
 
@@ -28,7 +29,7 @@ struct Counted {
 
 struct Counters {
   std::vector<Counted> buses;   ///< in the order of the first axis on each
-  std::vector<Counted> drives;  ///< on buses, in the order of their axes
+  std::vector<Counted> drives;  ///< on buses, in the order of their axes, and then those that take steps
   std::vector<Counted> chips;   ///< GPIO chips with planned edges: those of steps, then those of pulses
   std::vector<Count> pulses;    ///< on the outputs; empty for a rig without
 };
@@ -36,6 +37,7 @@ struct Counters {
 /// The counters of a bus; `socket` is null for a simulated one.
 std::vector<Count> counts_of(const can::LaneCounters& lane, const can::CanCounters* socket);
 std::vector<Count> counts_of(const can::DriveCounters& drive);
+std::vector<Count> counts_of(const StepDelays& delays);
 std::vector<Count> counts_of(const gpio::StepPlayerCounters& edges);
 std::vector<Count> counts_of(const CueCounters& pulses);
 

@@ -69,7 +69,10 @@ void refuse_unfit_drive(const RigAxis& axis, std::int32_t rate_hz) {
   set_up(bus, simulated, rate_hz);
   const can::Cia402Drive& host = hosts.front();
   if (host.phase() == can::DrivePhase::idle) return;
-  const can::ObjectAddress asked = host.refusal().object;
+  // Of a mapping that is refused, the line is that of the object which may not be in it.
+  const bool is_of_mapping = host.refusal().abort_code == can::abort_not_mappable;
+  const can::ObjectAddress asked =
+      is_of_mapping ? can::read_mapping_value(host.refusal().expected).object : host.refusal().object;
   const EdsObject* const object = eds.find(asked.index, asked.sub);
   const can::DriveFindingWords words = can::words_of(host.first_finding().value());
   throw InputError(
@@ -90,7 +93,10 @@ ObjectDictionary dictionary_of(const EdsFile& eds) {
       objects.add(address, {.access = access_of(object), .bytes = bytes});
       continue;
     }
-    ObjectDictionary::Object number{.size = object.size, .access = access_of(object), .value = object.value};
+    ObjectDictionary::Object number{.size = object.size,
+                                    .access = access_of(object),
+                                    .value = object.value,
+                                    .can_be_mapped = object.can_be_mapped};
     number.min = object.low.value_or(number.min);
     number.max = object.high.value_or(number.max);
     objects.add(address, number);

@@ -5,8 +5,6 @@
 #include <utility>
 #include <variant>
 
-#include "host_tools/rig/eds_drive.hpp"
-
 namespace inbetween {
 
 void refuse_falling_axes(const RigFile& rig) {
@@ -41,7 +39,6 @@ RigDrives::RigDrives(const RigFile& rig, RigHardware& hardware)
     }
   }
   refuse_overloaded_buses(rig);
-  refuse_unfit_drives(rig);
   std::unique_ptr<AxisDrives> other_drives;
   if (!others.empty()) other_drives = hardware.open_others(others);
   if (!on_can.empty()) {
@@ -104,7 +101,7 @@ bool RigDrives::has_lost_position(std::size_t axis) const {
 Counters RigDrives::counts() const {
   Counters counts;
   if (can_ != nullptr) can_->count(counts);
-  if (steps_ != nullptr) counts.chips = steps_->counts();
+  if (steps_ != nullptr) steps_->count(counts);
   return counts;
 }
 

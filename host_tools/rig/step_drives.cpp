@@ -121,6 +121,13 @@ void StepDrives::place(std::size_t lane, double position) {
   value_or_refuse(port_->place(lane, position), axis.place, named(axis));
 }
 
+void StepDrives::count(Counters& counts) const {
+  for (Counted& chip : counts_of_chips(chips_)) counts.chips.push_back(std::move(chip));
+  for (std::size_t lane = 0; lane < lanes_.size(); ++lane) {
+    counts.drives.push_back({rig_.axes[indices_[lane]].name, counts_of(lanes_[lane].generator.delays())});
+  }
+}
+
 std::string StepDrives::trouble() const {
   for (const Chip& chip : chips_) {
     if (chip.outputs->has_ended()) {

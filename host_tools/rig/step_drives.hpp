@@ -42,8 +42,8 @@ class StepDrives final : public PortDrives<StepPort<double, ChipOutputs>> {
   [[nodiscard]] const TickChain& chain() const { return port_->chain(); }
   /// Says the first thing that is wrong and what to do; "" if nothing is. Not for the loop's thread.
   [[nodiscard]] std::string trouble() const;
-  /// The counters of the chips that count.
-  [[nodiscard]] std::vector<Counted> counts() const { return counts_of_chips(chips_); }
+  /// Adds what the chips that count have counted, and the steps of each axis that its driver's times delayed.
+  void count(Counters& counts) const;
 
  private:
   struct Chip {

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -12,10 +13,11 @@
 namespace inbetween {
 
 struct EdsWishes {
-  std::vector<std::string> without = {};  ///< sections that are left out
-  std::string modes = "0x000000A1";       ///< 6502
-  std::string period_access = "rw";       ///< 60C2:1
-  std::string window = "2000";            ///< 6065
+  std::vector<std::string> without = {};     ///< sections that are left out
+  std::string modes = "0x000000A1";          ///< 6502
+  std::string period_access = "rw";          ///< 60C2:1
+  std::string window = "2000";               ///< 6065
+  std::vector<std::string> not_mapped = {};  ///< sections of objects that cannot be mapped, though others can
 };
 
 inline std::string eds_text(const EdsWishes& wishes) {
@@ -28,10 +30,13 @@ inline std::string eds_text(const EdsWishes& wishes) {
   };
   const auto variable = [&](std::string_view section, int type, std::string_view access,
                             std::string_view value) {
+    constexpr std::array<std::string_view, 5> mapped{"6040", "6041", "6061", "6064", "607A"};
+    const bool can_be_mapped = std::ranges::find(mapped, section) != mapped.end() &&
+                               std::ranges::find(wishes.not_mapped, section) == wishes.not_mapped.end();
     add(section,
         fmt::format("ParameterName=p\nObjectType=0x7\nDataType=0x{:04X}\nAccessType={}\nDefaultValue={}\n"
-                    "PDOMapping=0\n",
-                    type, access, value));
+                    "PDOMapping={}\n",
+                    type, access, value, can_be_mapped ? 1 : 0));
   };
   const auto record = [&](std::string_view section) {
     add(section, "ParameterName=r\nObjectType=0x9\nSubNumber=2 ; wrong\n");

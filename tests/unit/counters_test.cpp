@@ -32,5 +32,17 @@ TEST(Counters, EveryCounterOfAChipIsInTheReport) {
   EXPECT_EQ(names, "played 1; discarded 2; refused 3; late 4; worst_late_ns 5; ");
 }
 
+TEST(Counters, EveryDelayOfStepsIsInTheReportAndNoTrouble) {
+  std::string names;
+  Counters counts;
+  counts.drives.push_back(
+      {"slide", counts_of(StepDelays{.late_steps = 1, .longest_ns = 2, .cancelled_pairs = 3})});
+  for (const Count& count : counts.drives[0].counts) {
+    names += std::string(count.name) + " " + std::to_string(count.count) + "; ";
+  }
+  EXPECT_EQ(names, "late_steps 1; longest_delay_ns 2; cancelled_pairs 3; ");
+  EXPECT_EQ(trouble_of(counts), "");
+}
+
 }  // namespace counters_test
 }  // namespace inbetween

@@ -1,16 +1,20 @@
 // Data sheets of drives (EDS, DCF): what is read of them, where they are wrong, and what a rig's drive lacks
 // by its own. The texts have the shapes that makers use, and none is a maker's.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "host_tools/rig/eds_drive.hpp"
 #include "host_tools/rig/simulated_hardware.hpp"
 #include "tests/support/eds_text.hpp"
+#include "tests/support/places.hpp"
 #include "tests/support/run_program.hpp"
 #include "tests/support/temporary_file.hpp"
 
@@ -224,6 +228,44 @@ TEST(EdsDrive, WhatItLacksIsToldBeforeAnythingIsConnectedWithTheLine) {
               testing::ContainsRegex("drive.eds:[1-9][0-9]*: .*60C2h:1 is 1 \\(1h\\), not 4"));
   EXPECT_THAT(Sheet(eds_text({.without = {"6007"}})).refusal(), HasSubstr("on_host_lost"));
   EXPECT_EQ(Sheet(eds_text({.without = {"6502"}})).refusal(), "");
+}
+
+TEST(EdsDrive, AnObjectThatMayNotBeMappedIsToldWithItsOwnLine) {
+  const std::string sheet = eds_text({.not_mapped = {"607A"}});
+  const auto line =
+      std::count(sheet.begin(), sheet.begin() + static_cast<std::ptrdiff_t>(sheet.find("[607A]")), '\n') + 1;
+  EXPECT_THAT(Sheet(sheet).refusal(),
+              testing::AllOf(HasSubstr(fmt::format("drive.eds:{}: error: axis \"slide\": ", line)),
+                             HasSubstr("object 1600h:2"), HasSubstr("(607A0020h)"),
+                             HasSubstr("0604 0041h: the object cannot be mapped into a PDO")));
+  std::string unsaid = sheet;
+  for (std::size_t at = 0; (at = unsaid.find("PDOMapping=0\n")) != unsaid.npos;) unsaid.erase(at, 13);
+  EXPECT_EQ(Sheet(unsaid).refusal(), "") << "what the file does not say may be";
+  EXPECT_THAT(
+      Sheet(std::string(eds_text({})) + "[2000]\nDataType=7\nAccessType=rw\nPDOMapping=2\n").refusal(),
+      HasSubstr("PDOMapping is 2; write 0 or 1"));
+}
+
+// Jog needs a terminal, and reads the rig as goto does.
+TEST(EdsDrive, EveryCommandThatReadsARigLooksAtTheDataSheetsBeforeAnythingIsConnected) {
+  const Sheet sheet(eds_text({.modes = "0x21"}));
+  const std::string move = in_checkout("examples/reveal.toml");
+  for (const std::vector<std::string>& command :
+       std::vector<std::vector<std::string>>{{"plan", move},
+                                             {"check", move},
+                                             {"run", move},
+                                             {"goto", "--yes", "slide=20"},
+                                             {"home"},
+                                             {"sim-drives"}}) {
+    std::vector<std::string> arguments = command;
+    arguments.insert(arguments.end(), {"--rig", sheet.rig()});
+    const ProgramRun run = run_program(arguments);
+    EXPECT_EQ(run.status, 1) << command.front() << run.out;
+    EXPECT_THAT(run.err,
+                testing::ContainsRegex("drive.eds:[1-9][0-9]*: error: axis \"slide\": the drive does "
+                                       "not offer cyclic"))
+        << command.front();
+  }
 }
 
 TEST(EdsDrive, WhatSomebodyMaySetInTheDriveIsNotJudgedBeforeItIsConnected) {

@@ -19,15 +19,16 @@ namespace rig_drives_test {
 using testing::HasSubstr;
 using testing::StartsWith;
 
-RigFile rig_of(int axes, int rate_hz, int bitrate, const std::string& scale = "-1000.0") {
+RigFile rig_of(int axes, int rate_hz, int bitrate, const std::string& scale = "-1000.0",
+               const std::string& watchdog = "heartbeat") {
   std::string text =
       fmt::format("name = \"many\"\nrate_hz = {}\n[bus.can0]\nbitrate = {}\n", rate_hz, bitrate);
   for (int i = 1; i <= axes; ++i) {
     text += fmt::format(
         "[[axis]]\nname = \"a{}\"\nunit = \"mm\"\nmin = -10.5\nmax = 200\nmax_velocity = 250\n"
         "max_acceleration = 1000\ndrive = {{ type = \"cia402\", bus = \"can0\", node = {}, "
-        "counts_per_unit = {} }}\n",
-        i, i, scale);
+        "counts_per_unit = {}, watchdog = \"{}\" }}\n",
+        i, i, scale, watchdog);
   }
   return parse_rig(text, "rig.toml");
 }
@@ -44,6 +45,20 @@ TEST(RigDrives, ABusThatWouldBeTooFullIsRefusedWithItsLoad) {
                 HasSubstr("the 6 drives on bus \"can0\" need 74.8 % of its 1000000 bit/s at 500 Hz"));
     EXPECT_THAT(error.what(), HasSubstr("(5 fit)"));
   }
+}
+
+TEST(RigDrives, ABusWithMoreFramesInATickThanAreSentAtOnceIsRefused) {
+  const auto guarded = [](int axes) { return rig_of(axes, 50, 1'000'000, "1000", "life-guarding"); };
+  EXPECT_NO_THROW(refuse_overloaded_buses(guarded(30)));
+  EXPECT_NO_THROW(refuse_overloaded_buses(rig_of(58, 50, 1'000'000)));
+  EXPECT_THAT([&] { refuse_overloaded_buses(guarded(31)); },
+              testing::ThrowsMessage<InputError>(
+                  testing::AllOf(StartsWith("rig.toml:3:"),
+                                 HasSubstr("the 31 drives on bus \"can0\", 31 of them "
+                                           "guarded, need 65 frames in a tick"),
+                                 HasSubstr("64 are sent at once; spread them over more buses"))));
+  EXPECT_THAT([&] { refuse_overloaded_buses(rig_of(62, 40, 1'000'000)); },
+              testing::ThrowsMessage<InputError>(HasSubstr("need 65 frames")));
 }
 
 TEST(RigDrives, AnAxisTellsItsDriveItsRangeAndItsStep) {
@@ -137,6 +152,10 @@ TEST(RigDrives, EveryKindOfDriveTakesWhereItsAxisStandsAndGoesFromThere) {
     EXPECT_NEAR(states[a].actual, 20.125 + static_cast<double>(a), 1e-3) << a;
     EXPECT_NEAR(hardware.true_position(a), truly[a] + 0.125, 1e-3) << a;
   }
+  const Counters counts = drives.counts();
+  ASSERT_EQ(counts.drives.size(), 2U);
+  EXPECT_EQ(counts.drives[0].of, "can");
+  EXPECT_EQ(counts.drives[1].of, "steps");
 }
 
 TEST(RigDrives, APlaceThatADriveCannotCountToIsRefusedAtItsAxis) {
