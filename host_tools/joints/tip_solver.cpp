@@ -31,6 +31,14 @@ double largest_of(const std::vector<double>& values) {
   return largest;
 }
 
+/// The first whose magnitude is about the largest: what two axes do alike is told of the one nearer the root,
+/// however the numbers are rounded.
+std::size_t first_of_largest(const std::vector<double>& values) {
+  const double enough = 0.9 * largest_of(values);
+  const auto first = std::ranges::find_if(values, [&](double x) { return std::fabs(x) >= enough; });
+  return static_cast<std::size_t>(first - values.begin());
+}
+
 double product(const std::vector<double>& a, const std::vector<double>& b) {
   double sum = 0;
   for (std::size_t i = 0; i < a.size(); ++i) sum += a[i] * b[i];
@@ -119,8 +127,10 @@ TipSolver::TipSolver(const Kinematics& kinematics, std::int32_t link, std::vecto
     const bool slides = joint != joints.end() && joint->kind == JointKind::prismatic;
     const double factor = joint != joints.end() ? std::fabs(joint->factor) : 1;
     scales_.push_back(slides ? factor / reach_ : factor);
+    slides_.push_back(slides);
   }
   arm_ = find_arm();
+  crane_ = CraneSolutions::find(kinematics, link_, axes_);
 }
 
 std::vector<Pose<double>> TipSolver::poses(const std::vector<double>& positions) const {
@@ -241,6 +251,7 @@ void TipSolver::stay_near(const TipTarget& target, std::vector<double>& position
 
 TipSolution TipSolver::solve(const TipTarget& target, const std::vector<double>& seed) const {
   if (arm_ && target.position && !target.aim && !target.roll) return solve_arm(*target.position, seed);
+  if (const auto found = solve_crane(target, seed, false)) return *found;
   TipSolution solution{.positions = seed};
   descend(target, solution.positions);
   const Rows found = rows(target, solution.positions);
@@ -255,13 +266,15 @@ TipSolution TipSolver::solve(const TipTarget& target, const std::vector<double>&
 TipSolution TipSolver::solve_from_ranges(const TipTarget& target) const {
   std::vector<double> seed;
   for (const TipAxis& axis : axes_) seed.push_back(axis.near);
+  if (const auto found = solve_crane(target, seed, true)) return *found;
   TipSolution best = solve(target, seed);
   if (arm_) return best;
+  const std::vector<double> near = seed;
   const auto is_better = [&](const TipSolution& one, const TipSolution& other) {
     if (one.is_exact() != other.is_exact()) return one.is_exact();
     if (!one.is_exact()) return one.miss_m / reach_ + one.miss_rad < other.miss_m / reach_ + other.miss_rad;
     if (in_ranges(one.positions) != in_ranges(other.positions)) return in_ranges(one.positions);
-    return distance_to_near(one.positions) < distance_to_near(other.positions);
+    return distance(one.positions, near) < distance(other.positions, near);
   };
   for (int i = 1; i <= seed_count; ++i) {
     for (std::size_t d = 0; d < axes_.size(); ++d) {
@@ -310,14 +323,16 @@ TipSolver::Freedom TipSolver::freedom(const TipTarget& target, const std::vector
   Freedom result;
   result.sign = sign_of_determinant(slopes);
   const double largest = eigen.values.front();
+  // How much each axis has of the weakest direction, or of all that are lost.
+  std::vector<double> weak;
   for (std::size_t k = 0; k < eigen.values.size() && k < rank; ++k) {
     const double share = largest > 0 ? std::sqrt(std::max(eigen.values[k], 0.0) / largest) : 0;
+    if (k == 0 || result.smallest > no_rank) weak.assign(axes_.size(), 0);
+    for (std::size_t i = 0; i < weak.size(); ++i) weak[i] = std::hypot(weak[i], eigen.vectors[k][i]);
     result.smallest = share;
     if (share > no_rank) result.rank = k + 1;
-    const std::vector<double>& weak = eigen.vectors[k];
-    result.weak_axis = static_cast<std::size_t>(
-        std::ranges::max_element(weak, {}, [](double x) { return std::fabs(x); }) - weak.begin());
   }
+  if (!weak.empty()) result.weak_axis = first_of_largest(weak);
   return result;
 }
 
@@ -387,17 +402,46 @@ TipSolution TipSolver::solve_arm(const Vector3<double>& position, const std::vec
   return solution;
 }
 
-double TipSolver::distance_to_near(const std::vector<double>& positions) const {
-  double sum = 0;
-  for (std::size_t i = 0; i < axes_.size(); ++i) {
-    sum = std::hypot(sum, (positions[i] - axes_[i].near) * scales_[i]);
+std::optional<TipSolution> TipSolver::solve_crane(const TipTarget& target, const std::vector<double>& seed,
+                                                  bool in_ranges_first) const {
+  if (!crane_) return std::nullopt;
+  std::optional<TipSolution> best;
+  for (std::vector<double>& positions : crane_->of(target)) {
+    for (std::size_t i = 0; i < axes_.size(); ++i) {
+      if (slides_[i]) continue;
+      const double turn = 2 * std::numbers::pi / scales_[i];
+      const auto nearest_to = [&](double place) {
+        return positions[i] + turn * std::round((place - positions[i]) / turn);
+      };
+      const double near_middle = nearest_to((axes_[i].min + axes_[i].max) / 2);
+      positions[i] = nearest_to(seed[i]);
+      if (in_ranges_first && !in_range(i, positions[i]) && in_range(i, near_middle))
+        positions[i] = near_middle;
+    }
+    const Rows found = rows(target, positions);
+    TipSolution solution{positions, found.miss_m, found.miss_rad};
+    if (!solution.is_exact()) continue;
+    const auto rank = [&](const TipSolution& one) {
+      return std::pair(in_ranges_first && !in_ranges(one.positions), distance(one.positions, seed));
+    };
+    if (!best || rank(solution) < rank(*best)) best = std::move(solution);
   }
+  return best;
+}
+
+double TipSolver::distance(const std::vector<double>& a, const std::vector<double>& b) const {
+  double sum = 0;
+  for (std::size_t i = 0; i < axes_.size(); ++i) sum = std::hypot(sum, (a[i] - b[i]) * scales_[i]);
   return sum;
+}
+
+bool TipSolver::in_range(std::size_t i, double position) const {
+  return position >= axes_[i].min && position <= axes_[i].max;
 }
 
 bool TipSolver::in_ranges(const std::vector<double>& positions) const {
   for (std::size_t i = 0; i < axes_.size(); ++i) {
-    if (positions[i] < axes_[i].min || positions[i] > axes_[i].max) return false;
+    if (!in_range(i, positions[i])) return false;
   }
   return true;
 }

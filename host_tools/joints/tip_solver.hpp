@@ -7,30 +7,12 @@
 #include <optional>
 #include <vector>
 
+#include "host_tools/joints/crane_solutions.hpp"
 #include "host_tools/joints/kinematics.hpp"
+#include "host_tools/joints/tip_target.hpp"
 #include "inbetween/joints/arm_angles.hpp"
 
 namespace inbetween {
-
-/// Where a link is asked to be, in the world (m). Its x axis is the one that looks: the lens of a camera.
-struct TipTarget {
-  std::optional<Vector3<double>> position = {};
-  /// The point at which the link looks.
-  std::optional<Vector3<double>> aim = {};
-  /// How far the link is turned about its x axis (rad); at 0 its y axis is level and its z axis points up.
-  std::optional<double> roll = {};
-};
-
-/// How a target moves: of each, its derivative.
-using TipTargetRate = TipTarget;
-
-/// An axis that may be moved for it.
-struct TipAxis {
-  std::size_t axis = 0;  // coordinate of the tree
-  double min = 0;
-  double max = 0;
-  double near = 0;  // where a solution is sought first
-};
 
 /// How near to a target the axes can bring the link.
 struct TipSolution {
@@ -45,7 +27,7 @@ struct TipSolution {
 /// Newton's method with damping (Levenberg and Marquardt; Nakamura and Hanafusa 1986, Wampler 1986) on the
 /// Jacobian of the tree. Axes that the target leaves free stay as near as they can to where they were sought.
 /// An arm of two parallel axes is solved in closed form (arm_angles), with the elbow on the side that is
-/// asked.
+/// asked, and so are camera cranes and remote heads (CraneSolutions).
 class TipSolver {
  public:
   /// All axes that move the link are among `axes`. `kinematics` outlives the solver.
@@ -55,8 +37,9 @@ class TipSolver {
   [[nodiscard]] bool is_two_joint_arm() const { return arm_.has_value(); }
   void set_elbow(ElbowSide side) { elbow_ = side; }
 
-  /// From no more than `near` and the ranges of the axes: the solution that is nearest to `near`, of those
-  /// that are found from there and from 64 places spread over the ranges, inside the ranges if there is one.
+  /// From no more than `near` and the ranges of the axes: the solution that is nearest to `near`, inside the
+  /// ranges if there is one; of all that there are where the rig has a closed form, otherwise of those that
+  /// are found from there and from 24 places spread over the ranges.
   [[nodiscard]] TipSolution solve_from_ranges(const TipTarget& target) const;
   /// From positions beside the solution. What is not exact is as near as the method comes.
   [[nodiscard]] TipSolution solve(const TipTarget& target, const std::vector<double>& seed) const;
@@ -68,7 +51,7 @@ class TipSolver {
   struct Freedom {
     std::size_t rank = 0;       // so many directions of the target can be followed
     double smallest = 0;        // of their singular values, as a share of the largest
-    std::size_t weak_axis = 0;  // index of the TipAxis that moves most without moving the link
+    std::size_t weak_axis = 0;  // index of the first TipAxis that moves most without moving the link
     /// The sign of the Jacobian's determinant where it is square, otherwise 0: it changes only where the rig
     /// passes through a singular place.
     int sign = 0;
@@ -114,7 +97,14 @@ class TipSolver {
   void stay_near(const TipTarget& target, std::vector<double>& positions) const;
   [[nodiscard]] std::optional<Arm> find_arm() const;
   [[nodiscard]] TipSolution solve_arm(const Vector3<double>& position, const std::vector<double>& seed) const;
-  [[nodiscard]] double distance_to_near(const std::vector<double>& positions) const;
+  /// The solution of the closed form that is nearest to `seed`, inside the ranges if `in_ranges_first` and
+  /// there is one.
+  [[nodiscard]] std::optional<TipSolution> solve_crane(const TipTarget& target,
+                                                       const std::vector<double>& seed,
+                                                       bool in_ranges_first) const;
+  /// Of the scaled axes.
+  [[nodiscard]] double distance(const std::vector<double>& a, const std::vector<double>& b) const;
+  [[nodiscard]] bool in_range(std::size_t i, double position) const;
   [[nodiscard]] bool in_ranges(const std::vector<double>& positions) const;
 
   const Kinematics* kinematics_;
@@ -122,8 +112,10 @@ class TipSolver {
   std::vector<TipAxis> axes_;
   double reach_ = 0;
   std::vector<double> scales_;  // rad, or m by reach, per unit of each axis
+  std::vector<bool> slides_;
   std::optional<Arm> arm_;
   ElbowSide elbow_ = ElbowSide::left;
+  std::optional<CraneSolutions> crane_;
 };
 
 }  // namespace inbetween

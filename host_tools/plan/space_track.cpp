@@ -214,9 +214,18 @@ class AxesInSpace {
     if (!found.is_exact()) refuse_miss(place, found.positions);
     const TipSolver::Freedom freedom = solver_.freedom(wanted, found.positions, rank_);
     if (is_first) sign_ = freedom.sign;
-    if (freedom.smallest < singular_share || freedom.sign != sign_) refuse_singular(place, freedom.weak_axis);
+    if (freedom.smallest < singular_share) refuse_singular(place, freedom.weak_axis);
+    if (freedom.sign != sign_) refuse_singular(place, weak_axis_between(wanted, before_, found.positions));
     before_ = found.positions;
     return found.positions;
+  }
+
+  /// Of the singular place that lies between two solutions.
+  [[nodiscard]] std::size_t weak_axis_between(const TipTarget& wanted, const std::vector<double>& before,
+                                              const std::vector<double>& behind) const {
+    std::vector<double> middle;
+    for (std::size_t i = 0; i < before.size(); ++i) middle.push_back((before[i] + behind[i]) / 2);
+    return solver_.freedom(wanted, middle, rank_).weak_axis;
   }
 
   [[noreturn]] void refuse(const PathPoint<double>& place, const std::string& problem) const {

@@ -5,10 +5,11 @@
 #include <stdexcept>
 #include <vector>
 
+#include "inbetween/joints/crane_positions.hpp"
 #include "inbetween/joints/joint_tree.hpp"
 
 /// A tick of an articulated rig: the pose, velocity and acceleration of every link, and the Jacobian of its
-/// tip.
+/// tip. And the reverse, for the rig that has a closed form.
 
 namespace inbetween {
 namespace {
@@ -56,6 +57,31 @@ void kinematics_tick(benchmark::State& state) {
   }
 }
 BENCHMARK(kinematics_tick)->Arg(6);
+
+/// The six positions of a camera crane from the place and the direction of its camera.
+void crane_inverse(benchmark::State& state) {
+  const CameraCrane<double> crane{.track = {1, 0, 0},
+                                  .column = {0, 0, 1},
+                                  .boom = {0, -1, 0},
+                                  .foot = {0, 0, 0.4},
+                                  .level = {0.2, 0, 0.65},
+                                  .raised = {2.5, 0, 0}};
+  const CameraHead<double> head{.pan = {0, 0, 1}, .tilt = {0, -1, 0}, .roll = {1, 0, 0}};
+  double angle = 0;
+  for ([[maybe_unused]] auto _ : state) {
+    angle = angle < 1 ? angle + 0.001 : 0;
+    const auto positions = crane_positions(crane, {2 + angle, 1, 1 + angle}, {});
+    const auto turn = turned_about<double>({0, 0, 1}, sine_cosine(angle)) *
+                      turned_about<double>({0, 1, 0}, sine_cosine(angle / 2));
+    if (!positions) throw std::runtime_error(positions.error().what);
+    const auto swung = turned_about(crane.column, sine_cosine(positions->swing));
+    auto angles = head_angles(head, inverse(swung) * turn, false);
+    if (!angles) throw std::runtime_error(angles.error().what);
+    benchmark::DoNotOptimize(*positions);
+    benchmark::DoNotOptimize(*angles);
+  }
+}
+BENCHMARK(crane_inverse);
 
 }  // namespace
 }  // namespace inbetween

@@ -5,6 +5,7 @@
 
 #include "inbetween/base/hash.hpp"
 #include "inbetween/joints/angle_of.hpp"
+#include "inbetween/joints/crane_positions.hpp"
 #include "inbetween/joints/joint_tree.hpp"
 #include "tests/embedded/target/report_line.hpp"
 
@@ -54,6 +55,33 @@ CoordinateMotion<Real> state_of(int state, std::size_t axis) {
   return {turn, turn / 16, -turn / 64};
 }
 
+/// The same crane, solved for a place and a direction of its head.
+template <Precise Real>
+void report_inverse() {
+  const CameraCrane<Real> crane{.track = {1, 0, 0},
+                                .column = {0, 0, 1},
+                                .boom = {0, -1, 0},
+                                .foot = {},
+                                .level = {0, 0, 1},
+                                .raised = {Real(2.5), 0, 0}};
+  const CameraHead<Real> head{.pan = {0, 0, 1}, .tilt = {0, -1, 0}, .roll = {1, 0, 0}};
+  Fnv1a cranes;
+  Fnv1a heads;
+  for (int state = 0; state < states; ++state) {
+    const Real share = static_cast<Real>(state) / states;
+    const auto found = crane_positions<Real>(crane, {share * 4, share, share * 2}, {false, state % 2 == 1});
+    const Rotation3<Real> turn = turned_about<Real>({0, 0, 1}, sine_cosine(share * 5)) *
+                                 turned_about<Real>({0, 1, 0}, sine_cosine(share));
+    const auto angles = head_angles(head, turn, state % 3 == 0);
+    passed = passed && found && angles;
+    if (!passed) return;
+    for (const Real number : {found->track, found->swing, found->boom}) cranes.add(number);
+    for (const Real number : {angles->pan, angles->tilt, angles->roll}) heads.add(number);
+  }
+  print_hash("crane", cranes.value());
+  print_hash("head", heads.value());
+}
+
 template <Precise Real>
 void report() {
   const auto joints = crane<Real>();
@@ -92,6 +120,7 @@ void report() {
   print_hash("poses", tips.value());
   print_hash("jacobian", columns.value());
   print_hash("motion", motions.value());
+  report_inverse<Real>();
   print("\n");
 }
 

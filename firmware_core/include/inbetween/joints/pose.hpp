@@ -51,6 +51,13 @@ struct Rotation3 {
   }
 };
 
+/// The frame outside, as the turned frame sees it.
+template <Precise Real>
+constexpr Rotation3<Real> inverse(const Rotation3<Real>& turned) {
+  const auto& [x, y, z] = turned;
+  return {{x.x, y.x, z.x}, {x.y, y.y, z.y}, {x.z, y.z, z.z}};
+}
+
 /// A frame turned by an angle about an axis of length 1 (Rodrigues' formula).
 template <Precise Real>
 constexpr Rotation3<Real> turned_about(const Vector3<Real>& axis, const SineCosine<Real>& angle) {
