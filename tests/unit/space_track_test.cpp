@@ -11,6 +11,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "host_tools/check/planned_stops.hpp"
@@ -310,6 +311,118 @@ TEST(SpaceTrack, ASingularPlaceIsRefusedWithFrameAndJoint) {
   EXPECT_THAT(refusal("examples/crane/round_the_puppet.toml", "examples/crane/rig.toml",
                       "aim    = \"puppet\"", "aim    = [3.3, 1.5, 0.2]"),
               AllOf(HasSubstr("frame "), HasSubstr("\"pan\""), HasSubstr("singular")));
+}
+
+/// A head that pans and tilts over the top, a lamp that it may look at on a lift, and a move of it.
+struct HeadFiles {
+  TemporaryFile urdf{"head.urdf", R"(<robot name="head">
+  <link name="stand"/>
+  <link name="yoke"/>
+  <link name="camera"/>
+  <link name="lamp"/>
+  <joint name="pan" type="continuous"><parent link="stand"/><child link="yoke"/><axis xyz="0 0 1"/></joint>
+  <joint name="tilt" type="continuous"><parent link="yoke"/><child link="camera"/><axis xyz="0 -1 0"/></joint>
+  <joint name="lift" type="prismatic">
+    <parent link="stand"/><child link="lamp"/><origin xyz="2 0 0"/><axis xyz="0 0 1"/>
+    <limit lower="0" upper="3" effort="1" velocity="9"/>
+  </joint>
+</robot>)"};
+  TemporaryFile rig;
+  TemporaryFile move;
+
+  explicit HeadFiles(const std::string& track)
+      : rig("rig.toml", rig_text()), move("move.toml", head_of_move + track) {}
+  [[nodiscard]] ProgramRun run(const std::string& command, const std::vector<std::string>& more = {}) const {
+    std::vector<std::string> arguments = {command, move.path().string(), "--rig", rig.path().string()};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_program(arguments);
+  }
+
+ private:
+  static constexpr const char* head_of_move = "name = \"look\"\nfps = 25\nframes = 100\n";
+  [[nodiscard]] std::string rig_text() const {
+    std::string text =
+        fmt::format("name = \"head\"\nrate_hz = 100\n[kinematics]\nurdf = \"{}\"\ntip = \"camera\"\n",
+                    urdf.path().string());
+    for (const auto& [name, unit, reach] :
+         {std::tuple("pan", "deg", 170), std::tuple("tilt", "deg", 150), std::tuple("lift", "m", 3)}) {
+      text += fmt::format(
+          "[[axis]]\nname = \"{}\"\nunit = \"{}\"\nmin = {}\nmax = {}\nmax_velocity = {}\nmax_acceleration = "
+          "400\n"
+          "unpowered = \"holds\"\ndrive = {{ type = \"pipe\", path = \"p\", counts_per_unit = 1000 }}\n",
+          name, unit, unit == std::string("m") ? 0 : -reach, reach, unit == std::string("m") ? 9 : 200);
+    }
+    return text;
+  }
+};
+
+std::string look_along(const std::string& keys) {
+  return "[[track]]\naxes = [\"pan\", \"tilt\"]\nspace = \"camera\"\nspline = \"linear\"\nspeed = [0, 0, 5, "
+         "0, 0]\n"
+         "keys = [" +
+         keys + "]\n";
+}
+
+TEST(SpaceTrack, AWayOverASingularPlaceIsRefusedThoughTheAxesWouldGoOnSmoothly) {
+  const HeadFiles over_the_top(look_along("{ aim = [1, 0, 1] }, { aim = [-1.1, 0, 1] }"));
+  const ProgramRun run = over_the_top.run("plan");
+  EXPECT_EQ(run.status, 1);
+  EXPECT_THAT(run.err, AllOf(HasSubstr("frame "), HasSubstr("singular"), HasSubstr("axis \"pan\"")));
+}
+
+TEST(SpaceTrack, AWayThatEndsBesideASingularPlaceIsRefused) {
+  EXPECT_THAT(HeadFiles(look_along("{ aim = [1, 0, 1] }, { aim = [0.00005, 0, 1] }")).run("plan").err,
+              AllOf(HasSubstr("frame 100.00"), HasSubstr("singular"), HasSubstr("axis \"pan\"")));
+  EXPECT_EQ(HeadFiles(look_along("{ aim = [1, 0, 1] }, { aim = [0.1, 0, 1] }")).run("plan").status, 0);
+}
+
+TEST(SpaceTrack, AnAxisThatDoesNotMoveTheTipIsRefusedInItsTrack) {
+  const std::string track =
+      with(look_along("{ aim = [1, 0, 1] }, { aim = [1, 1, 1] }"), "\"tilt\"]", "\"tilt\", \"lift\"]");
+  EXPECT_THAT(HeadFiles(track).run("plan").err,
+              HasSubstr("axis \"lift\" does not move \"camera\"; give it a track of its own"));
+}
+
+/// The crane, with the puppet on a lift that a track of its own moves.
+struct LiftFiles {
+  TemporaryFile urdf{"crane.urdf", with(with(file_contents(in_checkout("examples/crane/crane.urdf")),
+                                             "\"stage\" type=\"fixed\"", "\"lift\" type=\"prismatic\""),
+                                        "<origin xyz=\"4.2 2.4 1\"/>",
+                                        "<origin xyz=\"4.2 2.4 1\"/><axis xyz=\"0 0 1\"/>"
+                                        "<limit lower=\"-1\" upper=\"1\" effort=\"1\" velocity=\"1\"/>")};
+  TemporaryFile rig{"rig.toml", with(file_contents(in_checkout("examples/crane/rig.toml")), "\"crane.urdf\"",
+                                     "\"" + urdf.path().string() + "\"") +
+                                    R"(
+[[axis]]
+name = "lift"
+unit = "mm"
+min = -500
+max = 500
+max_velocity = 900
+max_acceleration = 900
+unpowered = "holds"
+drive = { type = "pipe", path = "p", counts_per_unit = 10 }
+)"};
+  /// The positions of the axes of the crane, with this aim and what moves the lift.
+  [[nodiscard]] Json plan(const std::string& aim, const std::string& lift) const {
+    const TemporaryFile move(
+        "move.toml",
+        with(file_contents(in_checkout("examples/crane/round_the_puppet.toml")), "\"puppet\"", aim) +
+            "\n[[track]]\naxes = [\"lift\"]\n" + lift);
+    return planned(move.path(), rig.path());
+  }
+};
+
+TEST(SpaceTrack, ALinkThatIsAimedAtIsLookedForWhereItsAxesHoldIt) {
+  const LiftFiles files;
+  const std::string hold = "keys = [{ at = [200] }]\nspeed = [1]\n";
+  const Json by_name = files.plan("\"puppet\"", hold);
+  const Json by_place = files.plan("[4.2, 2.4, 1.2]", hold);
+  for (std::size_t row = 0; row < by_name.at("axes")[0].at("position").size(); row += 50) {
+    const std::vector<double> axes = row_of(by_name, "position", row);
+    const std::vector<double> expected = row_of(by_place, "position", row);
+    for (std::size_t i = 0; i < axes.size(); ++i) ASSERT_NEAR(axes[i], expected[i], 1e-9) << i;
+  }
 }
 
 TEST(SpaceTrack, ARangeThatEndsInTheMiddleIsRefusedWithFrameJointAndDistance) {
