@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
 #include <numeric>
@@ -23,14 +24,11 @@ struct JogArguments {
   double share = 0.1;
 };
 
-void print_speeds(const RigFile& rig, const RigReference& reference, double share) {
+void print_steps(const RigFile& rig, const RigReference& reference) {
   for (std::size_t a = 0; a < rig.axes.size(); ++a) {
     const RigAxis& axis = rig.axes[a];
-    const bool is_referenced = reference.is_referenced(a);
-    const double speed =
-        jog_speed(axis, is_referenced ? share : unreferenced_jog_share * share, 1.0 / rig.rate_hz);
-    fmt::print(stderr, "  {:<16}{:>10.3f} {}/s{}\n", axis.name, speed, to_string(axis.unit),
-               is_referenced ? "" : ", unreferenced: no limits, a short way at once");
+    fmt::print(stderr, "  {:<16}steps of {:g} {}{}\n", axis.name, fmt::join(jog_increments(axis), ", "),
+               to_string(axis.unit), reference.is_referenced(a) ? "" : "; unreferenced: no limits, slow");
   }
 }
 
@@ -44,7 +42,7 @@ int jog_command(const JogArguments& arguments) {
   const RigFile rig = read_rig(arguments.setup.rig);
   const std::size_t selected = axis_named(rig, arguments.axis);
   RigReference reference = reference_of(rig, arguments.setup.positions, arguments.setup.simulated);
-  print_speeds(rig, reference, arguments.share);
+  print_steps(rig, reference);
   const InterruptWatch interrupts;
   JogOptions options{.share = arguments.share, .session = session_options_of(arguments.setup)};
   SetupEnd end;
@@ -70,19 +68,20 @@ int jog_command(const JogArguments& arguments) {
 void describe(CLI::App& app, JogArguments& arguments) {
   app.add_option("AXIS", arguments.axis, "the axis to begin with")->required();
   add_setup_options(app, arguments.setup, false);
-  app.add_option("--speed", arguments.share,
-                 "the share of their velocity at which axes move, if they can stop from it (0.001 to 1)")
+  app.add_option(
+         "--speed", arguments.share,
+         "the share of their limits that axes use on the way; a stop may use all of them (0.001 to 1)")
       ->check(CLI::Range(0.001, 1.0))
       ->capture_default_str();
   app.footer(
-      R"(Hold to run: the axis moves while left or right, or - or +, is held, and rests within 200 ms after
-the key came for the last time. Up and down choose the axis, any other key stops it; q, Esc and Ctrl-C leave,
-and so does a lost terminal. The first press is a nudge until the terminal begins to repeat it. Where an axis
-cannot stop in that time from the speed that is asked for it is slower; the speeds are listed at the start.
+      R"(Left and right, or - and +, move the axis by one step; 1 to 5 choose how long it is, from fine to a
+hundredth of the way between its limits at most. Up and down choose the axis, any other key stops it; q, Esc
+and Ctrl-C leave, and so does a lost terminal. One step at a time: a press while an axis moves does nothing,
+and neither do the repeats of a key that is held, since a terminal does not tell when it is let go. To be told
+apart from those a press waits 150 ms.
 
 Axes stay inside their soft limits. An unreferenced axis (one that does not know where it is) has none: it
-moves at a tenth of the share at most, and a hundredth of the way between its limits until the key is let go
-and pressed again. Bring it to its mark, and say so with inbetween goto --set-zero.
+moves at a tenth of the share at most. Bring it to its mark, and say so with inbetween goto --set-zero.
 
 Exit status: 0 left; 1 refused; 4 stopped by something else.
 
@@ -95,7 +94,7 @@ Examples:
 }  // namespace
 
 void add_jog_command(CLI::App& program, Command& chosen) {
-  add_command(program, chosen, {"jog", "Move axes by hand, as long as a key is held"}, describe, jog_command);
+  add_command(program, chosen, {"jog", "Move axes by hand, step by step"}, describe, jog_command);
 }
 
 }  // namespace inbetween

@@ -24,11 +24,12 @@ const char* hint_at_rest(SupervisorState state) {
 
 std::string line_of_shoot(const RunSnapshot& snapshot, const ShootSnapshot& shoot) {
   const bool runs = snapshot.state == SupervisorState::running;
-  const char* hint = "Esc stops";
-  if (shoot.phase == ShootPhase::waiting) {
-    hint = "shot; space goes on, left and right look at others, Esc stops";
-  } else if (shoot.phase == ShootPhase::standing) {
-    hint = "space shoots it, left and right look at others, Esc stops";
+  std::string hint = "Esc stops";
+  if (shoot.phase == ShootPhase::waiting || shoot.phase == ShootPhase::standing) {
+    const bool is_open = shoot.is_due && !shoot.is_shot;
+    const std::string on = shoot.next ? fmt::format("space goes on with {}", *shoot.next) : "space ends";
+    hint = fmt::format("{}{}, left and right look, Esc stops", is_open ? "space shoots it" : on,
+                       shoot.is_shot ? ", e shoots it again" : "");
   }
   if (!runs) hint = hint_at_rest(snapshot.state);
   return fmt::format("{}  frame {} of {}  {} shot{} | {}",
@@ -38,11 +39,13 @@ std::string line_of_shoot(const RunSnapshot& snapshot, const ShootSnapshot& shoo
 }
 
 std::string line_of_jog(const RunSnapshot& snapshot, const JogSnapshot& jog) {
-  const char* hint = "hold left or right, up and down choose the axis, q leaves";
+  const char* hint = "left right step, 1-5 size, up down axis, q leaves";
   if (snapshot.state != SupervisorState::running) hint = hint_at_rest(snapshot.state);
-  return fmt::format("{}  {:.3f} {}  {:+.2f} {}/s{} | {}", jog.axis, jog.position, jog.unit, jog.velocity,
-                     jog.unit, jog.is_referenced ? "" : "  UNREFERENCED",
-                     *snapshot.words != 0 ? snapshot.words : hint);
+  const std::string limits =
+      jog.is_referenced ? fmt::format("in {:g}..{:g}", jog.min, jog.max) : std::string("UNREFERENCED");
+  const std::string stop = jog.stop_way > 0 ? fmt::format("  stops in {:.3g}", jog.stop_way) : "";
+  return fmt::format("{} {:.3f} {} {}  step {}: {:g}{} | {}", jog.axis, jog.position, jog.unit, limits,
+                     jog.size, jog.increment, stop, *snapshot.words != 0 ? snapshot.words : hint);
 }
 
 }  // namespace

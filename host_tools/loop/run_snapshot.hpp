@@ -16,6 +16,9 @@ struct ShootSnapshot {
   std::int32_t frame = 0;
   std::int32_t frames = 0;
   std::int64_t exposures = 0;
+  bool is_shot = false;                   ///< the frame
+  bool is_due = true;                     ///< it is one of those that are shot
+  std::optional<std::int32_t> next = {};  ///< the next that is to be shot
   bool camera = false;
 };
 
@@ -25,6 +28,10 @@ struct JogSnapshot {
   const char* unit = "";
   double position = 0;
   double velocity = 0;
+  double stop_way = 0;      ///< how much further a stop goes
+  double min = 0, max = 0;  ///< soft limits; none where it is not referenced
+  int size = 0;             ///< of a step, 1 to 5
+  double increment = 0;     ///< of that size
   bool is_referenced = true;
 };
 

@@ -6,6 +6,9 @@ namespace {
 constexpr char escape = '\x1b';
 
 std::optional<TransportKey> key_of(char byte) {
+  if (byte >= '1' && byte <= '5') {
+    return static_cast<TransportKey>(static_cast<int>(TransportKey::size_1) + (byte - '1'));
+  }
   switch (byte) {
     case ' ':
       return TransportKey::pause;
@@ -20,6 +23,8 @@ std::optional<TransportKey> key_of(char byte) {
     case '\r':
     case '\n':
       return TransportKey::start;
+    case 'e':
+      return TransportKey::expose;
     case 'q':
       return TransportKey::quit;
     default:
@@ -27,17 +32,35 @@ std::optional<TransportKey> key_of(char byte) {
   }
 }
 
+/// The length of a control sequence (ECMA-48: parameters, then a letter or ~) or of one of SS3, with which
+/// the text begins; 0 where it begins with none.
+std::size_t sequence_length(std::string_view bytes) {
+  if (bytes.size() < 3 || bytes[0] != escape) return 0;
+  if (bytes[1] == 'O') return 3;
+  if (bytes[1] != '[') return 0;
+  std::size_t last = 2;
+  while (last < bytes.size() && bytes[last] >= ' ' && bytes[last] <= '?') ++last;
+  return last < bytes.size() ? last + 1 : 0;
+}
+
+std::optional<TransportKey> key_of_sequence(std::string_view end) {
+  if (end == "A") return TransportKey::previous_axis;
+  if (end == "B") return TransportKey::next_axis;
+  if (end == "C") return TransportKey::step_forward;
+  if (end == "D") return TransportKey::step_backward;
+  if (end == "H" || end == "1~" || end == "7~") return TransportKey::home;
+  return std::nullopt;
+}
+
 }  // namespace
 
 void TransportKeys::feed(std::string_view bytes) {
   while (!bytes.empty()) {
-    const bool is_sequence = bytes.size() >= 3 && bytes[0] == escape && (bytes[1] == '[' || bytes[1] == 'O');
-    if (is_sequence) {
-      if (bytes[2] == 'A') keys_.push_back(TransportKey::previous_axis);
-      if (bytes[2] == 'B') keys_.push_back(TransportKey::next_axis);
-      if (bytes[2] == 'C') keys_.push_back(TransportKey::step_forward);
-      if (bytes[2] == 'D') keys_.push_back(TransportKey::step_backward);
-      bytes.remove_prefix(3);
+    if (const std::size_t length = sequence_length(bytes); length > 0) {
+      if (const std::optional<TransportKey> key = key_of_sequence(bytes.substr(2, length - 2))) {
+        keys_.push_back(*key);
+      }
+      bytes.remove_prefix(length);
       continue;
     }
     if (bytes[0] == escape) {

@@ -13,14 +13,21 @@ enum class TransportKey {
   step_backward,  ///< left arrow
   previous_axis,  ///< up arrow: where axes are moved one by one
   next_axis,      ///< down arrow
+  home,           ///< Home: back along the path to where the move begins
   reverse,        ///< r: the other way
   faster,         ///< +: the override rate up
   slower,         ///< -
   stop,           ///< Esc: the controlled stop, which has to be acknowledged
   acknowledge,    ///< a
   start,          ///< Enter: after an acknowledged stop
-  quit,           ///< q: stop, and leave
-  refused,        ///< what would begin something, after the rig file was changed
+  expose,         ///< e: the frame that the rig stands on, once more
+  size_1,         ///< 1 to 5: the size of a step
+  size_2,
+  size_3,
+  size_4,
+  size_5,
+  quit,     ///< q: stop, and leave
+  refused,  ///< what would begin something, after the rig file was changed
 };
 
 /// From the bytes that a terminal sends. Other keys are ignored. An Esc that begins no arrow key is a stop:

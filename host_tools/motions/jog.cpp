@@ -1,10 +1,9 @@
 #include "host_tools/motions/jog.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <stdexcept>
+#include <cstdlib>
 #include <utility>
 
 #include "host_tools/files/diagnostics.hpp"
@@ -14,27 +13,41 @@
 namespace inbetween {
 namespace {
 
-constexpr double ns_per_s = 1e9;
-constexpr auto key_missed_ns = static_cast<std::int64_t>(jog_key_missed_s * ns_per_s);
-/// From when a key comes to when the loop's thread has it.
-constexpr double key_way_s = 0.01;
-/// One until it is noticed that the key is missed, one until the stop has ended on a tick, one until the
-/// drive is where its setpoint was, and one more for a drive that begins with the next.
-constexpr double ticks_beside_stop = 4;
+constexpr auto ns_of(double seconds) {
+  return static_cast<std::int64_t>(seconds * 1e9);
+}
 /// How long everything rests before its place is written: whoever nudges an axis does not wait for the disk.
 constexpr std::int64_t ns_until_kept = 500'000'000;
 
-FreeAxisLimits<double> jog_limits(const RigAxis& axis, double share) {
-  FreeAxisLimits<double> limits = free_limits_of(axis, 1);
-  limits.velocity *= share;
+/// Number i of the series ..., 0.5, 1, 2, 5, 10, ...; number 0 is 1. Divided, not multiplied by a part, so
+/// that it is the nearest number to its decimals.
+double of_series(int i) {
+  constexpr std::array<double, 3> digits{1, 2, 5};
+  const int decade = i >= 0 ? i / 3 : -((2 - i) / 3);
+  const double digit = digits[static_cast<std::size_t>(i - 3 * decade)];
+  const double power = std::pow(10.0, std::abs(decade));
+  return decade >= 0 ? digit * power : digit / power;
+}
+
+FreeAxisLimits<double> jog_limits(const RigAxis& axis, double share, bool is_referenced) {
+  FreeAxisLimits<double> limits = free_limits_of(axis, share);
+  if (!is_referenced) limits.velocity *= unreferenced_jog_share;
+  limits.stop_share = 1 / share;
   return limits;
 }
 
 }  // namespace
 
-double jog_speed(const RigAxis& axis, double share, double tick_seconds) {
-  const double left = jog_stops_within_s - jog_key_missed_s - key_way_s - ticks_beside_stop * tick_seconds;
-  return free_axis_of(axis, jog_limits(axis, share), axis.min, tick_seconds).velocity_that_stops_within(left);
+JogIncrements jog_increments(const RigAxis& axis) {
+  constexpr double rounding = 1 + 1e-9;
+  const double most = jog_way_share * (axis.max - axis.min) * rounding;
+  int largest = 3 * static_cast<int>(std::floor(std::log10(most))) + 3;
+  while (of_series(largest) > most) --largest;
+  JogIncrements increments;
+  for (std::size_t i = 0; i < increments.size(); ++i) {
+    increments[i] = of_series(largest - 2 * static_cast<int>(increments.size() - 1 - i));
+  }
+  return increments;
 }
 
 Jog::Jog(RunLoop& loop, const FreeSpec<double>& spec, FreeAxes& free, std::vector<JogAxis> axes,
@@ -49,83 +62,103 @@ Jog::Jog(RunLoop& loop, const FreeSpec<double>& spec, FreeAxes& free, std::vecto
       selected_(selected) {}
 
 Status Jog::begin() {
-  if (!has_begun_) {
-    has_begun_ = true;
-    if (const Status loaded = loop_.load(spec_); !loaded) return loaded;
-    return loop_.begin();
-  }
-  if (held_ != 0 && is_marked_[selected_]) set_off();
-  return Done{};
+  if (has_begun_) return Done{};
+  has_begun_ = true;
+  if (const Status loaded = loop_.load(spec_); !loaded) return loaded;
+  return loop_.begin();
 }
 
 void Jog::press(TransportKey key) {
-  if (keys_.press(key) || !keys_.is_running()) return;
+  if (keys_.press(key)) {
+    pressed_ = 0;
+    return;
+  }
+  if (!keys_.is_running()) return;
   switch (key) {
     case TransportKey::step_forward:
     case TransportKey::faster:
-      return hold(1);
+      return pressed(1);
     case TransportKey::step_backward:
     case TransportKey::slower:
-      return hold(-1);
+      return pressed(-1);
     case TransportKey::next_axis:
       return choose((selected_ + 1) % axes_.size());
     case TransportKey::previous_axis:
       return choose((selected_ + axes_.size() - 1) % axes_.size());
+    case TransportKey::size_1:
+    case TransportKey::size_2:
+    case TransportKey::size_3:
+    case TransportKey::size_4:
+    case TransportKey::size_5:
+      return choose_increment(static_cast<std::size_t>(key) - static_cast<std::size_t>(TransportKey::size_1));
     default:
-      return let_go();
+      return stop();
   }
 }
 
-void Jog::hold(int direction) {
-  const bool is_new = held_ == 0;
-  held_ = direction;
-  key_ns_ = now_ns_;
-  if (!is_marked_[selected_]) {
+/// A press too soon after another is a repeat, and so was that one.
+void Jog::pressed(int direction) {
+  const bool repeats = pressed_ns_ && now_ns_ - *pressed_ns_ < ns_of(jog_repeat_s);
+  pressed_ = repeats ? 0 : direction;
+  pressed_ns_ = now_ns_;
+  if (repeats) keys_.say("a key that is held moves nothing: press it for each step");
+}
+
+/// Once no other press has followed it.
+void Jog::take_press() {
+  if (pressed_ == 0 || now_ns_ - *pressed_ns_ < ns_of(jog_repeat_s)) return;
+  if (!free_.is_resting()) {
+    keys_.say("it still moves: one step at a time");
+  } else if (now_ns_ - *pressed_ns_ >= ns_of(jog_press_waits_s)) {
+    keys_.say("the press came long ago: press again");
+  } else if (!is_marked_[selected_]) {
     ask_ = Ask::mark;
     return;
-  }
-  if (is_new) {
-    set_off();
   } else {
-    drive();
+    step(pressed_);
   }
+  pressed_ = 0;
 }
 
-void Jog::set_off() {
-  // An axis that does not know where it is has a short way, until the key is let go.
+/// An axis that does not know where it is has no limits but its step. One that stands outside its limits
+/// comes no further out.
+void Jog::step(int direction) {
+  const JogAxis& stepped = axes_[selected_];
+  const double increment = stepped.increments[size_];
   const double here = axis().position();
-  const double way = axes_[selected_].way;
-  if (!axes_[selected_].is_referenced && axis().is_resting()) {
-    keys_.say(axis().set_range(here - way, here + way));
+  const double target = here + direction * increment;
+  if (increment < stepped.count) {
+    return keys_.say("less than a count of its drive: choose a larger step");
   }
-  drive();
+  const bool is_bounded = stepped.is_referenced;
+  const Status ranged = axis().set_range(is_bounded ? std::min(stepped.min, here) : here - increment,
+                                         is_bounded ? std::max(stepped.max, here) : here + increment);
+  if (!ranged) return keys_.say(ranged);
+  if (axis().go_to(target)) return keys_.say("");
+  keys_.say("its limit is nearer than that: choose a smaller step");
 }
 
-void Jog::drive() {
-  const Status driven = axis().drive(held_ * axes_[selected_].speed);
-  if (!driven && !axes_[selected_].is_referenced) {
-    keys_.say("no further at once: let go, and press again");
-  } else {
-    keys_.say(driven);
-  }
-}
-
-void Jog::let_go() {
-  held_ = 0;
+void Jog::stop() {
+  pressed_ = 0;
   axis().stop();
 }
 
 void Jog::choose(std::size_t axis) {
-  let_go();
+  stop();
   selected_ = axis;
 }
 
+void Jog::choose_increment(std::size_t size) {
+  pressed_ = 0;
+  size_ = size;
+}
+
 void Jog::tick(std::int32_t ticks, std::int64_t now_ns) {
-  if (held_ != 0 && now_ns - key_ns_ >= key_missed_ns) let_go();
+  now_ns_ = now_ns;
+  if (keys_.is_running()) take_press();
   keys_.note(loop_.tick(ticks, now_ns));
   std::ranges::copy(loop_.drive_states(), states_.begin());
-  now_ns_ = now_ns;
-  if (held_ != 0 || !free_.is_resting()) rested_ns_ = now_ns;
+  if (!free_.is_resting()) rested_ns_ = now_ns;
   const bool has_moved = std::ranges::find(is_marked_, true) != is_marked_.end();
   if (has_moved && keys_.is_running() && now_ns - rested_ns_ >= ns_until_kept) ask_ = Ask::keep;
 }
@@ -150,6 +183,11 @@ RunSnapshot Jog::snapshot() const {
                              .unit = axis.unit,
                              .position = free.position(),
                              .velocity = free.state().velocity,
+                             .stop_way = std::fabs(free.stop_distance()),
+                             .min = axis.min,
+                             .max = axis.max,
+                             .size = static_cast<int>(size_) + 1,
+                             .increment = axis.increments[size_],
                              .is_referenced = axis.is_referenced}};
 }
 
@@ -170,26 +208,17 @@ JogRig jog_rig(const RigSession& session, const RigReference& reference, double 
     const bool is_referenced = reference.is_referenced(a);
     rig.drive_of.push_back(a);
     rig.limits.push_back(limits_of(axis));
-    rig.free.push_back(
-        free_axis_of(axis, jog_limits(axis, share), session.positions()[a], session.tick_seconds()));
+    rig.free.push_back(free_axis_of(axis, jog_limits(axis, share, is_referenced), session.positions()[a],
+                                    session.tick_seconds()));
     rig.axes.push_back({.name = axis.name.c_str(),
                         .unit = to_string(axis.unit).data(),
-                        .speed = jog_speed(axis, is_referenced ? share : unreferenced_jog_share * share,
-                                           session.tick_seconds()),
-                        .is_referenced = is_referenced,
-                        .way = unreferenced_way_share * (axis.max - axis.min)});
+                        .increments = jog_increments(axis),
+                        .min = axis.min,
+                        .max = axis.max,
+                        .count = count_of(axis.drive),
+                        .is_referenced = is_referenced});
   }
   return rig;
-}
-
-void refuse_long_ticks(const RigFile& rig) {
-  for (const RigAxis& axis : rig.axes) {
-    if (jog_speed(axis, 1, 1.0 / rig.rate_hz) > 0) continue;
-    throw InputError(axis.place,
-                     fmt::format("axis {} cannot rest {:g} ms after a key was let go, with ticks of {:g} ms; "
-                                 "raise rate_hz, or use inbetween goto",
-                                 in_quotes(axis.name), jog_stops_within_s * 1000, 1000.0 / rig.rate_hz));
-  }
 }
 
 SetupEnd jog_session(RigSession& session, std::size_t selected, RigReference& reference,
@@ -227,7 +256,6 @@ SetupEnd jog_session(RigSession& session, std::size_t selected, RigReference& re
 }  // namespace
 
 SetupEnd jog(const RigFile& rig, std::size_t selected, RigReference& reference, const JogOptions& options) {
-  refuse_long_ticks(rig);
   RigSession session(rig, reference, options.session);
   return end_of(session, [&] { return jog_session(session, selected, reference, options); });
 }

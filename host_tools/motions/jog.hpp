@@ -1,8 +1,10 @@
-// Axes of a rig moved by hand, one at a time, as long as a key is held.
+// Axes of a rig moved by hand, step by step.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -16,36 +18,39 @@
 
 namespace inbetween {
 
-/// An axis rests no later than this after its key has come for the last time (docs/faults.md 41) ...
-inline constexpr double jog_stops_within_s = 0.2;
-/// ... of which the key may be missed for so long: terminals repeat a key 11 to 30 times a second.
-inline constexpr double jog_key_missed_s = 0.1;
-/// An axis that does not know where it is gets this part of the share that another axis gets.
+/// A press counts if no other came so long before it, and none so long after it. A terminal does not tell a
+/// key that is let go, but it repeats one that is held 11 to 30 times a second: those repeats move nothing.
+inline constexpr double jog_repeat_s = 0.15;
+/// A press moves nothing if the disk kept it waiting for longer (docs/faults.md 41).
+inline constexpr double jog_press_waits_s = 0.5;
+/// An axis that does not know where it is gets this part of the velocity that another axis gets.
 inline constexpr double unreferenced_jog_share = 0.1;
-/// Such an axis goes this part of the way between its limits, until the key is let go.
-inline constexpr double unreferenced_way_share = 0.01;
+/// No step is longer than this part of the way between the limits of its axis.
+inline constexpr double jog_way_share = 0.01;
 
-/// At up to `share` of its velocity, the speed at which an axis can be held to run. With a tick so long that
-/// there is none it is 0.
-double jog_speed(const RigAxis& axis, double share, double tick_seconds);
+using JogIncrements = std::array<double, 5>;
+/// The sizes of a step of the axis, the smallest first: every second number of the series 1, 2, 5, 10 up to
+/// jog_way_share of its range.
+JogIncrements jog_increments(const RigAxis& axis);
 
 /// An axis in a Jog. Names live longer than it.
 struct JogAxis {
   const char* name = "";
   const char* unit = "";
-  double speed = 0;  ///< unit/s
+  JogIncrements increments = {};
+  double min = 0, max = 0;  ///< soft limits; none where it is not referenced
+  double count = 0;         ///< of its drive, in its unit; 0 where it has none
   bool is_referenced = true;
-  double way = 0;  ///< of an unreferenced axis, until the key is let go, in unit
 };
 
-/// Hold to run, as an act of a motion loop that comes back for its caller: over when somebody has left, and
+/// Steps by keys, as an act of a motion loop that comes back for its caller: over when somebody has left, and
 /// whenever something has to be written before it can go on (`asks`). Refers to the loop, the axes and the
 /// spec's memory. Allocates only when it is made.
 ///
-/// Left and right, or - and +, are the directions; up and down choose the axis, and any other key stops. An
-/// axis is let go when its key has not come for jog_key_missed_s, and rests jog_stops_within_s after it came
-/// for the last time: its speed is one from which the rest of that time is enough. A terminal that is gone
-/// sends no keys. A referenced axis stays inside its soft limits.
+/// Left and right, or - and +, move the selected axis by its increment, and 1 to 5 choose that; up and down
+/// choose the axis, and any other key stops. One step at a time: a press while something moves does nothing,
+/// and nothing waits for its turn. So nothing goes further than the increment of a press that somebody made,
+/// whatever becomes of the terminal. A referenced axis stays inside its soft limits.
 class Jog final : public LoopTask {
  public:
   enum class Ask : std::uint8_t {
@@ -78,11 +83,12 @@ class Jog final : public LoopTask {
   }
 
  private:
-  void hold(int direction);
-  void set_off();
-  void drive();
-  void let_go();
+  void pressed(int direction);
+  void take_press();
+  void step(int direction);
   void choose(std::size_t axis);
+  void choose_increment(std::size_t size);
+  void stop();
   [[nodiscard]] FreeAxis<double>& axis() { return free_.axes()[selected_]; }
 
   RunLoop& loop_;
@@ -93,23 +99,23 @@ class Jog final : public LoopTask {
   std::vector<DriveState<double>> states_;
   OperatorKeys keys_;
   std::size_t selected_;
+  std::size_t size_ = 2;  ///< of the increments
   Ask ask_ = Ask::none;
   bool has_begun_ = false;
-  int held_ = 0;             ///< the direction of the key that is held
-  std::int64_t key_ns_ = 0;  ///< no later than when it came
+  int pressed_ = 0;                              ///< the direction of a press that is not taken yet
+  std::optional<std::int64_t> pressed_ns_ = {};  ///< when the last one came, taken or not
   std::int64_t now_ns_ = 0;
   std::int64_t rested_ns_ = 0;  ///< when it did not rest for the last time
 };
 
 struct JogOptions {
-  /// The share of max_velocity that an axis may use, up to 1.
+  /// The share of its limits that an axis may use, up to 1. A stop may use all of them.
   double share = 0.1;
   SessionOptions session = {};
 };
 
 /// Lets somebody at the keys of the audience move axes, beginning with `selected`, until they leave.
-/// SetupEnd::is_done: nothing else was the end. Throws InputError where an axis cannot be held to run because
-/// the ticks of the rig are too long, and what RigSession and RigReference throw.
+/// SetupEnd::is_done: nothing else was the end. Throws what RigSession and RigReference throw.
 SetupEnd jog(const RigFile& rig, std::size_t selected, RigReference& reference, const JogOptions& options);
 
 }  // namespace inbetween

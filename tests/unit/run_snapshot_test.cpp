@@ -39,7 +39,12 @@ TEST(StatusLine, OfAMoveThatIsShotTellsTheFrameAndTheCamera) {
   EXPECT_EQ(status_line(now), "exposing  frame 3 of 48  3 shot  CAMERA | Esc stops");
   now.shoot->phase = ShootPhase::waiting;
   now.shoot->camera = false;
-  EXPECT_THAT(status_line(now), HasSubstr("space goes on"));
+  now.shoot->is_shot = true;
+  now.shoot->next = 4;
+  EXPECT_THAT(status_line(now), HasSubstr("space goes on with 4, e shoots it again"));
+  now.shoot->next = std::nullopt;
+  EXPECT_THAT(status_line(now), HasSubstr("space ends"));
+  now.shoot->is_shot = false;
   now.shoot->phase = ShootPhase::standing;
   EXPECT_THAT(status_line(now), HasSubstr("space shoots it"));
   now.state = SupervisorState::latched;
