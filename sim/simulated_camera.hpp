@@ -4,30 +4,21 @@
 
 namespace inbetween {
 
-/// A camera that exposes for as long as it has its signal, and may ask for the next frame as soon as it is
-/// done.
+/// A camera that exposes for as long as it has its signal, and may ask for a frame whenever it does not.
 class SimulatedCamera {
  public:
-  explicit SimulatedCamera(bool asks_for_next) : asks_for_next_(asks_for_next) {}
+  explicit SimulatedCamera(bool is_ready) : is_ready_(is_ready) {}
 
   void signal(bool is_exposing) {
-    if (!is_exposing && is_exposing_) {
-      ++exposures_;
-      is_done_ = asks_for_next_;
-    }
+    if (!is_exposing && is_exposing_) ++exposures_;
     is_exposing_ = is_exposing;
   }
-  bool has_triggered() {
-    const bool triggered = is_done_;
-    is_done_ = false;
-    return triggered;
-  }
+  [[nodiscard]] bool asks() const { return is_ready_ && !is_exposing_; }
   [[nodiscard]] std::size_t exposures() const { return exposures_; }
 
  private:
-  bool asks_for_next_;
+  bool is_ready_;
   bool is_exposing_ = false;
-  bool is_done_ = false;
   std::size_t exposures_ = 0;
 };
 

@@ -142,18 +142,19 @@ void prove_stops(const Plan& plan, CheckReport& report) {
 void find_highest_rate(const Plan& plan, CheckReport& report) {
   std::vector<PlayedAxis<double>> played(plan.limits().size());
   for (std::size_t d = 0; d < played.size(); ++d) {
-    const std::size_t index = plan.axis_of(d);
-    const CheckedAxis& axis = report.axes[index];
+    const CheckedAxis& axis = report.axes[plan.axis_of(d)];
     const auto peak = [](const CheckedPeak& found) { return Peak<double>{found.value, found.frame}; };
     played[d].peaks = {.lowest = axis.range->lowest,
                        .highest = axis.range->highest,
                        .velocity = peak(axis.velocity),
                        .acceleration = peak(axis.acceleration),
                        .jerk = peak(axis.jerk)};
+  }
+  report.highest_rate_between_steps = highest_rate<double>(played, plan.limits());
+  for (std::size_t d = 0; d < played.size(); ++d) {
     for (const CheckedStep& step : report.steps) {
-      if (step.axis == index) {
-        played[d].acceleration_step = std::max(played[d].acceleration_step, step.acceleration);
-      }
+      if (step.axis != plan.axis_of(d)) continue;
+      played[d].acceleration_step = std::max(played[d].acceleration_step, step.acceleration);
     }
   }
   report.highest_rate = highest_rate<double>(played, plan.limits());

@@ -62,6 +62,7 @@ struct CheckRefusal {
   Place place;
   std::string message;  ///< what, and what to do
   bool slower_helps = false;
+  bool at_any_rate = false;  ///< holds however slowly the path is passed, and wherever the rig rests on it
 };
 
 /// The demands of controlled stops on an axis of the rig, whenever they begin, against its stop limits.
@@ -84,6 +85,7 @@ struct CheckReport {
   /// How many times faster than drawn every limit of the motion still holds; below 1 where it does not fit, 0
   /// where no rate does, infinity where nothing moves.
   double highest_rate = 0;
+  double highest_rate_between_steps = 0;  ///< the same if the rig rests wherever the motion steps
   std::vector<CheckedStep> steps;
   std::vector<CheckRefusal> refusals;  ///< axis by axis, what slowing does not cure before what it does
   double speed_error = 0;  ///< the loop follows this motion within this share of its speed; 0: exactly

@@ -39,8 +39,8 @@ class AxisRefusals {
   }
 
  private:
-  void refuse(const Place& place, std::string message, bool slower_helps) {
-    report_.refusals.push_back({place, std::move(message), slower_helps});
+  void refuse(const Place& place, std::string message, bool slower_helps, bool at_any_rate = false) {
+    report_.refusals.push_back({place, std::move(message), slower_helps, at_any_rate});
   }
 
   void add_position() {
@@ -55,7 +55,7 @@ class AxisRefusals {
                "axis {} would go to {} {} at frame {:.2f}, outside {} of the rig {}; move its keys inward",
                in_quotes(axis_.name), worst.value, axis_.unit, worst.frame, range_in_words(limits_),
                in_quotes(rig_.name)),
-           false);
+           false, true);
   }
 
   /// The largest step of this axis, and how many there are beside it.
@@ -126,7 +126,7 @@ class AxisRefusals {
         fmt::format("axis {} would need {} without bound near frame {:.2f}, where the path {} and is passed "
                     "at a speed; {}",
                     in_quotes(axis_.name), quantity, peak.frame, what, turn_remedy),
-        false);
+        false, true);
   }
 
   void add_peak(const CheckedPeak& peak, std::string_view limit, std::string_view per) {

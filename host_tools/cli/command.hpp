@@ -20,6 +20,7 @@ inline constexpr int exit_bad_input = 1;
 inline constexpr int exit_wrong_usage = 2;
 inline constexpr int exit_limit = 3;
 inline constexpr int exit_fault = 4;
+inline constexpr int exit_frames_missing = 5;
 
 /// A mistake in the options that shows only when all options are known.
 class UsageError : public std::runtime_error {

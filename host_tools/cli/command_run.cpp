@@ -16,6 +16,7 @@
 #include "host_tools/cli/progress_bar.hpp"
 #include "host_tools/files/fault_script.hpp"
 #include "host_tools/files/output_file.hpp"
+#include "host_tools/motions/frame_range.hpp"
 #include "host_tools/motions/run.hpp"
 #include "host_tools/plan/turns.hpp"
 #include "host_tools/rig/rig_watch.hpp"
@@ -30,6 +31,7 @@ struct RunArguments {
   bool fast = false;
   bool loop = false;
   bool ping_pong = false;
+  bool takes = false;
   bool yes = false;
   bool allow_jitter = false;
   double top_rate = 1;
@@ -42,6 +44,10 @@ struct RunArguments {
   std::optional<std::string> shutter;
   std::vector<std::string> still;
   std::optional<std::int32_t> turns;
+  std::optional<std::string> frames;
+  std::optional<std::string> shoot_log;
+
+  [[nodiscard]] bool is_shot() const { return step || shutter; }
 };
 
 /// Reads a shutter such as "0..180", in degrees of a frame.
@@ -59,17 +65,36 @@ Shutter<double> shutter_of(const std::string& text) {
   return {*open / 360, *close / 360};
 }
 
+/// Reads frames such as "20..80".
+FrameRange frames_argument(const std::string& text) {
+  if (const auto range = frame_range_of(text)) return *range;
+  throw UsageError(
+      fmt::format("--frames {}: not a part of a move; write FIRST..LAST, FIRST.. or ..LAST, for "
+                  "example 20..80",
+                  in_quotes(text)));
+}
+
+void refuse_shoot_arguments(const RunArguments& arguments) {
+  if (arguments.settle || arguments.exposure || !arguments.still.empty()) {
+    throw UsageError("--settle, --exposure and --still belong to --step or --shutter");
+  }
+  if (arguments.frames) throw UsageError("--frames belongs to --step or --shutter");
+  if (arguments.shoot_log) throw UsageError("--shoot-log belongs to --step or --shutter");
+}
+
 std::optional<ShootOptions> shoot_options(const RunArguments& arguments) {
-  if (!arguments.step && !arguments.shutter) {
-    if (arguments.settle || arguments.exposure || !arguments.still.empty()) {
-      throw UsageError("--settle, --exposure and --still belong to --step or --shutter");
-    }
+  if (!arguments.is_shot()) {
+    refuse_shoot_arguments(arguments);
     return std::nullopt;
   }
   ShootOptions options;
-  if (arguments.rate != 1) {
-    throw UsageError("--rate is for a move that is played; leave it out, or --step and --shutter");
+  if (arguments.top_rate != 1 || arguments.rate != 1) {
+    throw UsageError(
+        "--rate and --top-rate are for a move that is played; leave them out, or --step and "
+        "--shutter");
   }
+  if (arguments.frames) options.frames = frames_argument(*arguments.frames);
+  options.log = arguments.shoot_log;
   if (arguments.ping_pong) {
     throw UsageError("a move that is shot frame by frame is not repeated; leave out --ping-pong");
   }
@@ -112,11 +137,30 @@ void print_log(const LoopLogEnd& log, const char* records, const std::string& fi
                        log.written + log.lost, records, log.why));
 }
 
+/// "frames 0..48: 49 due, 48 shot, 1 of them again, 1 skipped", and where to go on.
+void print_shoot(const ShootCount& shoot, std::FILE* out) {
+  std::string words =
+      fmt::format("frames {}..{}: {} due, {} shot", shoot.first, shoot.last, shoot.due(), shoot.shot);
+  if (shoot.shot_again > 0) words += fmt::format(", {} of them again", shoot.shot_again);
+  if (shoot.skipped > 0) words += fmt::format(", {} skipped", shoot.skipped);
+  if (shoot.left > 0) words += fmt::format(", {} left", shoot.left);
+  if (shoot.cut_off > 0) words += fmt::format("; {} cut off by a stop", counted(shoot.cut_off, "exposure"));
+  if (shoot.left > 0)
+    words += fmt::format("; go on with --frames {}..{}", shoot.last - shoot.left + 1, shoot.last);
+  fmt::print(out, "  {}\n", words);
+}
+
+/// A shoot that came to no fault is done when every frame is there.
+int exit_status_of(const RunReport& report, bool is_shot) {
+  if (!is_shot || report.ending == Ending::fault) return report.ending == Ending::finished ? 0 : exit_fault;
+  return report.shoot && report.shoot->has_all() ? 0 : exit_frames_missing;
+}
+
 void print_run_summary(const RunReport& report, const Plan& plan, const RunArguments& arguments,
                        std::FILE* out) {
   fmt::print(out, "{}: {}; {} at {} Hz{}\n", plan.move().name, report.reason, counted(report.ticks, "tick"),
              plan.rig()->rate_hz, arguments.fast ? " on a virtual clock" : "");
-  if (report.exposures) fmt::print(out, "  {} exposed\n", counted(*report.exposures, "frame"));
+  if (report.shoot) print_shoot(*report.shoot, out);
   if (!arguments.fast) {
     print_wake_latency(report, out);
   }
@@ -125,10 +169,16 @@ void print_run_summary(const RunReport& report, const Plan& plan, const RunArgum
     fmt::print(out, "  {:<16}{:>14.4f}{:>14.4f}{:>24.4f}  {}\n", axis.name, axis.last_commanded,
                axis.last_actual, axis.following_error_peak, axis.unit);
   }
+  for (const RunTake& take : report.takes) {
+    fmt::print(out, "  take {}: {}{}\n", take.number, take.is_whole ? "whole" : "not played to its end",
+               take.file ? ", " + *take.file : "");
+    if (take.record && take.record->lost > 0) print_log(*take.record, "ticks", *take.file, out);
+  }
   const std::string trouble = trouble_of(report.counts);
   if (!trouble.empty()) fmt::print(out, "  counted: {}\n", trouble);
   if (report.record) print_log(*report.record, "ticks", *arguments.record, out);
   if (report.cue_log) print_log(*report.cue_log, "pulses", *arguments.cue_log, out);
+  if (report.shoot_log) print_log(*report.shoot_log, "exposures", *arguments.shoot_log, out);
 }
 
 /// On a terminal a run has the keys of a tape recorder, elsewhere only a progress bar.
@@ -136,6 +186,8 @@ RunReport play(const Plan& plan, const RunArguments& arguments, const RigWatch& 
   const InterruptWatch interrupts;
   RunOptions options{.top_rate = arguments.top_rate,
                      .rate = arguments.rate,
+                     .has_takes = arguments.takes,
+                     .take_record = arguments.takes ? arguments.record : std::nullopt,
                      .shoot = shoot_options(arguments),
                      .positions = arguments.positions,
                      .cue_log = arguments.cue_log};
@@ -148,7 +200,7 @@ RunReport play(const Plan& plan, const RunArguments& arguments, const RigWatch& 
                      .allow_jitter = arguments.allow_jitter,
                      .standing = positions_of(arguments.from),
                      .faults = std::move(faults),
-                     .record = arguments.record,
+                     .record = arguments.takes ? std::nullopt : arguments.record,
                      .audience = {.interrupted = &InterruptWatch::asked,
                                   .rig_has_changed = [&] { return watch.has_changed(); }}};
   if (arguments.yes) {
@@ -187,7 +239,7 @@ void refuse_no_camera(const Plan& plan) {
 
 /// A periodic move in as many turns as there can be; shot frame by frame, in one.
 Plan looped(Plan plan, const RunArguments& arguments) {
-  const bool is_shot = arguments.step || arguments.shutter;
+  const bool is_shot = arguments.is_shot();
   if (is_periodic(plan.move()) && !is_shot) {
     const std::int32_t turns = max_turns_of(plan);
     fmt::print(stderr, "{}: --loop plays up to {}\n", plan.move().name, counted(turns, "turn"));
@@ -198,7 +250,24 @@ Plan looped(Plan plan, const RunArguments& arguments) {
       "a move that is shot frame by frame is not repeated unless it is periodic; leave out --loop");
 }
 
+void refuse_take_arguments(const RunArguments& arguments) {
+  const bool is_numbered = arguments.record && arguments.record->find("%n") != std::string::npos;
+  if (!arguments.takes) {
+    if (is_numbered) throw UsageError("%n in --record is the number of a take; add --takes");
+    return;
+  }
+  if (arguments.is_shot())
+    throw UsageError("--takes is for a move that is played; leave out --step and --shutter");
+  if (arguments.fast || !KeyTerminal::is_there()) {
+    throw UsageError("--takes needs somebody at a terminal who asks for each; leave it out in a script");
+  }
+  if (arguments.record && !is_numbered) {
+    throw UsageError("with --takes --record needs a %n for the number of the take, for example takes/%n.csv");
+  }
+}
+
 int run_command(const RunArguments& arguments) {
+  refuse_take_arguments(arguments);
   shoot_options(arguments);  // refuses wrong arguments before any file is read
   positions_of(arguments.from);
   if (!arguments.simulated) {
@@ -212,13 +281,16 @@ int run_command(const RunArguments& arguments) {
   } else if (arguments.allow_jitter) {
     throw UsageError("--allow-jitter is for a real rig; leave out --sim");
   }
-  const bool is_shot = arguments.step || arguments.shutter;
+  const bool is_shot = arguments.is_shot();
   if (arguments.fast && ((arguments.loop && !is_shot) || arguments.ping_pong)) {
     throw UsageError("--loop and --ping-pong go on until somebody stops them; leave out --fast");
   }
   refuse_outputs_in_one_place(
       {{"MOVE", arguments.move}, {"--rig", arguments.rig}, {"--faults", arguments.faults}},
-      {{"--json", arguments.json}, {"--record", arguments.record}, {"--cue-log", arguments.cue_log}});
+      {{"--json", arguments.json},
+       {"--record", arguments.record},
+       {"--cue-log", arguments.cue_log},
+       {"--shoot-log", arguments.shoot_log}});
   if (arguments.json) check_output(*arguments.json);
   const RigWatch watch(arguments.rig);
   Plan plan = make_plan(arguments.move, arguments.rig, Solver::closed_form, arguments.turns);
@@ -229,10 +301,10 @@ int run_command(const RunArguments& arguments) {
   if (arguments.json) {
     write_output(*arguments.json, [&](std::FILE* file) { write_run_json(report, file); });
   }
-  print_run_summary(
-      report, plan, arguments,
-      summary_stream(arguments.json == "-" || arguments.cue_log == "-" || arguments.record == "-"));
-  return report.ending == Ending::finished ? 0 : exit_fault;
+  print_run_summary(report, plan, arguments,
+                    summary_stream(arguments.json == "-" || arguments.cue_log == "-" ||
+                                   arguments.record == "-" || arguments.shoot_log == "-"));
+  return exit_status_of(report, arguments.is_shot());
 }
 
 void explain(CLI::App& app) {
@@ -245,18 +317,28 @@ agreed: with Enter on a terminal, with --yes in a script.
 The drives of a real rig are switched on only where every axis says that it keeps its place without power
 (unpowered = "holds").
 
-On a terminal it is a tape recorder: space pauses and plays, r turns, left and right go to the next frame, +
-and - change the rate, Esc stops. After a stop, a acknowledges it and Enter starts again; q stops and leaves,
-as Ctrl-C and a lost terminal do. Whatever changes, the axes stay on the path and inside their stop limits.
+On a terminal it is a tape recorder: space pauses and plays, r turns, left and right go to the next frame,
+Home goes back to the start, + and - change the rate, Esc stops. After a stop, a acknowledges it and Enter
+starts again; q stops and leaves, as Ctrl-C and a lost terminal do. Whatever changes, the axes stay on the
+path and inside their stop limits.
+
+With --takes the rig waits where the move begins, and every take begins with Enter. At its end it waits again:
+Home goes back along the path, q leaves. --record takes/%n.csv writes a file a take, from the first number on
+that is free.
 
 --loop is refused for a move that does not end where it starts. A periodic move goes on through its seam at
 its speed: --turns K plays K turns between one pre-roll and one post-roll, --loop as many as the limits of the
 rig leave. With --step or --shutter either shoots N frames a turn: frame N is frame 0.
 
---step rests on each of the frames 0 to N until space (or Enter, or without a terminal the camera) asks for
-the next; left and right look at other frames. With --shutter the rig runs up to each exposure, passes the
-share of the frame between the angles at a constant rate in --exposure seconds, and runs out, inside its
-limits. The line of the rig's [camera] is on while a frame is exposed. Where the camera has a line that asks,
+--step goes to the first frame and exposes it when space (or without a terminal the camera) asks; space goes
+on with the next frame that is not shot, e exposes the one that the rig stands on again, left and right look at
+others. After a stop the rig stands on its frame until it is asked again. With --shutter it runs up to each
+exposure, passes the share of the frame between the angles at a constant rate in --exposure seconds, and runs
+out. Either is held to what moves, positions, travels and exposures, not to what playing it would take; a
+travel rests where the motion steps. --frames 37.. shoots from there on, and the last line of --shoot-log names
+the last frame that was shot.
+
+The line of the rig's [camera] is on while a frame is exposed. Where the camera has a line that asks,
 on a rig that asks for each next frame as well; with --sim no line is touched.
 
 A move with start = "trigger" is made ready, with the drives on, and waits: on a rig for its [start_trigger]
@@ -270,7 +352,8 @@ late_us; with --sim too.
 Whatever ends it, every axis rests then and every drive of a bus has told that it is off. One that has not is
 named; its own watchdogs stay on (exit status 4).
 
-Exit status: 0 played to its end; 3 refused; 4 stopped before its end, or a drive may have power.
+Exit status: 0 played to its end, or every frame was shot; 3 refused; 4 stopped before its end, or a drive may
+have power; 5 a shoot that ended with frames missing.
 
 Axes that no drive knows (see reference in docs/formats.md) must have been homed, or placed by somebody:
 inbetween home, inbetween goto --set-zero. Where they rest is kept from one run to the next.
@@ -282,6 +365,7 @@ get them).
 Examples:
   inbetween run move.toml --rig rig.toml                     on the drives of the rig
   inbetween run move.toml --rig rig.toml --sim               in real time
+  inbetween run move.toml --rig rig.toml --rate 0.1          at a tenth of the drawn speed
   inbetween run move.toml --rig rig.toml --sim --fast        for scripts and tests
   inbetween run move.toml --rig rig.toml --sim --from pan=10 from elsewhere, slowly to its start first
   inbetween run move.toml --rig rig.toml --sim --step        stop motion
@@ -302,8 +386,8 @@ void describe(CLI::App& app, RunArguments& arguments) {
   app.add_option("--top-rate", arguments.top_rate, "let + go up to so many times the drawn speed (1 to 10)")
       ->check(CLI::Range(1.0, 10.0))
       ->capture_default_str();
-  app.add_option("--rate", arguments.rate, "begin at so many times the drawn speed (0.1 to 1)")
-      ->check(CLI::Range(0.1, 1.0))
+  app.add_option("--rate", arguments.rate, "begin at so many times the drawn speed (0.01 to 1)")
+      ->check(CLI::Range(0.01, 1.0))
       ->capture_default_str();
   app.add_flag("--yes", arguments.yes, "agree that the rig goes slowly to the start of the move");
   app.add_flag("--allow-jitter", arguments.allow_jitter,
@@ -325,12 +409,20 @@ void describe(CLI::App& app, RunArguments& arguments) {
   app.add_option("--still", arguments.still, "an axis that stands still while the shutter is open")
       ->expected(1)
       ->take_all();
+  app.add_option("--frames", arguments.frames,
+                 "with --step or --shutter: shoot the frames FIRST..LAST of the move, FIRST.. or ..LAST");
+  app.add_option("--shoot-log", arguments.shoot_log,
+                 "add a line for each exposure to this file (CSV; - is standard output)");
   app.add_option("--json", arguments.json, "write a report (- is standard output)");
   app.add_option("--positions", arguments.positions,
                  "where the positions of axes are kept that no drive knows (on a rig: a file of its own\n"
                  "under $XDG_STATE_HOME; in a simulation: nowhere)");
-  app.add_option("--record", arguments.record,
-                 "write what every axis was told and where it was, a line a tick (CSV)");
+  app.add_flag("--takes", arguments.takes,
+               "stay after the end: Home goes back to the start, Enter begins the next take");
+  app.add_option(
+      "--record", arguments.record,
+      "write what every axis was told and where it was, a line a tick (CSV); with --takes a file a\n"
+      "take, %n is its number");
   app.add_option("--cue-log", arguments.cue_log,
                  "write when which pulse began on the outputs of the rig, a line a pulse (CSV; - is standard "
                  "output)");

@@ -16,11 +16,12 @@ namespace {
 constexpr std::size_t bytes_per_write = 1 << 16;
 constexpr int patience_ms = 1000;
 
-int opened(const std::string& file) {
+int opened(const std::string& file, bool goes_on) {
   // A pipe that nobody reads must not hold up the end of the run.
-  const int opened = file == "-"
-                         ? fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, 0)
-                         : open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_NONBLOCK | O_CLOEXEC, 0666);
+  const int opened =
+      file == "-" ? fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, 0)
+                  : open(file.c_str(),
+                         O_WRONLY | O_CREAT | (goes_on ? O_APPEND : O_TRUNC) | O_NONBLOCK | O_CLOEXEC, 0666);
   if (opened >= 0) return opened;
   throw std::runtime_error(fmt::format(
       "{}: error: cannot be written: {}; choose a folder that exists and that you may write to, or another "
@@ -30,7 +31,7 @@ int opened(const std::string& file) {
 
 }  // namespace
 
-PatientFile::PatientFile(const std::string& name) : file_(opened(name)) {}
+PatientFile::PatientFile(const std::string& name, bool goes_on) : file_(opened(name, goes_on)) {}
 
 PatientFile::~PatientFile() {
   close(file_);

@@ -23,13 +23,19 @@ struct LoopLogEnd {
   std::string why = {};      ///< "" where none is
 };
 
+/// How a log is written.
+struct LogWriting {
+  bool goes_on = false;  ///< at the end of a file that is there, instead of anew
+  bool at_once = false;  ///< record by record, for a log of few
+};
+
 /// Writes text to a file, record by record. It stops writing at the first failure; a pipe that nobody reads
 /// for 1 s is a failure too. One thread uses it.
 class PatientFile {
  public:
   /// "-" is standard output. Throws std::runtime_error, one line that starts with the name, if the file
   /// cannot be opened.
-  explicit PatientFile(const std::string& name);
+  explicit PatientFile(const std::string& name, bool goes_on = false);
   ~PatientFile();
   PatientFile(const PatientFile&) = delete;
   PatientFile& operator=(const PatientFile&) = delete;
@@ -64,8 +70,8 @@ class LoopLog {
   /// text; what `put` refers to must live until finish(). With `waits` the loop has time, and waits for room
   /// instead of losing a record. Throws what PatientFile throws.
   LoopLog(const std::string& file, const std::string& head, bool waits,
-          std::function<void(const Record&, std::string&)> put)
-      : waits_(waits), file_(file), put_(std::move(put)) {
+          std::function<void(const Record&, std::string&)> put, const LogWriting& writing = {})
+      : waits_(waits), at_once_(writing.at_once), file_(file, writing.goes_on), put_(std::move(put)) {
     file_.text() = head;
     thread_ = std::thread([this] { live(); });
   }
@@ -100,6 +106,7 @@ class LoopLog {
         if (!file_.failure().empty()) continue;
         put_(*record, file_.text());
         file_.end_record();
+        if (at_once_) file_.flush();
       }
       if (leaves) break;
       std::this_thread::sleep_for(between_looks);
@@ -108,6 +115,7 @@ class LoopLog {
   }
 
   bool waits_;
+  bool at_once_;
   std::unique_ptr<Ring> ring_ = std::make_unique<Ring>();
   std::int64_t taken_ = 0;  // of the loop's thread
   // of the writing thread

@@ -80,6 +80,7 @@ class RigSession {
   [[nodiscard]] std::string trouble() const;
   [[nodiscard]] const SessionOptions& options() const { return options_; }
   [[nodiscard]] RunLoop& loop() { return loop_; }
+  [[nodiscard]] LoopTrace& trace() { return trace_; }
   [[nodiscard]] RigInputs& lines() { return lines_; }
   [[nodiscard]] const RigDrives& drives() const { return drives_; }
   [[nodiscard]] RigHardware& hardware() { return *hardware_; }

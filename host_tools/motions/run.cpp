@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <span>
 #include <utility>
@@ -12,6 +13,7 @@
 #include "host_tools/files/diagnostics.hpp"
 #include "host_tools/loop/manual_motion.hpp"
 #include "host_tools/motions/run_checks.hpp"
+#include "host_tools/motions/shoot_checks.hpp"
 #include "host_tools/motions/slow_way.hpp"
 #include "host_tools/motions/staged_move.hpp"
 #include "host_tools/motions/start_signal.hpp"
@@ -52,7 +54,8 @@ class Run {
         session_(*staged.plan().rig(), reference, rig),
         cues_(opened_cues(staged.plan(), session_, options.cue_log)),
         audience_(session_.options().audience) {
-    report_.reason = options.shoot ? "every frame was shot" : "the move was played to its last frame";
+    report_.reason = "the move was played to its last frame";
+    if (options.shoot && options.shoot->log) shoot_log_.emplace(*options.shoot->log, session_.options().fast);
   }
 
   /// The drives are switched off again, whatever happens.
@@ -101,7 +104,8 @@ class Run {
   }
 
   bool go_to_start() {
-    const std::vector<GoTarget> away = away_from_start(staged_.plan(), session_.positions());
+    const std::vector<GoTarget> away =
+        away_from_start(staged_.plan(), session_.positions(), staged_.playhead().time());
     if (away.empty()) return true;
     refuse_unagreed_way(staged_.plan(), away.front().axis, static_cast<bool>(audience_.confirm));
     SlowWay& way = way_.emplace(session_.rig(), away, session_.positions(), slow_share);
@@ -114,8 +118,9 @@ class Run {
   }
 
   void perform_move() {
+    const double rate = options_.shoot ? 1 : staged_.playhead().override_rate();
     const auto drawn = static_cast<double>(staged_.plan().played().last_tick_at(session_.rig().rate_hz));
-    const auto last = static_cast<std::int64_t>(std::ceil(drawn / staged_.playhead().override_rate()));
+    const auto last = static_cast<std::int64_t>(std::ceil(drawn / rate));
     if (options_.shoot) {
       shoot();
     } else {
@@ -125,10 +130,73 @@ class Run {
         if (is_simulated()) lines.start = SimulatedTrigger();
       }
       Transport transport(session_.loop(), staged_, is_attended(), lines);
-      perform(transport, staged_.loop_spec().drive_of, last);
+      if (options_.has_takes) {
+        play_takes(transport);
+      } else {
+        perform(transport, staged_.loop_spec().drive_of, last);
+      }
     }
     if (cues_) cues_->finish(audience_.interrupted);
     if (audience_.progress) audience_.progress(last, last);
+  }
+
+  /// The name of the record of a take; nothing where none is wanted.
+  [[nodiscard]] std::optional<std::string> file_of(std::int32_t take) const {
+    if (!options_.take_record) return std::nullopt;
+    std::string file = *options_.take_record;
+    return file.replace(file.find("%n"), 2, std::to_string(take));
+  }
+
+  void open_take(std::int32_t take, Transport& transport) {
+    refuse_changed_rig(session_.rig().path, audience_.rig_has_changed);
+    report_.takes.push_back({.number = take, .file = file_of(take)});
+    if (const auto file = file_of(take)) {
+      take_record_ = std::make_unique<RunRecord>(*file, session_.rig(), session_.options().fast);
+    }
+    transport.take_is_ready(session_.trace(), take_record_.get());
+  }
+
+  void close_take(bool is_whole) {
+    report_.takes.back().is_whole = is_whole;
+    if (take_record_) report_.takes.back().record = take_record_->finish();
+    take_record_.reset();
+  }
+
+  void play_takes(Transport& transport) {
+    transport.play_takes();
+    reference_.about_to_move(staged_.loop_spec().drive_of);
+    std::int32_t take = 1;
+    while (file_of(take) && std::filesystem::exists(*file_of(take))) ++take;
+    bool is_open = false;
+    ActEnd end;
+    for (bool goes_on = true; goes_on;) {
+      end = session_.perform(transport);
+      report_.ticks += end.ticks;
+      const Transport::Ask asks = transport.asks();
+      goes_on = end.begun && asks != Transport::Ask::none;
+      if (asks == Transport::Ask::begin_take) {
+        open_take(take++, transport);
+        is_open = true;
+      } else if (asks == Transport::Ask::end_take) {
+        close_take(transport.was_whole());
+        transport.take_is_noted();
+        is_open = false;
+      }
+    }
+    if (is_open) close_take(transport.was_whole());
+    session_.rest();
+    end_takes(end, transport);
+  }
+
+  void end_takes(const ActEnd& end, const Transport& transport) {
+    const std::string counted_takes = counted(static_cast<std::int64_t>(report_.takes.size()), "take");
+    if (!end.begun) {
+      end_by(Ending::fault, end.begun.error().what);
+    } else if (transport.is_done()) {
+      report_.reason = fmt::format("{} played, and left", counted_takes);
+    } else {
+      end_by(Ending::stopped, fmt::format("{} begun, and the move was stopped in it", counted_takes));
+    }
   }
 
   void shoot() {
@@ -136,11 +204,16 @@ class Run {
     const std::optional<Camera>& wired = session_.rig().camera;
     const bool asks_by_line = !is_simulated() && wired && wired->asks;
     SimulatedCamera camera(!is_attended() && !asks_by_line);
-    ShootingLines lines{.cues = cues_.get()};
+    ShootingLines lines{.cues = cues_.get(), .log = shoot_log_ ? &*shoot_log_ : nullptr};
     if (asks_by_line) lines.asks = [&](std::int64_t) { return session_.lines().camera_asks(); };
     Shooting shooting(session_.loop(), staged_, camera, *options_.shoot, is_attended(), lines);
-    perform(shooting, staged_.loop_spec().drive_of);
+    const bool is_done = perform(shooting, staged_.loop_spec().drive_of);
     report_.exposures = shooting.exposures();
+    report_.shoot = shooting.count();
+    if (shoot_log_) report_.shoot_log = shoot_log_->finish();
+    if (!is_done) return;
+    report_.reason =
+        report_.shoot->has_all() ? "every frame was shot" : "the shoot was ended with frames missing";
   }
 
   /// Whether it came to its end.
@@ -175,16 +248,19 @@ class Run {
   RigReference& reference_;
   const RunOptions& options_;
   std::optional<SlowWay> way_;
+  std::unique_ptr<RunRecord> take_record_;  // the loop's thread writes to it, which ends before
   RigSession session_;
   std::unique_ptr<CueOutputs> cues_;
+  std::optional<ShootLog> shoot_log_;
   const LoopAudience& audience_;
   RunReport report_;
 };
 
 /// Simulated axes of a track stand where the move starts, if nothing else is known or said.
-SessionOptions standing_at_start(const Plan& plan, const RigReference& reference, SessionOptions rig) {
+SessionOptions standing_at_start(StagedMove& staged, const RigReference& reference, SessionOptions rig) {
+  const Plan& plan = staged.plan();
   std::vector<double> start(plan.played().axis_count());
-  plan.played().positions({plan.played().first_frame(), 0}, start);
+  plan.played().positions(staged.playhead().time(), start);
   for (std::size_t d = 0; d < start.size(); ++d) {
     const std::size_t a = plan.axis_of(d);
     if (!reference.position(a)) rig.standing.try_emplace(plan.axes()[a].name, start[d]);
@@ -195,14 +271,15 @@ SessionOptions standing_at_start(const Plan& plan, const RigReference& reference
 }  // namespace
 
 RunReport run(const Plan& plan, const SessionOptions& rig, const RunOptions& options) {
-  const std::unique_ptr<StagedMove> staged =
-      checked_move(plan, rig.allow_jitter ? jitter_rate : options.top_rate, options.repeat, options.shoot);
+  const double top_rate = rig.allow_jitter ? jitter_rate : options.top_rate;
+  const std::unique_ptr<StagedMove> staged = options.shoot ? checked_shoot(plan, top_rate, *options.shoot)
+                                                           : checked_move(plan, top_rate, options.repeat);
   if (options.rate < staged->playhead().override_rate()) {
     value_or_throw(staged->playhead().set_override(options.rate));
   }
   RigReference reference = reference_of(*plan.rig(), options.positions, rig.simulated);
   reference.refuse_unreferenced(staged->loop_spec().drive_of);
-  return Run(*staged, reference, standing_at_start(plan, reference, rig), options).play();
+  return Run(*staged, reference, standing_at_start(*staged, reference, rig), options).play();
 }
 
 }  // namespace inbetween

@@ -16,8 +16,12 @@ struct RunOptions {
   Repeat repeat = Repeat::none;
   /// Up to how many times the drawn speed the override goes. A tenth where jitter is allowed.
   double top_rate = 1;
-  /// At how many times the drawn speed it begins: 0.1 to 1, and no more than the top rate.
+  /// At how many times the drawn speed it begins; no more than the top rate.
   double rate = 1;
+  /// Take after take, until somebody leaves: each begins when they ask for it. Not for a move that is shot.
+  bool has_takes = false;
+  /// The record of a take: %n is its number, and the first is the lowest without a file.
+  std::optional<std::string> take_record = {};
   /// The move is shot frame by frame instead of played.
   std::optional<ShootOptions> shoot = {};
   /// The file that keeps positions which no drive knows (position_file.hpp). None: on a rig its usual

@@ -47,36 +47,24 @@ void refuse_positions_beyond_limits(const Plan& plan) {
   }
 }
 
-/// How many times the drawn speed; 0 where the rig rests meanwhile.
-double exposure_rate(const ShootOptions& shoot, const Plan& plan) {
-  if (!shoot.shutter) return 0;
-  return (shoot.shutter->close - shoot.shutter->open) /
-         (plan.played().frame_rate().frames_per_second() * shoot.exposure_s);
-}
-
 }  // namespace
 
-std::unique_ptr<StagedMove> checked_move(const Plan& plan, double top_rate, Repeat repeat,
-                                         const std::optional<ShootOptions>& shoot) {
+std::unique_ptr<StagedMove> checked_move(const Plan& plan, double top_rate, Repeat repeat) {
   const CheckReport checked = check(plan);
   refuse_beyond_limits(checked);
   refuse_positions_beyond_limits(plan);
   refuse_beyond_highest_rate(plan, checked, top_rate);
-  std::vector<std::string> still;
-  if (shoot) still = shoot->still;
-  for (const std::string& axis : still) static_cast<void>(axis_named(*plan.rig(), axis));
   auto staged = std::make_unique<StagedMove>(
-      plan, top_rate == 1 ? checked.planned_stops : StagedMove::stops_of(plan, top_rate),
-      shoot ? exposure_rate(*shoot, plan) : 0, still);
+      plan, top_rate == 1 ? checked.planned_stops : StagedMove::stops_of(plan, top_rate));
   staged->set_repeat(repeat);
-  if (shoot) refuse_exposures(*staged, *shoot);
   return staged;
 }
 
-std::vector<GoTarget> away_from_start(const Plan& plan, std::span<const double> actual) {
+std::vector<GoTarget> away_from_start(const Plan& plan, std::span<const double> actual,
+                                      const std::optional<FrameTime<double>>& start) {
   const RigFile& rig = *plan.rig();
   std::vector<double> first(plan.played().axis_count());
-  plan.played().positions({plan.played().first_frame(), 0}, first);
+  plan.played().positions(start.value_or(FrameTime<double>{plan.played().first_frame(), 0}), first);
   std::vector<GoTarget> away;
   for (std::size_t a = 0; a < plan.axes().size(); ++a) {
     if (!plan.axes()[a].track) continue;

@@ -6,7 +6,6 @@
 #include <span>
 #include <vector>
 
-#include "host_tools/motions/shooting.hpp"
 #include "host_tools/motions/slow_way.hpp"
 #include "host_tools/motions/staged_move.hpp"
 #include "host_tools/plan/plan.hpp"
@@ -14,18 +13,16 @@
 
 namespace inbetween {
 
-/// The move of a plan, ready to be played at up to `top_rate` times the drawn speed, or with `shoot` to be
-/// shot frame by frame. Throws LimitError at the place of what is wrong: the move leaves the limits of the
-/// rig (check.hpp) or would at that rate, a setpoint of one of its ticks leaves the positions, it cannot be
-/// repeated, or a frame cannot be exposed, as wanted; InputError where an axis that is to stand still is
-/// none. The plan has a rig.
-std::unique_ptr<StagedMove> checked_move(const Plan& plan, double top_rate, Repeat repeat,
-                                         const std::optional<ShootOptions>& shoot);
+/// The move of a plan, ready to be played at up to `top_rate` times the drawn speed. Throws LimitError at the
+/// place of what is wrong: the move leaves the limits of the rig (check.hpp) or would at that rate, a
+/// setpoint of one of its ticks leaves the positions, it cannot be repeated. The plan has a rig.
+std::unique_ptr<StagedMove> checked_move(const Plan& plan, double top_rate, Repeat repeat);
 
-/// The axes that do not stand where the move starts, within start_tolerance (MotionLoop::begin), and where
-/// they are to be. `actual` is a position for every axis of the rig. Throws InputError at one that stands
-/// outside its limits.
-std::vector<GoTarget> away_from_start(const Plan& plan, std::span<const double> actual);
+/// The axes that do not stand where the rig is to start, within start_tolerance (MotionLoop::begin), and
+/// where they are to be. `actual` is a position for every axis of the rig; `start` is the beginning of the
+/// time line unless said otherwise. Throws InputError at one that stands outside its limits.
+std::vector<GoTarget> away_from_start(const Plan& plan, std::span<const double> actual,
+                                      const std::optional<FrameTime<double>>& start = {});
 
 /// Throws InputError where the axis has to go to the start of the move and nobody can agree to it.
 void refuse_unagreed_way(const Plan& plan, std::size_t axis, bool can_be_agreed);

@@ -18,6 +18,30 @@ void write_log(const char* name, const char* records, const LoopLogEnd& log, Jso
   });
 }
 
+void write_shoot(const ShootCount& shoot, JsonWriter& json) {
+  json.object("shoot", [&] {
+    json.member("first", shoot.first);
+    json.member("last", shoot.last);
+    json.member("due", shoot.due());
+    json.member("shot", shoot.shot);
+    json.member("shot_again", shoot.shot_again);
+    json.member("skipped", shoot.skipped);
+    json.member("left", shoot.left);
+    json.member("cut_off", shoot.cut_off);
+    json.member("last_shot", shoot.last_shot);
+  });
+}
+
+void write_takes(const std::vector<RunTake>& takes, JsonWriter& json) {
+  json.line();
+  json.objects("takes", takes, [&](const RunTake& take) {
+    json.member("take", take.number);
+    json.member("whole", take.is_whole);
+    json.member("file", take.file);
+    if (take.record) write_log("record", "ticks", *take.record, json);
+  });
+}
+
 void write_counts(const std::vector<Count>& counts, JsonWriter& json) {
   for (const Count& count : counts) json.member(count.name, count.count);
 }
@@ -42,8 +66,11 @@ void write_run_json(const RunReport& report, std::FILE* file) {
   json.member("ticks", report.ticks);
   json.member("late_ticks", report.late_ticks);
   if (report.exposures) json.member("exposures", *report.exposures);
+  if (report.shoot) write_shoot(*report.shoot, json);
   if (report.record) write_log("record", "ticks", *report.record, json);
   if (report.cue_log) write_log("cue_log", "pulses", *report.cue_log, json);
+  if (report.shoot_log) write_log("shoot_log", "exposures", *report.shoot_log, json);
+  if (!report.takes.empty()) write_takes(report.takes, json);
   json.line();
   json.objects("axes", report.axes, [&](const RunAxis& axis) {
     json.member("name", axis.name);

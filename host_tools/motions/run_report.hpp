@@ -9,6 +9,7 @@
 
 #include "host_tools/files/loop_log.hpp"
 #include "host_tools/loop/wake_latency.hpp"
+#include "host_tools/motions/shoot_count.hpp"
 #include "host_tools/rig/counters.hpp"
 
 namespace inbetween {
@@ -21,6 +22,14 @@ struct RunAxis {
   double following_error_peak = 0;
 };
 
+/// One of several takes.
+struct RunTake {
+  std::int32_t number = 0;
+  bool is_whole = false;  ///< played to its last frame
+  std::optional<std::string> file = {};
+  std::optional<LoopLogEnd> record = {};
+};
+
 enum class Ending { finished, stopped, fault };
 
 struct RunReport {
@@ -29,10 +38,13 @@ struct RunReport {
   std::int64_t ticks = 0;
   std::int64_t late_ticks = 0;                 ///< woken a whole period or more after their deadline
   std::optional<std::int64_t> exposures = {};  ///< of a move that is shot frame by frame
+  std::optional<ShootCount> shoot = {};        ///< the same, in frames
   std::vector<RunAxis> axes;                   ///< every axis of the rig
   WakeLatency wake_latency;                    ///< all 0 on a virtual clock
+  std::vector<RunTake> takes = {};
   std::optional<LoopLogEnd> record = {};
   std::optional<LoopLogEnd> cue_log = {};
+  std::optional<LoopLogEnd> shoot_log = {};
   Counters counts = {};
 };
 

@@ -51,20 +51,24 @@ std::shared_ptr<const PlannedStops> StagedMove::stops_of(const Plan& plan, doubl
   return stops;
 }
 
-StagedMove::StagedMove(const Plan& plan, std::shared_ptr<const PlannedStops> stops, double exposure_rate,
-                       std::span<const std::string> still)
+StagedMove::StagedMove(const Plan& plan, std::shared_ptr<const PlannedStops> stops)
+    : StagedMove(plan, std::move(stops), {.first_frame = plan.played().first_frame()}) {}
+
+StagedMove::StagedMove(const Plan& plan, std::shared_ptr<const PlannedStops> stops, ShootStage shoot)
     : plan_(plan),
       stops_(std::move(stops)),
-      rungs_(rungs_of(plan, *stops_, exposure_rate)),
+      shoot_(std::move(shoot)),
+      rungs_(rungs_of(plan, *stops_, shoot_.exposure_rate)),
       rung_bounds_(bounds_of(rungs_)),
       playhead_(plan.played(), *stops_->bounds(), plan.rig()->rate_hz, rung_bounds_),
       is_still_(std::make_unique<bool[]>(plan.played().axis_count())) {
   for (std::size_t d = 0; d < plan.played().axis_count(); ++d) {
     drive_of_.push_back(plan.axis_of(d));
     counts_.push_back(count_of(plan.rig()->axes[plan.axis_of(d)].drive));
-    is_still_[d] = std::ranges::find(still, plan.axes()[drive_of_[d]].name) != still.end();
+    is_still_[d] = std::ranges::count(shoot_.still, plan.axes()[drive_of_[d]].name) > 0;
   }
-  if (!still.empty()) still_ = playhead_;
+  value_or_throw(playhead_.place_on(shoot_.first_frame));
+  if (!shoot_.still.empty()) still_ = playhead_;
 }
 
 LoopSpec<double> StagedMove::loop_spec() {

@@ -1,6 +1,7 @@
 // A plan with all that a motion loop needs to play it.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>
@@ -12,6 +13,14 @@
 #include "inbetween/loop/motion_loop.hpp"
 
 namespace inbetween {
+
+/// What a move needs beside that to be shot frame by frame.
+struct ShootStage {
+  double exposure_rate = 0;                   ///< exposures pass at up to so many times the drawn speed
+  std::vector<std::string> still = {};        ///< axes of the plan that stand still meanwhile
+  std::int32_t first_frame = 0;               ///< where the rig begins
+  std::vector<FrameTime<double>> rests = {};  ///< where every travel rests, ascending
+};
 
 /// Stop bounds, a playhead on the first frame, and another for axes that stand still during exposures. Refers
 /// to the plan.
@@ -25,11 +34,11 @@ class StagedMove {
   static constexpr double travel_share = 0.7;
   static constexpr double middle_share = 0.85;
 
-  /// For the rates of `stops`, which were made for the plan and have no obstacle; `still` names axes of the
-  /// plan, and exposures pass at up to `exposure_rate` times the drawn speed. Throws LimitError where the rig
-  /// cannot speed up at that.
-  StagedMove(const Plan& plan, std::shared_ptr<const PlannedStops> stops, double exposure_rate = 0,
-             std::span<const std::string> still = {});
+  /// For the rates of `stops`, which were made for the plan and have no obstacle. The playhead rests on the
+  /// first frame of the time line, or of the shoot.
+  StagedMove(const Plan& plan, std::shared_ptr<const PlannedStops> stops);
+  /// Throws LimitError where the rig cannot speed up at the rate of the exposures.
+  StagedMove(const Plan& plan, std::shared_ptr<const PlannedStops> stops, ShootStage shoot);
   explicit StagedMove(const Plan& plan) : StagedMove(plan, stops_of(plan, 1)) {}
   StagedMove(const StagedMove&) = delete;
   StagedMove& operator=(const StagedMove&) = delete;
@@ -41,6 +50,8 @@ class StagedMove {
   [[nodiscard]] Playhead<double>& playhead() { return playhead_; }
   /// Null where no axis has it.
   [[nodiscard]] Playhead<double>* still() { return still_ ? &*still_ : nullptr; }
+  /// Where every travel of a shoot rests.
+  [[nodiscard]] std::span<const FrameTime<double>> rests() const { return shoot_.rests; }
   [[nodiscard]] LoopSpec<double> loop_spec();
   /// Throws LimitError where a loop would step.
   void set_repeat(Repeat repeat);
@@ -48,6 +59,7 @@ class StagedMove {
  private:
   const Plan& plan_;
   std::shared_ptr<const PlannedStops> stops_;
+  ShootStage shoot_;
   std::vector<PlannedStops> rungs_;
   std::vector<StopBounds<double>> rung_bounds_;
   Playhead<double> playhead_;

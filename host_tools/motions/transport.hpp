@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "host_tools/loop/loop_runner.hpp"
 #include "host_tools/loop/loop_task.hpp"
 #include "host_tools/loop/operator_keys.hpp"
 #include "host_tools/motions/staged_move.hpp"
@@ -17,9 +18,19 @@ struct TransportLines {
   StartSignal start = {};      ///< the move is begun and waits for it
 };
 
-/// Plays a move in a loop. Refers to all of them. Allocates nothing.
+/// Plays a move in a loop, once, or take after take. Refers to all of them. Allocates nothing.
+///
+/// Home goes back along the path to where the move begins, and rests there. With takes the act begins with
+/// the rig at rest where the move begins, and waits: Enter there begins a take, nothing else does. It is over
+/// whenever a take is to begin, so that the caller makes ready for it and comes back, and when it has ended.
 class Transport final : public LoopTask {
  public:
+  enum class Ask : std::uint8_t {
+    none,
+    begin_take,  ///< somebody has asked for one; take_is_ready() makes the act go on with it
+    end_take,    ///< its last frame was played, or somebody went back before it was
+  };
+
   /// With somebody who attends a stop can be acknowledged, and the move goes on.
   Transport(RunLoop& loop, StagedMove& staged, bool is_attended, const TransportLines& lines = {})
       : loop_(loop),
@@ -34,12 +45,25 @@ class Transport final : public LoopTask {
   Status begin() override;
   void press(TransportKey key) override;
   void tick(std::int32_t ticks, std::int64_t now_ns) override;
-  [[nodiscard]] bool is_over() const override { return is_done() || keys_.has_left(); }
+  [[nodiscard]] bool is_over() const override { return is_done() || ask_ != Ask::none || keys_.has_left(); }
   [[nodiscard]] const OperatorKeys& keys() const { return keys_; }
-  /// It was played to one of its ends.
+  /// It was played to one of its ends; with takes somebody has left, and no take is under way.
   [[nodiscard]] bool is_done() const {
-    return loop_.state() == SupervisorState::ready && !keys_.was_stopped() && !is_waiting_;
+    if (has_takes_) return keys_.has_left() && take_ != Take::playing;
+    return is_at_end();
   }
+
+  // With takes: between the acts, and before the first.
+
+  void play_takes() { has_takes_ = true; }
+  [[nodiscard]] Ask asks() const { return ask_; }
+  /// Every tick of the take goes to `record`, if there is one, by the trace of the loop.
+  void take_is_ready(LoopTrace& trace, RunRecord* record);
+  /// What was asked for is done.
+  void take_is_noted();
+  /// The take that ended was played to its last frame.
+  [[nodiscard]] bool was_whole() const { return was_whole_; }
+
   [[nodiscard]] RunSnapshot snapshot() const override;
 
  private:
@@ -47,7 +71,19 @@ class Transport final : public LoopTask {
   void pause_or_play();
   void turn();
   void step(Direction direction);
-  void change_override(double by);
+  void change_override(int by);
+  void go_home();
+  void press_start();
+  void end_take(bool is_whole);
+  void begin_take();
+  void note(const LoopTick& tick);
+  [[nodiscard]] bool is_at_end() const {
+    return loop_.state() == SupervisorState::ready && !keys_.was_stopped() && !is_waiting_ && !is_back_;
+  }
+  [[nodiscard]] bool is_at_start() const {
+    return playhead_.is_resting() && playhead_.time() == FrameTime<double>{move_.first_frame(), 0};
+  }
+  [[nodiscard]] bool is_between_takes() const { return has_takes_ && take_ != Take::playing; }
 
   RunLoop& loop_;
   LoopSpec<double> spec_;
@@ -58,6 +94,15 @@ class Transport final : public LoopTask {
   bool is_waiting_ = false;  ///< for its start
   bool is_heard_ = false;    ///< since it waits
   Direction direction_ = Direction::forward;
+  bool is_back_ = false;  ///< it was played backward to its beginning, and rests there
+
+  enum class Take : std::uint8_t { none, asked, playing, ended, closed };
+  bool has_takes_ = false;
+  Take take_ = Take::none;
+  Ask ask_ = Ask::none;
+  bool was_whole_ = false;
+  LoopTrace* trace_ = nullptr;
+  RunRecord* record_ = nullptr;
 };
 
 }  // namespace inbetween

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/motions/run_checks.hpp"
+#include "host_tools/motions/shoot_checks.hpp"
 #include "tests/support/fitting_move.hpp"
 #include "tests/support/property.hpp"
 #include "tests/support/recorded_play.hpp"
@@ -51,7 +51,10 @@ void shoot_at_random(StagedMove& staged, const ShootSpec<double>& spec, const Pl
   for (const CheckedStep& step : report.steps) steps.push_back(step.frame);
   record.allow_steps_at(steps);
   still_record.allow_steps_at(steps);
-  FrameShoot<double> shoot(spec, staged.plan().move().frames, staged.playhead(), staged.still());
+  const std::int32_t frames = staged.plan().move().frames;
+  std::vector<std::int32_t> shots(static_cast<std::size_t>(frames) + 1);
+  FrameShoot<double> shoot(spec, {.last = frames, .shots = shots, .rests = staged.rests()}, staged.playhead(),
+                           staged.still());
   RC_ASSERT(shoot.shoot(0).has_value());
   for (int tick = 0; tick < max_ticks && shoot.phase() != ShootPhase::done; ++tick) {
     const PlayheadEvent event = staged.playhead().tick();
@@ -81,7 +84,7 @@ TEST(ShootProperty, FrameByFrameAndInMotionTheMotionLimitsHold) {
     const ShootOptions options = shoot_of(plan.move());
     std::unique_ptr<StagedMove> staged;
     try {
-      staged = checked_move(plan, 1, Repeat::none, options);
+      staged = checked_shoot(plan, 1, options);
     } catch (const LimitError&) {
       ++tried.refused;
       return;

@@ -310,6 +310,7 @@ TYPED_TEST(NoAllocationIn, ShootingFramesInMotionTakesNoMemory) {
                              .shutter = Shutter<Real>{Real(-0.25), Real(0.25)},
                              .exposure_s = Real(0.25)};
   std::array<std::int64_t, shoot_phases> phases{};
+  std::array<std::int32_t, frames + 1> shots{};
   std::int64_t exposures = 0;
   std::size_t hits = 0;
   std::string error;
@@ -318,7 +319,7 @@ TYPED_TEST(NoAllocationIn, ShootingFramesInMotionTakesNoMemory) {
     auto playhead = play->make();
     if (playhead) {
       Playhead<Real> still = *playhead;
-      FrameShoot<Real> shoot(spec, frames, *playhead, &still);
+      FrameShoot<Real> shoot(spec, {.last = frames, .shots = shots}, *playhead, &still);
       Status status = shoot.check();
       if (status) status = shoot.shoot(0);
       for (std::int64_t tick = 0; status && tick < million && shoot.exposures() < few_frames; ++tick) {

@@ -66,10 +66,13 @@ struct Set {
   SimulatedLines lines;
   LoopStorage room{2, 2};
   MotionLoop<double, SimulatedRig, SimulatedLines> loop{rig, lines, room.memory()};
+  std::array<std::int32_t, 7> shots{};
   FrameShoot<double> shoot;
 
-  explicit Set(const ShootSpec<double>& spec, bool second_stands_still = false)
-      : shoot(spec, 6, moving, second_stands_still ? &still : nullptr) {
+  explicit Set(const ShootSpec<double>& spec, bool second_stands_still = false,
+               std::span<const FrameTime<double>> rests = {})
+      : shoot(spec, {.last = 6, .shots = shots, .rests = rests}, moving,
+              second_stands_still ? &still : nullptr) {
     LoopSpec<double> loaded{&plan.played(), &moving, drive_of, plan.limits(), tick_s};
     if (second_stands_still) {
       loaded.still = &still;
@@ -140,6 +143,58 @@ TEST(FrameShoot, LooksAtAFrameWithoutExposingIt) {
   set.tick_until(ShootPhase::waiting);
   EXPECT_EQ(set.shoot.frame(), 3);
   EXPECT_EQ(set.shoot.exposures(), 2);
+}
+
+TEST(FrameShoot, ATriggerGoesOnWithTheNextFrameThatIsNotShot) {
+  Set set(resting);
+  ASSERT_TRUE(set.shoot.shoot(0));
+  set.tick_until(ShootPhase::waiting);
+  ASSERT_TRUE(set.shoot.look_at(3));
+  set.tick_until(ShootPhase::standing);
+  ASSERT_TRUE(set.shoot.trigger());
+  set.tick_until(ShootPhase::waiting);
+  ASSERT_TRUE(set.shoot.look_at(0));
+  set.tick_until(ShootPhase::standing);
+  ASSERT_TRUE(set.shoot.trigger()) << "frame 0 was shot: it goes on";
+  set.tick_until(ShootPhase::waiting);
+  EXPECT_EQ(set.shoot.frame(), 1);
+  ASSERT_TRUE(set.shoot.shoot_again());
+  set.tick_until(ShootPhase::waiting);
+  EXPECT_THAT(set.shots, ElementsAre(1, 2, 0, 1, 0, 0, 0));
+  for (const std::int32_t next : {2, 4, 5, 6}) {
+    ASSERT_TRUE(set.shoot.trigger());
+    set.tick_until(ShootPhase::waiting);
+    EXPECT_EQ(set.shoot.frame(), next);
+  }
+  ASSERT_TRUE(set.shoot.trigger());
+  EXPECT_EQ(set.shoot.phase(), ShootPhase::done);
+}
+
+/// A travel that is stopped at any tick of it rests before the place at which it was to rest, or on it.
+TEST(FrameShoot, NoStopPassesAPlaceAtWhichTravelsRest) {
+  const std::array rests{FrameTime<double>{2, 0.37}, FrameTime<double>{4, 0}};
+  for (const std::int32_t to : {6, 0}) {
+    int rested = 0;
+    for (int stop = 1; stop < 300; ++stop) {
+      Set set(resting, false, rests);
+      ASSERT_TRUE(set.moving.place_on(6 - to));
+      ASSERT_TRUE(set.shoot.look_at(to));
+      int here = 0;  // how many of the rests it has been on
+      for (int i = 0; i < stop; ++i) {
+        set.moving.tick();
+        if (set.moving.is_resting()) ++here;
+        set.shoot.tick(PlayheadEvent::none);
+      }
+      rested = std::max(rested, here);
+      if (set.shoot.phase() != ShootPhase::travelling) break;
+      const FrameTime<double> next = here >= 2 ? FrameTime<double>{to, 0} : rests[to == 6 ? here : 1 - here];
+      set.moving.stop();
+      while (!set.moving.is_resting()) set.moving.tick();
+      EXPECT_TRUE(to == 6 ? set.moving.time() <= next : next <= set.moving.time())
+          << "stopped at tick " << stop;
+    }
+    EXPECT_EQ(rested, 3) << "two rests, and the frame itself";
+  }
 }
 
 TEST(FrameShoot, InMotionTheSignalLastsFromOpenToClose) {

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -104,25 +105,255 @@ RunReport shoot_typing(const std::vector<std::pair<int, std::string>>& typed,
              {.shoot = ShootOptions{.settle_s = 0.1, .exposure_s = 0.1}});
 }
 
-TEST(Shooting, WithAKeyboardItWaitsForSpace) {
+TEST(Shooting, WithAKeyboardNothingIsExposedBeforeSpace) {
+  EXPECT_EQ(shoot_typing({{20000, "q"}}, nullptr).exposures, 0);
   const RunReport report = shoot_typing({{5000, " "}, {10000, " "}, {20000, "q"}}, nullptr);
   EXPECT_EQ(report.ending, Ending::stopped);
-  EXPECT_EQ(report.exposures, 3);
+  EXPECT_EQ(report.exposures, 2);
   EXPECT_GE(report.ticks, 20000);
 }
 
 TEST(Shooting, OtherFramesAreLookedAtWithoutBeingExposed) {
   const RunReport report =
       shoot_typing({{5000, "\x1b[C"}, {6000, "\x1b[C"}, {7000, "\x1b[D"}, {8000, " "}, {9000, "q"}}, nullptr);
-  EXPECT_EQ(report.exposures, 2);
+  EXPECT_EQ(report.exposures, 1);
+  EXPECT_EQ(report.shoot->skipped, 1) << "frame 0";
 }
 
-TEST(Shooting, AStopIsAcknowledgedAndTheFrameShotAgain) {
-  const RunReport report = shoot_typing(
-      {{5000, " "}, {5003, "\x1b"}, {6000, " "}, {6100, "\r"}, {6200, "a"}, {6300, "\r"}, {9000, "q"}},
-      nullptr);
-  EXPECT_EQ(report.exposures, 2) << "frame 0, and frame 1 after the stop";
-  EXPECT_EQ(report.ending, Ending::stopped);
+TEST(Shooting, AfterAStopTheFrameIsExposedOnlyIfSomebodyAsks) {
+  std::vector<std::pair<int, std::string>> typed{{5000, " "}, {5003, "\x1b"}, {6000, " "},  {6100, "\r"},
+                                                 {6200, "a"}, {6300, "\r"},   {7000, "\r"}, {9000, "q"}};
+  EXPECT_EQ(shoot_typing(typed, nullptr).exposures, 0) << "nor by a second Enter";
+  typed.insert(typed.end() - 1, {8000, " "});
+  EXPECT_EQ(shoot_typing(typed, nullptr).exposures, 1);
+}
+
+TEST(Shooting, AnExposureThatAStopCutsOffDoesNotCount) {
+  const RunReport report = shoot_typing({{5000, " "}, {5035, "\x1b"}, {9000, "q"}}, nullptr);
+  EXPECT_EQ(report.exposures, 0);
+  EXPECT_EQ(report.shoot->cut_off, 1);
+  EXPECT_EQ(report.shoot->left, 193);
+}
+
+const std::string pan_of_two_seconds = R"(name = "pan of two seconds"
+fps = 24
+frames = 48
+[[track]]
+axes = ["pan"]
+keys = [{ at = [-60] }, { at = [60] }]
+speed = [0, 0, 10, 4, 2, 0, 0]
+)";
+
+/// The frame and `whole` of every line of a shoot log.
+std::vector<std::string> logged(const std::string& file) {
+  std::istringstream lines(file_contents(file));
+  std::string line;
+  std::getline(lines, line);
+  EXPECT_EQ(line, "at,frame,shots,whole");
+  std::vector<std::string> frames;
+  while (std::getline(lines, line)) frames.push_back(line.substr(line.find(',') + 1));
+  return frames;
+}
+
+/// Shoots with a keyboard, a key of the script every half second of the virtual clock.
+RunReport shoot_by_script(const Plan& plan, const std::string& log, std::vector<std::string> script) {
+  int tick = 0;
+  std::size_t next = 0;
+  return run(plan,
+             {.simulated = true,
+              .fast = true,
+              .audience = {.keys =
+                               [&] {
+                                 return ++tick % 125 == 0 && next < script.size() ? script[next++]
+                                                                                  : std::string();
+                               }}},
+             {.shoot = ShootOptions{.settle_s = 0.02, .exposure_s = 0.02, .log = log}});
+}
+
+TEST(Shooting, AStoppedShootThatIsGoneOnWithTellsWhatIsThere) {
+  const TemporaryFolder folder;
+  const std::string log = folder.path() / "shoot.csv";
+  const Plan plan(parse_move(pan_of_two_seconds, "move.toml"), read_rig_file(camera_rig), {});
+  std::vector<std::string> script(20, " ");  // frames 0..19
+  // On its way to frame 20 it is stopped; then two frames backward are looked at, and it goes on.
+  script.insert(script.end(), {" \x1b", "a", "\r", "\x1b[D", "\x1b[D", " "});
+  script.insert(script.end(), {"e", "\x1b[C", "\x1b[C", " "});  // 20 again, 21 skipped, 22
+  script.insert(script.end(), 26, " ");                         // 23..48
+  script.push_back(" ");
+  const RunReport report = shoot_by_script(plan, log, script);
+  EXPECT_EQ(report.ending, Ending::finished);
+  EXPECT_EQ(report.reason, "the shoot was ended with frames missing");
+  EXPECT_EQ(report.exposures, 49);
+  EXPECT_EQ(report.shoot->due(), 49);
+  EXPECT_EQ(report.shoot->shot, 48);
+  EXPECT_EQ(report.shoot->shot_again, 1);
+  EXPECT_EQ(report.shoot->skipped, 1);
+  EXPECT_EQ(report.shoot->left, 0);
+  EXPECT_FALSE(report.shoot->has_all());
+  std::vector<std::string> wanted;
+  for (int frame = 0; frame <= 48; ++frame) {
+    if (frame != 21) wanted.push_back(std::to_string(frame) + ",1,1");
+    if (frame == 20) wanted.push_back("20,2,1");
+  }
+  EXPECT_EQ(logged(log), wanted);
+}
+
+ProgramRun shoot_pan(const TemporaryFolder& folder, std::vector<std::string> more) {
+  const std::string move = folder.path() / "pan.toml";
+  std::ofstream(move) << pan_of_two_seconds;
+  std::vector<std::string> arguments{
+      "run",    move,     "--rig",    camera_rig,    "--sim",
+      "--fast", "--step", "--settle", "0.02",        "--exposure",
+      "0.02",   "--json", "-",        "--shoot-log", folder.path() / "shoot.csv"};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return run_program(arguments);
+}
+
+TEST(Shooting, GoesOnLaterFromAFrameOnAndTheLogGoesOnWithIt) {
+  const TemporaryFolder folder;
+  EXPECT_EQ(shoot_pan(folder, {"--frames", "..36"}).status, 0);
+  EXPECT_EQ(logged(folder.path() / "shoot.csv").back(), "36,1,1");
+  const ProgramRun rest = shoot_pan(folder, {"--frames", "37.."});
+  EXPECT_EQ(rest.status, 0);
+  EXPECT_THAT(rest.err, HasSubstr("frames 37..48: 12 due, 12 shot"));
+  const auto json = nlohmann::ordered_json::parse(rest.out);
+  EXPECT_EQ(json["shoot"]["due"], 12);
+  EXPECT_EQ(json["shoot"]["last_shot"], 48);
+  const std::vector<std::string> all = logged(folder.path() / "shoot.csv");
+  ASSERT_EQ(all.size(), 49U);
+  for (std::size_t frame = 0; frame < all.size(); ++frame) {
+    EXPECT_EQ(all[frame], std::to_string(frame) + ",1,1");
+  }
+}
+
+TEST(Shooting, AFileThatIsNoShootLogIsNotWrittenTo) {
+  const TemporaryFolder folder;
+  std::ofstream(folder.path() / "shoot.csv") << "to buy: milk\n";
+  const ProgramRun run = shoot_pan(folder, {});
+  EXPECT_EQ(run.status, 1);
+  EXPECT_THAT(run.err, HasSubstr("no shoot log"));
+  EXPECT_EQ(file_contents(folder.path() / "shoot.csv"), "to buy: milk\n");
+}
+
+TEST(Shooting, FramesThatTheMoveHasNotAreRefused) {
+  const TemporaryFolder folder;
+  const ProgramRun beyond = shoot_pan(folder, {"--frames", "37..49"});
+  EXPECT_EQ(beyond.status, 1);
+  EXPECT_THAT(beyond.err, HasSubstr("frame 49"));
+  for (const char* text : {"37", "48..37", "..", "a..b", "-1..3", "1..2..3"}) {
+    EXPECT_EQ(shoot_pan(folder, {"--frames", text}).status, 2) << text;
+  }
+}
+
+/// 120 degrees in two seconds on an axis that could do 3 in that time, with a corner on the way.
+const std::string slow_rig = R"(name = "slow rig"
+rate_hz = 250
+[[axis]]
+name = "pan"
+unit = "deg"
+min = -90
+max = 90
+max_velocity = 1.5
+max_acceleration = 3
+max_jerk = 30
+drive = { type = "pipe", path = "/dev/null", counts_per_unit = 1e9 }
+[[axis]]
+name = "tilt"
+unit = "deg"
+min = -90
+max = 90
+max_velocity = 1.5
+max_acceleration = 3
+max_jerk = 30
+drive = { type = "pipe", path = "/dev/null", counts_per_unit = 1e9 }
+)";
+const std::string cornered = R"(name = "cornered"
+fps = 24
+frames = 48
+[[track]]
+axes = ["pan", "tilt"]
+spline = "linear"
+keys = [{ at = [-60, 0] }, { at = [-5, 0] }, { at = [10, 45] }]
+speed = [10, 10]
+)";
+
+/// The largest velocity, acceleration and jerk of a column of a record, by differences.
+std::array<double, 3> told(const std::string& record, int column) {
+  std::ifstream file(record);
+  std::string line;
+  std::getline(file, line);
+  std::array<double, 4> last{};
+  std::array<double, 3> most{};
+  for (int rows = 0; std::getline(file, line);) {
+    std::istringstream cells(line);
+    std::string cell;
+    for (int i = 0; i <= column; ++i) std::getline(cells, cell, ',');
+    if (cell.empty()) continue;
+    std::ranges::copy_backward(std::array{last[0], last[1], last[2]}, last.end());
+    last[0] = std::stod(cell);
+    if (++rows < 4) continue;
+    const double first = (last[0] - last[1]) * 250;
+    const double second = (last[0] - 2 * last[1] + last[2]) * 250 * 250;
+    const double third = (last[0] - 3 * last[1] + 3 * last[2] - last[3]) * 250 * 250 * 250;
+    most = {std::max(most[0], std::fabs(first)), std::max(most[1], std::fabs(second)),
+            std::max(most[2], std::fabs(third))};
+  }
+  return most;
+}
+
+TEST(Shooting, IsHeldToWhatMovesAndRestsWhereTheMotionSteps) {
+  const TemporaryFolder folder;
+  const std::string move = folder.path() / "move.toml";
+  const std::string rig = folder.path() / "rig.toml";
+  const std::string record = folder.path() / "record.csv";
+  std::ofstream(move) << cornered;
+  std::ofstream(rig) << slow_rig;
+  const std::vector<std::string> play{"run", move, "--rig", rig, "--sim", "--fast"};
+  EXPECT_EQ(run_program(play).status, 3) << "played, it is far beyond every limit";
+  std::vector<std::string> shoot = play;
+  shoot.insert(shoot.end(), {"--step", "--settle", "0", "--record", record});
+  const ProgramRun run = run_program(shoot);
+  ASSERT_EQ(run.status, 0) << run.err;
+  for (const int column : {3, 5}) {
+    const auto [velocity, acceleration, jerk] = told(record, column);
+    EXPECT_LE(velocity, 1.5);
+    EXPECT_LE(acceleration, 3.0001);
+    EXPECT_LE(jerk, 30.1);
+    EXPECT_GT(velocity, 0.3) << "and is not slower than it need be";
+  }
+}
+
+TEST(Shooting, InMotionNoExposurePassesAStep) {
+  const TemporaryFolder folder;
+  const std::string move = folder.path() / "move.toml";
+  const std::string rig = folder.path() / "rig.toml";
+  std::ofstream(move) << cornered;
+  std::ofstream(rig) << slow_rig;
+  const auto shoot = [&](const char* shutter, const char* exposure, const char* frames) {
+    return run_program({"run", move, "--rig", rig, "--sim", "--fast", "--shutter", shutter, "--exposure",
+                        exposure, "--frames", frames});
+  };
+  const ProgramRun fast = shoot("0..180", "0.5", "5..10");
+  EXPECT_EQ(fast.status, 3);
+  EXPECT_THAT(fast.err, HasSubstr("frame 5 cannot be exposed in motion"));
+  EXPECT_THAT(fast.err, HasSubstr("s at least"));
+  EXPECT_EQ(shoot("0..180", "2", "5..10").status, 0);
+  const ProgramRun across = shoot("0..360", "4", "20..30");
+  EXPECT_EQ(across.status, 3);
+  EXPECT_THAT(across.err, HasSubstr("the motion steps while the rig exposes it"));
+}
+
+TEST(Shooting, APositionBeyondALimitOnTheWayIsRefused) {
+  const TemporaryFolder folder;
+  const std::string move = folder.path() / "move.toml";
+  const std::string rig = folder.path() / "rig.toml";
+  std::ofstream(move) << "name = \"peak\"\nfps = 24\nframes = 2\n[[track]]\naxes = [\"pan\"]\n"
+                         "keys = [{ at = [0] }, { at = [95] }, { at = [20] }, { at = [0] }]\n"
+                         "speed = [0, 0, 10, 0, 0]\n";
+  std::ofstream(rig) << slow_rig;
+  const ProgramRun run = run_program({"run", move, "--rig", rig, "--sim", "--fast", "--step"});
+  EXPECT_EQ(run.status, 3);
+  EXPECT_THAT(run.err, HasSubstr("outside -90..90 of the rig"));
 }
 
 TEST(Shooting, AnExposureThatIsTooShortIsRefusedWithItsFrameAndNothingMoves) {
@@ -152,6 +383,8 @@ TEST(Shooting, OptionsThatMakeNoSenseTogetherAreWrongUsage) {
       {{"--shutter", "nan..1", "--exposure", "1"}, "OPEN..CLOSE"},
       {{"--step", "--settle", "-1"}, "--settle"},
       {{"--step", "--exposure", "0"}, "--exposure"},
+      {{"--shoot-log", "log.csv"}, "belongs to --step or --shutter"},
+      {{"--step", "--top-rate", "1.5"}, "are for a move that is played"},
       {{"--top-rate", "0.5"}, "--top-rate"},
   };
   for (const Wrong& one : wrong) {

@@ -4,7 +4,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <csignal>
+#include <fstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -17,10 +20,12 @@
 #include "host_tools/rig/simulated_hardware.hpp"
 #include "tests/support/places.hpp"
 #include "tests/support/run_program.hpp"
+#include "tests/support/temporary_file.hpp"
 
 namespace inbetween {
 namespace transport_test {
 
+using testing::Each;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -47,7 +52,8 @@ TEST(TransportKeys, ReadWhatATerminalSends) {
   EXPECT_THAT(keys_of("\x1b"), ElementsAre(TransportKey::stop));
   EXPECT_THAT(keys_of("\x1b\x1b"), ElementsAre(TransportKey::stop, TransportKey::stop));
   EXPECT_THAT(keys_of("\x1b[A\x1b[B"), ElementsAre(TransportKey::previous_axis, TransportKey::next_axis));
-  EXPECT_THAT(keys_of("xyz\x1b[F\x1b[H\xff"), IsEmpty()) << "other keys do nothing";
+  EXPECT_THAT(keys_of("\x1b[H\x1bOH\x1b[1~\x1b[7~"), Each(TransportKey::home));
+  EXPECT_THAT(keys_of("xyz\x1b[F\x1b[15~\x1b[1;5C\x1b[5~\xff"), IsEmpty()) << "other keys do nothing";
 }
 
 /// Plays the example on a virtual clock, typing `typed[i].second` before tick `typed[i].first`.
@@ -55,7 +61,9 @@ struct Session {
   std::vector<std::string> lines;
   RunReport report;
 
-  explicit Session(const std::vector<std::pair<int, std::string>>& typed, Repeat repeat = Repeat::none) {
+  explicit Session(const std::vector<std::pair<int, std::string>>& typed, Repeat repeat = Repeat::none)
+      : Session(typed, RunOptions{.repeat = repeat}) {}
+  Session(const std::vector<std::pair<int, std::string>>& typed, const RunOptions& options) {
     const Plan plan(read_move_file(reveal), read_rig_file(camera_rig), {});
     int tick = 0;
     std::size_t next = 0;
@@ -68,7 +76,7 @@ struct Session {
                                      ++tick;
                                      return now ? typed[next++].second : std::string();
                                    }}},
-                 {.repeat = repeat});
+                 options);
   }
 };
 
@@ -87,16 +95,121 @@ TEST(Transport, APauseAndStepsAndATurnStillEndWhereTheMoveEnds) {
   EXPECT_EQ(session.report.axes[0].last_actual, 1640);
 }
 
-TEST(Transport, BackwardItEndsWhereItBegan) {
-  const Session session({{800, "r"}});
-  EXPECT_EQ(session.report.ending, Ending::finished);
-  EXPECT_EQ(session.report.axes[0].last_actual, 60);
+TEST(Transport, PlayedBackwardToItsBeginningItRestsThereAndWaits) {
+  const Session left({{800, "r"}, {3000, "q"}});
+  EXPECT_EQ(left.report.ending, Ending::stopped);
+  EXPECT_GE(left.report.ticks, 3000);
+  EXPECT_EQ(left.report.axes[0].last_actual, 60);
+  const Session played({{800, "r"}, {3000, "\r"}});
+  EXPECT_EQ(played.report.ending, Ending::finished);
+  EXPECT_NEAR(static_cast<double>(played.report.ticks), 5000, 5);
+  EXPECT_EQ(played.report.axes[0].last_actual, 1640);
+}
+
+TEST(Transport, HomeGoesBackAlongThePathAndRestsThere) {
+  for (const std::vector<std::pair<int, std::string>>& before :
+       {std::vector<std::pair<int, std::string>>{{1000, "\x1b[H"}},
+        {{1000, " "}, {1200, "\x1b[H"}},
+        {{1000, "\x1b"}, {1500, "a"}, {1600, "\x1b[H"}}}) {
+    auto typed = before;
+    typed.emplace_back(6000, "q");
+    const Session session(typed);
+    EXPECT_EQ(session.report.axes[0].last_actual, 60);
+    EXPECT_GE(session.report.ticks, 6000) << "it does not play on by itself";
+    typed.back().second = " ";
+    EXPECT_EQ(Session(typed).report.axes[0].last_actual, 1640);
+  }
+  const Session latched({{1000, "\x1b"}, {1200, "\x1b[H"}, {6000, "q"}});
+  EXPECT_GT(latched.report.axes[0].last_actual, 61) << "not before the stop is acknowledged";
+}
+
+struct Takes {
+  TemporaryFolder folder;
+  RunReport report;
+
+  explicit Takes(const std::vector<std::pair<int, std::string>>& typed) {
+    std::ofstream(folder.path() / "1.csv") << "of yesterday\n";
+    report = Session(typed, RunOptions{.has_takes = true, .take_record = folder.path() / "%n.csv"}).report;
+  }
+  [[nodiscard]] long lines_of(const char* file) const {
+    const std::string text = file_contents(folder.path() / file);
+    return std::ranges::count(text, '\n');
+  }
+};
+
+TEST(Takes, EachBeginsWhenSomebodyAsksAndHasARecordOfItsOwn) {
+  const Takes takes({{500, "\r"},
+                     {3000, "\x1b[H"},
+                     {8000, "\r"},
+                     {8500, "\x1b"},
+                     {9000, "a"},
+                     {9100, "\x1b[H"},
+                     {14000, "\r"},
+                     {16500, "q"}});
+  EXPECT_EQ(takes.report.ending, Ending::finished) << takes.report.reason;
+  EXPECT_EQ(takes.report.reason, "3 takes played, and left");
+  ASSERT_EQ(takes.report.takes.size(), 3U);
+  const std::array whole{true, false, true};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const RunTake& take = takes.report.takes[i];
+    EXPECT_EQ(take.number, static_cast<int>(i) + 2) << "1.csv is there already";
+    EXPECT_EQ(take.is_whole, whole[i]) << i;
+    EXPECT_EQ(take.record->lost, 0);
+  }
+  EXPECT_EQ(takes.lines_of("1.csv"), 1) << "of yesterday";
+  EXPECT_NEAR(static_cast<double>(takes.lines_of("2.csv")), 2001, 2);
+  EXPECT_NEAR(static_cast<double>(takes.lines_of("3.csv")), 1100, 10) << "until somebody went home";
+  EXPECT_NEAR(static_cast<double>(takes.lines_of("4.csv")), 2001, 2);
+  EXPECT_EQ(takes.report.axes[0].last_actual, 1640);
+}
+
+TEST(Takes, NothingMovesWithoutAnEnterThatCameWhileItWaited) {
+  for (const char* keys : {" ", "r", "\x1b[C", "a", "+-", "\x1b[H", "\x1b", " r r "}) {
+    const Takes takes({{500, keys}, {3000, "q"}});
+    EXPECT_EQ(takes.report.takes.size(), 0U) << keys;
+    EXPECT_EQ(takes.report.axes[0].last_actual, 60) << keys;
+    EXPECT_EQ(takes.report.reason, "0 takes played, and left");
+  }
+  const Takes typed_ahead({{0, "\r"}, {3000, "q"}});
+  EXPECT_EQ(typed_ahead.report.takes.size(), 0U);
+}
+
+TEST(Takes, ATakeBeginsNowhereButAtTheStart) {
+  const Takes takes({{500, "\r\r"},
+                     {600, "\r"},
+                     {3000, "\r"},
+                     {3500, "\x1b[H"},
+                     {4000, "\r"},
+                     {4500, " "},
+                     {5000, "\r"},
+                     {5200, " "},
+                     {9000, "q"}});
+  EXPECT_EQ(takes.report.takes.size(), 1U);
+  EXPECT_LT(takes.report.axes[0].last_actual, 1640);
+  EXPECT_GT(takes.report.axes[0].last_actual, 60) << "space stopped it on its way home";
+}
+
+TEST(Takes, LeavingInATakeIsNoEndOfIt) {
+  const Takes takes({{500, "\r"}, {1000, "q"}});
+  EXPECT_EQ(takes.report.ending, Ending::stopped);
+  ASSERT_EQ(takes.report.takes.size(), 1U);
+  EXPECT_FALSE(takes.report.takes[0].is_whole);
+  EXPECT_GT(takes.lines_of("2.csv"), 500);
 }
 
 TEST(Transport, ASlowerRateTakesLonger) {
   const Session session({{0, "-----"}});
   EXPECT_EQ(session.report.ending, Ending::finished);
   EXPECT_NEAR(static_cast<double>(session.report.ticks), 4000, 60);
+}
+
+TEST(Transport, BelowATenthTheRateChangesByAHundredth) {
+  const Session down({{0, std::string(9 + 5, '-')}});
+  EXPECT_NEAR(static_cast<double>(down.report.ticks), 2000 / 0.05, 100);
+  const Session up_again({{0, std::string(9 + 5, '-') + std::string(5 + 4, '+')}});
+  EXPECT_NEAR(static_cast<double>(up_again.report.ticks), 2000 / 0.5, 60);
+  const Session no_pause({{0, std::string(40, '-') + "+"}});
+  EXPECT_NEAR(static_cast<double>(no_pause.report.ticks), 2000 / 0.02, 200);
 }
 
 TEST(Transport, AStopHasToBeAcknowledgedAndStarted) {

@@ -1,5 +1,6 @@
 #include "inbetween/play/frame_shoot.hpp"
 
+#include <algorithm>
 #include <array>
 
 namespace inbetween {
@@ -23,14 +24,16 @@ Exposure<Real> FrameShoot<Real>::exposure_of(std::int32_t frame) const {
 template <Precise Real>
 Status FrameShoot<Real>::check() const {
   if (!spec_.shutter) return Done{};
-  // The trial works on a copy, so that a check moves nothing and leaves no event behind.
-  Playhead<Real> trial = *moving_;
-  for (std::int32_t frame = 0; frame <= frames_; ++frame) {
-    // The run-up to each frame starts at rest, wherever the trial before left the playhead.
-    trial.halt();
-    const Status possible = trial.go_to_run_up(exposure_of(frame));
-    if (possible) continue;
-    Error error = possible.error();
+  for (std::size_t i = 0; i < frames_.shots.size(); ++i) {
+    const std::int32_t frame = frames_.first + static_cast<std::int32_t>(i);
+    const Result<ExposureWay<Real>> way = moving_->way_of(exposure_of(frame));
+    if (way && !rest_between(way->from, way->to)) continue;
+    Error error = way ? Error{.code = ErrorCode::no_solution,
+                              .what = "the motion steps while the rig exposes it",
+                              .remedy =
+                                  "let the speed touch 0 there with ease = true or corners = \"ease\", "
+                                  "or shoot with --step"}
+                      : way.error();
     error.frame = frame;
     return error;
   }
@@ -39,7 +42,7 @@ Status FrameShoot<Real>::check() const {
 
 template <Precise Real>
 Status FrameShoot<Real>::can_leave(std::int32_t frame) const {
-  if (frame < 0 || frame > frames_) {
+  if (frame < 0 || frame > frames_.last) {
     return Error{.code = ErrorCode::out_of_range,
                  .what = "there is no such frame",
                  .remedy = "name one from 0 to the last frame of the move",
@@ -50,31 +53,86 @@ Status FrameShoot<Real>::can_leave(std::int32_t frame) const {
   return Done{};
 }
 
+/// The first rest strictly between two places, seen from `from`.
+template <Precise Real>
+std::optional<FrameTime<Real>> FrameShoot<Real>::rest_between(const FrameTime<Real>& from,
+                                                              const FrameTime<Real>& to) const {
+  const bool is_forward = from < to;
+  std::optional<FrameTime<Real>> first;
+  for (const FrameTime<Real>& rest : frames_.rests) {
+    const bool is_between = is_forward ? from < rest && rest < to : to < rest && rest < from;
+    if (!is_between) continue;
+    first = rest;
+    if (is_forward) break;
+  }
+  return first;
+}
+
+template <Precise Real>
+Status FrameShoot<Real>::travel(Playhead<Real>& playhead, const FrameTime<Real>& to, bool is_run_up) {
+  if (const auto rest = rest_between(playhead.time(), to)) return playhead.go_to(*rest);
+  return is_run_up ? playhead.go_to_run_up(exposure_of(frame_)) : playhead.go_to(to);
+}
+
+/// Towards the frame, as far as the next rest. Axes that rest during an exposure go to the frame itself, not
+/// to the start of the run-up.
+template <Precise Real>
+Status FrameShoot<Real>::travel() {
+  const bool runs_up = spec_.shutter && !only_looks_;
+  if (const Status goes = travel(*moving_, stand_, runs_up); !goes) return goes;
+  return still_ != nullptr ? travel(*still_, {frame_, 0}, false) : Status(Done{});
+}
+
+template <Precise Real>
+bool FrameShoot<Real>::has_arrived() const {
+  return moving_->time() == stand_ && (still_ == nullptr || still_->time() == FrameTime<Real>{frame_, 0});
+}
+
 template <Precise Real>
 Status FrameShoot<Real>::shoot(std::int32_t frame) {
   if (const Status possible = can_leave(frame); !possible) return possible;
-  const Status goes = spec_.shutter ? moving_->go_to_run_up(exposure_of(frame)) : moving_->go_to(frame);
-  if (!goes) return goes;
-  // Axes that rest during the exposure go to the frame itself, not to the start of the run-up.
-  if (still_ != nullptr) {
-    if (const Status follows = still_->go_to(frame); !follows) return follows;
+  if (!is_due(frame)) {
+    return Error{.code = ErrorCode::out_of_range,
+                 .what = "this frame is not one of those that are shot",
+                 .remedy = "go on to one that is",
+                 .frame = frame};
+  }
+  FrameTime<Real> stand{frame, 0};
+  if (spec_.shutter) {
+    const Result<ExposureWay<Real>> way = moving_->way_of(exposure_of(frame));
+    if (!way) return way.error();
+    stand = way->from;
   }
   frame_ = frame;
+  stand_ = stand;
   only_looks_ = false;
   phase_ = ShootPhase::travelling;
-  return Done{};
+  return travel();
 }
 
 template <Precise Real>
 Status FrameShoot<Real>::look_at(std::int32_t frame) {
   if (const Status possible = can_leave(frame); !possible) return possible;
-  if (const Status goes = moving_->go_to(frame); !goes) return goes;
-  if (still_ != nullptr) {
-    if (const Status follows = still_->go_to(frame); !follows) return follows;
-  }
   frame_ = frame;
+  stand_ = {frame, 0};
   only_looks_ = true;
   phase_ = ShootPhase::travelling;
+  return travel();
+}
+
+template <Precise Real>
+std::optional<std::int32_t> FrameShoot<Real>::next_frame() const {
+  const std::int32_t end = frames_.first + static_cast<std::int32_t>(frames_.shots.size());
+  for (std::int32_t next = std::max(frame_ + 1, frames_.first); next < end; ++next) {
+    if (shots_of(next) == 0) return next;
+  }
+  return std::nullopt;
+}
+
+template <Precise Real>
+Status FrameShoot<Real>::go_on() {
+  if (const auto next = next_frame()) return shoot(*next);
+  phase_ = ShootPhase::done;
   return Done{};
 }
 
@@ -82,11 +140,9 @@ template <Precise Real>
 Status FrameShoot<Real>::trigger() {
   switch (phase_) {
     case ShootPhase::standing:
-      return shoot(frame_);
+      return is_due(frame_) && shots_of(frame_) == 0 ? shoot(frame_) : go_on();
     case ShootPhase::waiting:
-      if (frame_ < frames_) return shoot(frame_ + 1);
-      phase_ = ShootPhase::done;
-      return Done{};
+      return go_on();
     case ShootPhase::exposing:
       if (!is_exposed_) return not_now("the camera is exposing");
       // The shutter has closed already, so this trigger can only mean the next frame.
@@ -103,6 +159,13 @@ Status FrameShoot<Real>::trigger() {
 }
 
 template <Precise Real>
+Status FrameShoot<Real>::shoot_again() {
+  if (phase_ == ShootPhase::standing || phase_ == ShootPhase::waiting) return shoot(frame_);
+  return phase_ == ShootPhase::exposing ? not_now("the camera is exposing")
+                                        : not_now("the rig does not stand on a frame");
+}
+
+template <Precise Real>
 void FrameShoot<Real>::interrupt() {
   camera_ = false;
   if (phase_ != ShootPhase::done) phase_ = ShootPhase::idle;
@@ -113,6 +176,10 @@ void FrameShoot<Real>::tick(PlayheadEvent event) {
   switch (phase_) {
     case ShootPhase::travelling:
       if (!rests()) return;
+      if (!has_arrived()) {
+        if (!travel()) interrupt();  // cannot be: it has got this far by the same arithmetic
+        return;
+      }
       // Both playheads rest. A time of 0 ticks exposes in this very tick, without a tick of waiting.
       ticks_left_ = spec_.settle_ticks;
       phase_ = ShootPhase::settling;
@@ -163,6 +230,7 @@ template <Precise Real>
 void FrameShoot<Real>::end_exposure() {
   camera_ = false;
   ++exposures_;
+  ++shots_of(frame_);
   phase_ = ShootPhase::waiting;
   if (goes_on_ && !trigger()) interrupt();  // check() has tried every frame
 }

@@ -77,31 +77,31 @@ Status Playhead<Real>::play(Direction direction) {
   }
   direction_ = direction;
   state_ = PlayheadState::playing;
-  has_next_frame_ = false;
+  has_next_ = false;
   return Done{};
 }
 
 template <Precise Real>
 void Playhead<Real>::stop() {
-  has_next_frame_ = false;
+  has_next_ = false;
   if (!is_resting()) state_ = PlayheadState::slowing;
 }
 
 template <Precise Real>
 void Playhead<Real>::halt() {
-  has_next_frame_ = false;
+  has_next_ = false;
   rest();
 }
 
 template <Precise Real>
-Status Playhead<Real>::go_to(std::int32_t frame) {
-  if (!is_on_time_line({frame, 0})) return not_on_time_line();
+Status Playhead<Real>::go_to(const FrameTime<Real>& place) {
+  if (!is_on_time_line(place)) return not_on_time_line();
   if (is_resting()) {
-    begin_travel({frame, 0});
+    begin_travel(place);
   } else {
     stop();
-    next_frame_ = frame;
-    has_next_frame_ = true;
+    next_ = place;
+    has_next_ = true;
   }
   return Done{};
 }
@@ -109,8 +109,8 @@ Status Playhead<Real>::go_to(std::int32_t frame) {
 template <Precise Real>
 Status Playhead<Real>::step(Direction direction) {
   FrameTime<Real> from = time_;
-  if (has_next_frame_) {
-    from = {next_frame_, 0};
+  if (has_next_) {
+    from = next_;
   } else if (state_ == PlayheadState::travelling) {
     from = travel_.to;
   } else if (!is_resting()) {
@@ -126,7 +126,7 @@ template <Precise Real>
 Status Playhead<Real>::scrub_to(const FrameTime<Real>& target) {
   if (!is_on_time_line(target)) return not_on_time_line();
   scrub_target_ = target;
-  has_next_frame_ = false;
+  has_next_ = false;
   state_ = PlayheadState::scrubbing;
   return Done{};
 }
@@ -225,9 +225,9 @@ PlayheadEvent Playhead<Real>::tick_ramp(Real target) {
 template <Precise Real>
 PlayheadEvent Playhead<Real>::settle() {
   rest();
-  if (!has_next_frame_) return PlayheadEvent::stopped;
-  has_next_frame_ = false;
-  begin_travel({next_frame_, 0});
+  if (!has_next_) return PlayheadEvent::stopped;
+  has_next_ = false;
+  begin_travel(next_);
   return PlayheadEvent::none;
 }
 
@@ -472,6 +472,13 @@ Result<typename Playhead<Real>::Journey> Playhead<Real>::journey_of(const Exposu
   return Error{.code = ErrorCode::not_converged,
                .what = "no run-up to an exposure was found",
                .remedy = "expose longer"};
+}
+
+template <Precise Real>
+Result<ExposureWay<Real>> Playhead<Real>::way_of(const Exposure<Real>& exposure) const {
+  const Result<Journey> journey = journey_of(exposure);
+  if (!journey) return journey.error();
+  return ExposureWay<Real>{journey->from, journey->to};
 }
 
 template <Precise Real>

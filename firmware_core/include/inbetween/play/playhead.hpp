@@ -51,6 +51,12 @@ struct Exposure {
   Real seconds = 0;
 };
 
+/// The stretch of the time line that an exposure in motion passes, from rest to rest.
+template <Precise Real>
+struct ExposureWay {
+  FrameTime<Real> from, to;
+};
+
 /// A place on the time line and the rate at which time runs, forward or backward. Commands change nothing but
 /// the rate, so that the rig never leaves the path. The rate changes within the bounds of StopBounds, so that
 /// no axis leaves its stop limits, every change can be completed, and no stop is longer than StopBounds
@@ -89,12 +95,16 @@ class Playhead {
   /// Lets time stand still at once. Use it only for a rig whose positions are no longer sent: such a rig does
   /// not follow, and must be where the playhead is before it goes on.
   void halt();
-  /// Travels to a frame and rests there. A running playhead stops first. Errors: out_of_range (not on the
-  /// time line).
-  Status go_to(std::int32_t frame);
+  /// Travels to a place and rests there exactly. A running playhead stops first. Errors: out_of_range (not on
+  /// the time line).
+  Status go_to(const FrameTime<Real>& place);
+  Status go_to(std::int32_t frame) { return go_to(FrameTime<Real>{frame, 0}); }
   /// Travels to the next whole frame in a direction, counted from the frame that it is travelling to. Errors:
   /// out_of_range (beyond the end).
   Status step(Direction direction);
+  /// The way of an exposure with its run-up and run-out. Errors and cost: those of go_to_run_up, which needs
+  /// a playhead that rests.
+  [[nodiscard]] Result<ExposureWay<Real>> way_of(const Exposure<Real>& exposure) const;
   /// Travels to the start of the run-up to an exposure, and rests there (`arrived`).
   /// Errors: out_of_range (not resting; the exposure covers no time, or needs a rate above that of the
   /// bounds), not_converged (no run-up within the bounds was found).
@@ -184,9 +194,9 @@ class Playhead {
   Direction direction_ = Direction::forward;
   Repeat repeat_ = Repeat::none;
   PlayheadState state_ = PlayheadState::resting;
-  bool has_next_frame_ = false;
-  std::int32_t next_frame_ = 0;  ///< to travel to once at rest
-  FrameTime<Real> anchor_;       ///< the place where the rate became constant ...
+  bool has_next_ = false;
+  FrameTime<Real> next_;    ///< to travel to once at rest
+  FrameTime<Real> anchor_;  ///< the place where the rate became constant ...
   std::int32_t cruise_frames_ = 0;
   std::int64_t cruise_phase_ = 0;  ///< ... and how far it has come since, in unit_ths of a frame
   Journey travel_;

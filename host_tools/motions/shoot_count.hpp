@@ -1,0 +1,23 @@
+// How many frames of a shoot there are, and were shot.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+namespace inbetween {
+
+/// How many frames were shot.
+struct ShootCount {
+  std::int32_t first = 0, last = 0;  ///< the frames that were due
+  std::int32_t shot = 0;             ///< once or more
+  std::int32_t shot_again = 0;       ///< more than once
+  std::int32_t skipped = 0;          ///< not shot, before one that was
+  std::int32_t left = 0;             ///< not shot, behind all that were
+  std::int64_t cut_off = 0;          ///< exposures during which the rig was stopped; they do not count
+  std::optional<std::int32_t> last_shot = {};
+
+  [[nodiscard]] std::int32_t due() const { return last - first + 1; }
+  [[nodiscard]] bool has_all() const { return shot == due(); }
+};
+
+}  // namespace inbetween
