@@ -155,7 +155,7 @@ std::vector<std::string> logged(const std::string& file) {
   return frames;
 }
 
-/// Shoots with a keyboard, a key of the script every half second of the virtual clock.
+/// Shoots with a keyboard, a key of the script every four seconds of the virtual clock.
 RunReport shoot_by_script(const Plan& plan, const std::string& log, std::vector<std::string> script) {
   int tick = 0;
   std::size_t next = 0;
@@ -164,7 +164,7 @@ RunReport shoot_by_script(const Plan& plan, const std::string& log, std::vector<
               .fast = true,
               .audience = {.keys =
                                [&] {
-                                 return ++tick % 125 == 0 && next < script.size() ? script[next++]
+                                 return ++tick % 1000 == 0 && next < script.size() ? script[next++]
                                                                                   : std::string();
                                }}},
              {.shoot = ShootOptions{.settle_s = 0.02, .exposure_s = 0.02, .log = log}});
