@@ -174,12 +174,12 @@ TEST(FrameShoot, ATriggerGoesOnWithTheNextFrameThatIsNotShot) {
 TEST(FrameShoot, NoStopPassesAPlaceAtWhichTravelsRest) {
   const std::array rests{FrameTime<double>{2, 0.37}, FrameTime<double>{4, 0}};
   for (const std::int32_t to : {6, 0}) {
-    int rested = 0;
+    std::size_t rested = 0;
     for (int stop = 1; stop < 300; ++stop) {
       Set set(resting, false, rests);
       ASSERT_TRUE(set.moving.place_on(6 - to));
       ASSERT_TRUE(set.shoot.look_at(to));
-      int here = 0;  // how many of the rests it has been on
+      std::size_t here = 0;  // how many of the rests it has been on
       for (int i = 0; i < stop; ++i) {
         set.moving.tick();
         if (set.moving.is_resting()) ++here;
@@ -187,7 +187,9 @@ TEST(FrameShoot, NoStopPassesAPlaceAtWhichTravelsRest) {
       }
       rested = std::max(rested, here);
       if (set.shoot.phase() != ShootPhase::travelling) break;
-      const FrameTime<double> next = here >= 2 ? FrameTime<double>{to, 0} : rests[to == 6 ? here : 1 - here];
+      const FrameTime<double> next = here >= rests.size() ? FrameTime<double>{to, 0}
+                                     : to == 6            ? rests[here]
+                                                          : rests[1 - here];
       set.moving.stop();
       while (!set.moving.is_resting()) set.moving.tick();
       EXPECT_TRUE(to == 6 ? set.moving.time() <= next : next <= set.moving.time())

@@ -325,10 +325,12 @@ TEST(Jog, APressFromBeforeASlowDiskMovesNothing) {
   bench.typed[10] = right;
   ASSERT_TRUE(bench.runner->run(*bench.jog, std::nullopt).begun);
   ASSERT_EQ(bench.jog->asks(), Jog::Ask::mark);
-  for (int i = 0; i < 30; ++i) bench.loop->tick(1, (1000 + i) * tick_ns);
+  auto now = static_cast<std::int64_t>(bench.path.size());
+  for (int i = 0; i < 150; ++i) bench.loop->tick(1, ++now * tick_ns);
   bench.jog->marked();
   ASSERT_TRUE(bench.jog->begin());
-  for (int i = 0; i < 30; ++i) bench.jog->tick(1, (1030 + i) * tick_ns);
+  for (int i = 0; i < 30; ++i) bench.jog->tick(1, ++now * tick_ns);
+  EXPECT_EQ(bench.loop->state(), SupervisorState::running);
   EXPECT_EQ(bench.loop->setpoints()[0].position, 100);
   EXPECT_THAT(bench.jog->snapshot().words, HasSubstr("press again"));
 }

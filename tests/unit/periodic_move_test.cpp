@@ -385,14 +385,14 @@ TEST(PeriodicMove, IsRefusedWhereItWouldStep) {
 TEST(PeriodicMove, IsShotInNFramesATurnOfWhichFrameNIsFrame0) {
   const ProgramRun once =
       run_on(rig, "run", drawn, {"--sim", "--fast", "--step", "--settle", "0", "--exposure", "0.01"});
-  EXPECT_THAT(once.out, HasSubstr("49 frames exposed")) << once.err;
+  EXPECT_THAT(once.out, HasSubstr("frames 0..48: 49 due, 49 shot\n")) << once.err;
   const ProgramRun loop = run_on(
       rig, "run", drawn, {"--sim", "--fast", "--step", "--loop", "--settle", "0", "--exposure", "0.01"});
-  EXPECT_THAT(loop.out, HasSubstr("48 frames exposed")) << loop.err;
+  EXPECT_THAT(loop.out, HasSubstr("frames 0..47: 48 due, 48 shot\n")) << loop.err;
   const ProgramRun two =
       run_on(rig, "run", drawn,
              {"--sim", "--fast", "--step", "--turns", "2", "--settle", "0", "--exposure", "0.01"});
-  EXPECT_THAT(two.out, HasSubstr("96 frames exposed")) << two.err;
+  EXPECT_THAT(two.out, HasSubstr("frames 0..95: 96 due, 96 shot\n")) << two.err;
 }
 
 TEST(PeriodicMove, ATurntableGoesRoundAndItsCountsGoOn) {

@@ -84,7 +84,7 @@ Status Playhead<Real>::play(Direction direction) {
 template <Precise Real>
 void Playhead<Real>::stop() {
   has_next_ = false;
-  if (!is_resting()) state_ = PlayheadState::slowing;
+  if (!is_resting() && !travel_ends_like_a_stop()) state_ = PlayheadState::slowing;
 }
 
 template <Precise Real>
@@ -422,6 +422,7 @@ PlayheadEvent Playhead<Real>::tick_travel() {
   const Real t = static_cast<Real>(ticks) * tick_s_;
   if (!(t < travel_.course.seconds())) {
     time_ = travel_.to;
+    if (has_next_) return settle();
     rest();
     return PlayheadEvent::arrived;
   }
@@ -433,6 +434,18 @@ PlayheadEvent Playhead<Real>::tick_travel() {
   anchor_here();  // somebody may play on at this rate
   if (ticks == travel_.opening_tick) return PlayheadEvent::opened;
   return ticks == travel_.closing_tick ? PlayheadEvent::closed : PlayheadEvent::none;
+}
+
+/// A stop keeps at least the bounds of the way that is left, and falls tick by tick, a little later than the
+/// travel: with the same bounds it would pass its end.
+template <Precise Real>
+bool Playhead<Real>::travel_ends_like_a_stop() const {
+  if (state_ != PlayheadState::travelling || rate_ == 0) return false;
+  const bool backward = travel_.sign < 0;
+  const StopBound<Real> bounds =
+      bounds_->min_between(backward ? travel_.to : time_, backward ? time_ : travel_.to);
+  const Real left_s = travel_.sign * seconds_between(time_, travel_.to);
+  return Travel<Real>::stop_way(travel_.sign * rate_, travel_.sign * change_, bounds, tick_s_) > left_s;
 }
 
 // --- exposures in motion

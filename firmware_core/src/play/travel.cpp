@@ -46,6 +46,22 @@ Travel<Real> Travel<Real>::shortest(Real way_s, Real top_rate, const StopBound<R
   return travel;
 }
 
+/// Three phases: -J until r' = -peak, then r'' = 0, then +J.
+template <Precise Real>
+Real Travel<Real>::stop_way(Real rate, Real rate_change, const StopBound<Real>& bounds, Real tick_s) {
+  const Real j = bounds.release_jerk;
+  const Real fall = -rate_change;
+  const Real peak = std::max(std::min(bounds.rate_change, std::sqrt(j * rate + fall * fall / 2)), fall);
+  const Real steeper_s = (peak - fall) / j;
+  const Real release_s = peak / j;
+  const Real release_rate = peak * release_s / 2;
+  const Real steep_rate = rate - steeper_s * (fall + peak) / 2;
+  const Real even_s = std::max((steep_rate - release_rate) / peak, Real{0});
+  const Real way_s = steeper_s * (rate - steeper_s * (fall / 2 + steeper_s * j / 6)) +
+                     even_s * (steep_rate + release_rate) / 2 + release_s * release_rate / 3;
+  return way_s + j * tick_s * tick_s * (steeper_s + even_s + release_s);
+}
+
 template <Precise Real>
 TravelState<Real> Travel<Real>::at(Real seconds) const {
   const Real left = this->seconds() - seconds;

@@ -90,7 +90,8 @@ class Playhead {
   /// out_of_range (it is at that end already, and does not repeat).
   Status play(Direction direction);
   /// Makes a controlled stop: the playhead rests as soon as the bounds allow. This is always possible; a
-  /// playhead at rest stays at rest.
+  /// playhead at rest stays at rest. A travel that would end as soon goes on to its end (`arrived`), so that
+  /// no stop passes the place at which a travel was to rest.
   void stop();
   /// Lets time stand still at once. Use it only for a rig whose positions are no longer sent: such a rig does
   /// not follow, and must be where the playhead is before it goes on.
@@ -164,6 +165,7 @@ class Playhead {
   [[nodiscard]] Real top_travel_rate() const;
   [[nodiscard]] Result<Journey> journey_of(const Exposure<Real>& exposure) const;
   PlayheadEvent tick_travel();
+  [[nodiscard]] bool travel_ends_like_a_stop() const;
   [[nodiscard]] Real scrub_rate() const;
   PlayheadEvent tick_ramp(Real target);
   void change_to(Real target);

@@ -31,6 +31,11 @@ class Travel {
   /// The seconds from rest to a rate. Meanwhile the time line advances by half of seconds times `rate`.
   static Real rise_to(Real rate, const StopBound<Real>& bounds);
 
+  /// The way of the quickest stop from `rate` >= 0, which changes by `rate_change` a second, if it is made in
+  /// ticks: each of the two times at which r'' changes may come a tick late, and leave the rate J tick^2 / 2
+  /// higher than it need be.
+  static Real stop_way(Real rate, Real rate_change, const StopBound<Real>& bounds, Real tick_s);
+
   /// The seconds from rest to rest.
   [[nodiscard]] Real seconds() const { return 2 * rise_s_ + even_s_; }
   /// The state at so many seconds after the start, 0..seconds(). O(1).
