@@ -13,7 +13,7 @@
 #include "host_tools/cli/agreement.hpp"
 #include "host_tools/cli/command.hpp"
 #include "host_tools/cli/position_arguments.hpp"
-#include "host_tools/cli/progress_bar.hpp"
+#include "host_tools/cli/setup_arguments.hpp"
 #include "host_tools/files/fault_script.hpp"
 #include "host_tools/files/output_file.hpp"
 #include "host_tools/motions/frame_range.hpp"
@@ -24,19 +24,15 @@
 namespace inbetween {
 namespace {
 
-struct RunArguments {
-  std::string move, rig;
-  std::optional<std::string> json, record, positions, cue_log;
-  bool simulated = false;
-  bool fast = false;
+struct RunArguments : SetupArguments {
+  std::string move;
+  std::optional<std::string> json, record, cue_log;
   bool loop = false;
   bool ping_pong = false;
   bool takes = false;
   bool yes = false;
-  bool allow_jitter = false;
   double top_rate = 1;
   double rate = 1;
-  std::vector<std::string> from;
   std::optional<std::string> faults;
   bool step = false;
   std::optional<double> settle;
@@ -193,16 +189,11 @@ RunReport play(const Plan& plan, const RunArguments& arguments, const RigWatch& 
                      .cue_log = arguments.cue_log};
   if (arguments.loop && !is_periodic(plan.move())) options.repeat = Repeat::loop;
   if (arguments.ping_pong) options.repeat = Repeat::ping_pong;
-  FaultScript faults;
-  if (arguments.faults) faults = read_fault_script(*arguments.faults, *plan.rig());
-  SessionOptions rig{.simulated = arguments.simulated,
-                     .fast = arguments.fast,
-                     .allow_jitter = arguments.allow_jitter,
-                     .standing = positions_of(arguments.from),
-                     .faults = std::move(faults),
-                     .record = arguments.takes ? std::nullopt : arguments.record,
-                     .audience = {.interrupted = &InterruptWatch::asked,
-                                  .rig_has_changed = [&] { return watch.has_changed(); }}};
+  SessionOptions rig = session_options_of(arguments);
+  if (arguments.faults) rig.faults = read_fault_script(*arguments.faults, *plan.rig());
+  if (!arguments.takes) rig.record = arguments.record;
+  rig.audience.interrupted = &InterruptWatch::asked;
+  rig.audience.rig_has_changed = [&] { return watch.has_changed(); };
   if (arguments.yes) {
     rig.audience.confirm = [](const std::string& question) {
       fmt::print(stderr, "{}\n", question);
@@ -269,17 +260,9 @@ void refuse_take_arguments(const RunArguments& arguments) {
 int run_command(const RunArguments& arguments) {
   refuse_take_arguments(arguments);
   shoot_options(arguments);  // refuses wrong arguments before any file is read
-  positions_of(arguments.from);
-  if (!arguments.simulated) {
-    if (arguments.fast) throw UsageError("--fast is for a simulated rig; add --sim");
-    if (!arguments.from.empty()) {
-      throw UsageError("--from is for a simulated rig: real drives tell where they stand; add --sim");
-    }
-    if (arguments.faults) {
-      throw UsageError("--faults is for simulated drives; add --sim, or give it to inbetween sim-drives");
-    }
-  } else if (arguments.allow_jitter) {
-    throw UsageError("--allow-jitter is for a real rig; leave out --sim");
+  check_setup_usage(arguments);
+  if (arguments.faults && !arguments.simulated) {
+    throw UsageError("--faults is for simulated drives; add --sim, or give it to inbetween sim-drives");
   }
   const bool is_shot = arguments.is_shot();
   if (arguments.fast && ((arguments.loop && !is_shot) || arguments.ping_pong)) {
@@ -376,10 +359,11 @@ Examples:
 void describe(CLI::App& app, RunArguments& arguments) {
   app.add_option("MOVE", arguments.move, "the move: a TOML file with keys, a speed curve and a frame count")
       ->required();
-  app.add_option("--rig", arguments.rig, "the rig: axes, limits, drives and the ticks per second")
-      ->required();
-  app.add_flag("--sim", arguments.simulated, "simulate every axis of the rig; no hardware is touched");
-  app.add_flag("--fast", arguments.fast, "on a virtual clock, as fast as it can be computed");
+  add_setup_options(app, arguments, true);
+  app.get_option("--from")->description(
+      "AXIS=POSITION, where a simulated axis stands before (the start of the move)");
+  app.get_option("--allow-jitter")
+      ->description("move a real rig without real-time rights, at a tenth of the drawn speed at most");
   CLI::Option* loop = app.add_flag("--loop", arguments.loop, "begin again at the end, until stopped");
   app.add_flag("--ping-pong", arguments.ping_pong, "play to and fro, until stopped")->excludes(loop);
   add_turns(app, arguments.turns);
@@ -390,12 +374,6 @@ void describe(CLI::App& app, RunArguments& arguments) {
       ->check(CLI::Range(0.01, 1.0))
       ->capture_default_str();
   app.add_flag("--yes", arguments.yes, "agree that the rig goes slowly to the start of the move");
-  app.add_flag("--allow-jitter", arguments.allow_jitter,
-               "move a real rig without real-time rights, at a tenth of the drawn speed at most");
-  app.add_option("--from", arguments.from,
-                 "AXIS=POSITION, where a simulated axis stands before (the start of the move)")
-      ->expected(1)
-      ->take_all();
   app.add_option("--faults", arguments.faults,
                  "a script of what goes wrong with simulated CiA 402 drives, and when");
   app.add_flag("--step", arguments.step,
@@ -414,9 +392,6 @@ void describe(CLI::App& app, RunArguments& arguments) {
   app.add_option("--shoot-log", arguments.shoot_log,
                  "add a line for each exposure to this file (CSV; - is standard output)");
   app.add_option("--json", arguments.json, "write a report (- is standard output)");
-  app.add_option("--positions", arguments.positions,
-                 "where the positions of axes are kept that no drive knows (on a rig: a file of its own\n"
-                 "under $XDG_STATE_HOME; in a simulation: nowhere)");
   app.add_flag("--takes", arguments.takes,
                "stay after the end: Home goes back to the start, Enter begins the next take");
   app.add_option(

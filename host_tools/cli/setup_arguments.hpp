@@ -1,4 +1,4 @@
-// The shared part of the commands that set a rig up: goto, home and jog.
+// Which rig a command uses, and how: the shared part of run, goto, home and jog.
 #pragma once
 
 #include <CLI/CLI.hpp>
