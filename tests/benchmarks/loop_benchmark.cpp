@@ -17,6 +17,7 @@
 #include "sim/simulated_link.hpp"
 #include "sim/simulated_rig.hpp"
 #include "tests/support/drive_frames.hpp"
+#include "tests/support/rig_text.hpp"
 #include "tests/support/simulated_lines.hpp"
 
 /// The whole tick of a rig on CAN: what the drives have told is read and judged, the playhead goes on, and
@@ -73,23 +74,24 @@ std::string move_text(std::size_t axes) {
   return text + "]\nspeed = [0, 0, 10, 4, 10, 0, 0]\n";
 }
 
-std::string rig_text(std::size_t axes) {
-  std::string text = fmt::format("name = \"r\"\nrate_hz = {}\n[bus.can0]\nbitrate = 1000000\n", rate_hz);
-  for (std::size_t d = 0; d < axes; ++d) {
-    text += fmt::format(
-        "[[axis]]\nname = \"a{}\"\nunit = \"mm\"\nmin = -1\nmax = 1\nmax_velocity = 1\nmax_acceleration = "
-        "100\n"
-        "max_jerk = 10000\ndrive = {{ type = \"cia402\", bus = \"can0\", node = {}, counts_per_unit = {} "
-        "}}\n",
-        d, d + 1, counts_per_unit);
+std::string rig_of(std::size_t count) {
+  std::vector<AxisText> axes;
+  for (std::size_t d = 0; d < count; ++d) {
+    axes.push_back({.name = fmt::format("a{}", d),
+                    .min = -1,
+                    .max = 1,
+                    .max_velocity = 1,
+                    .max_acceleration = 100,
+                    .more = "max_jerk = 10000",
+                    .drive = cia402_text(static_cast<int>(d) + 1, counts_per_unit)});
   }
-  return text;
+  return rig_text(axes, {.rate_hz = rate_hz, .more = bus_can0});
 }
 
 class Rig {
  public:
   explicit Rig(std::size_t axes)
-      : plan_(parse_move(move_text(axes), "move.toml"), parse_rig(rig_text(axes), "rig.toml"), {}),
+      : plan_(parse_move(move_text(axes), "move.toml"), parse_rig(rig_of(axes), "rig.toml"), {}),
         room_(axes, axes) {
     for (std::size_t d = 0; d < axes; ++d) {
       drive_of_.push_back(d);

@@ -14,6 +14,7 @@
 
 #include "host_tools/fit/speed_fit.hpp"
 #include "tests/support/property.hpp"
+#include "tests/support/rig_text.hpp"
 
 namespace inbetween {
 namespace speed_fit_property_test {
@@ -37,18 +38,18 @@ struct Limits {
   std::optional<double> jerk, step;
 };
 
-std::string rig_of(const std::vector<Limits>& axes) {
-  std::string rig = "name = 'rig'\nrate_hz = 100\n";
-  for (std::size_t d = 0; d < axes.size(); ++d) {
-    rig += fmt::format(
-        "[[axis]]\nname = 'a{}'\nunit = 'mm'\nmin = -1e6\nmax = 1e6\nmax_velocity = {}\nmax_acceleration = "
-        "{}\n",
-        d, axes[d].velocity, axes[d].acceleration);
-    if (axes[d].jerk) rig += fmt::format("max_jerk = {}\n", *axes[d].jerk);
-    if (axes[d].step) rig += fmt::format("max_acceleration_step = {}\n", *axes[d].step);
-    rig += "drive = { type = 'pipe', path = '/dev/null', counts_per_unit = 1 }\n";
+std::string rig_of(const std::vector<Limits>& limits) {
+  std::vector<AxisText> axes;
+  for (const Limits& one : limits) {
+    axes.push_back({.name = fmt::format("a{}", axes.size()),
+                    .min = -1e6,
+                    .max = 1e6,
+                    .max_velocity = one.velocity,
+                    .max_acceleration = one.acceleration});
+    if (one.jerk) axes.back().more += fmt::format("max_jerk = {}\n", *one.jerk);
+    if (one.step) axes.back().more += fmt::format("max_acceleration_step = {}\n", *one.step);
   }
-  return rig;
+  return rig_text(axes);
 }
 
 Plan plan_of(const std::string& move, const std::string& rig) {

@@ -7,6 +7,7 @@
 #include "host_tools/loop/rig_session.hpp"
 #include "host_tools/motions/staged_move.hpp"
 #include "host_tools/motions/transport.hpp"
+#include "tests/support/rig_text.hpp"
 
 namespace inbetween {
 namespace run_test {
@@ -20,17 +21,9 @@ keys = [ { at = [2] }, { at = [14] } ]
 speed = [0, 0, 10, 0, 0]
 )";
 
-const std::string bench = R"(name = "bench"
-rate_hz = 200
-[[axis]]
-name = "x"
-unit = "mm"
-min = 2
-max = 14
-max_velocity = 100
-max_acceleration = 10000
-drive = { type = "pipe", path = "/dev/null", counts_per_unit = 1 }
-)";
+const std::string bench =
+    rig_text({{.name = "x", .min = 2, .max = 14, .max_velocity = 100, .max_acceleration = 10000}},
+             {.name = "bench", .rate_hz = 200});
 
 TEST(RealTimeRun, TakesAsLongAsTheMoveAndArrivesWhereTheFastOneDoes) {
   const Plan plan(parse_move(there, "move.toml"), parse_rig(bench, "rig.toml"), {});

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "tests/support/refused_text.hpp"
+#include "tests/support/rig_text.hpp"
 #include "tests/support/run_program.hpp"
 #include "tests/support/temporary_file.hpp"
 
@@ -32,17 +33,8 @@ speed = [0, 0, 10, 5, 0]
 weights = [1, 2]
 )";
 
-const std::string rig = R"(name = "table"
-rate_hz = 100
-[[axis]]
-name = "x"
-unit = "mm"
-min = -1
-max = 100
-max_velocity = 100
-max_acceleration = 100
-drive = { type = "pipe", path = "/dev/null", counts_per_unit = 1 }
-)";
+const std::string rig =
+    rig_text({{.name = "x", .min = -1, .max = 100, .max_velocity = 100, .max_acceleration = 100}});
 
 /// One line, "file[:line:column]: error: what; what to do".
 void expect_one_line_at(const ProgramRun& run, const std::string& place,

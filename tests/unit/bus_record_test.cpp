@@ -14,23 +14,14 @@
 #include "host_tools/rig/simulated_hardware.hpp"
 #include "sim/simulated_link.hpp"
 #include "tests/support/places.hpp"
+#include "tests/support/rig_text.hpp"
 
 namespace inbetween {
 namespace bus_record_test {
 
-constexpr std::string_view rig_of_document = R"(name = "one"
-rate_hz = 250
-[bus.can0]
-bitrate = 1_000_000
-[[axis]]
-name = "slide"
-unit = "mm"
-min = -10
-max = 200
-max_velocity = 200
-max_acceleration = 800
-drive = { type = "cia402", bus = "can0", node = 5, counts_per_unit = 1000 }
-)";
+const std::string rig_of_document = rig_text(
+    {{.name = "slide", .min = -10, .max_velocity = 200, .max_acceleration = 800, .drive = cia402_text(5)}},
+    {.rate_hz = 250, .more = bus_can0});
 
 /// As candump -L writes it.
 std::string text_of(const can::Frame& frame) {

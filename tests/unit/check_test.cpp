@@ -16,6 +16,7 @@
 #include "tests/support/oracle_limits.hpp"
 #include "tests/support/places.hpp"
 #include "tests/support/refused_text.hpp"
+#include "tests/support/rig_text.hpp"
 #include "tests/support/solved_move.hpp"
 
 namespace inbetween {
@@ -28,15 +29,8 @@ using testing::StartsWith;
 
 /// Two axes that are limited alike; without max_jerk unless a test gives one.
 std::string rig_with(const std::string& jerk = "", double acceleration = 400) {
-  std::string rig = "name = \"table\"\nrate_hz = 100\n";
-  for (const char* name : {"x", "y"}) {
-    rig += fmt::format(
-        "[[axis]]\nname = \"{}\"\nunit = \"mm\"\nmin = -100\nmax = 200\nmax_velocity = 150\n"
-        "max_acceleration = {}\n{}\ndrive = {{ type = \"pipe\", path = \"/dev/null\", counts_per_unit = 1 "
-        "}}\n",
-        name, acceleration, jerk);
-  }
-  return rig;
+  return rig_text({{.name = "x", .max_acceleration = acceleration, .more = jerk},
+                   {.name = "y", .max_acceleration = acceleration, .more = jerk}});
 }
 
 const std::string bends =

@@ -15,6 +15,7 @@
 #include "host_tools/rig/simulated_hardware.hpp"
 #include "tests/support/eds_text.hpp"
 #include "tests/support/places.hpp"
+#include "tests/support/rig_text.hpp"
 #include "tests/support/run_program.hpp"
 #include "tests/support/temporary_file.hpp"
 
@@ -162,21 +163,13 @@ TEST(EdsFile, WhatIsWrongIsNamedWithItsLine) {
 struct Sheet {
   explicit Sheet(const std::string& eds, const std::string& drive = "") {
     std::ofstream(folder.path() / "drive.eds") << eds;
-    std::ofstream(folder.path() / "rig.toml") << R"(name = "one"
-rate_hz = 250
-[bus.can0]
-bitrate = 1_000_000
-[[axis]]
-name = "slide"
-unit = "mm"
-min = -10
-max = 200
-max_velocity = 200
-max_acceleration = 800
-unpowered = "holds"
-reference = "drive"
-drive = { type = "cia402", bus = "can0", node = 5, counts_per_unit = 1000, eds = "drive.eds")"
-                                              << drive << " }\n";
+    std::ofstream(folder.path() / "rig.toml")
+        << rig_text({{.name = "slide",
+                      .max_velocity = 200,
+                      .max_acceleration = 800,
+                      .more = "unpowered = \"holds\"\nreference = \"drive\"",
+                      .drive = cia402_text(5) + R"(, eds = "drive.eds")" + drive}},
+                    {.rate_hz = 250, .more = bus_can0});
   }
   [[nodiscard]] std::string rig() const { return (folder.path() / "rig.toml").string(); }
   /// "" or why a drive of the rig cannot be used.

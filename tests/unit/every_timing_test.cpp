@@ -13,6 +13,7 @@
 #include "host_tools/fit/speed_fit.hpp"
 #include "inbetween/play/playhead.hpp"
 #include "tests/support/recorded_play.hpp"
+#include "tests/support/rig_text.hpp"
 #include "tests/support/timing_kinds.hpp"
 
 /// Every way of timing a move against what holds for all of them: the certificate, the rolls, stops, the fit.
@@ -53,17 +54,15 @@ class EveryTiming : public testing::TestWithParam<TimingKind> {
   [[nodiscard]] static Plan plan(double share) {
     const MoveFile move = move_of(GetParam());
     const Plan free(move, std::nullopt, {});
-    std::string rig = "name = \"r\"\nrate_hz = 480\n";
-    for (const std::size_t axis : {0U, 1U}) {
-      const Sampled peaks = sampled(free, axis, 0, 48);
-      rig += fmt::format(
-          "[[axis]]\nname = \"{}\"\nunit = \"mm\"\nmin = -1000\nmax = 1000\nmax_velocity = "
-          "{}\nmax_acceleration "
-          "= {}\ndrive = {{ type = \"pipe\", path = \"/dev/null\", counts_per_unit = 1000 }}\n",
-          axis == 0 ? "x" : "y", share * peaks.velocity,
-          share * std::max(peaks.acceleration, peaks.velocity));
+    std::vector<AxisText> axes{{.name = "x"}, {.name = "y"}};
+    for (const std::size_t d : {0U, 1U}) {
+      const Sampled peaks = sampled(free, d, 0, 48);
+      axes[d].min = -1000;
+      axes[d].max = 1000;
+      axes[d].max_velocity = share * peaks.velocity;
+      axes[d].max_acceleration = share * std::max(peaks.acceleration, peaks.velocity);
     }
-    return {move, parse_rig(rig, "r.toml"), {}};
+    return {move, parse_rig(rig_text(axes, {.rate_hz = 480}), "r.toml"), {}};
   }
 };
 

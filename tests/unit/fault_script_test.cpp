@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "tests/support/refused_text.hpp"
+#include "tests/support/rig_text.hpp"
 #include "tests/support/temporary_file.hpp"
 
 namespace inbetween {
@@ -18,28 +19,11 @@ namespace fault_script_test {
 using Kind = DriveTrouble::Kind;
 
 const RigFile& rig() {
-  static const RigFile parsed = parse_rig(R"(name = "crane"
-rate_hz = 250
-[bus.can0]
-bitrate = 1000000
-[[axis]]
-name = "lamp"
-unit = "unit"
-min = 0
-max = 1
-max_velocity = 1
-max_acceleration = 1
-drive = { type = "pipe", path = "/dev/null", counts_per_unit = 1 }
-[[axis]]
-name = "pan"
-unit = "deg"
-min = -90
-max = 90
-max_velocity = 120
-max_acceleration = 1000
-drive = { type = "cia402", bus = "can0", node = 1, counts_per_unit = -1000 }
-)",
-                                          "rig.toml");
+  static const RigFile parsed = parse_rig(
+      rig_text(
+          {{.name = "lamp", .unit = "unit"}, {.name = "pan", .unit = "deg", .drive = cia402_text(1, -1000)}},
+          {.rate_hz = 250, .more = bus_can0}),
+      "rig.toml");
   return parsed;
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "host_tools/check/check.hpp"
+#include "tests/support/rig_text.hpp"
 
 namespace inbetween {
 namespace fewest_frames_test {
@@ -13,15 +14,14 @@ namespace fewest_frames_test {
 Plan plan_of(const std::string& track, double velocity, double acceleration, int frames = 100) {
   const std::string move =
       fmt::format("name = \"m\"\nfps = 10\nframes = {}\n[[track]]\naxes = [\"x\", \"y\"]\n{}", frames, track);
-  std::string rig = "name = \"table\"\nrate_hz = 100\n";
-  for (const char* name : {"x", "y"}) {
-    rig += fmt::format(
-        "[[axis]]\nname = \"{}\"\nunit = \"mm\"\nmin = -1e4\nmax = 1e4\nmax_velocity = {}\nmax_acceleration "
-        "= {}\n"
-        "drive = {{ type = \"pipe\", path = \"/dev/null\", counts_per_unit = 1 }}\n",
-        name, velocity, acceleration);
+  std::vector<AxisText> axes{{.name = "x"}, {.name = "y"}};
+  for (AxisText& axis : axes) {
+    axis.min = -1e4;
+    axis.max = 1e4;
+    axis.max_velocity = velocity;
+    axis.max_acceleration = acceleration;
   }
-  return {parse_move(move, "move.toml"), parse_rig(rig, "rig.toml"), {}};
+  return {parse_move(move, "move.toml"), parse_rig(rig_text(axes), "rig.toml"), {}};
 }
 
 const std::string rests = "speed = [0, 0, 1, 0, 0]\n";

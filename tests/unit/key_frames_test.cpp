@@ -10,6 +10,7 @@
 
 #include "host_tools/plan/plan_plot.hpp"
 #include "tests/support/places.hpp"
+#include "tests/support/rig_text.hpp"
 #include "tests/support/run_on.hpp"
 #include "tests/support/temporary_file.hpp"
 
@@ -23,19 +24,13 @@ using Json = nlohmann::json;
 using testing::HasSubstr;
 using testing::Not;
 
-const std::string rig = R"(
-name = "head"
-rate_hz = 250
-[[axis]]
-name = "zoom"
-unit = "mm"
-min = -1000
-max = 1000
-max_velocity = 200
-max_acceleration = 2000
-max_jerk = 40000
-drive = { type = "pipe", path = "/dev/null", counts_per_unit = 100 }
-)";
+const std::string rig = rig_text({{.name = "zoom",
+                                   .min = -1000,
+                                   .max = 1000,
+                                   .max_velocity = 200,
+                                   .max_acceleration = 2000,
+                                   .more = "max_jerk = 40000"}},
+                                 {.rate_hz = 250});
 
 std::string move_of(const std::string& track, int frames = 96) {
   return "name = \"move\"\nfps = 24\nframes = " + std::to_string(frames) +

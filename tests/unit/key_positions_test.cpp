@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/rig_text.hpp"
 #include "tests/support/run_on.hpp"
 #include "tests/support/temporary_file.hpp"
 
@@ -18,26 +19,21 @@ namespace key_positions_test {
 using Json = nlohmann::json;
 using testing::HasSubstr;
 
-const std::string rig = R"(
-name = "crane"
-rate_hz = 250
-[[axis]]
-name = "track"
-unit = "mm"
-min = -100000
-max = 100000
-max_velocity = 5000
-max_acceleration = 20000
-drive = { type = "pipe", path = "/dev/null", counts_per_unit = 100 }
-[[axis]]
-name = "pan"
-unit = "deg"
-min = -1080
-max = 1080
-max_velocity = 2000
-max_acceleration = 20000
-drive = { type = "pipe", path = "/dev/null", counts_per_unit = 100 }
-)";
+const std::string drive = R"(type = "pipe", path = "/dev/null", counts_per_unit = 100)";
+const std::string rig = rig_text({{.name = "track",
+                                   .min = -100'000,
+                                   .max = 100'000,
+                                   .max_velocity = 5000,
+                                   .max_acceleration = 20'000,
+                                   .drive = drive},
+                                  {.name = "pan",
+                                   .unit = "deg",
+                                   .min = -1080,
+                                   .max = 1080,
+                                   .max_velocity = 2000,
+                                   .max_acceleration = 20'000,
+                                   .drive = drive}},
+                                 {.rate_hz = 250});
 
 std::string move_of(const std::string& track) {
   return "name = \"move\"\nfps = 24\nframes = 96\n[[track]]\n" + track + "\nspeed = [0, 0, 10, 0, 0]\n";

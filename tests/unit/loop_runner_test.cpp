@@ -12,6 +12,7 @@
 #include "host_tools/rig/gpio_inputs.hpp"
 #include "host_tools/rig/rig_drives.hpp"
 #include "host_tools/rig/simulated_hardware.hpp"
+#include "tests/support/rig_text.hpp"
 
 namespace inbetween {
 namespace loop_runner_test {
@@ -32,18 +33,11 @@ class SlowToRest final : public LoopTask {
 };
 
 TEST(TimedRunner, WhatTheAudienceThrowsIsHeardOnlyOnceTheMoveRests) {
-  const RigFile rig = parse_rig(R"(name = "slider"
-rate_hz = 1000
-[[axis]]
-name = "slide"
-unit = "mm"
-min = 0
-max = 500
-max_velocity = 250
-max_acceleration = 1000
-drive = { type = "step-dir", chip = "gpio", step = 17, dir = 27, steps_per_unit = 40 }
-)",
-                                "rig.toml");
+  const RigFile rig = parse_rig(
+      rig_text({{.name = "slide",
+                 .drive = R"(type = "step-dir", chip = "gpio", step = 17, dir = 27, steps_per_unit = 40)"}},
+               {.rate_hz = 1000}),
+      "rig.toml");
   SimulatedHardware hardware(rig, {0});
   RigDrives drives(rig, hardware);
   RigInputs lines(rig, hardware);

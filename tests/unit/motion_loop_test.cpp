@@ -14,6 +14,7 @@
 #include "host_tools/motions/free_axes.hpp"
 #include "host_tools/plan/plan.hpp"
 #include "sim/simulated_rig.hpp"
+#include "tests/support/rig_text.hpp"
 #include "tests/support/simulated_lines.hpp"
 
 namespace inbetween {
@@ -31,35 +32,22 @@ keys = [ { at = [10, 100] }, { at = [20, 180] }, { at = [-5, 260] } ]
 speed = [0, 0, 10, 0, 0]
 )";
 
-const std::string crane_rig = R"(name = "crane"
-rate_hz = 250
-[[axis]]
-name = "track"
-unit = "mm"
-min = 0
-max = 500
-max_velocity = 250
-max_acceleration = 1000
-max_jerk = 20000
-drive = { type = "pipe", path = "/dev/null", counts_per_unit = 1 }
-[[axis]]
-name = "lamp"
-unit = "unit"
-min = 0
-max = 1
-max_velocity = 1
-max_acceleration = 1
-drive = { type = "pipe", path = "/dev/null", counts_per_unit = 1 }
-[[axis]]
-name = "pan"
-unit = "deg"
-min = -90
-max = 90
-max_velocity = 120
-max_acceleration = 700
-max_jerk = 12000
-drive = { type = "pipe", path = "/dev/null", counts_per_unit = 1 }
-)";
+const std::string crane_rig =
+    rig_text({{.name = "track",
+               .min = 0,
+               .max = 500,
+               .max_velocity = 250,
+               .max_acceleration = 1000,
+               .more = "max_jerk = 20000"},
+              {.name = "lamp", .unit = "unit", .min = 0, .max = 1, .max_velocity = 1, .max_acceleration = 1},
+              {.name = "pan",
+               .unit = "deg",
+               .min = -90,
+               .max = 90,
+               .max_velocity = 120,
+               .max_acceleration = 700,
+               .more = "max_jerk = 12000"}},
+             {.name = "crane", .rate_hz = 250});
 
 constexpr double tick_s = 1.0 / 250;
 

@@ -14,6 +14,7 @@
 #include "host_tools/check/check.hpp"
 #include "host_tools/check/check_frames.hpp"
 #include "host_tools/motions/run.hpp"
+#include "tests/support/rig_text.hpp"
 #include "tests/support/run_program.hpp"
 #include "tests/support/temporary_file.hpp"
 
@@ -26,15 +27,14 @@ using testing::SizeIs;
 
 /// Two axes, track and tilt; `min` is that of the track.
 std::string rig_of(double min = 0, const std::string& jerk = "max_jerk = 8000") {
-  std::string rig = "name = \"crane\"\nrate_hz = 250\n";
-  for (const auto& [name, unit, low] : {std::tuple("tilt", "deg", -90.0), std::tuple("track", "mm", min)}) {
-    rig += fmt::format(
-        "[[axis]]\nname = \"{}\"\nunit = \"{}\"\nmin = {}\nmax = 1500\nmax_velocity = 400\n"
-        "max_acceleration = 800\n{}\ndrive = {{ type = \"pipe\", path = \"/dev/null\", counts_per_unit = 1 "
-        "}}\n",
-        name, unit, low, jerk);
+  std::vector<AxisText> axes{{.name = "tilt", .unit = "deg", .min = -90}, {.name = "track", .min = min}};
+  for (AxisText& axis : axes) {
+    axis.max = 1500;
+    axis.max_velocity = 400;
+    axis.max_acceleration = 800;
+    axis.more = jerk;
   }
-  return rig;
+  return rig_text(axes, {.name = "crane", .rate_hz = 250});
 }
 
 std::string move_of(const std::string& speed, const std::string& keys = "[300], [500], [900]",

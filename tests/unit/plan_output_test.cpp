@@ -21,6 +21,7 @@
 #include "tests/support/oracle_table.hpp"
 #include "tests/support/places.hpp"
 #include "tests/support/refused_text.hpp"
+#include "tests/support/rig_text.hpp"
 #include "tests/support/run_program.hpp"
 #include "tests/support/temporary_file.hpp"
 
@@ -91,6 +92,13 @@ void expect_fields(const Json& object, std::vector<std::string> expected) {
   std::vector<std::string> names = fields(object);
   std::erase_if(names, [&](const std::string& name) { return std::ranges::count(expected, name) == 0; });
   EXPECT_EQ(names, expected);
+}
+
+std::string metres_of(const std::vector<std::string>& names) {
+  std::vector<AxisText> axes;
+  for (const std::string& name : names)
+    axes.push_back({.name = name, .unit = "m", .max_velocity = 1, .max_acceleration = 1});
+  return rig_text(axes, {.rate_hz = 60});
 }
 
 TEST(PlanJson, HasTheFieldsOfItsFormatInTheirOrder) {
@@ -281,13 +289,7 @@ TEST(PlanJson, TheTwoSolversAgreeWithinTheErrorThatThePapersReports) {
 
 TEST(PlanJson, PerTickItsAxesHaveAValuePerTick) {
   const TemporaryFile move("move.toml", with(drift, ", \\\"up\\\"", ""));
-  const std::string axis =
-      "unit = \"m\"\nmin = -100\nmax = 100\nmax_velocity = 1\nmax_acceleration = 1\ndrive = { type = "
-      "\"pipe\", path "
-      "= \"/dev/null\", counts_per_unit = 1 }\n";
-  std::string rig = "name = \"r\"\nrate_hz = 60\n";
-  for (const char* name : {"z", "idle", "y", "x"})
-    rig += fmt::format("[[axis]]\nname = \"{}\"\n{}", name, axis);
+  const std::string rig = metres_of({"z", "idle", "y", "x"});
   const TemporaryFile machine("rig.toml", rig);
   const Json json = json_of({move.path().string(), "--rig", machine.path().string(), "--per", "tick"});
   EXPECT_THAT(json["tracks"][0]["table"], SizeIs(49));
@@ -403,13 +405,7 @@ TEST(PlanCsv, HasARowPerTickOfTheRig) {
 
 TEST(PlanPicture, ShowsTheAxesOfTheMoveOnly) {
   const std::string move = with(drift, ", \\\"up\\\"", "");
-  const std::string axis =
-      "unit = \"m\"\nmin = -100\nmax = 100\nmax_velocity = 1\nmax_acceleration = 1\ndrive = { type = "
-      "\"pipe\", path "
-      "= \"/dev/null\", counts_per_unit = 1 }\n";
-  std::string rig = "name = \"r\"\nrate_hz = 60\n";
-  for (const char* name : {"idle", "z", "y", "x"})
-    rig += fmt::format("[[axis]]\nname = \"{}\"\n{}", name, axis);
+  const std::string rig = metres_of({"idle", "z", "y", "x"});
   const PlotMove plot = plot_of(Plan(parse_move(move, "move.toml"), parse_rig(rig, "rig.toml"), {}));
   ASSERT_THAT(plot.axes, SizeIs(3));
   EXPECT_EQ(plot.axes[0].name, "z");

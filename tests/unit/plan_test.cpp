@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "tests/support/refused_text.hpp"
+#include "tests/support/rig_text.hpp"
 
 namespace inbetween {
 namespace plan_test {
@@ -33,25 +34,8 @@ keys = [ { at = [1] }, { at = [2] } ]
 speed = [3]
 )";
 
-const std::string axis = R"(
-[[axis]]
-name = "NAME"
-unit = "UNIT"
-min = -1000
-max = 1000
-max_velocity = 100
-max_acceleration = 100
-drive = { type = "pipe", path = "/dev/null", counts_per_unit = 1 }
-)";
-
-struct Named {
-  std::string_view name, unit;
-};
-
-RigFile rig_of(std::initializer_list<Named> axes) {
-  std::string text = "name = \"stand\"\nrate_hz = 100\n";
-  for (const Named& one : axes) text += with(with(axis, "NAME", one.name), "UNIT", one.unit);
-  return parse_rig(text, "rig.toml");
+RigFile rig_of(const std::vector<AxisText>& axes) {
+  return parse_rig(rig_text(axes, {.name = "stand"}), "rig.toml");
 }
 
 Plan plan_of(const std::string& move, std::optional<RigFile> rig = std::nullopt,

@@ -12,6 +12,7 @@
 
 #include "host_tools/files/diagnostics.hpp"
 #include "host_tools/rig/simulated_hardware.hpp"
+#include "tests/support/rig_text.hpp"
 
 namespace inbetween {
 namespace rig_drives_test {
@@ -19,18 +20,18 @@ namespace rig_drives_test {
 using testing::HasSubstr;
 using testing::StartsWith;
 
-RigFile rig_of(int axes, int rate_hz, int bitrate, const std::string& scale = "-1000.0",
+RigFile rig_of(int count, int rate_hz, int bitrate, double scale = -1000,
                const std::string& watchdog = "heartbeat") {
-  std::string text =
-      fmt::format("name = \"many\"\nrate_hz = {}\n[bus.can0]\nbitrate = {}\n", rate_hz, bitrate);
-  for (int i = 1; i <= axes; ++i) {
-    text += fmt::format(
-        "[[axis]]\nname = \"a{}\"\nunit = \"mm\"\nmin = -10.5\nmax = 200\nmax_velocity = 250\n"
-        "max_acceleration = 1000\ndrive = {{ type = \"cia402\", bus = \"can0\", node = {}, "
-        "counts_per_unit = {}, watchdog = \"{}\" }}\n",
-        i, i, scale, watchdog);
+  std::vector<AxisText> axes;
+  for (int i = 1; i <= count; ++i) {
+    axes.push_back({.name = fmt::format("a{}", i),
+                    .min = -10.5,
+                    .max_velocity = 250,
+                    .drive = fmt::format(R"({}, watchdog = "{}")", cia402_text(i, scale), watchdog)});
   }
-  return parse_rig(text, "rig.toml");
+  return parse_rig(
+      rig_text(axes, {.rate_hz = rate_hz, .more = fmt::format("[bus.can0]\nbitrate = {}\n", bitrate)}),
+      "rig.toml");
 }
 
 // docs/faults.md 12
@@ -48,7 +49,7 @@ TEST(RigDrives, ABusThatWouldBeTooFullIsRefusedWithItsLoad) {
 }
 
 TEST(RigDrives, ABusWithMoreFramesInATickThanAreSentAtOnceIsRefused) {
-  const auto guarded = [](int axes) { return rig_of(axes, 50, 1'000'000, "1000", "life-guarding"); };
+  const auto guarded = [](int axes) { return rig_of(axes, 50, 1'000'000, 1000, "life-guarding"); };
   EXPECT_NO_THROW(refuse_overloaded_buses(guarded(30)));
   EXPECT_NO_THROW(refuse_overloaded_buses(rig_of(58, 50, 1'000'000)));
   EXPECT_THAT([&] { refuse_overloaded_buses(guarded(31)); },
@@ -80,46 +81,38 @@ TEST(RigDrives, ASlowRigGivesItsDrivesTheTimeOfSeveralTicks) {
 
 // --- drives that are told where their axes stand
 
-const char* const one_of_each = R"(name = "each"
-rate_hz = 250
-[bus.can0]
-bitrate = 1_000_000
-[[axis]]
-name = "steps"
-unit = "mm"
-min = 0
-max = 500
-max_velocity = 50
-max_acceleration = 100
-reference = "operator"
-drive = { type = "step-dir", chip = "gpio", step = 17, dir = 27, steps_per_unit = 40 }
-[[axis]]
-name = "can"
-unit = "deg"
-min = -90
-max = 90
-max_velocity = 12
-max_acceleration = 70
-reference = "operator"
-drive = { type = "cia402", bus = "can0", node = 1, counts_per_unit = 1000 }
-[[axis]]
-name = "odrive"
-unit = "deg"
-min = -30
-max = 30
-max_velocity = 60
-max_acceleration = 100
-reference = "operator"
-drive = { type = "odrive", bus = "can0", node = 2, turns_per_unit = 0.1 }
-[[axis]]
-name = "pipe"
-unit = "deg"
-min = -30
-max = 30
-max_velocity = 60
-max_acceleration = 100
-drive = { type = "pipe", path = "/tmp/pipe", counts_per_unit = 10 }
-)";
+const std::string one_of_each =
+    rig_text({{.name = "steps",
+               .min = 0,
+               .max = 500,
+               .max_velocity = 50,
+               .max_acceleration = 100,
+               .more = R"(reference = "operator")",
+               .drive = R"(type = "step-dir", chip = "gpio", step = 17, dir = 27, steps_per_unit = 40)"},
+              {.name = "can",
+               .unit = "deg",
+               .min = -90,
+               .max = 90,
+               .max_velocity = 12,
+               .max_acceleration = 70,
+               .more = R"(reference = "operator")",
+               .drive = cia402_text(1)},
+              {.name = "odrive",
+               .unit = "deg",
+               .min = -30,
+               .max = 30,
+               .max_velocity = 60,
+               .max_acceleration = 100,
+               .more = R"(reference = "operator")",
+               .drive = R"(type = "odrive", bus = "can0", node = 2, turns_per_unit = 0.1)"},
+              {.name = "pipe",
+               .unit = "deg",
+               .min = -30,
+               .max = 30,
+               .max_velocity = 60,
+               .max_acceleration = 100,
+               .drive = R"(type = "pipe", path = "/tmp/pipe", counts_per_unit = 10)"}},
+             {.name = "each", .rate_hz = 250, .more = bus_can0});
 
 TEST(RigDrives, EveryKindOfDriveTakesWhereItsAxisStandsAndGoesFromThere) {
   const RigFile rig = parse_rig(one_of_each, "rig.toml");

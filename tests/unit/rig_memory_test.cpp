@@ -7,6 +7,7 @@
 #include "host_tools/rig/rig_drives.hpp"
 #include "host_tools/rig/simulated_hardware.hpp"
 #include "inbetween/loop/tick_time.hpp"
+#include "tests/support/rig_text.hpp"
 
 #ifndef INBETWEEN_SANITIZED  // a sanitizer keeps what has been freed, and takes six times as long
 namespace inbetween {
@@ -21,11 +22,10 @@ long most_kilobytes() {
 }
 
 TEST(RigMemory, TenMillionTicksOfASimulatedDriveStayWithin64Megabytes) {
-  const RigFile rig = parse_rig(
-      "name = \"slider\"\nrate_hz = 2000\n[bus.can0]\nbitrate = 1_000_000\n[[axis]]\nname = \"slide\"\n"
-      "unit = \"mm\"\nmin = 0\nmax = 100\nmax_velocity = 100\nmax_acceleration = 1000\n"
-      "drive = { type = \"cia402\", bus = \"can0\", node = 1, counts_per_unit = 1000 }\n",
-      "rig.toml");
+  const RigFile rig =
+      parse_rig(rig_text({{.name = "slide", .min = 0, .max_acceleration = 1000, .drive = cia402_text(1)}},
+                         {.rate_hz = rate_hz, .more = bus_can0}),
+                "rig.toml");
   SimulatedHardware hardware(rig, {50});
   RigDrives drives(rig, hardware);
   std::vector<DriveState<double>> states(1);

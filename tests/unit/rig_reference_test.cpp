@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "host_tools/rig/simulated_hardware.hpp"
+#include "tests/support/rig_text.hpp"
 #include "tests/support/run_program.hpp"
 #include "tests/support/temporary_file.hpp"
 
@@ -24,46 +25,38 @@ using testing::HasSubstr;
 
 /// A homed slide and a focus that its operator sets, both on steps, a crane whose CAN drive knows where it
 /// is, and one whose drive does not.
-const std::string four_axes = R"(name = "four"
-rate_hz = 250
-[bus.can0]
-bitrate = 1_000_000
-[[axis]]
-name = "slide"
-unit = "mm"
-min = 0
-max = 800
-max_velocity = 100
-max_acceleration = 250
-drive = { type = "step-dir", chip = "gpio", step = 17, dir = 27, steps_per_unit = 80 }
-home = { chip = "gpio", line = 23, active = "high", direction = "negative", fast = 40, slow = 4, back_off = 10, at = -5 }
-[[axis]]
-name = "focus"
-unit = "deg"
-min = 0
-max = 270
-max_velocity = 100
-max_acceleration = 400
-reference = "operator"
-drive = { type = "step-dir", chip = "gpio", step = 19, dir = 26, steps_per_unit = 10 }
-[[axis]]
-name = "crane"
-unit = "deg"
-min = -90
-max = 90
-max_velocity = 10
-max_acceleration = 10
-drive = { type = "cia402", bus = "can0", node = 1, counts_per_unit = 1000 }
-[[axis]]
-name = "swing"
-unit = "deg"
-min = -90
-max = 90
-max_velocity = 10
-max_acceleration = 10
-reference = "operator"
-drive = { type = "cia402", bus = "can0", node = 2, counts_per_unit = 1000 }
-)";
+const std::string four_axes = rig_text(
+    {{.name = "slide",
+      .min = 0,
+      .max = 800,
+      .max_velocity = 100,
+      .max_acceleration = 250,
+      .more =
+          R"(home = { chip = "gpio", line = 23, active = "high", direction = "negative", fast = 40, slow = 4, back_off = 10, at = -5 })",
+      .drive = R"(type = "step-dir", chip = "gpio", step = 17, dir = 27, steps_per_unit = 80)"},
+     {.name = "focus",
+      .unit = "deg",
+      .min = 0,
+      .max = 270,
+      .max_velocity = 100,
+      .more = R"(reference = "operator")",
+      .drive = R"(type = "step-dir", chip = "gpio", step = 19, dir = 26, steps_per_unit = 10)"},
+     {.name = "crane",
+      .unit = "deg",
+      .min = -90,
+      .max = 90,
+      .max_velocity = 10,
+      .max_acceleration = 10,
+      .drive = cia402_text(1)},
+     {.name = "swing",
+      .unit = "deg",
+      .min = -90,
+      .max = 90,
+      .max_velocity = 10,
+      .max_acceleration = 10,
+      .more = R"(reference = "operator")",
+      .drive = cia402_text(2)}},
+    {.name = "four", .rate_hz = 250, .more = bus_can0});
 
 constexpr std::size_t slide = 0, focus = 1, crane = 2, swing = 3;
 

@@ -15,6 +15,7 @@
 #include "host_tools/check/check.hpp"
 #include "tests/support/places.hpp"
 #include "tests/support/refused_text.hpp"
+#include "tests/support/rig_text.hpp"
 #include "tests/support/run_program.hpp"
 #include "tests/support/temporary_file.hpp"
 
@@ -40,25 +41,10 @@ keys = [ { at = [2] }, { at = [14] } ]
 speed = [0, 0, 10, 0, 0]
 )";
 
-const std::string bench = R"(name = "bench"
-rate_hz = 100
-[[axis]]
-name = "parked"
-unit = "deg"
-min = 5
-max = 20
-max_velocity = 100
-max_acceleration = 10000
-drive = { type = "pipe", path = "/dev/null", counts_per_unit = 1 }
-[[axis]]
-name = "x"
-unit = "mm"
-min = 2
-max = 14
-max_velocity = 100
-max_acceleration = 10000
-drive = { type = "pipe", path = "/dev/null", counts_per_unit = 1 }
-)";
+const std::string bench = rig_text(
+    {{.name = "parked", .unit = "deg", .min = 5, .max = 20, .max_velocity = 100, .max_acceleration = 10000},
+     {.name = "x", .min = 2, .max = 14, .max_velocity = 100, .max_acceleration = 10000}},
+    {.name = "bench"});
 
 Plan plan_of(const std::string& move, const std::string& rig = bench) {
   return {parse_move(move, "move.toml"), parse_rig(rig, "rig.toml"), {}};

@@ -13,6 +13,7 @@
 #include "host_tools/motions/run_checks.hpp"
 #include "host_tools/plan/move_rolls.hpp"
 #include "tests/support/places.hpp"
+#include "tests/support/rig_text.hpp"
 #include "tests/support/run_program.hpp"
 
 namespace inbetween {
@@ -140,11 +141,13 @@ TEST(SlowWay, IsDescribedForSomebodyWhoHasToAgree) {
 
 /// A drive of so many counts to a mm, at 1000 Hz and 400 mm/s^2: in a tick the acceleration covers 0.0004 mm.
 Plan quick_plan(int counts_per_mm) {
-  const std::string rig =
-      "name = \"quick\"\nrate_hz = 1000\n[[axis]]\nname = \"slide\"\nunit = \"mm\"\nmin = 0\nmax = 1000\n"
-      "max_velocity = 200\nmax_acceleration = 400\ndrive = { type = \"pipe\", path = \"/dev/null\", "
-      "counts_per_unit = " +
-      std::to_string(counts_per_mm) + " }\n";
+  const std::string rig = rig_text(
+      {{.name = "slide",
+        .min = 0,
+        .max = 1000,
+        .max_velocity = 200,
+        .drive = fmt::format(R"(type = "pipe", path = "/dev/null", counts_per_unit = {})", counts_per_mm)}},
+      {.rate_hz = 1000});
   const std::string move =
       "name = \"short\"\nfps = 24\nframes = 96\n[[track]]\naxes = [\"slide\"]\n"
       "keys = [ { at = [10.001] }, { at = [100] } ]\nspeed = [0, 0, 10, 0, 0]\n";

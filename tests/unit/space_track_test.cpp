@@ -21,6 +21,7 @@
 #include "tests/support/oracle_kinematics.hpp"
 #include "tests/support/places.hpp"
 #include "tests/support/refused_text.hpp"
+#include "tests/support/rig_text.hpp"
 #include "tests/support/run_program.hpp"
 #include "tests/support/temporary_file.hpp"
 
@@ -69,33 +70,8 @@ Vector vector_of(const std::vector<double>& numbers) {
 }
 
 /// A rig of three slides along x, y and z, in metres: a move on it draws the same path without any joints.
-const char* const slides = R"(name = "slides"
-rate_hz = 250
-[[axis]]
-name = "x"
-unit = "m"
-min = -9
-max = 9
-max_velocity = 9
-max_acceleration = 9
-drive = { type = "pipe", path = "x", counts_per_unit = 1000 }
-[[axis]]
-name = "y"
-unit = "m"
-min = -9
-max = 9
-max_velocity = 9
-max_acceleration = 9
-drive = { type = "pipe", path = "y", counts_per_unit = 1000 }
-[[axis]]
-name = "z"
-unit = "m"
-min = -9
-max = 9
-max_velocity = 9
-max_acceleration = 9
-drive = { type = "pipe", path = "z", counts_per_unit = 1000 }
-)";
+const std::string slides = rig_text(
+    {{.name = "x", .unit = "m"}, {.name = "y", .unit = "m"}, {.name = "z", .unit = "m"}}, {.rate_hz = 250});
 
 /// The text without the lines that begin with one of these words, and with axes x, y, z.
 std::string drawn_text(const std::string& text) {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "host_tools/plan/plan.hpp"
+#include "tests/support/rig_text.hpp"
 
 namespace inbetween {
 namespace speed_constraints_test {
@@ -17,19 +18,17 @@ namespace speed_constraints_test {
 const std::vector<double> drawn = {0, 0, 6, 16, 6, 7, 0, 0};
 
 Plan plan_of(const std::string& spline) {
-  std::string rig = "name = \"table\"\nrate_hz = 100\n";
-  for (const char* name : {"x", "y"}) {
-    rig += std::string("[[axis]]\nname = \"") + name +
-           "\"\nunit = \"mm\"\nmin = -100\nmax = 200\nmax_velocity = 200\nmax_acceleration = 700\nmax_jerk = "
-           "9000\n"
-           "max_acceleration_step = 50\ndrive = { type = \"pipe\", path = \"/dev/null\", counts_per_unit = 1 "
-           "}\n";
+  std::vector<AxisText> axes{{.name = "x"}, {.name = "y"}};
+  for (AxisText& axis : axes) {
+    axis.max_velocity = 200;
+    axis.max_acceleration = 700;
+    axis.more = "max_jerk = 9000\nmax_acceleration_step = 50";
   }
   const std::string move =
       "name = \"m\"\nfps = 24\nframes = 96\n[[track]]\naxes = [\"x\", \"y\"]\nspline = \"" + spline +
       "\"\nkeys = [ { at = [10, 0] }, { at = [60, 40] }, { at = [110, -20] }, { at = [160, 10] } ]\n"
       "weights = [1, 2]\nspeed = [0, 0, 6, 16, 6, 7, 0, 0]\n";
-  return {parse_move(move, "move.toml"), parse_rig(rig, "rig.toml"), {}};
+  return {parse_move(move, "move.toml"), parse_rig(rig_text(axes), "rig.toml"), {}};
 }
 
 TEST(MotionSamples, AreTheSharesOfTheMotion) {

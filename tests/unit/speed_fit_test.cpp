@@ -13,6 +13,7 @@
 
 #include "host_tools/files/speed_rewrite.hpp"
 #include "tests/support/refused_text.hpp"
+#include "tests/support/rig_text.hpp"
 
 namespace inbetween {
 namespace speed_fit_test {
@@ -32,15 +33,13 @@ struct Limits {
 
 /// Two axes that are limited alike.
 std::string rig_with(const Limits& limits) {
-  std::string rig = "name = \"table\"\nrate_hz = 100\n";
-  for (const char* name : {"x", "y"}) {
-    rig += fmt::format(
-        "[[axis]]\nname = \"{}\"\nunit = \"mm\"\nmin = -100\nmax = 200\nmax_velocity = {}\nmax_acceleration "
-        "= {}\n{}\n"
-        "drive = {{ type = \"pipe\", path = \"/dev/null\", counts_per_unit = 1 }}\n",
-        name, limits.velocity, limits.acceleration, limits.more);
+  std::vector<AxisText> axes{{.name = "x"}, {.name = "y"}};
+  for (AxisText& axis : axes) {
+    axis.max_velocity = limits.velocity;
+    axis.max_acceleration = limits.acceleration;
+    axis.more = limits.more;
   }
-  return rig;
+  return rig_text(axes);
 }
 
 const std::string bends =

@@ -14,6 +14,7 @@
 #include "inbetween/steps/step_port.hpp"
 #include "sim/simulated_rig.hpp"
 #include "sim/simulated_step_chip.hpp"
+#include "tests/support/rig_text.hpp"
 #include "tests/support/simulated_lines.hpp"
 
 namespace inbetween {
@@ -34,27 +35,23 @@ keys = [ { at = [10, 100] }, { at = [40, 130] }, { at = [5, 160] } ]
 speed = [0, 0, 10, 0, 0]
 )";
 
-const std::string slider_rig = R"(name = "slider"
-rate_hz = 250
-[[axis]]
-name = "slide"
-unit = "mm"
-min = -100
-max = 100
-max_velocity = 600
-max_acceleration = 4000
-max_jerk = 80000
-drive = { type = "step-dir", chip = "io", step = 0, dir = 1, enable = 2, steps_per_unit = -80, max_step_rate = 60000 }
-[[axis]]
-name = "turn"
-unit = "deg"
-min = 0
-max = 200
-max_velocity = 600
-max_acceleration = 4000
-max_jerk = 80000
-drive = { type = "step-dir", chip = "io", step = 3, dir = 4, steps_per_unit = 9, max_step_rate = 10000 }
-)";
+const std::string slider_rig = rig_text(
+    {{.name = "slide",
+      .max = 100,
+      .max_velocity = 600,
+      .max_acceleration = 4000,
+      .more = "max_jerk = 80000",
+      .drive =
+          R"(type = "step-dir", chip = "io", step = 0, dir = 1, enable = 2, steps_per_unit = -80, max_step_rate = 60000)"},
+     {.name = "turn",
+      .unit = "deg",
+      .min = 0,
+      .max_velocity = 600,
+      .max_acceleration = 4000,
+      .more = "max_jerk = 80000",
+      .drive =
+          R"(type = "step-dir", chip = "io", step = 3, dir = 4, steps_per_unit = 9, max_step_rate = 10000)"}},
+    {.name = "slider", .rate_hz = 250});
 
 using Port = StepPort<double, SimulatedStepChip>;
 
