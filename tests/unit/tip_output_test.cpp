@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
@@ -153,6 +154,7 @@ TEST(TipOutput, AJointThatTheRigDoesNotMoveIsRefusedByEveryCommand) {
 /// A rig for the arm, each axis in a unit of its own, and a move of all of them.
 struct ArmFiles {
   std::string rig, move;
+  std::vector<std::string> axes;
 
   ArmFiles(const UrdfText& urdf, const std::string& urdf_path, std::mt19937_64& random) {
     rig = fmt::format("name = \"arm\"\nrate_hz = 100\n[kinematics]\nurdf = \"{}\"\ntip = \"{}\"\n", urdf_path,
@@ -170,6 +172,7 @@ struct ArmFiles {
           "{}\ndrive = {{ type = \"pipe\", path = \"p\", counts_per_unit = 1.0 }}\n",
           joint.name, slides ? (in_small ? "mm" : "m") : (in_small ? "deg" : "rad"),
           0.99 * units * joint.lower, 0.99 * units * joint.upper, 5 * units, 50 * units);
+      axes.push_back(joint.name);
       names += fmt::format("{}\"{}\"", names.empty() ? "" : ", ", joint.name);
     }
     move = fmt::format("name = \"m\"\nfps = 24\nframes = 96\n[[track]]\naxes = [{}]\nkeys = [\n", names);
@@ -206,6 +209,88 @@ TEST(TipOutput, AnyArmOfSixOrSevenJointsIsPlannedAndCheckedOrRefusedInOneLine) {
     }
   }
   EXPECT_EQ(planned, 6) << "the limits of these rigs are within those of the joints";
+}
+
+/// Keys in the world, on the way that the tip takes in the planned move of the joints; looking as it does
+/// there or anyhow.
+std::string move_in_space(const Json& planned, const UrdfText& arm, const std::vector<std::string>& axes,
+                          bool looks) {
+  std::string names;
+  for (const std::string& axis : axes) names += fmt::format("{}\"{}\"", names.empty() ? "" : ", ", axis);
+  std::string near;
+  for (const Json& axis : planned.at("axes")) {
+    const auto name = axis.at("name").get<std::string>();
+    if (std::ranges::find(axes, name) == axes.end()) continue;
+    near += fmt::format("{}{} = {}", near.empty() ? "" : ", ", name, axis.at("position")[28].get<double>());
+  }
+  std::string keys;
+  const Json& tip = planned.at("tips")[0];
+  for (const std::size_t row : {28U, 32U, 36U}) {
+    keys += fmt::format("  {{ at = {}", tip.at("position")[row].dump());
+    if (looks) {
+      std::array<double, 3> aim{};
+      for (std::size_t d = 0; d < 3; ++d) {
+        aim.at(d) = tip.at("position")[row][d].get<double>() + 2 * tip.at("x_axis")[row][d].get<double>();
+      }
+      const double roll =
+          std::atan2(tip.at("y_axis")[row][2].get<double>(), tip.at("z_axis")[row][2].get<double>());
+      keys += fmt::format(", aim = [{}, {}, {}], roll = {}", aim[0], aim[1], aim[2], roll / degree);
+    }
+    keys += " },\n";
+  }
+  return fmt::format(
+      "name = \"m\"\nfps = 24\nframes = 96\n[[track]]\naxes = [{}]\nspace = \"{}\"\nnear = {{ {} }}\nkeys = "
+      "[\n{}]\n"
+      "speed = [0, 0, 10, 10, 0, 0]\n",
+      names, arm.tip, near, keys);
+}
+
+/// Plans the keys in space with no more axes than move the tip: the refusal names one that does not.
+ProgramRun run_in_space(const char* command, const Json& planned, const UrdfText& arm, const ArmFiles& files,
+                        const std::string& rig, bool looks) {
+  std::vector<std::string> axes = files.axes;
+  for (;;) {
+    const TemporaryFile move("arm_move.toml", move_in_space(planned, arm, axes, looks));
+    ProgramRun run = run_program({command, move.path().string(), "--rig", rig, "--json", "-"});
+    const std::size_t at = run.err.find(" does not move ");
+    if (at == std::string::npos || axes.empty()) return run;
+    std::erase_if(
+        axes, [&](const std::string& axis) { return run.err.substr(0, at).ends_with("\"" + axis + "\""); });
+  }
+}
+
+TEST(TipOutput, AnyArmFollowsKeysInTheWorldOrIsRefusedInOneLine) {
+  int followed = 0;
+  for (unsigned seed = 1; seed <= 8; ++seed) {
+    std::mt19937_64 random(seed);
+    const UrdfText arm = random_urdf(random, 6 + seed % 2);
+    const TemporaryFile urdf("arm.urdf", arm.text);
+    const ArmFiles files(arm, urdf.path().string(), random);
+    const TemporaryFile rig("arm_rig.toml", files.rig);
+    const TemporaryFile move("arm_move.toml", files.move);
+    const Json planned = Json::parse(
+        run_program({"plan", move.path().string(), "--rig", rig.path().string(), "--json", "-"}).out);
+    for (const char* command : {"plan", "check"}) {
+      const ProgramRun run = run_in_space(command, planned, arm, files, rig.path().string(), seed % 4 < 2);
+      SCOPED_TRACE(fmt::format("seed {}, {}: {}", seed, command, run.err));
+      EXPECT_THAT(run.status, testing::AnyOf(0, 1, 3));
+      if (run.status == 1) {
+        EXPECT_THAT(run.err, HasSubstr("error: "));
+        EXPECT_EQ(std::ranges::count(run.err, '\n'), 1);
+      } else if (std::string(command) == "plan") {
+        ++followed;
+        const Json found = Json::parse(run.out);
+        const Json& way = found.at("tips").at(0).at("position");
+        for (std::size_t d = 0; d < 3; ++d) {
+          EXPECT_NEAR(way.front()[d].get<double>(), planned.at("tips")[0].at("position")[28][d].get<double>(),
+                      1e-6);
+          EXPECT_NEAR(way.back()[d].get<double>(), planned.at("tips")[0].at("position")[36][d].get<double>(),
+                      1e-6);
+        }
+      }
+    }
+  }
+  EXPECT_GE(followed, 5) << "others end at a range or out of reach";
 }
 
 }  // namespace tip_output_test
