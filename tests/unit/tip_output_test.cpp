@@ -99,13 +99,48 @@ TEST(TipOutput, TheCsvHasAColumnForEachDirection) {
 TEST(TipOutput, EveryArticulatedExampleIsPlannedAndKeepsItsLimits) {
   for (const auto& [folder, move, tips] :
        {std::tuple("crane", "over_the_table", 1U), std::tuple("arm", "reach_over", 1U),
-        std::tuple("marionette", "walk", 4U)}) {
+        std::tuple("marionette", "walk", 4U), std::tuple("orrery", "one_year", 4U),
+        std::tuple("logo", "fly_in", 5U)}) {
     const std::string path = in_checkout(fmt::format("examples/{}/{}.toml", folder, move));
     const std::string rig = in_checkout(fmt::format("examples/{}/rig.toml", folder));
     const ProgramRun planned = run_program({"plan", path, "--rig", rig, "--json", "-"});
     EXPECT_THAT(Json::parse(planned.out).at("tips"), SizeIs(tips)) << planned.err;
     const ProgramRun checked = run_program({"check", path, "--rig", rig});
     EXPECT_EQ(checked.status, 0) << checked.out << checked.err;
+    const TemporaryFile picture("picture.svg", "");
+    EXPECT_EQ(run_program({"plan", path, "--rig", rig, "--plot", picture.path().string()}).status, 0);
+    EXPECT_GT(std::filesystem::file_size(picture.path()), 50'000U);
+  }
+}
+
+/// Of tip `index` on every row, its place.
+std::vector<std::array<double, 3>> way_of(const Json& json, std::size_t index) {
+  return json.at("tips").at(index).at("position").get<std::vector<std::array<double, 3>>>();
+}
+
+TEST(TipOutput, ThePartsOfAHierarchyMoveWithWhatTheyHangOn) {
+  const auto planned = [](const std::string& folder, const std::string& move) {
+    return Json::parse(run_program({"plan", in_checkout("examples/" + folder + "/" + move), "--rig",
+                                    in_checkout("examples/" + folder + "/rig.toml"), "--json", "-"})
+                           .out);
+  };
+  const Json year = planned("orrery", "one_year.toml");
+  const auto earth = way_of(year, 1);
+  const auto moon = way_of(year, 2);
+  double highest = 0;
+  for (std::size_t row = 0; row < earth.size(); ++row) {
+    EXPECT_NEAR(std::hypot(earth[row][0], earth[row][1], earth[row][2]), 0.6, 1e-12);
+    EXPECT_NEAR(std::hypot(moon[row][0] - earth[row][0], moon[row][1] - earth[row][1], moon[row][2]), 0.12,
+                1e-12);
+    highest = std::max(highest, moon[row][2]);
+  }
+  EXPECT_NEAR(highest, 0.12 * std::sin(0.4), 1e-3) << "its orbit leans the same way all the year";
+  // At the end the letters stand in a line, under a bar that has flown 2.4 m.
+  const Json logo = planned("logo", "fly_in.toml");
+  for (std::size_t letter = 0; letter < 5; ++letter) {
+    const double below = letter % 4 == 0 ? 0.4 : 0.3;
+    EXPECT_NEAR(way_of(logo, letter).back()[0], 2.4 + 0.3 * (static_cast<double>(letter) - 2), 1e-9);
+    EXPECT_NEAR(way_of(logo, letter).back()[2], 0.8 + 0.7 - below, 1e-9);
   }
 }
 

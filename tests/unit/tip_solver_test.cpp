@@ -3,7 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <numbers>
 #include <vector>
 
@@ -83,17 +86,91 @@ TEST(TipSolver, APictureUpsideDownIsNoSolution) {
   EXPECT_FALSE(solver.solve(level, {pi}).is_exact());
 }
 
-TEST(TipSolver, AHeadInTheRangesTurnsAsFarAsItMust) {
-  // Pan and tilt, whose pan may only be where it has gone round once.
-  const Kinematics kinematics =
-      kinematics_of({{.kind = Kind::revolute, .parent = -1, .coordinate = 0},
-                     {.kind = Kind::revolute, .parent = 0, .coordinate = 1, .axis = {0, -1, 0}}});
-  const TipSolver solver(kinematics, 2, {{0, 5, 9, 5}, {1, -1, 1, 0}});
-  const TipSolution found =
-      solver.solve_from_ranges({.position = {}, .aim = Vector3<double>{2, 2, 0.1}, .roll = {}});
+/// Pan about z, then tilt up, both in one point.
+const std::vector<OracleJoint> head = {
+    {.kind = Kind::revolute, .parent = -1, .coordinate = 0},
+    {.kind = Kind::revolute, .parent = 0, .coordinate = 1, .axis = {0, -1, 0}}};
+
+TEST(TipSolver, AHeadTurnsOnceMoreWhereItsRangeAsksForIt) {
+  const Kinematics kinematics = kinematics_of(head);
+  const TipSolver solver(kinematics, 2, {{0, 5, 9.9, 5}, {1, -1, 1, 0}});
+  // The pan of 3.5 rad is nearer to 5.
+  const TipTarget target{
+      .position = {}, .aim = Vector3<double>{std::cos(3.5), std::sin(3.5), 0.1}, .roll = {}};
+  const TipSolution found = solver.solve_from_ranges(target);
   ASSERT_TRUE(found.is_exact());
-  EXPECT_NEAR(found.positions[0], 2 * pi + pi / 4, 1e-12);
-  EXPECT_GT(found.positions[1], 0);
+  EXPECT_NEAR(found.positions[0], 2 * pi + 3.5, 1e-12);
+}
+
+TEST(TipSolver, AHeadGoesOverTheTopOnlyWhereItsRangeLetsIt) {
+  const Kinematics kinematics = kinematics_of(head);
+  const TipTarget target{
+      .position = {},
+      .aim = Vector3<double>{std::cos(0.3) * std::cos(1.2), std::sin(0.3) * std::cos(1.2), std::sin(1.2)},
+      .roll = {}};
+  for (const double max : {1.4, 2.5}) {
+    const TipSolver solver(kinematics, 2, {{0, -1, 4, 3.4}, {1, -1, max, 1.4}});
+    const TipSolution found = solver.solve_from_ranges(target);
+    ASSERT_TRUE(found.is_exact());
+    EXPECT_NEAR(found.positions[0], max < 2 ? 0.3 : 0.3 + pi, 1e-12);
+    EXPECT_NEAR(found.positions[1], max < 2 ? 1.2 : pi - 1.2, 1e-12);
+  }
+}
+
+TEST(TipSolver, WhatIsAlmostACraneHasNoClosedForm) {
+  const std::vector<OracleJoint> crane = {
+      {.kind = Kind::prismatic, .parent = -1, .coordinate = 0, .axis = {1, 0, 0}},
+      {.kind = Kind::revolute, .parent = 0, .coordinate = 1, .xyz = {0, 0, 1}},
+      {.kind = Kind::revolute, .parent = 1, .coordinate = 2, .axis = {0, -1, 0}},
+      {.kind = Kind::revolute,
+       .parent = 2,
+       .coordinate = 2,
+       .factor = -1,
+       .xyz = {2, 0, 0},
+       .axis = {0, -1, 0}},
+      {.kind = Kind::revolute, .parent = 3, .coordinate = 3},
+      {.kind = Kind::revolute, .parent = 4, .coordinate = 4, .axis = {0, -1, 0}},
+      {.kind = Kind::revolute, .parent = 5, .coordinate = 5, .axis = {1, 0, 0}}};
+  const auto is_found = [](const std::vector<OracleJoint>& joints) {
+    std::vector<TipAxis> axes;
+    for (std::size_t i = 0; i < 6; ++i) axes.push_back({i, -1, 1, 0});
+    return CraneSolutions::find(kinematics_of(joints), static_cast<std::int32_t>(joints.size()), axes)
+        .has_value();
+  };
+  EXPECT_TRUE(is_found(crane));
+  const auto with_joint = [&](std::size_t index, const auto& change) {
+    std::vector<OracleJoint> joints = crane;
+    change(joints[index]);
+    return is_found(joints);
+  };
+  EXPECT_FALSE(with_joint(1, [](OracleJoint& swing) { swing.axis = {0.01, 0, 1}; }));
+  EXPECT_FALSE(with_joint(2, [](OracleJoint& boom) { boom.axis = {0, -1, 0.01}; }));
+  EXPECT_FALSE(with_joint(3, [](OracleJoint& level) { level.factor = -0.9; }));
+  EXPECT_FALSE(with_joint(3, [](OracleJoint& level) { level.axis = {0, 1, 0}; }));
+  EXPECT_FALSE(with_joint(5, [](OracleJoint& tilt) { tilt.axis = {0, -1, 0.01}; }));
+  EXPECT_FALSE(with_joint(5, [](OracleJoint& tilt) {
+    tilt.xyz = {0.01, 0, 0};
+  })) << "the pan passes beside it";
+  EXPECT_FALSE(with_joint(6, [](OracleJoint& roll) { roll.xyz = {0, 0, 0.01}; }));
+  EXPECT_FALSE(with_joint(6, [](OracleJoint& roll) { roll.axis = {1, 0.01, 0}; }));
+  EXPECT_FALSE(with_joint(6, [](OracleJoint& roll) { roll.kind = Kind::prismatic; }));
+  EXPECT_TRUE(with_joint(6, [](OracleJoint& roll) { roll.xyz = {0.3, 0, 0}; })) << "along its own axis";
+}
+
+TEST(TipSolver, AHeadWhosePanFollowsAnotherJointWithAnOffsetIsSolvedToo) {
+  // Joint 0 is elsewhere; the head's pan is 2 * it + 0.4.
+  const std::vector<OracleJoint> joints = {
+      {.kind = Kind::revolute, .parent = -1, .coordinate = 0},
+      {.kind = Kind::revolute, .parent = -1, .coordinate = 0, .factor = 2, .offset = 0.4},
+      {.kind = Kind::revolute, .parent = 1, .coordinate = 1, .axis = {0, -1, 0}}};
+  const Kinematics kinematics = kinematics_of(joints);
+  const std::vector<TipAxis> axes = {{0, -2, 2, 0}, {1, -1, 1, 0}};
+  EXPECT_FALSE(CraneSolutions::find(kinematics, 3, axes).has_value());
+  const TipSolution found =
+      TipSolver(kinematics, 3, axes)
+          .solve_from_ranges({.position = {}, .aim = Vector3<double>{3, 3, 0}, .roll = {}});
+  ASSERT_TRUE(found.is_exact());
+  EXPECT_NEAR(2 * found.positions[0] + 0.4, pi / 4, 1e-9);
 }
 
 }  // namespace tip_solver_test
