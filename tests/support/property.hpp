@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 
+#include <cstdint>
 #include <cstdlib>
 #include <iostream>
 #include <sstream>
@@ -36,6 +37,16 @@ inline bool counts_mean_something() {
   return runs_all_cases() && std::getenv("RC_PARAMS") == nullptr;
 }
 
+/// The seed of a test is made of its name, so that a commit always gives the same answer. Where the
+/// environment says INBETWEEN_SEEDS=new, as `scripts/test --search` does, it is a new one.
+inline std::uint64_t seed_of(std::string_view name, std::uint64_t new_seed) {
+  const char* const seeds = std::getenv("INBETWEEN_SEEDS");
+  if (seeds != nullptr && std::string_view(seeds) == "new") return new_seed;
+  std::uint64_t hash = 14'695'981'039'346'656'037U;  // FNV-1a
+  for (const char letter : name) hash = (hash ^ static_cast<unsigned char>(letter)) * 1'099'511'628'211U;
+  return hash;
+}
+
 /// Runs a RapidCheck property on `cases` random inputs, or on a tenth of them, and prints the seed, pass or
 /// fail; RC_PARAMS in the environment ("seed=... max_success=...") replays a run. A
 /// counterexample fails the test.
@@ -47,6 +58,7 @@ void check_property(int cases, Property&& property) {
   metadata.description = metadata.id;
   rc::detail::TestParams params = rc::detail::configuration().testParams;
   const char* replay = std::getenv("RC_PARAMS");
+  if (replay == nullptr) params.seed = seed_of(metadata.id, params.seed);
   if (replay == nullptr || std::string_view(replay).find("max_success") == std::string_view::npos) {
     params.maxSuccess = cases_to_run(cases);
   }
