@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "host_tools/check/planned_stops.hpp"
@@ -350,6 +351,50 @@ TEST(SpaceTrack, AWayThatEndsBesideASingularPlaceIsRefused) {
   EXPECT_THAT(HeadFiles(look_along("{ aim = [1, 0, 1] }, { aim = [0.00005, 0, 1] }")).run("plan").err,
               AllOf(HasSubstr("frame 100.00"), HasSubstr("singular"), HasSubstr("axis \"pan\"")));
   EXPECT_EQ(HeadFiles(look_along("{ aim = [1, 0, 1] }, { aim = [0.1, 0, 1] }")).run("plan").status, 0);
+}
+
+TEST(SpaceTrack, NearSaysInTheUnitsOfTheRigWhichSolutionIsMeant) {
+  const std::string keys = look_along("{ aim = [1, 1, 1] }, { aim = [1, 0.9, 1] }");
+  for (const auto& [near, pan, tilt] :
+       {std::tuple("near = { tilt = 40 }\n", 45.0, 35.264389682754654),
+        std::tuple("near = { pan = -130, tilt = 140 }\n", -135.0, 144.73561031724535)}) {
+    const ProgramRun run =
+        HeadFiles(with(keys, "spline =", std::string(near) + "spline =")).run("plan", {"--json", "-"});
+    ASSERT_EQ(run.status, 0) << run.err;
+    EXPECT_NEAR(row_of(Json::parse(run.out), "position", 0).at(0), pan, 1e-9);
+    EXPECT_NEAR(row_of(Json::parse(run.out), "position", 0).at(1), tilt, 1e-9);
+  }
+  EXPECT_THAT(HeadFiles(with(keys, "spline =", "near = { lift = 1 }\nspline =")).run("plan").err,
+              HasSubstr("lift"));
+}
+
+TEST(SpaceTrack, KeysOnFramesInSpaceArePassedAtAPaceOrEvenlyAndInNoOtherWay) {
+  const std::string curve = "speed = [0, 0, 8, 10, 6, 10, 8, 0, 0]";
+  std::string text =
+      with(file_contents(in_checkout("examples/arm/hand_elbow_up.toml")), curve, "timing = \"frames\"");
+  const std::array<std::pair<const char*, int>, 4> keys = {
+      std::pair("[ 420.0, -150.0, 0.0]", 0), std::pair("[ 350.0,  200.0, 0.0]", 50),
+      std::pair("[ 100.0,  400.0, 0.0]", 90), std::pair("[-150.0,  380.0, 0.0]", 125)};
+  for (const auto& [at, frame] : keys) text = with(text, at, fmt::format("{}, frame = {}", at, frame));
+  const auto run = [&](const std::string& timing) {
+    const TemporaryFile move("move.toml", with(text, "timing = \"frames\"", timing));
+    return run_program({"plan", move.path(), "--rig", in_checkout("examples/arm/rig.toml"), "--json", "-"});
+  };
+  for (const char* kinetic : {"", "\nkinetic = \"curves\"", "\nkinetic = \"monotone\""}) {
+    const ProgramRun refused = run(std::string("timing = \"frames\"") + kinetic);
+    EXPECT_EQ(refused.status, 1);
+    EXPECT_EQ(std::ranges::count(refused.err, '\n'), 1) << refused.err;
+    EXPECT_THAT(refused.err, AllOf(HasSubstr("kinetic = \"pace\" or \"linear\""), HasSubstr("error: ")));
+  }
+  for (const char* kinetic : {"\nkinetic = \"pace\"", "\nkinetic = \"linear\""}) {
+    const ProgramRun passed = run(std::string("timing = \"frames\"") + kinetic);
+    ASSERT_EQ(passed.status, 0) << passed.err;
+    const Json json = Json::parse(passed.out);
+    const std::size_t before = static_cast<std::size_t>(-json.at("axes")[0].value("first_frame", 0));
+    const Json& way = json.at("tips")[0].at("position").at(50 + before);
+    EXPECT_NEAR(way[0].get<double>(), 0.35, 1e-6) << kinetic;
+    EXPECT_NEAR(way[1].get<double>(), 0.2, 1e-6) << kinetic;
+  }
 }
 
 TEST(SpaceTrack, AnAxisThatDoesNotMoveTheTipIsRefusedInItsTrack) {
