@@ -219,7 +219,8 @@ std::optional<std::uint32_t> SimulatedCia402Drive::refuses_mapping(const Pdo& pd
     const bool can_be_mapped =
         is_sent ? std::ranges::count(sent, value) != 0 : std::ranges::count(received, value) != 0;
     const auto* const object = objects_.find(can::read_mapping_value(value).object);
-    if (!can_be_mapped || (object != nullptr && !object->can_be_mapped)) return can::abort_not_mappable;
+    if (can_be_mapped && object == nullptr) return can::abort_no_object;
+    if (!can_be_mapped || !object->can_be_mapped) return can::abort_not_mappable;
     return {};
   }
   if (value > 8) return can::abort_pdo_too_long;

@@ -88,6 +88,7 @@ Exit status: 0 done; 1 bad input; 2 wrong usage; 3 a limit would be exceeded; 4 
   add_home_command(app, chosen);
   add_jog_command(app, chosen);
   add_sim_drives_command(app, chosen);
+  add_doctor_command(app, chosen);
   add_budget_command(app, chosen);
   const auto wrong_usage = [&](const std::string& what) {
     const std::vector<CLI::App*> commands = app.get_subcommands();

@@ -17,6 +17,20 @@ int dropped_bits(std::uint64_t latency_ns) {
 
 }  // namespace
 
+void write_json(const WakeLatency& latency, JsonWriter& json) {
+  json.object("wake_latency_us", [&] {
+    json.member("p50", latency.p50_us);
+    json.member("p99", latency.p99_us);
+    json.member("p99_9", latency.p99_9_us);
+    json.member("max", latency.max_us);
+    json.member("max_at_s", latency.max_at_s);
+    json.objects("histogram", latency.histogram, [&](const WakeLatency::Bucket& bucket) {
+      json.member("below_us", bucket.below_us);
+      json.member("ticks", bucket.ticks);
+    });
+  });
+}
+
 void WakeLatencyCounter::add(std::int64_t latency_ns, std::int64_t now_ns) {
   const auto latency = static_cast<std::uint64_t>(latency_ns);
   const int dropped = dropped_bits(latency);

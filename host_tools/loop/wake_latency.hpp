@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "host_tools/files/json_writer.hpp"
+
 namespace inbetween {
 
 /// Microseconds between a tick's deadline and the moment when the loop woke up for it.
@@ -18,6 +20,9 @@ struct WakeLatency {
   };
   std::vector<Bucket> histogram;  ///< from the first octave that has any to the last
 };
+
+/// The member "wake_latency_us".
+void write_json(const WakeLatency& latency, JsonWriter& json);
 
 /// Counts latencies in buckets less than 1 % wide: 60 kB, however long the loop runs, and no allocation.
 class WakeLatencyCounter {

@@ -79,17 +79,7 @@ void write_run_json(const RunReport& report, std::FILE* file) {
     json.member("following_error_peak", axis.following_error_peak);
   });
   json.line();
-  json.object("wake_latency_us", [&] {
-    json.member("p50", report.wake_latency.p50_us);
-    json.member("p99", report.wake_latency.p99_us);
-    json.member("p99_9", report.wake_latency.p99_9_us);
-    json.member("max", report.wake_latency.max_us);
-    json.member("max_at_s", report.wake_latency.max_at_s);
-    json.objects("histogram", report.wake_latency.histogram, [&](const WakeLatency::Bucket& bucket) {
-      json.member("below_us", bucket.below_us);
-      json.member("ticks", bucket.ticks);
-    });
-  });
+  write_json(report.wake_latency, json);
   write_counted("buses", "name", report.counts.buses, json);
   write_counted("drives", "axis", report.counts.drives, json);
   write_counted("chips", "label", report.counts.chips, json);

@@ -10,6 +10,7 @@
 #include "host_tools/files/diagnostics.hpp"
 #include "inbetween/can/bus_load.hpp"
 #include "inbetween/can/canopen_id.hpp"
+#include "inbetween/can/pdo.hpp"
 #include "inbetween/loop/tick_time.hpp"
 
 namespace inbetween {
@@ -61,9 +62,8 @@ std::int32_t whole_counts(double length, double counts_per_unit) {
 
 /// A tick in which every drive gets a target and a question is sent at once, or not at all.
 void refuse_long_ticks(const Bus& bus, std::int64_t drives, std::int64_t guarded) {
-  constexpr std::int64_t of_bus = 3;  // SYNC, the heartbeat, and one of NMT or SDO
   constexpr std::int64_t sent_at_once = can::SocketCan::max_frames;
-  const std::int64_t frames = of_bus + drives + guarded;
+  const std::int64_t frames = frames_of_bus_per_tick + drives + guarded;
   if (frames <= sent_at_once) return;
   throw InputError(
       bus.place,
@@ -129,6 +129,12 @@ can::Cia402Settings settings_of(const RigAxis& axis, std::int32_t rate_hz) {
 
 std::string words_of(const can::SetupRefusal& refusal) {
   std::string text = fmt::format("object {:04X}h:{}", refusal.object.index, refusal.object.sub);
+  const unsigned group = refusal.object.index & 0xFE00U;
+  const bool is_mapping = (group == 0x1600 || group == 0x1A00) && refusal.object.sub != 0;
+  if (is_mapping && !refusal.found) {
+    const can::ObjectAddress mapped = can::read_mapping_value(refusal.expected).object;
+    text += fmt::format(" for {:04X}h:{}", mapped.index, mapped.sub);
+  }
   if (refusal.found) {
     text += fmt::format(" is {} ({:X}h), not {} ({:X}h)", *refusal.found, *refusal.found, refusal.expected,
                         refusal.expected);
@@ -138,6 +144,14 @@ std::string words_of(const can::SetupRefusal& refusal) {
                         can::words_of_abort(refusal.abort_code));
   }
   return text;
+}
+
+std::vector<std::string> words_of_lacks(const can::SetupRunner& setup) {
+  std::vector<std::string> words;
+  for (const Lack& lack : lacks) {
+    if (std::ranges::find(setup.absent(), lack.index) != setup.absent().end()) words.emplace_back(lack.words);
+  }
+  return words;
 }
 
 void refuse_overloaded_buses(const RigFile& rig) {
@@ -264,10 +278,8 @@ std::string CanDrives::drive_trouble() const {
 std::vector<std::string> CanDrives::notes() const {
   std::vector<std::string> notes;
   for (std::size_t i = 0; i < axes_.size(); ++i) {
-    const auto& absent = port_->drive(i).setup().absent();
-    for (const Lack& lack : lacks) {
-      if (std::ranges::find(absent, lack.index) == absent.end()) continue;
-      notes.push_back(fmt::format("note: {}: {}", named(rig_.axes[axes_[i]]), lack.words));
+    for (const std::string& lack : words_of_lacks(port_->drive(i).setup())) {
+      notes.push_back(fmt::format("note: {}: {}", named(rig_.axes[axes_[i]]), lack));
     }
   }
   return notes;

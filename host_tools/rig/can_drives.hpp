@@ -25,6 +25,10 @@ can::NodeId node_of(const RigAxis& axis);
 can::Cia402Settings settings_of(const RigAxis& axis, std::int32_t rate_hz);
 /// Why a drive could not be set up: the object, what it has, and the words of the drive.
 std::string words_of(const can::SetupRefusal& refusal);
+/// What a drive that is set up does without, with what stands in for each.
+std::vector<std::string> words_of_lacks(const can::SetupRunner& setup);
+/// The frames of a tick beside those for each drive: SYNC, the heartbeat, and one of NMT or SDO.
+inline constexpr std::int64_t frames_of_bus_per_tick = 3;
 /// Throws InputError at the place of a bus whose load would be above bus_load_limit_percent, or that has more
 /// frames in a tick than are sent at once.
 void refuse_overloaded_buses(const RigFile& rig);

@@ -63,6 +63,22 @@ std::vector<LineAddress> lines_of(const RigFile& rig) {
   return lines;
 }
 
+/// By chip and number, and where the rig names them.
+using KnownLines = std::map<std::pair<std::string, unsigned>, Place>;
+
+void refuse_unavailable_line(const LineAddress& line, KnownLines& known) {
+  gpio::GpioChip chip;
+  open_chip_of(line, chip);
+  const gpio::LineChoice choice = choice_of(line.line);
+  std::vector<unsigned> offset;
+  if (const auto refusal = chip.find(std::span(&choice, 1), offset)) refuse_at(line.place, *refusal);
+  const auto [other, is_new] = known.try_emplace({chip.label(), offset.front()}, line.place);
+  if (is_new) return;
+  throw InputError(line.place, fmt::format("line {} of chip {} is used in line {} already; give each line "
+                                           "one use",
+                                           offset.front(), in_quotes(chip.label()), other->second.line));
+}
+
 // In the order of Bias.
 constexpr std::array biases = {gpio::Bias::pull_up, gpio::Bias::pull_down, gpio::Bias::none};
 
@@ -179,20 +195,22 @@ void open_bus_of(const RigFile& rig, const std::string& bus, std::span<const can
   if (const auto refusal = socket.open(bus, filters)) refuse_at(place_of_bus(rig, bus), *refusal);
 }
 
-void refuse_unavailable_lines(const RigFile& rig) {
-  std::map<std::pair<std::string, unsigned>, Place> known;
-  std::vector<unsigned> offset;
+std::vector<InputError> unavailable_lines(const RigFile& rig) {
+  std::vector<InputError> errors;
+  KnownLines known;
   for (const LineAddress& line : lines_of(rig)) {
-    gpio::GpioChip chip;
-    open_chip_of(line, chip);
-    const gpio::LineChoice choice = choice_of(line.line);
-    if (const auto refusal = chip.find(std::span(&choice, 1), offset)) refuse_at(line.place, *refusal);
-    const auto [other, is_new] = known.try_emplace({chip.label(), offset.front()}, line.place);
-    if (is_new) continue;
-    throw InputError(line.place, fmt::format("line {} of chip {} is used in line {} already; give each line "
-                                             "one use",
-                                             offset.front(), in_quotes(chip.label()), other->second.line));
+    try {
+      refuse_unavailable_line(line, known);
+    } catch (const InputError& error) {
+      errors.push_back(error);
+    }
   }
+  return errors;
+}
+
+void refuse_unavailable_lines(const RigFile& rig) {
+  KnownLines known;
+  for (const LineAddress& line : lines_of(rig)) refuse_unavailable_line(line, known);
 }
 
 std::unique_ptr<BusLink> MachineHardware::open_bus(const std::string& bus,

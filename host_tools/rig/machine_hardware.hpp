@@ -16,7 +16,9 @@ void open_bus_of(const RigFile& rig, const std::string& bus, std::span<const can
                  can::SocketCan& socket);
 
 /// Looks at every line that the rig has, before any of them is taken: each is there, meant once and free.
-/// Nothing is changed. Throws InputError at the place of one that is not.
+/// Nothing is changed. Returns an error at the place of each that is not.
+std::vector<InputError> unavailable_lines(const RigFile& rig);
+/// Throws the first of them.
 void refuse_unavailable_lines(const RigFile& rig);
 
 /// Nobody else can open a bus through it meanwhile. Lines are taken at their safe levels.

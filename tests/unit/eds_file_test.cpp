@@ -217,6 +217,8 @@ TEST(EdsDrive, WhatItLacksIsToldBeforeAnythingIsConnectedWithTheLine) {
       Sheet(eds_text({.without = {"1016", "1017", "1400sub5"}}), ", watchdog = \"life-guarding\"").refusal(),
       "");
   EXPECT_THAT(Sheet(eds_text({.without = {"1600sub2"}})).refusal(), HasSubstr("1600h:2"));
+  EXPECT_THAT(Sheet(eds_text({.without = {"6064"}})).refusal(),
+              HasSubstr("(object 1A00h:2 for 6064h:0; 0602 0000h: the device has no such object)"));
   EXPECT_THAT(Sheet(eds_text({.period_access = "ro"})).refusal(),
               testing::ContainsRegex("drive.eds:[1-9][0-9]*: .*60C2h:1 is 1 \\(1h\\), not 4"));
   EXPECT_THAT(Sheet(eds_text({.without = {"6007"}})).refusal(), HasSubstr("on_host_lost"));
