@@ -22,7 +22,7 @@ bitrate = 1_000_000
 [emergency_stop]
 chip = "head"
 line = 3
-active = "low"
+stops_at = "low"
 [[axis]]
 name = "pan"
 unit = "deg"
@@ -50,7 +50,7 @@ ProgramRun doctor(const std::string& script, const std::string& faults = "",
   std::ofstream(folder.path() / "rig.toml") << rig;
   std::ofstream(folder.path() / "faults.toml") << faults;
   std::vector<std::string> options{"--vcan",         "can0",      "--gpio", "head:8",
-                                   "--virtual-time", "--timeout", "100"};
+                                   "--virtual-time", "--timeout", "40"};
   options.insert(options.end(), more.begin(), more.end());
   return script_in_bench(options, "cd '" + folder.path().string() +
                                       "'\necho -1 >/proc/sys/kernel/sched_rt_runtime_us\n" + script);
