@@ -9,6 +9,7 @@
 #include "drivers/linux/interrupt_watch.hpp"
 #include "drivers/linux/key_terminal.hpp"
 #include "host_tools/cli/command.hpp"
+#include "host_tools/cli/run_screen.hpp"
 #include "host_tools/cli/setup_arguments.hpp"
 #include "host_tools/loop/jitter.hpp"
 #include "host_tools/motions/jog.hpp"
@@ -48,12 +49,13 @@ int jog_command(const JogArguments& arguments) {
   SetupEnd end;
   {
     KeyTerminal terminal;
-    ProgressBar bar;
+    RunScreen screen(fmt::format("{}{}, by hand", rig.name, arguments.setup.simulated ? ", simulated" : ""),
+                     rig);
     options.session.audience.keys = [&] { return terminal.read(); };
     options.session.audience.interrupted = &InterruptWatch::asked;
     options.session.audience.rig_has_changed = [&] { return watch.has_changed(); };
     options.session.audience.status = [&](const RunSnapshot& now) {
-      if (now.jog) bar.show(now.share, status_line(now));
+      if (now.jog) screen.show(now);
     };
     end = jog(rig, selected, reference, options);
   }

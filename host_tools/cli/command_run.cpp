@@ -13,6 +13,7 @@
 #include "host_tools/cli/agreement.hpp"
 #include "host_tools/cli/command.hpp"
 #include "host_tools/cli/position_arguments.hpp"
+#include "host_tools/cli/run_screen.hpp"
 #include "host_tools/cli/setup_arguments.hpp"
 #include "host_tools/files/fault_script.hpp"
 #include "host_tools/files/output_file.hpp"
@@ -30,6 +31,7 @@ struct RunArguments : SetupArguments {
   bool loop = false;
   bool ping_pong = false;
   bool takes = false;
+  bool latency = false;
   bool yes = false;
   double top_rate = 1;
   double rate = 1;
@@ -107,13 +109,15 @@ std::optional<ShootOptions> shoot_options(const RunArguments& arguments) {
   return options;
 }
 
-/// Prints one line an octave, with a bar if the octave has any ticks.
-void print_wake_latency(const RunReport& report, std::FILE* out) {
+/// Prints the latency in a line, and if it is wanted one line an octave, with a bar if the octave has any
+/// ticks.
+void print_wake_latency(const RunReport& report, bool has_octaves, std::FILE* out) {
   const WakeLatency& latency = report.wake_latency;
   fmt::print(out,
              "  late ticks {}; woken after {:.0f} us (median), {:.0f} us (99 %), {:.0f} us (worst, {:.1f} s "
              "after the first)\n",
              report.late_ticks, latency.p50_us, latency.p99_us, latency.max_us, latency.max_at_s);
+  if (!has_octaves) return;
   std::int64_t max_ticks = 1;
   for (const WakeLatency::Bucket& bucket : latency.histogram) max_ticks = std::max(max_ticks, bucket.ticks);
   constexpr std::int64_t bar_width = 40;
@@ -158,7 +162,7 @@ void print_run_summary(const RunReport& report, const Plan& plan, const RunArgum
              plan.rig()->rate_hz, arguments.fast ? " on a virtual clock" : "");
   if (report.shoot) print_shoot(*report.shoot, out);
   if (!arguments.fast) {
-    print_wake_latency(report, out);
+    print_wake_latency(report, arguments.latency, out);
   }
   fmt::print(out, "  {:<16}{:>14}{:>14}{:>24}\n", "axis", "commanded", "actual", "following error, peak");
   for (const RunAxis& axis : report.axes) {
@@ -200,23 +204,34 @@ RunReport play(const Plan& plan, const RunArguments& arguments, const RigWatch& 
       return true;
     };
   }
-  ProgressBar bar;
-  const std::int32_t rate_hz = plan.rig()->rate_hz;
-  rig.audience.progress = [&](std::int64_t tick, std::int64_t last) {
-    const std::int32_t frame =
-        std::min(plan.played().time_of_tick(tick, rate_hz).frame, plan.played().last_frame());
-    bar.show(static_cast<double>(tick) / static_cast<double>(last),
-             fmt::format("frame {}/{}  {:.1f} s", frame, plan.played().last_frame(),
-                         static_cast<double>(tick) / rate_hz));
-  };
-  if (arguments.fast || !KeyTerminal::is_there()) return run(plan, rig, options);
-  KeyTerminal terminal;
-  if (!rig.audience.confirm) {
-    rig.audience.confirm = [&](const std::string& question) { return agrees(terminal, question); };
+  if (arguments.fast || !KeyTerminal::is_there()) {
+    ProgressBar bar;
+    const std::int32_t rate_hz = plan.rig()->rate_hz;
+    RunScreen phases("", *plan.rig());
+    if (!arguments.fast && !phases.has_terminal()) {
+      rig.audience.status = [&](const RunSnapshot& now) { phases.show(now); };
+    }
+    rig.audience.progress = [&](std::int64_t tick, std::int64_t last) {
+      const std::int32_t frame =
+          std::min(plan.played().time_of_tick(tick, rate_hz).frame, plan.played().last_frame());
+      bar.show(static_cast<double>(tick) / static_cast<double>(last),
+               fmt::format("frame {}/{}  {:.1f} s", frame, plan.played().last_frame(),
+                           static_cast<double>(tick) / rate_hz));
+    };
+    return run(plan, rig, options);
   }
-  rig.audience.progress = {};
+  KeyTerminal terminal;
+  RunScreen screen(
+      fmt::format("{} on {}{}", plan.move().name, plan.rig()->name, arguments.simulated ? ", simulated" : ""),
+      *plan.rig());
+  rig.audience.status = [&](const RunSnapshot& now) { screen.show(now); };
   rig.audience.keys = [&] { return terminal.read(); };
-  rig.audience.status = [&](const RunSnapshot& now) { bar.show(now.share, status_line(now)); };
+  if (!rig.audience.confirm) {
+    rig.audience.confirm = [&](const std::string& question) {
+      screen.leave();
+      return agrees(terminal, question);
+    };
+  }
   return run(plan, rig, options);
 }
 
@@ -305,6 +320,11 @@ Home goes back to the start, + and - change the rate, Esc stops. After a stop, a
 starts again; q stops and leaves, as Ctrl-C and a lost terminal do. Whatever changes, the axes stay on the
 path and inside their stop limits.
 
+The screen shows what happens (going to the start, pre-roll, playing, post-roll, stopped), frame, rate and the
+time that is left, and where every axis was told to be, is, and how far behind it is. It follows the size of
+its window and needs no colours. Where standard error is no terminal, a line tells whenever something else
+happens. Played backward to its beginning a move rests there until Enter plays it.
+
 With --takes the rig waits where the move begins, and every take begins with Enter. At its end it waits again:
 Home goes back along the path, q leaves. --record takes/%n.csv writes a file a take, from the first number on
 that is free.
@@ -391,6 +411,7 @@ void describe(CLI::App& app, RunArguments& arguments) {
                  "with --step or --shutter: shoot the frames FIRST..LAST of the move, FIRST.. or ..LAST");
   app.add_option("--shoot-log", arguments.shoot_log,
                  "add a line for each exposure to this file (CSV; - is standard output)");
+  app.add_flag("--latency", arguments.latency, "at the end show how late the loop woke up, by octaves");
   app.add_option("--json", arguments.json, "write a report (- is standard output)");
   app.add_flag("--takes", arguments.takes,
                "stay after the end: Home goes back to the start, Enter begins the next take");

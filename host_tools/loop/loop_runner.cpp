@@ -33,14 +33,19 @@ void LoopTrace::take(const RunLoop& loop) {
     AxisTrace& axis = axes_[i];
     axis.actual = loop.drive_states()[i].actual;
     // At the beginning of a tick a drive answers the setpoint before.
-    if (commands && commanded_) {
-      axis.following_error_peak =
-          std::max(axis.following_error_peak, std::fabs(axis.commanded - axis.actual));
-    }
+    axis.following_error = commands && commanded_ ? axis.commanded - axis.actual : 0;
+    axis.following_error_peak = std::max(axis.following_error_peak, std::fabs(axis.following_error));
     if (commands) axis.commanded = loop.setpoints()[i].position;
   }
   commanded_ = commands;
   if (record_ != nullptr) record_->take(loop);
+}
+
+RunSnapshot LoopTrace::shown(const LoopTask& act) const {
+  RunSnapshot snapshot = act.snapshot();
+  snapshot.axis_count = std::min(axes_.size(), snapshot.axes.size());
+  std::copy_n(axes_.begin(), snapshot.axis_count, snapshot.axes.begin());
+  return snapshot;
 }
 
 // --- as fast as it can be computed
@@ -59,7 +64,7 @@ ActEnd FastRunner::run(LoopTask& act, std::optional<std::int64_t> last) {
     ++end.ticks;
     if (end.ticks % 64 != 0 || wall_.now_ns() < next_show_ns_) continue;
     if (audience_.progress && last) audience_.progress(std::min(end.ticks, *last), *last);
-    if (audience_.status) audience_.status(act.snapshot());
+    if (audience_.status) audience_.status(trace_.shown(act));
     next_show_ns_ = wall_.now_ns() + ns_between_lines;
   }
   return end;
@@ -134,7 +139,7 @@ void TimedRunner::tick(std::int32_t ticks, std::int64_t now_ns) {
   trace_.take(loop_);
   ++end_.ticks;
   if (--until_shown_ <= 0) {
-    shown_.push(act_->snapshot());
+    shown_.push(trace_.shown(*act_));
     until_shown_ = rate_hz_ / snapshots_per_s;
   }
   if (!act_->is_over()) return;

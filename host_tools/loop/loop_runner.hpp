@@ -41,10 +41,8 @@ struct ActEnd {
   std::int64_t ticks = 0;  ///< that it had
 };
 
-/// How far an axis was from its setpoint, and where it was last.
-struct AxisTrace {
-  double commanded = 0;
-  double actual = 0;
+/// Where an axis was last, and how far from its setpoint at most.
+struct AxisTrace : AxisPlace {
   double following_error_peak = 0;
 };
 
@@ -58,6 +56,8 @@ class LoopTrace {
   /// From now on every tick goes there, or nowhere. The loop's thread calls it.
   void record_to(RunRecord* record) { record_ = record; }
   [[nodiscard]] const std::vector<AxisTrace>& axes() const { return axes_; }
+  /// What the act shows, and the axes.
+  [[nodiscard]] RunSnapshot shown(const LoopTask& act) const;
 
  private:
   std::vector<AxisTrace> axes_;

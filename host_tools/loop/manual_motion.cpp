@@ -17,7 +17,7 @@ void ManualMotion::tick(std::int32_t ticks, std::int64_t now_ns) {
 }
 
 RunSnapshot ManualMotion::snapshot() const {
-  RunSnapshot snapshot{.state = loop_.state()};
+  RunSnapshot snapshot{.state = loop_.state(), .doing = doing_};
   if (last_) {
     snapshot.share =
         std::min(static_cast<double>(ticks_) / static_cast<double>(std::max<std::int64_t>(*last_, 1)), 1.0);

@@ -15,9 +15,11 @@ namespace inbetween {
 /// is the end of it. Allocates nothing.
 class ManualMotion final : public LoopTask {
  public:
-  /// How many ticks it takes if that is known.
-  ManualMotion(RunLoop& loop, const FreeSpec<double>& spec, std::optional<std::int64_t> last = std::nullopt)
-      : loop_(loop), spec_(spec), keys_(loop, false), last_(last) {}
+  /// `doing` says what it is, "going to the start", and lives longer. How many ticks it takes if that is
+  /// known.
+  ManualMotion(RunLoop& loop, const FreeSpec<double>& spec, const char* doing,
+               std::optional<std::int64_t> last = std::nullopt)
+      : loop_(loop), spec_(spec), keys_(loop, false), doing_(doing), last_(last) {}
 
   /// Errors: those of MotionLoop::load and begin.
   Status begin() override;
@@ -35,6 +37,7 @@ class ManualMotion final : public LoopTask {
   RunLoop& loop_;
   FreeSpec<double> spec_;
   OperatorKeys keys_;
+  const char* doing_;
   std::optional<std::int64_t> last_;
   std::int64_t ticks_ = 0;
 };

@@ -22,46 +22,74 @@ const char* hint_at_rest(SupervisorState state) {
   }
 }
 
-std::string line_of_shoot(const RunSnapshot& snapshot, const ShootSnapshot& shoot) {
-  const bool runs = snapshot.state == SupervisorState::running;
-  std::string hint = "Esc stops";
-  if (shoot.phase == ShootPhase::waiting || shoot.phase == ShootPhase::standing) {
-    const bool is_open = shoot.is_due && !shoot.is_shot;
-    const std::string on = shoot.next ? fmt::format("space goes on with {}", *shoot.next) : "space ends";
-    hint = fmt::format("{}{}, left and right look, Esc stops", is_open ? "space shoots it" : on,
-                       shoot.is_shot ? ", e shoots it again" : "");
+const char* phase_at_rest(SupervisorState state) {
+  switch (state) {
+    case SupervisorState::disarmed:
+      return "the drives are off";
+    case SupervisorState::enabling:
+      return "switching the drives on";
+    case SupervisorState::latched:
+    case SupervisorState::cut_off:
+      return "stopped: press a";
+    default:
+      return name_of(state);
   }
-  if (!runs) hint = hint_at_rest(snapshot.state);
-  return fmt::format("{}  frame {} of {}  {} shot{} | {}",
-                     runs ? name_of(shoot.phase) : name_of(snapshot.state), shoot.frame, shoot.frames,
-                     shoot.exposures, shoot.camera ? "  CAMERA" : "",
-                     *snapshot.words != 0 ? snapshot.words : hint);
 }
 
-std::string line_of_jog(const RunSnapshot& snapshot, const JogSnapshot& jog) {
-  const char* hint = "left right step, 1-5 size, up down axis, q leaves";
-  if (snapshot.state != SupervisorState::running) hint = hint_at_rest(snapshot.state);
+std::string hint_of_shoot(const ShootSnapshot& shoot) {
+  if (shoot.phase != ShootPhase::waiting && shoot.phase != ShootPhase::standing) return "Esc stops";
+  const bool is_open = shoot.is_due && !shoot.is_shot;
+  const std::string on = shoot.next ? fmt::format("space goes on with {}", *shoot.next) : "space ends";
+  return fmt::format("{}{}, left and right look, Esc stops", is_open ? "space shoots it" : on,
+                     shoot.is_shot ? ", e shoots it again" : "");
+}
+
+std::string state_of_jog(const JogSnapshot& jog) {
   const std::string limits =
       jog.is_referenced ? fmt::format("in {:g}..{:g}", jog.min, jog.max) : std::string("UNREFERENCED");
   const std::string stop = jog.stop_way > 0 ? fmt::format("  stops in {:.3g}", jog.stop_way) : "";
-  return fmt::format("{} {:.3f} {} {}  step {}: {:g}{} | {}", jog.axis, jog.position, jog.unit, limits,
-                     jog.size, jog.increment, stop, *snapshot.words != 0 ? snapshot.words : hint);
+  return fmt::format("{} {:.3f} {} {}  step {}: {:g}{}", jog.axis, jog.position, jog.unit, limits, jog.size,
+                     jog.increment, stop);
 }
 
 }  // namespace
 
+std::string phase_of(const RunSnapshot& snapshot) {
+  if (snapshot.state != SupervisorState::running) return phase_at_rest(snapshot.state);
+  if (*snapshot.doing != 0) return snapshot.doing;
+  if (snapshot.shoot) return name_of(snapshot.shoot->phase);
+  if (snapshot.is_resting) return "paused";
+  if (snapshot.frame < 0) return "pre-roll";
+  return snapshot.frame > snapshot.frames ? "post-roll" : "playing";
+}
+
+std::string state_line(const RunSnapshot& snapshot) {
+  if (snapshot.jog) return state_of_jog(*snapshot.jog);
+  const std::string phase = phase_of(snapshot);
+  if (snapshot.frames == 0 && !snapshot.shoot) return phase;
+  if (const auto& shoot = snapshot.shoot) {
+    return fmt::format("{}  frame {} of {}  {} shot{}", phase, shoot->frame, shoot->frames, shoot->exposures,
+                       shoot->camera ? "  CAMERA" : "");
+  }
+  const std::string left =
+      snapshot.seconds_left ? fmt::format("  {:.1f} s left", *snapshot.seconds_left) : "";
+  return fmt::format("{}  frame {:.1f} of {}  rate {:+.2f} of {:.2f}{}{}", phase, snapshot.frame,
+                     snapshot.frames, snapshot.rate, snapshot.override_rate,
+                     snapshot.backward ? ", backward" : "", left);
+}
+
+std::string hint_line(const RunSnapshot& snapshot) {
+  if (*snapshot.words != 0) return snapshot.words;
+  if (snapshot.state != SupervisorState::running) return hint_at_rest(snapshot.state);
+  if (snapshot.jog) return "left right step, 1-5 size, up down axis, q leaves";
+  if (snapshot.shoot) return hint_of_shoot(*snapshot.shoot);
+  if (*snapshot.doing != 0) return "Esc stops";
+  return snapshot.is_resting ? "space plays, arrows step, r turns, q leaves"
+                             : "space pauses, r turns, + - rate, Esc stops";
+}
+
 std::string status_line(const RunSnapshot& snapshot) {
-  if (snapshot.jog) return line_of_jog(snapshot, *snapshot.jog);
-  if (snapshot.shoot) return line_of_shoot(snapshot, *snapshot.shoot);
-  const bool runs = snapshot.state == SupervisorState::running;
-  const bool is_paused = runs && snapshot.is_resting;
-  const char* hint = "space pauses, r turns, + - rate, Esc stops";
-  if (is_paused) hint = "space plays, arrows step, r turns, q leaves";
-  if (!runs) hint = hint_at_rest(snapshot.state);
-  return fmt::format("{}  frame {:.1f}  rate {:+.2f} of {:.1f}{} | {}",
-                     is_paused ? "paused" : name_of(snapshot.state), snapshot.frame, snapshot.rate,
-                     snapshot.override_rate, snapshot.backward ? ", backward" : "",
-                     *snapshot.words != 0 ? snapshot.words : hint);
+  return state_line(snapshot) + " | " + hint_line(snapshot);
 }
 
 }  // namespace inbetween

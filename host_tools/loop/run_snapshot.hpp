@@ -1,10 +1,13 @@
 // The state of a run at a tick, for people who look at it.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
 
+#include "host_tools/files/rig_file.hpp"
 #include "inbetween/loop/supervisor.hpp"
 #include "inbetween/play/frame_shoot.hpp"
 
@@ -35,11 +38,21 @@ struct JogSnapshot {
   bool is_referenced = true;
 };
 
+/// Where an axis of the rig was told to be, and where it is.
+struct AxisPlace {
+  double commanded = 0;
+  double actual = 0;
+  double following_error = 0;  ///< 0 while no setpoints are sent
+};
+
 /// Plain data, made in the loop without allocation. The words are literals.
 struct RunSnapshot {
   SupervisorState state = SupervisorState::disarmed;
+  const char* doing = "";  ///< what runs, where it is no drawn move: "going to the start"
   bool is_resting = false;
   double frame = 0;
+  std::int32_t frames = 0;  ///< N of the move; before 0 is its pre-roll, behind N its post-roll
+  std::optional<double> seconds_left = {};  ///< while it plays to an end
   double rate = 0;
   double override_rate = 1;
   bool backward = false;
@@ -47,8 +60,16 @@ struct RunSnapshot {
   const char* words = "";  ///< about the last key
   std::optional<ShootSnapshot> shoot = {};
   std::optional<JogSnapshot> jog = {};
+  std::array<AxisPlace, max_rig_axes> axes = {};  ///< of the rig, in its order
+  std::size_t axis_count = 0;
 };
 
+/// What happens: "pre-roll", "playing", "stopped: press a".
+std::string phase_of(const RunSnapshot& snapshot);
+/// That, with frame and rate, or axis and position: "playing  frame 12.2 of 48  rate +1.00 of 1.00".
+std::string state_line(const RunSnapshot& snapshot);
+/// What to press next, or why the last key did nothing.
+std::string hint_line(const RunSnapshot& snapshot);
 /// One line: state, frame, rate, or axis and position, and what to press next or why the last key did
 /// nothing.
 std::string status_line(const RunSnapshot& snapshot);

@@ -54,7 +54,7 @@ SetupEnd go(RigSession& session, const std::vector<GoTarget>& targets, RigRefere
   }
   refuse_changed_rig(session.rig().path, options.session.audience.rig_has_changed);
   reference.about_to_move(way.axes());
-  ManualMotion play(session.loop(), way.loop_spec(), way.ticks());
+  ManualMotion play(session.loop(), way.loop_spec(), "going there", way.ticks());
   const DisarmAtEnd disarm(session);
   const ActEnd played = session.perform(play, way.ticks());
   end.is_done = played.begun && play.is_done();

@@ -38,10 +38,12 @@ SetupEnd home_armed(RigSession& session, const std::vector<std::size_t>& axes, R
                                .drives = session.loop().drive_states(),
                                .tick_seconds = session.tick_seconds(),
                                .delay_ns = session.delay_ns()});
-  ManualMotion play(session.loop(), {.source = source_of<double>(homing),
-                                     .drive_of = axes,
-                                     .limits = limits,
-                                     .tick_seconds = session.tick_seconds()});
+  ManualMotion play(session.loop(),
+                    {.source = source_of<double>(homing),
+                     .drive_of = axes,
+                     .limits = limits,
+                     .tick_seconds = session.tick_seconds()},
+                    "homing");
   const DisarmAtEnd disarm(session);
   reference.about_to_move(axes);
   const ActEnd played = session.perform(play);

@@ -113,7 +113,7 @@ class Run {
       end_by(Ending::stopped, "nobody agreed that the rig goes to the start of the move");
       return false;
     }
-    ManualMotion motion(session_.loop(), way.loop_spec(), way.ticks());
+    ManualMotion motion(session_.loop(), way.loop_spec(), "going to the start", way.ticks());
     return perform(motion, way.axes());
   }
 

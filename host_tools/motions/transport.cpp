@@ -205,11 +205,21 @@ void Transport::change_override(int by) {
   keys_.say(playhead_.set_override(wanted));
 }
 
+/// At the rate that it has or goes to; nothing while it rests, or where no end ends it.
+std::optional<double> Transport::seconds_left(double frame) const {
+  if (playhead_.state() != PlayheadState::playing || playhead_.repeat() != Repeat::none) return std::nullopt;
+  const double way =
+      direction_ == Direction::forward ? move_.last_frame() - frame : frame - move_.first_frame();
+  return way / (move_.frame_rate().frames_per_second() * playhead_.override_rate());
+}
+
 RunSnapshot Transport::snapshot() const {
   const double frame = playhead_.time().frame + playhead_.time().fraction;
   return {.state = loop_.state(),
           .is_resting = playhead_.is_resting(),
           .frame = frame,
+          .frames = move_.frames(),
+          .seconds_left = seconds_left(frame),
           .rate = playhead_.rate(),
           .override_rate = playhead_.override_rate(),
           .backward = direction_ == Direction::backward,

@@ -77,6 +77,7 @@ class Transport final : public LoopTask {
   void end_take(bool is_whole);
   void begin_take();
   void note(const LoopTick& tick);
+  [[nodiscard]] std::optional<double> seconds_left(double frame) const;
   [[nodiscard]] bool is_at_end() const {
     return loop_.state() == SupervisorState::ready && !keys_.was_stopped() && !is_waiting_ && !is_back_;
   }

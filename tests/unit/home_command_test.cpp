@@ -153,7 +153,8 @@ struct Bench {
     runner.run(arming, std::nullopt);
     ManualMotion play(
         loop,
-        {.source = source_of<double>(*this), .drive_of = axes, .limits = limits, .tick_seconds = tick_s});
+        {.source = source_of<double>(*this), .drive_of = axes, .limits = limits, .tick_seconds = tick_s},
+        "homing");
     const ActEnd end = runner.run(play, std::nullopt);
     EXPECT_TRUE(end.begun);
     return end.begun && play.is_done() && homing->is_done();
@@ -266,8 +267,8 @@ TEST(RigHoming, OnTheLinesOfARigEveryAxisKnowsWhereItsShaftIs) {
                                .tick_seconds = tick_s,
                                .delay_ns = 2 * tick_ns});
   ManualMotion play(
-      loop,
-      {.source = source_of<double>(homing), .drive_of = axes, .limits = limits, .tick_seconds = tick_s});
+      loop, {.source = source_of<double>(homing), .drive_of = axes, .limits = limits, .tick_seconds = tick_s},
+      "homing");
   ASSERT_TRUE(runner.run(play, std::nullopt).begun);
   Arriving arriving(loop, 250);
   runner.run(arriving, std::nullopt);

@@ -13,21 +13,31 @@ using testing::HasSubstr;
 using testing::StartsWith;
 
 TEST(StatusLine, TellsStateFrameAndRateAndWhatToPress) {
-  RunSnapshot now{.state = SupervisorState::running, .frame = 12.25, .rate = 0.5, .override_rate = 0.5};
+  RunSnapshot now{.state = SupervisorState::running,
+                  .frame = 12.25,
+                  .frames = 48,
+                  .seconds_left = 2.96,
+                  .rate = 0.5,
+                  .override_rate = 0.5};
   EXPECT_EQ(status_line(now),
-            "running  frame 12.2  rate +0.50 of 0.5 | space pauses, r turns, + - rate, Esc stops");
+            "playing  frame 12.2 of 48  rate +0.50 of 0.50  3.0 s left | "
+            "space pauses, r turns, + - rate, Esc stops");
+  now.frame = -3;
+  EXPECT_EQ(phase_of(now), "pre-roll");
+  now.frame = 48.5;
+  EXPECT_EQ(phase_of(now), "post-roll");
   now.is_resting = true;
   EXPECT_THAT(status_line(now), AllOf(StartsWith("paused"), HasSubstr("arrows step")));
   now.backward = true;
   EXPECT_THAT(status_line(now), HasSubstr(", backward"));
   now.state = SupervisorState::latched;
-  EXPECT_THAT(status_line(now), AllOf(StartsWith("must be acknowledged"), HasSubstr("a acknowledges")));
+  EXPECT_THAT(status_line(now), AllOf(StartsWith("stopped: press a"), HasSubstr("a acknowledges")));
   now.state = SupervisorState::faulted;
   EXPECT_THAT(status_line(now), HasSubstr("remove the cause"));
 }
 
 TEST(StatusLine, WhyAKeyDidNothingComesFirst) {
-  const RunSnapshot now{.state = SupervisorState::running, .words = "slower than this is a pause"};
+  const RunSnapshot now{.state = SupervisorState::running, .frames = 48, .words = "slower than this is a pause"};
   EXPECT_THAT(status_line(now), EndsWith("| slower than this is a pause"));
 }
 
@@ -48,7 +58,12 @@ TEST(StatusLine, OfAMoveThatIsShotTellsTheFrameAndTheCamera) {
   now.shoot->phase = ShootPhase::standing;
   EXPECT_THAT(status_line(now), HasSubstr("space shoots it"));
   now.state = SupervisorState::latched;
-  EXPECT_THAT(status_line(now), AllOf(StartsWith("must be acknowledged"), HasSubstr("a acknowledges")));
+  EXPECT_THAT(status_line(now), AllOf(StartsWith("stopped: press a"), HasSubstr("a acknowledges")));
+}
+
+TEST(StatusLine, OfAWayThatIsNoMoveTellsWhichItIs) {
+  const RunSnapshot now{.state = SupervisorState::running, .doing = "going to the start"};
+  EXPECT_EQ(status_line(now), "going to the start | Esc stops");
 }
 
 }  // namespace run_snapshot_test

@@ -82,7 +82,7 @@ TEST(ShootScene, StoppedLookedAtGoneOnWithOneFrameAgainAndOneSkipped) {
   screen.wait_for("standing  frame 0 ");
   EXPECT_EQ(exposures(log).size(), 0U) << "nothing is exposed before somebody asks";
   animator.shoot_until(20);
-  animator.press("Escape", "must be acknowledged");
+  animator.press("Escape", "stopped: press a");
   animator.press("a", "Enter starts from here");
   animator.press("Enter", "standing  frame 20 ");
   EXPECT_EQ(exposures(log).size(), 21U) << "and none again because it was stopped";

@@ -1,0 +1,43 @@
+// The screen of whoever sits before a rig that moves.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "host_tools/cli/progress_bar.hpp"
+#include "host_tools/files/rig_file.hpp"
+#include "host_tools/loop/run_snapshot.hpp"
+
+namespace inbetween {
+
+/// On a terminal a screen (screen_text.hpp) that follows its size and uses no colours; on one that cannot
+/// place its cursor a line that is written over; elsewhere, in a file or a pipe, a plain line whenever
+/// something else happens. All on standard error. The keys are read elsewhere.
+class RunScreen {
+ public:
+  /// Refers to the rig.
+  RunScreen(std::string title, const RigFile& rig);
+  /// The terminal is as it was.
+  ~RunScreen();
+  RunScreen(const RunScreen&) = delete;
+  RunScreen& operator=(const RunScreen&) = delete;
+
+  /// Standard error is a terminal.
+  [[nodiscard]] bool has_terminal() const { return kind_ != Kind::plain; }
+  void show(const RunSnapshot& snapshot);
+  /// Gives the terminal back for a question; the next show() takes it again.
+  void leave();
+
+ private:
+  class Curses;
+  enum class Kind { screen, line, plain };
+
+  std::string title_;
+  const RigFile& rig_;
+  Kind kind_;
+  ProgressBar bar_;
+  std::unique_ptr<Curses> curses_;
+  std::string phase_;  ///< the last that a plain line told
+};
+
+}  // namespace inbetween
