@@ -79,7 +79,8 @@ int run_command_line(int argc, const char* const* argv) {
   app.set_version_flag("--version", "inbetween " INBETWEEN_VERSION);
   app.require_subcommand(1);
   app.footer(R"(Files: docs/formats.md describes moves and rigs.
-Exit status: 0 done; 1 bad input; 2 wrong usage; 3 a limit would be exceeded; 4 stopped by a fault.)");
+Exit status: 0 done; 1 bad input; 2 wrong usage; 3 a limit would be exceeded; 4 stopped by a fault;
+5 a shoot that ended with frames missing.)");
   Command chosen;
   add_plan_command(app, chosen);
   add_check_command(app, chosen);
