@@ -13,6 +13,7 @@
 #include "host_tools/cli/agreement.hpp"
 #include "host_tools/cli/command.hpp"
 #include "host_tools/cli/position_arguments.hpp"
+#include "host_tools/cli/run_picture.hpp"
 #include "host_tools/cli/run_screen.hpp"
 #include "host_tools/cli/setup_arguments.hpp"
 #include "host_tools/files/fault_script.hpp"
@@ -27,7 +28,8 @@ namespace {
 
 struct RunArguments : SetupArguments {
   std::string move;
-  std::optional<std::string> json, record, cue_log;
+  std::optional<std::string> json, record, cue_log, plot;
+  PictureStyle style = PictureStyle::light;
   bool loop = false;
   bool ping_pong = false;
   bool takes = false;
@@ -272,8 +274,19 @@ void refuse_take_arguments(const RunArguments& arguments) {
   }
 }
 
+void refuse_plot_arguments(const RunArguments& arguments) {
+  refuse_unknown_picture(arguments.plot);
+  if (!arguments.plot) return;
+  if (arguments.takes)
+    throw UsageError("--plot is of one run, and --takes are many; leave out one of the two");
+  if (!arguments.record || arguments.record == "-") {
+    throw UsageError("--plot draws what --record has written to a file; add --record FILE");
+  }
+}
+
 int run_command(const RunArguments& arguments) {
   refuse_take_arguments(arguments);
+  refuse_plot_arguments(arguments);
   shoot_options(arguments);  // refuses wrong arguments before any file is read
   check_setup_usage(arguments);
   if (arguments.faults && !arguments.simulated) {
@@ -287,6 +300,7 @@ int run_command(const RunArguments& arguments) {
       {{"MOVE", arguments.move}, {"--rig", arguments.rig}, {"--faults", arguments.faults}},
       {{"--json", arguments.json},
        {"--record", arguments.record},
+       {"--plot", arguments.plot},
        {"--cue-log", arguments.cue_log},
        {"--shoot-log", arguments.shoot_log}});
   if (arguments.json) check_output(*arguments.json);
@@ -302,6 +316,13 @@ int run_command(const RunArguments& arguments) {
   print_run_summary(report, plan, arguments,
                     summary_stream(arguments.json == "-" || arguments.cue_log == "-" ||
                                    arguments.record == "-" || arguments.shoot_log == "-"));
+  if (arguments.plot) {
+    RunPlot picture = run_plot_of(*arguments.record, *plan.rig());
+    picture.name = plan.move().name;
+    picture.summary =
+        fmt::format("{} at {} Hz; {}", counted(report.ticks, "tick"), plan.rig()->rate_hz, report.reason);
+    draw_run_plot(picture, *arguments.plot, arguments.style);
+  }
   return exit_status_of(report, arguments.is_shot());
 }
 
@@ -419,6 +440,10 @@ void describe(CLI::App& app, RunArguments& arguments) {
       "--record", arguments.record,
       "write what every axis was told and where it was, a line a tick (CSV); with --takes a file a\n"
       "take, %n is its number");
+  app.add_option("--plot", arguments.plot,
+                 "with --record: draw where every axis was told to be, where it was, and how far behind\n"
+                 "(.svg, .png or .pdf)");
+  add_style(app, arguments.style);
   app.add_option("--cue-log", arguments.cue_log,
                  "write when which pulse began on the outputs of the rig, a line a pulse (CSV; - is standard "
                  "output)");
