@@ -296,6 +296,14 @@ SpeedFit fit_speed(const Plan& plan, const CheckReport& report, FitStart start,
     fit.reason = std::move(reason);
     return fit;
   };
+  for (std::size_t t = 0; t < plan.tracks().size(); ++t) {
+    const MoveTrack& track = plan.move().tracks[t];
+    if (track.timing == Timing::frames || plan.tracks()[t].track().has_profile()) continue;
+    return give_up(
+        fmt::format("{} looks at a link that another track moves, and what it needs follows from both; "
+                    "give the move more frames, or draw the curves flatter",
+                    in_quotes(track.space->tip)));
+  }
   const auto count = static_cast<double>(plan.tracks().size());
   for (std::size_t t = 0; t < plan.tracks().size(); ++t) {
     const FittedTrack fitted(plan, t);

@@ -23,9 +23,6 @@ constexpr double remainder_3 = 1.0 / 192;
 /// No t is farther than this from a place of chebyshev_3.
 constexpr double gap_3 = 0.22;
 
-/// Bounds of the magnitude of a function and of its first four derivatives on the stretch.
-using Jet = std::array<double, 5>;
-
 Jet product(const Jet& a, const Jet& b) {
   return {a[0] * b[0], a[0] * b[1] + a[1] * b[0], a[0] * b[2] + 2 * a[1] * b[1] + a[2] * b[0],
           a[0] * b[3] + 3 * a[1] * b[2] + 3 * a[2] * b[1] + a[3] * b[0],
@@ -71,6 +68,33 @@ struct LinkJets {
   Jet direction{1, 0, 0, 0, 0};  // of its x axis
 };
 
+Jet value_of(const Joint<double>& joint, std::span<const Jet> coordinates) {
+  Jet value{};
+  if (joint.coordinate >= 0) value = coordinates[static_cast<std::size_t>(joint.coordinate)];
+  for (double& bound : value) bound *= std::fabs(joint.factor);
+  value[0] += std::fabs(joint.offset);
+  return value;
+}
+
+LinkJets link_jets(const JointTree<double>& tree, std::int32_t link, std::span<const Jet> coordinates) {
+  LinkJets result;
+  const auto joints = tree.joints();
+  for (std::int32_t i = link; i >= 0; i = joints[static_cast<std::size_t>(i)].parent) {
+    const Joint<double>& joint = joints[static_cast<std::size_t>(i)];
+    const Jet value = value_of(joint, coordinates);
+    if (joint.kind == JointKind::revolute) {
+      const Jet rotation = rotation_by(value);
+      result.position = product(rotation, result.position);
+      result.direction = product(rotation, result.direction);
+    } else if (joint.kind == JointKind::prismatic) {
+      result.position = sum(result.position, value);
+    }
+    const Vector3<double>& origin = joint.origin.position;
+    result.position[0] += std::sqrt(dot(origin, origin));
+  }
+  return result;
+}
+
 class Stretch {
  public:
   Stretch(const Kinematics& kinematics, std::int32_t link, const TipStretch& stretch)
@@ -108,36 +132,14 @@ class Stretch {
   }
 
   [[nodiscard]] LinkJets jets() const {
-    LinkJets result;
-    const auto joints = tree_.joints();
-    for (std::int32_t i = link_; i >= 0; i = joints[static_cast<std::size_t>(i)].parent) {
-      const Joint<double>& joint = joints[static_cast<std::size_t>(i)];
-      const Jet value = value_of(joint);
-      if (joint.kind == JointKind::revolute) {
-        const Jet rotation = rotation_by(value);
-        result.position = product(rotation, result.position);
-        result.direction = product(rotation, result.direction);
-      } else if (joint.kind == JointKind::prismatic) {
-        result.position = sum(result.position, value);
-      }
-      const Vector3<double>& origin = joint.origin.position;
-      result.position[0] += std::sqrt(dot(origin, origin));
+    std::vector<Jet> coordinates(tree_.coordinate_count());
+    for (std::size_t i = 0; i < stretch_.axes.size(); ++i) {
+      coordinates[stretch_.coordinates[i]] = jet_of(stretch_.axes[i]);
     }
-    return result;
+    return link_jets(tree_, link_, coordinates);
   }
 
  private:
-  [[nodiscard]] Jet value_of(const Joint<double>& joint) const {
-    Jet value{};
-    for (std::size_t i = 0; i < stretch_.axes.size(); ++i) {
-      if (joint.coordinate != static_cast<std::int32_t>(stretch_.coordinates[i])) continue;
-      value = jet_of(stretch_.axes[i]);
-      for (double& bound : value) bound *= std::fabs(joint.factor);
-    }
-    value[0] += std::fabs(joint.offset);
-    return value;
-  }
-
   const JointTree<double>& tree_;
   std::int32_t link_;
   const TipStretch& stretch_;
@@ -147,6 +149,10 @@ class Stretch {
 };
 
 }  // namespace
+
+Jet position_jet(const Kinematics& kinematics, std::int32_t link, std::span<const Jet> coordinates) {
+  return link_jets(kinematics.tree(), link, coordinates).position;
+}
 
 TipDeviation tip_deviation(const Kinematics& kinematics, std::int32_t link, const TipStretch& stretch) {
   Stretch along(kinematics, link, stretch);

@@ -2,6 +2,7 @@
 // that hold everywhere on a stretch, from a few samples and a bound on the fourth derivative.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -12,6 +13,12 @@
 #include "inbetween/path/path.hpp"
 
 namespace inbetween {
+
+/// Bounds of the magnitude of a function and of its first four derivatives on a stretch.
+using Jet = std::array<double, 5>;
+
+/// Of the position of a link (m), whose coordinates have these bounds, each in its unit.
+Jet position_jet(const Kinematics& kinematics, std::int32_t link, std::span<const Jet> coordinates);
 
 /// On t from 0 to 1: axes, each a cubic in its unit, and where the link is drawn to be and to look (m).
 struct TipStretch {

@@ -234,8 +234,9 @@ SegmentBounds bounds_of(const Construction& construction, std::size_t segment, s
     const double speed = std::max(found[k].slowest, slow_share * fastest);
     const double share = found[k].speed > 0 ? found[k].speed / speed : 0;
     FollowAccuracy& most = bounds.worst;
-    most = {std::max(most.way_m, found[k].way), std::max(most.speed_share, share),
-            std::max(most.aim_rad, found[k].aim)};
+    most = {.way_m = std::max(most.way_m, found[k].way),
+            .speed_share = std::max(most.speed_share, share),
+            .aim_rad = std::max(most.aim_rad, found[k].aim)};
     const double excess = std::max(
         {found[k].way / tolerance.way_m, share / tolerance.speed_share, found[k].aim / tolerance.aim_rad});
     if (!(excess > worst)) continue;
@@ -269,8 +270,9 @@ FollowedPath followed_path(const Path<double>& drawn, bool is_smooth, const Foll
       const SegmentBounds bounds =
           bounds_of(construction, i, first, layout, kinematics, link, coordinates, tolerance);
       FollowAccuracy& all = path.accuracy;
-      all = {std::max(all.way_m, bounds.worst.way_m), std::max(all.speed_share, bounds.worst.speed_share),
-             std::max(all.aim_rad, bounds.worst.aim_rad)};
+      all = {.way_m = std::max(all.way_m, bounds.worst.way_m),
+             .speed_share = std::max(all.speed_share, bounds.worst.speed_share),
+             .aim_rad = std::max(all.aim_rad, bounds.worst.aim_rad)};
       if (is_within(bounds.worst, tolerance)) continue;
       is_done = false;
       if (construction.make_denser(i)) continue;

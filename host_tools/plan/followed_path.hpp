@@ -20,9 +20,10 @@ namespace inbetween {
 /// Proven everywhere on the path, up to the rounding of double.
 struct FollowAccuracy {
   double way_m = 0;  // between the link and where it is drawn
-  double speed_share =
-      0;  // of the drawn speed, or of a hundredth of the fastest between the keys if that is more
-  double aim_rad = 0;  // between where the link looks and the point it is aimed at
+  /// Of the drawn speed, or of a hundredth of the fastest between the keys if that is more.
+  double speed_share = 0;
+  bool is_share_of_fastest = false;  // it is of the fastest of the whole path
+  double aim_rad = 0;                // between where the link looks and the point it is aimed at
 };
 
 /// Bounds that are good enough.

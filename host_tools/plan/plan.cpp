@@ -225,13 +225,54 @@ SolvedTrack<double> solve_track(const MoveTrack& track, const MoveFile& move,
   }
 }
 
+/// The track looks at a link that others move, and is solved behind them.
+bool looks_at_link(const MoveTrack& track) {
+  return track.space && track.space->aim_node;
+}
+
+SolvedTrack<double> solve_looking(const MoveTrack& track, const MoveFile& move, const RigFile& rig,
+                                  const PlanOptions& options, const std::vector<DrivenCoordinate>& driven,
+                                  std::optional<FollowAccuracy>& accuracy) {
+  const TrackNumbers numbers(track, move);
+  try {
+    refuse_curves_in_space(track);
+    if (track.closed || options.solver == Solver::runge_kutta) {
+      throw InputError(
+          track.space->aim_place,
+          fmt::format("{} moves, and a track that looks at it is solved over time, open and in closed "
+                      "form; leave out closed and --solver",
+                      in_quotes(*track.space->aim_node)));
+    }
+    const SolvedTrack<double> drawn(numbers.spec, Solver::closed_form);
+    const TrackedPath tracked = axes_looking_at(track, drawn.track(), *options.kinematics, rig, driven);
+    accuracy = tracked.path.accuracy;
+    TrackSpec<double> spec;
+    spec.cubics = CubicPathSpec<double>{.spline = track.spline,
+                                        .closed = false,
+                                        .axis_count = static_cast<std::int32_t>(track.axes.size()),
+                                        .key_count = static_cast<std::int32_t>(track.keys.size()),
+                                        .cubics = tracked.path.cubics,
+                                        .weights = tracked.path.weights,
+                                        .knots = tracked.path.knots};
+    spec.key_frames = tracked.key_frames;
+    spec.kinetic = Kinetic::linear;
+    spec.frames = move.frames;
+    spec.fps = move.fps.rate;
+    SolvedTrack<double> solved(spec, Solver::closed_form);
+    value_or_throw(check_invariants(solved.track(), solved.table()));
+    return solved;
+  } catch (const SolverError& refused) {
+    throw InputError(place_of(refused.error(), track), message_of(refused.error(), track, move.frames));
+  }
+}
+
 }  // namespace
 
 Plan::Plan(MoveFile move, std::optional<RigFile> rig, const PlanOptions& options)
     : move_(std::move(move)), rig_(std::move(rig)), kinematics_(options.kinematics) {
   list_axes();
   settle_positions(move_, rig_);
-  settle_aims(move_, kinematics_.get(), held_positions());
+  settle_aims(move_, kinematics_.get(), axes_in_move());
   warn_of_mixed_units();
   list_tips();
   if (rig_) check_cues(move_, *rig_);
@@ -257,14 +298,28 @@ void Plan::refuse_too_many_ticks() const {
                                in_quotes(rig_->name), max_ticks));
 }
 
-std::vector<std::optional<double>> Plan::held_positions() const {
-  std::vector<std::optional<double>> held(axes_.size());
+std::vector<AxisInMove> Plan::axes_in_move() const {
+  std::vector<AxisInMove> axes(axes_.size());
   for (std::size_t a = 0; a < axes_.size(); ++a) {
+    axes[a].track = axes_[a].track;
     if (!axes_[a].track) continue;
     const MoveTrack& track = move_.tracks[*axes_[a].track];
-    if (!track.space && track.keys.size() == 1) held[a] = track.keys.front().at[axes_[a].track_axis];
+    if (!track.space && track.keys.size() == 1) axes[a].held = track.keys.front().at[axes_[a].track_axis];
   }
-  return held;
+  return axes;
+}
+
+std::vector<DrivenCoordinate> Plan::driven_by(
+    const std::vector<std::optional<SolvedTrack<double>>>& solved) const {
+  std::vector<DrivenCoordinate> driven(axes_.size());
+  const std::vector<AxisInMove> in_move = axes_in_move();
+  for (std::size_t a = 0; a < axes_.size(); ++a) {
+    if (in_move[a].held) driven[a].held = *in_move[a].held;
+    if (in_move[a].held || !in_move[a].track || !solved[*in_move[a].track]) continue;
+    driven[a].track = &solved[*in_move[a].track]->track();
+    driven[a].axis = axes_[a].track_axis;
+  }
+  return driven;
 }
 
 void Plan::list_axes() {
@@ -336,6 +391,7 @@ void Plan::list_tips() {
 }
 
 std::string Plan::length_unit(std::size_t track) const {
+  if (looks_at_link(move_.tracks[track])) return "";
   if (move_.tracks[track].space || move_.tracks[track].distance) return "m";
   const std::vector<double>& weights = move_.tracks[track].weights;
   std::optional<AxisUnit> unit;
@@ -349,9 +405,17 @@ std::string Plan::length_unit(std::size_t track) const {
 
 void Plan::solve(const PlanOptions& options) {
   accuracies_.resize(move_.tracks.size());
-  for (std::size_t t = 0; t < move_.tracks.size(); ++t) {
-    tracks_.push_back(solve_track(move_.tracks[t], move_, rig_, options, accuracies_[t]));
+  std::vector<std::optional<SolvedTrack<double>>> solved(move_.tracks.size());
+  for (std::size_t t = 0; t < solved.size(); ++t) {
+    if (looks_at_link(move_.tracks[t])) continue;
+    solved[t].emplace(solve_track(move_.tracks[t], move_, rig_, options, accuracies_[t]));
   }
+  const std::vector<DrivenCoordinate> driven = driven_by(solved);
+  for (std::size_t t = 0; t < solved.size(); ++t) {
+    if (solved[t]) continue;
+    solved[t].emplace(solve_looking(move_.tracks[t], move_, *rig_, options, driven, accuracies_[t]));
+  }
+  for (std::optional<SolvedTrack<double>>& track : solved) tracks_.push_back(std::move(*track));
 }
 
 void Plan::put_together() {

@@ -15,6 +15,7 @@
 #include "host_tools/plan/followed_path.hpp"
 #include "host_tools/plan/move_rolls.hpp"
 #include "host_tools/plan/solved_track.hpp"
+#include "host_tools/plan/space_track.hpp"
 
 namespace inbetween {
 
@@ -80,7 +81,10 @@ class Plan {
   void list_axes();
   void warn_of_mixed_units();
   void list_tips();
-  [[nodiscard]] std::vector<std::optional<double>> held_positions() const;
+  [[nodiscard]] std::vector<AxisInMove> axes_in_move() const;
+  /// What moves each axis of the rig, by tracks that are solved.
+  [[nodiscard]] std::vector<DrivenCoordinate> driven_by(
+      const std::vector<std::optional<SolvedTrack<double>>>& solved) const;
 
   MoveFile move_;
   std::optional<RigFile> rig_;

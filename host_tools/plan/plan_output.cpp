@@ -35,6 +35,7 @@ void add_space(const MoveTrack& track, Fnv1a& hash) {
     hash.add(static_cast<std::int32_t>(flag));
   }
   for (const double value : space.fixed_aim) hash.add(value);
+  if (space.aim_node) add_text(*space.aim_node, hash);
   for (const std::optional<double>& value : space.near) {
     hash.add(static_cast<std::int32_t>(value.has_value()));
     hash.add(value.value_or(0));
@@ -322,7 +323,8 @@ void print_followed(const Plan& plan, std::size_t track, std::string_view indent
   std::vector<std::string> bounds;
   if (!written.space || written.space->has_at) {
     bounds.push_back(fmt::format("within {:.2g} um of its path", accuracy->way_m * 1e6));
-    bounds.push_back(fmt::format("its speed within {:.2g} of what is drawn", accuracy->speed_share));
+    bounds.push_back(fmt::format("its speed within {:.2g} of {}", accuracy->speed_share,
+                                 accuracy->is_share_of_fastest ? "the fastest" : "what is drawn"));
   }
   if (accuracy->aim_rad > 0) {
     bounds.push_back(fmt::format("its aim within {:.2g} deg", accuracy->aim_rad * 180 / std::numbers::pi));

@@ -2,6 +2,7 @@
 // follows keys of the axes.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -9,14 +10,22 @@
 #include "host_tools/files/rig_file.hpp"
 #include "host_tools/joints/kinematics.hpp"
 #include "host_tools/plan/followed_path.hpp"
+#include "host_tools/plan/tracked_aim.hpp"
 #include "inbetween/timing/track.hpp"
 
 namespace inbetween {
 
-/// Makes a point of every link at which a track looks (MoveSpace::fixed_aim), so that a second time changes
-/// nothing. Throws InputError where the rig has no such tip or link, or where the link moves: `held` has, for
-/// each axis of the rig, its position if the move says that it stays there.
-void settle_aims(MoveFile& move, const Kinematics* kinematics, std::span<const std::optional<double>> held);
+/// What a move says of an axis of the rig.
+struct AxisInMove {
+  std::optional<std::size_t> track;  // that moves it, or says where it stays
+  std::optional<double> held;        // it stays there
+};
+
+/// Makes a point (MoveSpace::fixed_aim) of every link at which a track looks, if it stays where it is, so
+/// that a second time changes nothing. MoveSpace::aim_node remains where another track moves the link. Throws
+/// InputError where the rig has no such tip or link, or where what moves the link is in no track, in the same
+/// track, or in one that itself looks at a link that moves.
+void settle_aims(MoveFile& move, const Kinematics* kinematics, std::span<const AxisInMove> axes);
 
 /// Of the rows of a drawn path in space: the coordinates of the keys, then those of a fixed aim.
 std::vector<double> space_row(const MoveSpace& space, const MoveKey& key);
@@ -29,6 +38,11 @@ std::vector<double> space_weights(const MoveSpace& space);
 /// an axis, a singular place, a place where the solution would have to jump.
 FollowedPath axes_in_space(const MoveTrack& track, const Track<double>& drawn, const Kinematics& kinematics,
                            const RigFile& rig);
+
+/// The same of a track that looks at a link while other tracks move it: MoveSpace::aim_node is there.
+/// `driven` says by which solved track each axis of the rig moves.
+TrackedPath axes_looking_at(const MoveTrack& track, const Track<double>& drawn, const Kinematics& kinematics,
+                            const RigFile& rig, std::vector<DrivenCoordinate> driven);
 
 /// The way of a tip along a path of axes.
 FollowedPath tip_of_axes(const MoveTrack& track, const Path<double>& drawn, const Kinematics& kinematics,

@@ -44,9 +44,9 @@ Vector difference(const Vector& a, const Vector& b) {
   return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
 }
 
-/// Between the lens and the puppet, in degrees.
-double aim_error(const OraclePose& pose) {
-  const Vector sight = difference(puppet, pose.position);
+/// Between the lens and the puppet, or another point, in degrees.
+double aim_error(const OraclePose& pose, const Vector& point = puppet) {
+  const Vector sight = difference(point, pose.position);
   const Vector& lens = pose.columns[0];
   const Vector cross = {lens[1] * sight[2] - lens[2] * sight[1], lens[2] * sight[0] - lens[0] * sight[2],
                         lens[0] * sight[1] - lens[1] * sight[0]};
@@ -225,6 +225,20 @@ TEST(SpaceTrack, EveryExampleInSpaceKeepsTheLimitsOfItsRig) {
     const ProgramRun run = run_program({"check", in_checkout(move), "--rig", in_checkout(rig)});
     EXPECT_EQ(run.status, 0) << run.out << run.err;
   }
+}
+
+TEST(SpaceTrack, ACurveThatFitsIsFoundAndShownForAMoveInSpace) {
+  const TemporaryFile move(
+      "short.toml", with(file_contents(in_checkout("examples/crane/round_the_puppet.toml")), "frames = 288",
+                         "frames = 130"));
+  const TemporaryFile fitted("fitted.toml", "");
+  const TemporaryFile picture("limits.svg", "");
+  const std::string rig = in_checkout("examples/crane/rig.toml");
+  const ProgramRun run =
+      run_program({"check", move.path(), "--rig", rig, "--fit", fitted.path(), "--plot", picture.path()});
+  EXPECT_EQ(run.status, 0) << run.err;
+  EXPECT_EQ(run_program({"check", fitted.path(), "--rig", rig}).status, 0);
+  EXPECT_THAT(file_contents(picture.path()), HasSubstr("<svg"));
 }
 
 TEST(SpaceTrack, PlanAndCheckSayHowFarTheAxesCanBeFromWhatIsDrawn) {
@@ -424,13 +438,21 @@ max_acceleration = 900
 unpowered = "holds"
 drive = { type = "pipe", path = "p", counts_per_unit = 10 }
 )"};
-  /// The positions of the axes of the crane, with this aim and what moves the lift.
+  /// The crane's move with this aim, and a track for the lift.
+  [[nodiscard]] static std::string text(const std::string& aim, const std::string& lift) {
+    return with(file_contents(in_checkout("examples/crane/round_the_puppet.toml")), "\"puppet\"", aim) +
+           "\n[[track]]\naxes = [\"lift\"]\n" + lift;
+  }
   [[nodiscard]] Json plan(const std::string& aim, const std::string& lift) const {
-    const TemporaryFile move(
-        "move.toml",
-        with(file_contents(in_checkout("examples/crane/round_the_puppet.toml")), "\"puppet\"", aim) +
-            "\n[[track]]\naxes = [\"lift\"]\n" + lift);
+    const TemporaryFile move("move.toml", text(aim, lift));
     return planned(move.path(), rig.path());
+  }
+  [[nodiscard]] std::string refusal(const std::string& move_text) const {
+    const TemporaryFile move("move.toml", move_text);
+    const ProgramRun run = run_program({"plan", move.path(), "--rig", rig.path()});
+    EXPECT_EQ(run.status, 1) << run.out;
+    EXPECT_EQ(std::ranges::count(run.err, '\n'), 1) << run.err;
+    return run.err;
   }
 };
 
@@ -444,6 +466,101 @@ TEST(SpaceTrack, ALinkThatIsAimedAtIsLookedForWhereItsAxesHoldIt) {
     const std::vector<double> expected = row_of(by_place, "position", row);
     for (std::size_t i = 0; i < axes.size(); ++i) ASSERT_NEAR(axes[i], expected[i], 1e-9) << i;
   }
+}
+
+const char* const up_and_down =
+    "timing = \"frames\"\nkeys = [{ at = [0], frame = 0 }, { at = [300], frame = 100 }, { at = [-200], frame "
+    "= 200 }, "
+    "{ at = [0], frame = 288 }]\n";
+
+/// Of the crane with the puppet on its lift, by the axes of the rig.
+OraclePose camera_of(const OracleTree& tree, const std::vector<double>& axes) {
+  return tree.pose(7, {axes.begin(), axes.begin() + 6});
+}
+
+TEST(SpaceTrack, TheCraneLooksAtAPuppetThatAnotherTrackMoves) {
+  const LiftFiles files;
+  const Json json = files.plan("\"puppet\"", up_and_down);
+  const Json still =
+      planned(in_checkout("examples/crane/round_the_puppet.toml"), in_checkout("examples/crane/rig.toml"));
+  const OracleTree tree(joints_of_crane());
+  double aim = 0;
+  double way = 0;
+  double highest = 0;
+  const std::size_t rows = json.at("axes")[0].at("position").size();
+  ASSERT_EQ(rows, still.at("axes")[0].at("position").size()) << "it begins and ends at rest, without rolls";
+  for (std::size_t row = 0; row < rows; ++row) {
+    const std::vector<double> axes = row_of(json, "position", row);
+    const OraclePose pose = camera_of(tree, axes);
+    const Vector lifted = {puppet[0], puppet[1], puppet[2] + axes.at(6) / 1000};
+    aim = std::max(aim, aim_error(pose, lifted));
+    // The path and the speed along it are those that are drawn, whatever the puppet does.
+    const OraclePose expected = tree.pose(7, row_of(still, "position", row));
+    way = std::max(way, size(difference(pose.position, expected.position)));
+    highest = std::max(highest, lifted[2]);
+    ASSERT_NEAR(pose.columns[1][2], 0, 1e-6) << "the horizon is level";
+  }
+  fmt::print("aim at what moves {:.3g} deg, way {:.3g} m\n", aim, way);
+  EXPECT_GT(highest, 1.29);
+  EXPECT_LE(aim, 0.001);
+  EXPECT_LE(way, 1e-6 * 2.8);
+}
+
+TEST(SpaceTrack, ItLooksAtThePuppetWhileTheCraneHolds) {
+  const LiftFiles files;
+  std::string text = LiftFiles::text("\"puppet\"", up_and_down);
+  text = with(text, "{ at = [3.3, 1.5, 1.5], roll = 0 }", "{ at = [3.3, 1.5, 1.5], roll = 0, hold = 48 }");
+  const TemporaryFile move("move.toml", text);
+  const Json json = planned(move.path(), files.rig.path());
+  const OracleTree tree(joints_of_crane());
+  int held = 0;
+  for (std::size_t row = 0; row < json.at("axes")[0].at("position").size(); ++row) {
+    const std::vector<double> axes = row_of(json, "position", row);
+    const OraclePose pose = camera_of(tree, axes);
+    ASSERT_LE(aim_error(pose, {puppet[0], puppet[1], puppet[2] + axes.at(6) / 1000}), 0.001) << row;
+    if (size(difference(pose.position, {3.3, 1.5, 1.5})) < 1e-6) ++held;
+  }
+  EXPECT_GE(held, 48 * 250 / 24 - 2);
+}
+
+TEST(SpaceTrack, WhatLooksAtAMovingPuppetIsCheckedAsAnyOtherMotion) {
+  const LiftFiles files;
+  const TemporaryFile move("move.toml", LiftFiles::text("\"puppet\"", up_and_down));
+  const ProgramRun fits = run_program({"check", move.path(), "--rig", files.rig.path()});
+  EXPECT_EQ(fits.status, 0) << fits.err;
+  EXPECT_THAT(fits.out,
+              AllOf(HasSubstr("\"camera\" in space: within "), HasSubstr("of the fastest"),
+                    HasSubstr("no step of velocity or acceleration"), HasSubstr("fits in 288 frames")));
+  const TemporaryFile fast(
+      "fast.toml",
+      with(with(with(LiftFiles::text("\"puppet\"", up_and_down), "frames = 288", "frames = 72"),
+                "frame = 100 }", "frame = 25 }"),
+           "frame = 200 }, { at = [0], frame = 288 }", "frame = 50 }, { at = [0], frame = 72 }"));
+  const ProgramRun refused = run_program({"check", fast.path(), "--rig", files.rig.path()});
+  EXPECT_EQ(refused.status, 3) << refused.err;
+  EXPECT_THAT(refused.err, HasSubstr("error: axis "));
+  const TemporaryFile fitted("fitted.toml", "");
+  const ProgramRun fit =
+      run_program({"check", fast.path(), "--rig", files.rig.path(), "--fit", fitted.path()});
+  EXPECT_EQ(fit.status, 3);
+  EXPECT_THAT(fit.err, HasSubstr("looks at a link that another track moves"));
+}
+
+TEST(SpaceTrack, AnAimThatCannotBeFollowedIsRefusedInOneLine) {
+  const LiftFiles files;
+  const auto text = [](const std::string& lift) { return LiftFiles::text("\"puppet\"", lift); };
+  EXPECT_THAT(files.refusal(file_contents(in_checkout("examples/crane/round_the_puppet.toml"))),
+              HasSubstr("not known where \"puppet\" stands"));
+  EXPECT_THAT(files.refusal(text(
+                  "spline = \"linear\"\nkeys = [{ at = [0] }, { at = [9] }, { at = [0] }]\nspeed = [5]\n")),
+              HasSubstr("the motion of \"puppet\" steps"));
+  EXPECT_THAT(files.refusal(with(text(up_and_down), "space  = ", "spline = \"catmull-rom\"\nspace  = ")),
+              HasSubstr("without steps; write spline = \"smooth\""));
+  EXPECT_THAT(files.refusal(with(text(up_and_down), "aim    = \"puppet\"", "aim    = \"yoke\"")),
+              HasSubstr("\"yoke\" moves with the axes of this track"));
+  std::string free = text(up_and_down);
+  for (int k = 0; k < 4; ++k) free.erase(free.find(", roll = 0"), 10);
+  EXPECT_THAT(files.refusal(free), HasSubstr("leave some of the axes free"));
 }
 
 TEST(SpaceTrack, ARangeThatEndsInTheMiddleIsRefusedWithFrameJointAndDistance) {

@@ -1,0 +1,32 @@
+// Axes that keep a link looking at another one while a track moves that one.
+//
+// Where the link is drawn follows from the place on its path, and where it looks from the time, also while
+// the path is at rest. So the axes are a path over time: solved at even steps of it, with cubics between
+// them.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "host_tools/plan/axes_in_space.hpp"
+#include "host_tools/plan/link_in_time.hpp"
+
+namespace inbetween {
+
+/// A path of the axes whose parameter is time between the frames of the keys.
+struct TrackedPath {
+  FollowedPath path;
+  std::vector<std::int32_t> key_frames;  // the whole frame that is nearest to each key
+};
+
+/// `drawn` is the track through the keys, `aim` the way of the link that is looked at. Refuses, besides what
+/// AxesInSpace refuses: motion that steps between the ends of the move, axes that are left free, two keys
+/// nearest to one frame, a path whose bounds do not become small enough.
+///
+/// The bounds are proven: between two steps the drawn place is within J h^3 / 4 of the cubic that has its
+/// places and velocities at both, and its velocity within J h^2 / 4 (J bounds its third derivative by time, h
+/// is the step); the same holds for the point that is looked at; tip_deviation bounds the rest.
+TrackedPath tracked_path(const MoveTrack& track, const Track<double>& drawn, LinkInTime& aim,
+                         const Kinematics& kinematics, const RigFile& rig);
+
+}  // namespace inbetween
