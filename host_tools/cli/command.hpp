@@ -50,6 +50,7 @@ void add_command(CLI::App& program, Command& chosen, const CommandTitle& title,
 /// Add a command with its options and its help to the program. Parsing sets `chosen` if it is the one.
 void add_plan_command(CLI::App& program, Command& chosen);
 void add_check_command(CLI::App& program, Command& chosen);
+void add_edit_command(CLI::App& program, Command& chosen);
 void add_run_command(CLI::App& program, Command& chosen);
 void add_goto_command(CLI::App& program, Command& chosen);
 void add_home_command(CLI::App& program, Command& chosen);

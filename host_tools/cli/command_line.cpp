@@ -84,6 +84,7 @@ Exit status: 0 done; 1 bad input; 2 wrong usage; 3 a limit would be exceeded; 4 
   Command chosen;
   add_plan_command(app, chosen);
   add_check_command(app, chosen);
+  add_edit_command(app, chosen);
   add_run_command(app, chosen);
   add_goto_command(app, chosen);
   add_home_command(app, chosen);

@@ -12,38 +12,17 @@
 
 #include "host_tools/files/diagnostics.hpp"
 #include "host_tools/files/move_file.hpp"
+#include "host_tools/files/text_changes.hpp"
 #include "host_tools/files/toml_source.hpp"
 
 namespace inbetween {
 namespace {
-
-/// Bytes [begin, end) of a text.
-struct Extent {
-  std::size_t begin = 0;
-  std::size_t end = 0;
-};
 
 /// A list of numbers as it is written: commas[i] is the one behind numbers[i].
 struct WrittenList {
   std::vector<Extent> numbers;
   std::vector<std::size_t> commas;
 };
-
-/// The byte at a place that the reader gave. Columns are code points, and lines end with '\n' only, as
-/// toml++ counts; the byte order mark is before the first column.
-std::size_t offset_of(std::string_view text, const Place& place) {
-  constexpr std::string_view byte_order_mark = "\xef\xbb\xbf";
-  std::size_t at = text.starts_with(byte_order_mark) ? byte_order_mark.size() : 0;
-  for (std::uint32_t line = 1; line < place.line; ++line) at = text.find('\n', at) + 1;
-  const auto continues_a_character = [&](std::size_t i) {
-    return i < text.size() && (static_cast<unsigned char>(text[i]) & 0xc0U) == 0x80U;
-  };
-  for (std::uint32_t column = 1; column < place.column; ++column) {
-    do ++at;
-    while (continues_a_character(at));
-  }
-  return at;
-}
 
 /// The list whose '[' is at `begin`. The reader has found numbers in it and nothing else, so that every byte
 /// is of a number, a comment, a comma or blank.

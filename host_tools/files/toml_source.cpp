@@ -233,4 +233,18 @@ Place place_of(const toml::node& node) {
           std::max(source.begin.column, 1U)};
 }
 
+std::size_t offset_of(std::string_view text, const Place& place) {
+  constexpr std::string_view byte_order_mark = "\xef\xbb\xbf";
+  std::size_t at = text.starts_with(byte_order_mark) ? byte_order_mark.size() : 0;
+  for (std::uint32_t line = 1; line < place.line; ++line) at = text.find('\n', at) + 1;
+  const auto continues_a_character = [&](std::size_t i) {
+    return i < text.size() && (static_cast<unsigned char>(text[i]) & 0xc0U) == 0x80U;
+  };
+  for (std::uint32_t column = 1; column < place.column; ++column) {
+    do ++at;
+    while (continues_a_character(at));
+  }
+  return at;
+}
+
 }  // namespace inbetween

@@ -34,4 +34,8 @@ toml::table parse_toml(std::string_view text, const std::string& file_name);
 /// The beginning of `node` in its file.
 Place place_of(const toml::node& node);
 
+/// The byte of `text` at a place in it that the parser gave. Columns are code points, lines end with '\n'
+/// only, as toml++ counts, and a byte order mark is before the first column.
+std::size_t offset_of(std::string_view text, const Place& place);
+
 }  // namespace inbetween

@@ -1,0 +1,194 @@
+#include "host_tools/edit/edit_document.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+#include <memory>
+#include <stdexcept>
+
+#include "host_tools/files/json_writer.hpp"
+#include "host_tools/files/move_rewrite.hpp"
+#include "host_tools/plan/drawn_curve.hpp"
+#include "host_tools/plan/plan_rows.hpp"
+
+namespace inbetween {
+namespace {
+
+constexpr std::array<const char*, 4> spline_words{"smooth", "catmull-rom", "tcb", "linear"};
+constexpr std::array<const char*, 4> kinetic_words{"linear", "curves", "pace", "monotone"};
+
+/// Whether the core alone solves the track: the page has nothing else.
+bool is_live(const MoveTrack& track) {
+  const bool follows = track.space || track.distance;
+  if (follows || track.ease_corners) return false;
+  if (track.timing == Timing::frames) return kinetic_of(track) != MoveKinetic::pace;
+  return track.curve_wishes.empty();
+}
+
+void write_key(JsonWriter& json, const MoveKey& key, std::size_t index) {
+  json.begin_object();
+  json.member("from", index);
+  json.member("at", key.at);
+  json.member("tension", key.tension);
+  json.member("continuity", key.continuity);
+  json.member("bias", key.bias);
+  json.member("frame", key.frame);
+  json.member("hold", key.hold);
+  json.member("break", key.breaks);
+  json.member("ease", key.ease);
+  json.end_object();
+}
+
+/// A path that the page cannot make itself: its cubics, segment after segment, with the weights of their
+/// rows.
+void write_cubics(JsonWriter& json, const Path<double>& path) {
+  json.begin_object();
+  std::vector<double> numbers;
+  std::vector<std::int32_t> knots;
+  for (std::int32_t i = 0; i < path.segment_count(); ++i) {
+    for (const Cubic<double>& cubic : path.segment(i)) {
+      numbers.insert(numbers.end(), {cubic.c0, cubic.c1, cubic.c2, cubic.c3});
+    }
+    const FrameKnot& knot = path.knots()[static_cast<std::size_t>(i)];
+    knots.insert(knots.end(), {knot.key, knot.part, knot.parts});
+  }
+  json.member("coefficients", numbers);
+  json.member("weights", path.weights());
+  json.member("knots", knots);
+  json.end_object();
+}
+
+void write_track(JsonWriter& json, const Plan& plan, std::size_t index, std::string_view text,
+                 const std::string& file) {
+  const MoveTrack& track = plan.move().tracks[index];
+  const SolvedTrack<double>& solved = plan.tracks()[index];
+  const bool follows = track.space || track.distance;
+  const bool by_frames = track.timing == Timing::frames;
+  const bool is_pace = by_frames && kinetic_of(track) == MoveKinetic::pace;
+  const bool live = is_live(track);
+  json.begin_object();
+  json.member("axes", track.axes);
+  json.member("unit", plan.length_unit(index));
+  json.member("coordinates", coordinates_of(track));
+  json.member("spline", spline_words.at(static_cast<std::size_t>(track.spline)));
+  json.member("closed", track.closed);
+  json.member("periodic", track.periodic);
+  json.member("timing", by_frames ? "frames" : "speed");
+  json.member("kinetic", by_frames ? std::optional<std::string_view>(
+                                         kinetic_words.at(static_cast<std::size_t>(kinetic_of(track))))
+                                   : std::nullopt);
+  json.member("live", live);
+  json.member("fixed_keys", why_keys_are_fixed(text, file, index));
+  json.member("overshoot", track.overshoot);
+  json.key("keys");
+  json.begin_array();
+  for (std::size_t k = 0; k < track.keys.size(); ++k) {
+    json.line();
+    write_key(json, track.keys[k], k);
+  }
+  json.end_array();
+  json.member("lap", track.lap);
+  json.member("weights", track.weights);
+  const RestingEnds rest = track.rest.value_or(RestingEnds{});
+  json.member("rests", std::array{rest.start, rest.end});
+  // What is played where a page cannot work it out from what is drawn; as drawn, its wishes about the ends
+  // included, where it can.
+  const bool is_played = is_pace || track.ease_corners;
+  json.key("speed");
+  if (by_frames && !is_pace) {
+    json.null();
+  } else {
+    json.value(is_played ? solved.control_values() : drawn_curve(track, plan.move().frames));
+  }
+  json.member("speed_as_written", track.speed);
+  json.member("speed_is_played", is_played);
+  json.key("path");
+  if (follows) {
+    write_cubics(json, solved.track().path());
+  } else {
+    json.null();
+  }
+  json.end_object();
+}
+
+void write_axis(JsonWriter& json, const Plan& plan, std::size_t move_axis) {
+  const PlanAxis& axis = plan.axes()[plan.axis_of(move_axis)];
+  json.line();
+  json.begin_object();
+  json.member("name", axis.name);
+  json.member("unit", unit_of(axis));
+  json.key("limits");
+  if (!plan.rig()) {
+    json.null();
+  } else {
+    const RigAxis& rig = plan.rig()->axes[plan.axis_of(move_axis)];
+    json.begin_object();
+    json.member("min", rig.min);
+    json.member("max", rig.max);
+    json.member("max_velocity", rig.max_velocity);
+    json.member("max_acceleration", rig.max_acceleration);
+    json.member("max_jerk", rig.max_jerk);
+    json.member("max_acceleration_step", rig.max_acceleration_step);
+    json.member("stop_acceleration", rig.stop_acceleration);
+    json.member("stop_jerk", rig.stop_jerk);
+    json.end_object();
+  }
+  json.end_object();
+}
+
+/// What `write` writes, as text.
+template <class Write>
+std::string json_text(const Write& write) {
+  char* bytes = nullptr;
+  std::size_t size = 0;
+  const auto close = [](std::FILE* file) { std::fclose(file); };
+  std::unique_ptr<std::FILE, decltype(close)> file(::open_memstream(&bytes, &size), close);
+  if (!file) throw std::runtime_error("there is no memory for an answer");
+  {
+    JsonWriter json(file.get());
+    write(json);
+    json.finish();
+  }
+  file.reset();
+  std::string text(bytes, size);
+  std::free(bytes);  // NOLINT(cppcoreguidelines-no-malloc): what open_memstream gives is freed so
+  return text;
+}
+
+}  // namespace
+
+std::string document_of(const Plan& plan, const DocumentSource& source) {
+  return json_text([&](JsonWriter& json) {
+    const MoveFile& move = plan.move();
+    json.begin_object();
+    json.member("format", 1);
+    json.member("file", source.file);
+    json.member("revision", source.revision);
+    json.member("name", move.name);
+    json.object("fps", [&] {
+      json.member("text", move.fps.as_written);
+      json.member("numerator", move.fps.rate.numerator);
+      json.member("denominator", move.fps.rate.denominator);
+    });
+    json.member("frames", move.frames);
+    json.key("rig");
+    if (plan.rig()) {
+      json.begin_object();
+      json.member("name", plan.rig()->name);
+      json.member("rate_hz", plan.rig()->rate_hz);
+      json.end_object();
+    } else {
+      json.null();
+    }
+    json.array("axes", [&] {
+      for (std::size_t d = 0; d < plan.played().axis_count(); ++d) write_axis(json, plan, d);
+    });
+    json.array("tracks", [&] {
+      for (std::size_t t = 0; t < move.tracks.size(); ++t)
+        write_track(json, plan, t, source.text, source.file);
+    });
+    json.end_object();
+  });
+}
+
+}  // namespace inbetween

@@ -1,0 +1,21 @@
+// A move as the page of the editor gets it.
+#pragma once
+
+#include <string>
+
+#include "host_tools/plan/plan.hpp"
+
+namespace inbetween {
+
+/// Where a document comes from.
+struct DocumentSource {
+  std::string file;  ///< its name, without the folder
+  std::string revision;
+  std::string_view text;
+};
+
+/// JSON: the move as the core takes it (docs/editor.md lists the members). Of every track it says whether the
+/// page can solve it by itself after every edit ("live"), and if keys or curve cannot be edited there, why.
+std::string document_of(const Plan& plan, const DocumentSource& source);
+
+}  // namespace inbetween

@@ -1,0 +1,156 @@
+#include "host_tools/edit/edit_request.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <initializer_list>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "host_tools/files/move_file.hpp"
+
+namespace inbetween {
+namespace {
+
+using nlohmann::json;
+
+[[noreturn]] void refuse(std::string_view name, std::string_view problem) {
+  throw RequestError(fmt::format("{} {}; load the page again", name, problem));
+}
+
+/// One object of the request. Each member is taken by its name, and nothing may be left over.
+class Members {
+ public:
+  Members(const json& object, std::string name, std::initializer_list<std::string_view> known)
+      : object_(object), name_(std::move(name)) {
+    if (!object.is_object()) refuse(name_, "is no object");
+    for (const auto& [key, value] : object.items()) {
+      if (std::ranges::find(known, key) == known.end()) refuse(name_, "has a member that is not known");
+    }
+  }
+
+  [[nodiscard]] const json* find(const char* member) const {
+    const auto found = object_.find(member);
+    return found == object_.end() || found->is_null() ? nullptr : &*found;
+  }
+  [[nodiscard]] const json& get(const char* member) const {
+    const json* found = find(member);
+    if (found == nullptr) refuse(name_ + "." + member, "is missing");
+    return *found;
+  }
+  [[nodiscard]] std::string text(const char* member, std::size_t max) const {
+    const json& value = get(member);
+    if (!value.is_string() || value.get_ref<const std::string&>().size() > max)
+      refuse(name_ + "." + member, "is no short text");
+    return value.get<std::string>();
+  }
+  [[nodiscard]] double number(const char* member) const { return number(get(member), name_ + "." + member); }
+  [[nodiscard]] std::int32_t integer(const char* member) const {
+    return integer(get(member), name_ + "." + member);
+  }
+  [[nodiscard]] std::optional<std::int32_t> optional_integer(const char* member) const {
+    const json* value = find(member);
+    if (value == nullptr) return std::nullopt;
+    return integer(*value, name_ + "." + member);
+  }
+  [[nodiscard]] bool boolean(const char* member) const {
+    const json& value = get(member);
+    if (!value.is_boolean()) refuse(name_ + "." + member, "is neither true nor false");
+    return value.get<bool>();
+  }
+  [[nodiscard]] const json& list(const char* member, std::size_t max) const {
+    const json& value = get(member);
+    if (!value.is_array() || value.size() > max) refuse(name_ + "." + member, "is no list of that length");
+    return value;
+  }
+  [[nodiscard]] std::vector<double> numbers(const char* member, std::size_t max) const {
+    std::vector<double> numbers;
+    for (const json& value : list(member, max)) numbers.push_back(number(value, name_ + "." + member));
+    return numbers;
+  }
+
+ private:
+  static double number(const json& value, const std::string& name) {
+    if (!value.is_number() || !std::isfinite(value.get<double>())) refuse(name, "is no number");
+    return value.get<double>();
+  }
+  static std::int32_t integer(const json& value, const std::string& name) {
+    constexpr std::int64_t most = std::numeric_limits<std::int32_t>::max();
+    if (!value.is_number_integer() || value.get<double>() < 0 ||
+        value.get<double>() > static_cast<double>(most))
+      refuse(name, "is no whole number from 0");
+    return value.get<std::int32_t>();
+  }
+
+  const json& object_;
+  std::string name_;
+};
+
+EditedKey read_key(const json& object) {
+  const Members key(object, "a key",
+                    {"from", "at", "tension", "continuity", "bias", "frame", "hold", "break", "ease"});
+  EditedKey edited{.at = key.numbers("at", max_track_axes),
+                   .tension = key.number("tension"),
+                   .continuity = key.number("continuity"),
+                   .bias = key.number("bias"),
+                   .frame = key.optional_integer("frame"),
+                   .hold = key.optional_integer("hold"),
+                   .breaks = key.boolean("break"),
+                   .ease = key.boolean("ease")};
+  if (const auto from = key.optional_integer("from")) edited.from = static_cast<std::size_t>(*from);
+  return edited;
+}
+
+EditedTrack read_track(const json& object) {
+  const Members track(object, "a track", {"keys", "speed", "spline", "closed"});
+  EditedTrack edited{.keys = {}, .speed = std::nullopt, .closed = track.boolean("closed")};
+  if (track.find("keys") != nullptr) {  // null: as they are
+    for (const json& key : track.list("keys", max_keys)) edited.keys.push_back(read_key(key));
+    if (edited.keys.empty()) refuse("track.keys", "is empty");
+  }
+  if (track.find("speed") != nullptr) {
+    edited.speed = track.numbers("speed", max_control_values);
+    for (const double value : *edited.speed) {
+      if (!(value >= 0 && value <= max_control_value)) refuse("a control value", "is not within 0..100");
+    }
+    if (edited.speed->empty()) refuse("track.speed", "is empty");
+  }
+  constexpr std::array<std::string_view, 4> words{"smooth", "catmull-rom", "tcb", "linear"};
+  const auto word = std::ranges::find(words, track.text("spline", 16));
+  if (word == words.end()) refuse("track.spline", "is none");
+  edited.spline = static_cast<Spline>(word - words.begin());
+  return edited;
+}
+
+json parse(std::string_view text) {
+  if (text.size() > max_request_bytes) refuse("the request", "is too long");
+  bool too_deep = false;
+  const json::parser_callback_t limit = [&](int depth, json::parse_event_t, json&) {
+    too_deep = too_deep || depth > max_request_nesting;
+    return !too_deep;
+  };
+  json parsed = json::parse(text, limit, false);
+  if (too_deep) refuse("the request", "is nested too deep");
+  if (parsed.is_discarded()) refuse("the request", "is no JSON");
+  return parsed;
+}
+
+}  // namespace
+
+EditRequest parse_edit_request(std::string_view text) {
+  const json parsed = parse(text);
+  const Members request(parsed, "the request", {"revision", "frames", "fps", "tracks", "expects"});
+  EditRequest edit{.revision = request.text("revision", 64), .edited = {}, .expects = std::nullopt};
+  edit.edited.frames = request.integer("frames");
+  edit.edited.fps = request.text("fps", 32);
+  // It goes into the file as it is.
+  if (edit.edited.fps.find_first_not_of("0123456789/") != std::string::npos || edit.edited.fps.empty())
+    refuse("request.fps", "is no frame rate");
+  for (const json& track : request.list("tracks", max_tracks))
+    edit.edited.tracks.push_back(read_track(track));
+  if (request.find("expects") != nullptr) edit.expects = request.text("expects", 64);
+  return edit;
+}
+
+}  // namespace inbetween

@@ -1,0 +1,212 @@
+#include "host_tools/edit/edit_server.hpp"
+
+#include <fmt/format.h>
+#include <httplib.h>
+#include <sys/random.h>
+
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <stdexcept>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "host_tools/edit/connection_threads.hpp"
+
+namespace inbetween {
+namespace {
+
+using httplib::Request;
+using httplib::Response;
+using Outcome = httplib::Server::HandlerResponse;
+
+/// 128 bits from the kernel, in hexadecimal.
+std::string random_token() {
+  std::array<unsigned char, 16> bytes{};
+  if (::getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size()))
+    throw std::runtime_error("inbetween: error: the kernel gives no random numbers");
+  std::string token;
+  for (const unsigned char byte : bytes) token += fmt::format("{:02x}", byte);
+  return token;
+}
+
+/// Takes as long for a wrong token as for the right one.
+bool is_same(const std::string& a, const std::string& b) {
+  if (a.size() != b.size()) return false;
+  unsigned difference = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) difference |= static_cast<unsigned>(a[i] ^ b[i]);
+  return difference == 0;
+}
+
+void refuse(Response& response, int status, const char* why) {
+  response.status = status;
+  response.set_content(fmt::format("{{\"error\":\"{}\"}}", why), "application/json");
+}
+
+constexpr const char* policy =
+    "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; img-src 'self' data: blob:; "
+    "connect-src 'self'; font-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+
+}  // namespace
+
+class EditServer::Door {
+ public:
+  Door(EditSession& session, PageFiles page, int port)
+      : session_(session), page_(std::move(page)), token_(random_token()) {
+    server_.new_task_queue = [] { return new ConnectionThreads(max_connections); };
+    server_.set_payload_max_length(max_request_bytes);
+    server_.set_read_timeout(max_silence_seconds);
+    server_.set_write_timeout(max_silence_seconds);
+    server_.set_keep_alive_max_count(1);
+    server_.set_keep_alive_timeout(max_silence_seconds);  // to the first byte of a request
+    server_.set_default_headers({{"Content-Security-Policy", policy},
+                                 {"X-Content-Type-Options", "nosniff"},
+                                 {"Referrer-Policy", "no-referrer"},
+                                 {"Cross-Origin-Opener-Policy", "same-origin"},
+                                 {"Cross-Origin-Resource-Policy", "same-origin"},
+                                 {"Cache-Control", "no-store"}});
+    server_.set_pre_routing_handler(
+        [this](const Request& request, Response& response) { return admit(request, response); });
+    server_.set_exception_handler([](const Request&, Response& response, const std::exception_ptr&) {
+      refuse(response, 500, "the request could not be answered");
+    });
+    add_answers();
+    listen(port);
+  }
+
+  void run() {
+    server_.listen_after_bind();
+    has_ended_ = true;
+  }
+  /// The library forgets a stop that comes before it listens, and tells nobody when it does.
+  void stop() {
+    while (!server_.is_running() && !has_ended_) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    server_.stop();
+  }
+  [[nodiscard]] int port() const { return port_; }
+  [[nodiscard]] const std::string& token() const { return token_; }
+
+ private:
+  void listen(int port) {
+    // The library would share the port with whoever asks, and let five connections wait.
+    int listening = -1;
+    server_.set_socket_options([&listening](int socket) {
+      const int yes = 1;
+      ::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+      listening = socket;
+    });
+    if (port == 0) {
+      port_ = server_.bind_to_any_port("127.0.0.1");
+    } else if (server_.bind_to_port("127.0.0.1", port)) {
+      port_ = port;
+    }
+    server_.set_socket_options({});
+    if (port_ > 0 && ::listen(listening, max_waiting) == 0) return;
+    throw std::runtime_error(fmt::format(
+        "inbetween: error: port {} cannot be listened on; name another with --port, or leave it out", port));
+  }
+
+  [[nodiscard]] bool is_ours(const std::string& host) const {
+    return host == fmt::format("127.0.0.1:{}", port_) || host == fmt::format("localhost:{}", port_);
+  }
+
+  /// Before the body is read. Header values that come twice are refused: another reader might take the other
+  /// one.
+  Outcome admit(const Request& request, Response& response) {
+    const auto refused = [&](int status, const char* why) {
+      refuse(response, status, why);
+      return Outcome::Handled;
+    };
+    for (const char* name : {"Host", "Origin", "X-Inbetween-Token", "Content-Type", "Content-Length"}) {
+      if (request.get_header_value_count(name) > 1) return refused(400, "a header comes twice");
+    }
+    if (!is_ours(request.get_header_value("Host"))) return refused(403, "this server has another name");
+    const std::string origin = request.get_header_value("Origin");
+    const bool is_own_origin = origin.rfind("http://", 0) == 0 && is_ours(origin.substr(7));
+    if (request.has_header("Origin") && !is_own_origin) return refused(403, "that page is not this server's");
+    const bool is_post = request.method == "POST";
+    if (!is_post && request.method != "GET") return refused(405, "only GET and POST are known");
+    if (request.path.rfind("/api/", 0) != 0) {
+      return is_post ? refused(405, "the files of the page are only read") : Outcome::Unhandled;
+    }
+    if (!is_same(request.get_header_value("X-Inbetween-Token"), token_))
+      return refused(403, "the token is not that of this launch; open the address that the program printed");
+    if (!is_post) return Outcome::Unhandled;
+    if (!is_own_origin) return refused(403, "a change must come from this server's page");
+    if (request.get_header_value("Content-Type") != "application/json")
+      return refused(415, "a change is sent as application/json");
+    return Outcome::Unhandled;
+  }
+
+  void answer(Response& response, const EditAnswer& answer) {
+    response.status = answer.status;
+    response.set_content(answer.json, "application/json");
+  }
+
+  void add_get(const char* path, EditAnswer (EditSession::*ask)()) {
+    server_.Get(path,
+                [this, ask](const Request&, Response& response) { answer(response, (session_.*ask)()); });
+    server_.Post(path,
+                 [](const Request&, Response& response) { refuse(response, 405, "this is only read"); });
+  }
+  void add_post(const char* path, EditAnswer (EditSession::*ask)(const EditRequest&)) {
+    server_.Get(path,
+                [](const Request&, Response& response) { refuse(response, 405, "ask for this with POST"); });
+    server_.Post(path, [this, ask](const Request& request, Response& response) {
+      try {
+        answer(response, (session_.*ask)(parse_edit_request(request.body)));
+      } catch (const RequestError& error) {
+        refuse(response, 400, error.what());
+      }
+    });
+  }
+
+  void add_answers() {
+    add_get("/api/move", &EditSession::open);
+    add_get("/api/revision", &EditSession::revision);
+    add_post("/api/resolve", &EditSession::resolve);
+    add_post("/api/fit", &EditSession::fit);
+    add_post("/api/fewest", &EditSession::fewest);
+    add_post("/api/save", &EditSession::save);
+    add_post("/api/keep", &EditSession::keep);
+    server_.Get(".*", [this](const Request& request, Response& response) {
+      const auto found = page_.find(request.path == "/" ? "/index.html" : request.path);
+      if (found == page_.end()) return refuse(response, 404, "there is no such file");
+      response.set_content(found->second.bytes, found->second.type.c_str());
+    });
+    server_.Post(
+        ".*", [](const Request&, Response& response) { refuse(response, 404, "there is no such request"); });
+  }
+
+  static constexpr int max_waiting = 1024;
+
+  EditSession& session_;
+  PageFiles page_;
+  std::string token_;
+  int port_ = 0;
+  std::atomic<bool> has_ended_ = false;
+  httplib::Server server_;
+};
+
+EditServer::EditServer(EditSession& session, PageFiles page, int port)
+    : door_(std::make_unique<Door>(session, std::move(page), port)) {}
+EditServer::~EditServer() = default;
+
+int EditServer::port() const {
+  return door_->port();
+}
+const std::string& EditServer::token() const {
+  return door_->token();
+}
+std::string EditServer::address() const {
+  return fmt::format("http://127.0.0.1:{}/#{}", port(), token());
+}
+void EditServer::run() {
+  door_->run();
+}
+void EditServer::stop() {
+  door_->stop();
+}
+
+}  // namespace inbetween

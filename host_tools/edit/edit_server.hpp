@@ -1,0 +1,47 @@
+// HTTP around an editing session, for the page in a browser on this machine and for nobody else.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "host_tools/edit/edit_session.hpp"
+#include "host_tools/edit/page_files.hpp"
+
+namespace inbetween {
+
+/// Listens on 127.0.0.1 only.
+///
+/// Whoever asks for anything must name this server in Host (against DNS rebinding) and, if it says where it
+/// comes from, in Origin; whoever asks for more than the files of the page must send the token of this launch
+/// in X-Inbetween-Token. Only POST changes anything, and a POST has Origin and the type application/json.
+/// Everything else is refused before its body is read: 403 for a wrong Host, Origin or token, 405 for another
+/// method, 415 for another type, 404 for another path, 413 for more than max_request_bytes. A client that
+/// says nothing for max_silence_seconds is left; a connection carries one request; max_connections are served
+/// at a time, and the others wait. Nothing here moves a rig.
+class EditServer {
+ public:
+  static constexpr int max_silence_seconds = 2;
+  static constexpr int max_connections = 256;
+
+  /// `port` 0: any that is free. Throws std::runtime_error, one line, where it cannot be listened on.
+  EditServer(EditSession& session, PageFiles page, int port);
+  ~EditServer();
+  EditServer(const EditServer&) = delete;
+  EditServer& operator=(const EditServer&) = delete;
+
+  [[nodiscard]] int port() const;
+  [[nodiscard]] const std::string& token() const;
+  /// What to open in a browser. The token is behind '#', which a browser sends to nobody.
+  [[nodiscard]] std::string address() const;
+
+  /// Serves until stop() is called from another thread, which may be before run() is.
+  void run();
+  void stop();
+
+ private:
+  class Door;
+  std::unique_ptr<Door> door_;
+};
+
+}  // namespace inbetween

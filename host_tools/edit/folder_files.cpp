@@ -1,0 +1,111 @@
+#include "host_tools/edit/folder_files.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <linux/openat2.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <memory>
+#include <stdexcept>
+#include <system_error>
+
+namespace inbetween {
+namespace {
+
+/// Closes itself with the last operation that holds it.
+class OpenFolder {
+ public:
+  explicit OpenFolder(const std::string& path)
+      : descriptor_(::open(path.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC)) {
+    if (descriptor_ < 0) refuse(path);
+    int probe = -1;
+    if (open(".", O_RDONLY | O_DIRECTORY, 0, probe) != 0) refuse(path);
+    ::close(probe);
+  }
+  ~OpenFolder() { ::close(descriptor_); }
+  OpenFolder(const OpenFolder&) = delete;
+  OpenFolder& operator=(const OpenFolder&) = delete;
+
+  [[nodiscard]] int descriptor() const { return descriptor_; }
+  [[nodiscard]] int open(const std::string& name, int flags, mode_t mode, int& descriptor) const {
+    struct open_how how = {};
+    how.flags = static_cast<decltype(how.flags)>(flags | O_CLOEXEC);
+    how.mode = mode;
+    how.resolve = RESOLVE_BENEATH | RESOLVE_NO_SYMLINKS | RESOLVE_NO_MAGICLINKS;
+    do {
+      descriptor = static_cast<int>(::syscall(SYS_openat2, descriptor_, name.c_str(), &how, sizeof how));
+    } while (descriptor < 0 && (errno == EINTR || errno == EAGAIN));
+    return descriptor < 0 ? errno : 0;
+  }
+
+ private:
+  [[noreturn]] static void refuse(const std::string& path) {
+    const int error = errno;
+    const char* remedy = error == ENOSYS ? "the editor needs Linux 5.6 or later" : "check its permissions";
+    throw std::runtime_error(fmt::format("{}: error: the folder cannot be opened: {}; {}", path,
+                                         std::generic_category().message(error), remedy));
+  }
+
+  int descriptor_;
+};
+
+int outcome(int result) {
+  return result == 0 ? 0 : errno;
+}
+
+/// A name without a folder, so that renaming stays where opening does.
+bool is_plain(const std::string& name) {
+  return !name.empty() && name != "." && name != ".." && name.find('/') == std::string::npos;
+}
+
+int read_whole(int descriptor, std::size_t max_bytes, std::string& bytes) {
+  struct stat status = {};
+  if (::fstat(descriptor, &status) != 0) return errno;
+  if (!S_ISREG(status.st_mode)) return S_ISDIR(status.st_mode) ? EISDIR : EINVAL;
+  std::array<char, 4096> block = {};
+  while (true) {
+    const ssize_t count = ::read(descriptor, block.data(), block.size());
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) return errno;
+    if (count == 0) return 0;
+    bytes.append(block.data(), static_cast<std::size_t>(count));
+    if (bytes.size() > max_bytes) return EFBIG;
+  }
+}
+
+}  // namespace
+
+FileLayer files_beneath(const std::string& path) {
+  const auto folder = std::make_shared<const OpenFolder>(path);
+  FileLayer files = system_files();
+  files.read = [folder](const std::string& name, std::size_t max_bytes, std::string& bytes) {
+    bytes.clear();
+    int descriptor = -1;
+    if (const int error = folder->open(name, O_RDONLY | O_NONBLOCK, 0, descriptor)) return error;
+    const int error = read_whole(descriptor, max_bytes, bytes);
+    ::close(descriptor);
+    return error;
+  };
+  files.create = [folder](const std::string& name, int& descriptor) {
+    return folder->open(name, O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW, 0644, descriptor);
+  };
+  files.rename = [folder](const std::string& from, const std::string& to) {
+    if (!is_plain(from) || !is_plain(to)) return EXDEV;
+    return outcome(::renameat(folder->descriptor(), from.c_str(), folder->descriptor(), to.c_str()));
+  };
+  files.sync_folder = [folder](const std::string& name) {
+    int descriptor = -1;
+    if (const int error = folder->open(name, O_RDONLY | O_DIRECTORY, 0, descriptor)) return error;
+    const int error = outcome(::fsync(descriptor));
+    ::close(descriptor);
+    return error;
+  };
+  files.make_folder = [](const std::string&) { return EPERM; };
+  return files;
+}
+
+}  // namespace inbetween
