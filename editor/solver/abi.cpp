@@ -200,8 +200,8 @@ std::int32_t ib_at(std::int32_t index, double s) {
 /// axis and the quantity of its ceiling, and for each step track, key, axis. Numbers: the highest rate;
 /// seconds and frames of the longest stop and from which frame; frame of the stop's obstacle, its value and
 /// limit; the same of the roll's; for each axis lowest, highest, velocity, acceleration and jerk, each a
-/// value and its frame; for each cell the rate at which it keeps the limits; for each step frame, velocity
-/// and acceleration.
+/// value and its frame; for each track and cell the rate at which it keeps the limits; for each step frame,
+/// velocity and acceleration.
 std::int32_t ib_certificate() {
   if (!session.is_assembled()) return 0;
   const Certificate& found = session.certificate();
@@ -210,7 +210,7 @@ std::int32_t ib_certificate() {
   out.integer(found.move().last_frame());
   out.integer(found.has_limits() ? static_cast<std::int32_t>(found.peaks().size()) : 0);
   if (!found.has_limits()) return 1;
-  out.integer(static_cast<std::int32_t>(found.cells().size()));
+  out.integer(static_cast<std::int32_t>(found.cell_count()));
   out.integer(static_cast<std::int32_t>(found.steps().size()));
   out.integer(static_cast<std::int32_t>(found.steps_left_out()));
   out.integer(found.stops() ? 1 : 0);
@@ -234,10 +234,12 @@ std::int32_t ib_certificate() {
       write_peak(out, peak);
     }
   }
-  for (const CellCeiling& cell : found.cells()) {
-    out.number(cell.rate);
-    out.integer(cell.axis);
-    out.integer(cell.quantity);
+  for (std::size_t t = 0; t < found.move().tracks().size(); ++t) {
+    for (const CellCeiling& cell : found.cells(t)) {
+      out.number(cell.rate);
+      out.integer(cell.axis);
+      out.integer(cell.quantity);
+    }
   }
   for (const KeyStep& step : found.steps()) {
     out.integer(step.track);

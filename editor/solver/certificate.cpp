@@ -14,7 +14,7 @@ namespace {
 constexpr double slack_share = 1e-6;
 constexpr double step_rounding = 1e-9;
 /// As many cells as `check` takes, up to max_cells: one for a frame, and none shorter than two ticks.
-std::size_t cell_count(const Move<double>& move, double tick_seconds) {
+std::size_t cells_for(const Move<double>& move, double tick_seconds) {
   constexpr double min_cells = 64;
   const double frames = move.last_frame() - move.first_frame();
   const double ticks = std::ceil(frames / move.frame_rate().frames_per_second() / tick_seconds);
@@ -164,7 +164,7 @@ void Certificate::list_steps() {
 }
 
 Status Certificate::bound_stops(double tick_seconds) {
-  cells_ = cell_count(*move_, tick_seconds);
+  cells_ = cells_for(*move_, tick_seconds);
   const StopRequest<double> request{.move = *move_, .limits = limits_, .tick_seconds = tick_seconds};
   const StopBoundsMemory<double> memory{.cells = std::span(storage_.cells).first(cells_ + 1),
                                         .suprema = storage_.suprema,
@@ -189,20 +189,27 @@ void Certificate::find_ceiling() {
   const MotionCells<double> cells{
       .cells = cells_, .slack = slack, .suprema = std::span(storage_.suprema).first(cells_ * axes_)};
   bound_cells<double>(*move_, storage_.turns, cells);
-  for (std::size_t cell = 0; cell < cells_; ++cell) {
-    CellCeiling ceiling{.rate = std::numeric_limits<double>::infinity()};
-    for (std::size_t d = 0; d < axes_; ++d) {
-      const auto [p1, p2, p3] = cells.suprema[cell * axes_ + d];
-      const double jerk = limits_[d].max_jerk().value_or(std::numeric_limits<double>::infinity());
-      // A magnitude of 0 gives an infinite rate: nothing of this axis is in the way.
-      const std::array rates{limits_[d].max_velocity() / p1, std::sqrt(limits_[d].max_acceleration() / p2),
-                             std::cbrt(jerk / p3)};
-      for (std::size_t i = 0; i < rates.size(); ++i) {
-        if (!(rates[i] < ceiling.rate)) continue;
-        ceiling = {rates[i], static_cast<std::int32_t>(d), static_cast<std::int32_t>(i)};
-      }
+  std::size_t first = 0;
+  for (std::size_t t = 0; t < move_->tracks().size(); ++t) {
+    const std::size_t end = first + static_cast<std::size_t>(move_->tracks()[t].path().axis_count());
+    for (std::size_t cell = 0; cell < cells_; ++cell) {
+      CellCeiling ceiling{.rate = std::numeric_limits<double>::infinity()};
+      for (std::size_t d = first; d < end; ++d) lower(ceiling, cells.suprema[cell * axes_ + d], d);
+      ceilings_[t * cells_ + cell] = ceiling;
     }
-    ceilings_[cell] = ceiling;
+    first = end;
+  }
+}
+
+void Certificate::lower(CellCeiling& ceiling, const MotionTriple<double>& suprema, std::size_t axis) const {
+  const AxisLimits<double>& limits = limits_[axis];
+  const double jerk = limits.max_jerk().value_or(std::numeric_limits<double>::infinity());
+  // A magnitude of 0 gives an infinite rate: nothing of this axis is in the way.
+  const std::array rates{limits.max_velocity() / suprema[0],
+                         std::sqrt(limits.max_acceleration() / suprema[1]), std::cbrt(jerk / suprema[2])};
+  for (std::size_t i = 0; i < rates.size(); ++i) {
+    if (!(rates[i] < ceiling.rate)) continue;
+    ceiling = {rates[i], static_cast<std::int32_t>(axis), static_cast<std::int32_t>(i)};
   }
 }
 

@@ -20,7 +20,7 @@ namespace inbetween::editor {
 inline constexpr std::size_t max_move_axes = 64;  ///< of all tracks
 inline constexpr std::size_t max_cells = 512;
 
-/// How the move stands to the limits in one cell of the time line.
+/// How a track stands to the limits of its axes in one cell of the time line.
 struct CellCeiling {
   /// So many times faster than drawn the cell may be passed with every limit kept; below 1 where it breaks
   /// one. Infinity where nothing moves.
@@ -53,7 +53,11 @@ class Certificate {
   [[nodiscard]] bool has_limits() const { return !limits_.empty(); }
   /// Of the move with its rolls, of every axis.
   [[nodiscard]] std::span<const AxisPeaks<double>> peaks() const { return std::span(peaks_).first(axes_); }
-  [[nodiscard]] std::span<const CellCeiling> cells() const { return std::span(ceilings_).first(cells_); }
+  [[nodiscard]] std::size_t cell_count() const { return cells_; }
+  /// Of one track, cell by cell.
+  [[nodiscard]] std::span<const CellCeiling> cells(std::size_t track) const {
+    return std::span(ceilings_).subspan(track * cells_, cells_);
+  }
   [[nodiscard]] std::span<const KeyStep> steps() const { return std::span(steps_).first(step_count_); }
   /// Steps that max_steps left out.
   [[nodiscard]] std::size_t steps_left_out() const { return steps_left_out_; }
@@ -71,6 +75,7 @@ class Certificate {
   void add_step(const KeyStep& step);
   Status bound_stops(double tick_seconds);
   void find_ceiling();
+  void lower(CellCeiling& ceiling, const MotionTriple<double>& suprema, std::size_t axis) const;
   void find_highest_rate();
 
   std::span<const AxisLimits<double>> limits_;
@@ -86,7 +91,7 @@ class Certificate {
   std::array<RollAxis<double>, max_move_axes> before_, after_;
   std::array<AxisMotion<double>, max_move_axes> joints_;
   std::array<AxisPeaks<double>, max_move_axes> peaks_;
-  std::array<CellCeiling, max_cells> ceilings_;
+  std::array<CellCeiling, max_tracks * max_cells> ceilings_;
   std::array<KeyStep, max_steps> steps_;
   StopBoundsStorage<double, max_cells, max_move_axes> storage_;
 };

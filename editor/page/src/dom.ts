@@ -1,0 +1,82 @@
+// Small words for making elements.
+const svgNamespace = "http://www.w3.org/2000/svg";
+
+type Attributes = Record<string, string | number | boolean | undefined>;
+
+function set(element: Element, attributes: Attributes): void {
+  for (const [name, value] of Object.entries(attributes)) {
+    if (value === undefined || value === false) element.removeAttribute(name);
+    else element.setAttribute(name, value === true ? "" : String(value));
+  }
+}
+
+export function html<K extends keyof HTMLElementTagNameMap>(
+  tag: K, attributes: Attributes = {}, ...children: (Node | string)[]
+): HTMLElementTagNameMap[K] {
+  const element = document.createElement(tag);
+  set(element, attributes);
+  element.append(...children);
+  return element;
+}
+
+export function svg<K extends keyof SVGElementTagNameMap>(
+  tag: K, attributes: Attributes = {}, ...children: (Node | string)[]
+): SVGElementTagNameMap[K] {
+  const element = document.createElementNS(svgNamespace, tag) as SVGElementTagNameMap[K];
+  set(element, attributes);
+  element.append(...children);
+  return element;
+}
+
+export const attributes = set;
+
+export function button(label: string, title: string, act: () => void, id?: string): HTMLButtonElement {
+  const element = html("button", { type: "button", title, "aria-label": title, id }, label);
+  element.addEventListener("click", act);
+  return element;
+}
+
+export const byId = (id: string): HTMLElement => {
+  const element = document.getElementById(id);
+  if (!element) throw new Error(`there is no element ${id}`);
+  return element;
+};
+
+/** Tells it to whoever hears the page, and shows it for a while. */
+let sayTimer = 0;
+export function say(text: string, isError = false): void {
+  const place = byId("said");
+  place.textContent = text;
+  place.classList.toggle("error", isError);
+  place.classList.add("shown");
+  clearTimeout(sayTimer);
+  sayTimer = window.setTimeout(() => place.classList.remove("shown"), isError ? 8000 : 3000);
+}
+
+/** Follows a pointer from its press until it is let go. */
+export function follow(event: PointerEvent, move: (event: PointerEvent) => void, end: (cancelled: boolean) => void): void {
+  const target = event.currentTarget as Element;
+  target.setPointerCapture(event.pointerId);
+  const moved = (e: Event): void => move(e as PointerEvent);
+  const stop = (e: Event): void => {
+    target.removeEventListener("pointermove", moved);
+    target.removeEventListener("pointerup", stop);
+    target.removeEventListener("pointercancel", stop);
+    end(e.type === "pointercancel");
+  };
+  target.addEventListener("pointermove", moved);
+  target.addEventListener("pointerup", stop);
+  target.addEventListener("pointercancel", stop);
+}
+
+/** Numbers that divide a range into steps of 1, 2 or 5. */
+export function ticks(low: number, high: number, about: number): number[] {
+  const span = high - low;
+  if (!(span > 0)) return [];
+  const raw = span / about;
+  const power = 10 ** Math.floor(Math.log10(raw));
+  const step = power * ([1, 2, 5].find((f) => f * power >= raw) ?? 10);
+  const result: number[] = [];
+  for (let i = Math.ceil(low / step); i * step <= high + 1e-9 * span; ++i) result.push(Number((i * step).toPrecision(12)));
+  return result;
+}

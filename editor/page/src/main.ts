@@ -1,0 +1,184 @@
+import "./style.css";
+import { AxisGraphs, KeyTable } from "./side";
+import { Bar } from "./bar";
+import { button, byId, html, say } from "./dom";
+import { copyKeys, insertOnPath, insertValue, removeKeys, removeValues, setValues, shiftKeys } from "./edits";
+import type { Move } from "./move";
+import { PlanView, planPanel } from "./plan_view";
+import { Preview } from "./preview";
+import { Server } from "./server";
+import { Solver } from "./solver";
+import { SpaceView } from "./space_view";
+import { SpeedView } from "./speed_view";
+import { Store } from "./store";
+import { TimeBar } from "./time_bar";
+
+/** Buttons of which one is chosen; the panels of the others are hidden. */
+function tabs(label: string, panels: { name: string; id: string; panel: HTMLElement; show: () => void }[]): HTMLElement {
+  const row = html("div", { class: "tabs", role: "tablist", "aria-label": label });
+  const buttons = panels.map(({ name, id, panel, show }) => {
+    const one = html("button", { type: "button", role: "tab", id: `tab-${id}` }, name);
+    one.addEventListener("click", () => {
+      for (const [i, other] of panels.entries()) {
+        const chosen = other.name === name;
+        buttons[i].setAttribute("aria-selected", String(chosen));
+        buttons[i].tabIndex = chosen ? 0 : -1;
+        if (other.panel !== panel) other.panel.hidden = true;
+      }
+      panel.hidden = false;
+      show();
+    });
+    one.addEventListener("keydown", (event) => {
+      const by = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
+      if (by === undefined) return;
+      const next = buttons[(buttons.indexOf(one) + by + buttons.length) % buttons.length];
+      next.click();
+      next.focus();
+      event.stopPropagation();
+    });
+    return one;
+  });
+  row.append(...buttons);
+  buttons[0].click();
+  return row;
+}
+
+function pathSection(store: Store): void {
+  const place = byId("path");
+  const plan = planPanel();
+  const space = html("div", { id: "space", class: "fill" });
+  const views = html("div", { class: "fill views" }, plan, space);
+  const view = (): PlanView => planView;
+  const axisChoice = (name: string, id: string, first: number, choose: (axis: number) => void): HTMLSelectElement => {
+    const select = html("select", { id, "aria-label": name });
+    const fill = (): void => {
+      const axes = store.move.tracks[store.selection.track].axes;
+      if ([...select.options].map((option) => option.text).join() === axes.join()) return;
+      select.replaceChildren(...axes.map((axis, a) => html("option", { value: a }, axis)));
+      select.value = String(Math.min(first, axes.length - 1));
+      choose(Number(select.value));
+    };
+    select.addEventListener("change", () => {
+      choose(Number(select.value));
+      view().draw();
+    });
+    store.onChange(fill);
+    queueMicrotask(fill);
+    return select;
+  };
+  const across = axisChoice("Axis across", "across", 0, (axis) => (view().horizontal = axis));
+  const up = axisChoice("Axis up", "up", 1, (axis) => (view().vertical = axis));
+  const head = html("div", { class: "head" });
+  place.append(head, views);
+  const planView = new PlanView(store, plan);
+  const spaceView = new SpaceView(store, space);
+  const show = (axis: number) => () => {
+    const axes = store.move.tracks[store.selection.track].axes.length;
+    planView.vertical = Math.min(axis, axes - 1);
+    up.value = String(planView.vertical);
+    planView.draw();
+  };
+  head.append(tabs("View of the path", [
+    { name: "Plan", id: "plan", panel: plan, show: show(1) },
+    { name: "Elevation", id: "elevation", panel: plan, show: show(2) },
+    { name: "3-D", id: "space", panel: space, show: () => void spaceView.show().catch((error) => say(String(error), true)) },
+  ]), html("span", { class: "spring" }), html("label", {}, "across ", across), html("label", {}, "up ", up));
+}
+
+function sideSection(store: Store): void {
+  const keys = new KeyTable(store);
+  const graphs = new AxisGraphs(store);
+  const head = html("div", { class: "head" });
+  byId("side").append(head, keys.element, graphs.element);
+  head.append(tabs("Keys and axes", [
+    { name: "Keys", id: "keys", panel: keys.element, show: () => keys.draw() },
+    { name: "Axes over time", id: "axes", panel: graphs.element, show: () => graphs.draw() },
+  ]));
+}
+
+function speedSection(store: Store): void {
+  const place = html("div", { class: "fill" });
+  const many = (by: number) => (): void => {
+    const { track, values } = store.selection;
+    if (values.size === 0) return say("Select control values first; drag a frame around them.");
+    store.edit(setValues(store.move, track, (value, i) => (values.has(i) ? value + by : value)));
+  };
+  byId("speed").append(
+    html("div", { class: "head" }, html("h2", {}, "Speed curve"), html("span", { class: "spring" }),
+      button("Insert", "Insert a control value behind the selected one (I; or double-click the curve)", () => {
+        const { values } = store.selection;
+        if (values.size === 0) return say("Select a control value first.");
+        insertValue(store, Math.max(...values) + 1);
+      }, "insert-value"),
+      button("Delete", "Delete the selected control values (Delete)", () => removeValues(store), "delete-value"),
+      button("Lower", "Lower the selected control values (Down)", many(-1), "lower"),
+      button("Raise", "Raise the selected control values (Up)", many(1), "raise")),
+    place);
+  new SpeedView(store, place);
+}
+
+function shortcuts(store: Store, bar: Bar, preview: Preview): void {
+  document.addEventListener("keydown", (event) => {
+    const target = event.target as HTMLElement;
+    const control = event.ctrlKey || event.metaKey;
+    if (control && event.key.toLowerCase() === "z") {
+      if (event.shiftKey) store.redo();
+      else store.undo();
+    } else if (control && event.key.toLowerCase() === "y") {
+      store.redo();
+    } else if (control && event.key.toLowerCase() === "s") {
+      void bar.save();
+    } else if (control && event.key.toLowerCase() === "d") {
+      copyKeys(store);
+    } else if (control || event.altKey || target.closest("input, select, textarea, dialog")) {
+      return;
+    } else if (event.key === " " && !target.closest("button")) {
+      preview.play(1);
+    } else if (event.key.toLowerCase() === "r") {
+      preview.play(-1);
+    } else if (event.key === ".") {
+      preview.step(1);
+    } else if (event.key === ",") {
+      preview.step(-1);
+    } else if (event.key === "[") {
+      shiftKeys(store, -1);
+    } else if (event.key === "]") {
+      shiftKeys(store, 1);
+    } else if (event.key === "Delete") {
+      if (store.selection.values.size > 0) removeValues(store);
+      else removeKeys(store);
+    } else if (event.key.toLowerCase() === "i" && store.selection.keys.size > 0) {
+      insertOnPath(store, Math.min(...store.selection.keys) + 0.5);
+    } else {
+      return;
+    }
+    event.preventDefault();
+  });
+}
+
+function begin(solver: Solver, move: Move, server: Server | null): void {
+  const store = new Store(solver, move);
+  document.title = `${move.name} – inbetween`;
+  for (const id of ["bar", "path", "side", "speed", "time", "preview"]) byId(id).replaceChildren();
+  const bar = new Bar(store, server);
+  pathSection(store);
+  sideSection(store);
+  speedSection(store);
+  new TimeBar(store, byId("time"));
+  const preview = new Preview(store, byId("preview"));
+  shortcuts(store, bar, preview);
+  store.setFrame(0);
+  Object.assign(window, { inbetween: { store } }); // for tests of the page
+}
+
+async function start(): Promise<void> {
+  const solver = await Solver.load(await fetch("solver.wasm"));
+  const server = Server.find();
+  if (!server) {
+    byId("path").append(html("p", { class: "empty" }, "Open the address that “inbetween edit” printed: it has the key of this launch."));
+    return;
+  }
+  begin(solver, await server.open(), server);
+}
+
+start().catch((error: Error) => say(error.message, true));

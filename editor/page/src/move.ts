@@ -1,0 +1,146 @@
+// The move as the page edits it. Documents are never changed: an edit makes a new one, so that undo keeps the old.
+
+export interface Key {
+  readonly from: number | null; // its number in the file that was loaded; null: a new key
+  readonly at: readonly number[];
+  readonly tension: number;
+  readonly continuity: number;
+  readonly bias: number;
+  readonly frame: number | null;
+  readonly hold: number | null;
+  readonly break: boolean;
+  readonly ease: boolean;
+}
+
+export type Spline = "smooth" | "catmull-rom" | "tcb" | "linear";
+
+export interface Cubics {
+  readonly coefficients: readonly number[];
+  readonly weights: readonly number[];
+  readonly knots: readonly number[];
+}
+
+export interface Track {
+  readonly axes: readonly string[];
+  readonly unit: string;
+  readonly coordinates: readonly string[];
+  readonly spline: Spline;
+  readonly closed: boolean;
+  readonly periodic: boolean;
+  readonly timing: "speed" | "frames";
+  readonly kinetic: "linear" | "curves" | "pace" | "monotone" | null;
+  readonly live: boolean;
+  readonly fixed_keys: string | null;
+  readonly overshoot: boolean;
+  readonly keys: readonly Key[];
+  readonly lap: readonly number[];
+  readonly weights: readonly number[];
+  readonly rests: readonly boolean[];
+  readonly speed: readonly number[] | null;
+  readonly speed_is_played: boolean;
+  readonly path: Cubics | null;
+  readonly touched?: boolean; // the speed curve has been edited
+  readonly moved?: boolean; // the keys have been edited
+}
+
+export interface Limits {
+  readonly min: number;
+  readonly max: number;
+  readonly max_velocity: number;
+  readonly max_acceleration: number;
+  readonly max_jerk: number | null;
+  readonly max_acceleration_step: number | null;
+  readonly stop_acceleration: number | null;
+  readonly stop_jerk: number | null;
+}
+
+export interface Axis {
+  readonly name: string;
+  readonly unit: string;
+  readonly limits: Limits | null;
+}
+
+export interface FrameRate {
+  readonly text: string;
+  readonly numerator: number;
+  readonly denominator: number;
+}
+
+export interface Move {
+  readonly file: string;
+  readonly revision: string;
+  readonly name: string;
+  readonly fps: FrameRate;
+  readonly frames: number;
+  readonly rig: { readonly name: string; readonly rate_hz: number } | null;
+  readonly axes: readonly Axis[];
+  readonly tracks: readonly Track[];
+}
+
+export const max_control_value = 100;
+export const max_frames = 50_000;
+
+export const perSecond = (fps: FrameRate): number => fps.numerator / fps.denominator;
+
+export function parseFps(text: string): FrameRate | null {
+  const match = /^\s*(\d{1,7})(?:\s*\/\s*(\d{1,7}))?\s*$/.exec(text);
+  if (!match) return null;
+  const numerator = Number(match[1]);
+  const denominator = Number(match[2] ?? 1);
+  if (numerator < 1 || denominator < 1 || numerator / denominator > 1000) return null;
+  return { text: match[2] ? `${numerator}/${denominator}` : `${numerator}`, numerator, denominator };
+}
+
+export function withTrack(move: Move, index: number, change: Partial<Track>): Move {
+  return { ...move, tracks: move.tracks.map((track, t) => (t === index ? { ...track, ...change } : track)) };
+}
+
+export function withKeys(move: Move, index: number, keys: readonly Key[]): Move {
+  return withTrack(move, index, { keys, moved: true });
+}
+
+export function withSpeed(move: Move, index: number, speed: readonly number[]): Move {
+  return withTrack(move, index, { speed, touched: true });
+}
+
+export const plainKey = (at: readonly number[]): Key => ({
+  from: null, at, tension: 0, continuity: 0, bias: 0, frame: null, hold: null, break: false, ease: false,
+});
+
+/** Why the speed curve of a track cannot be edited here, or null. */
+export function fixedSpeed(track: Track): string | null {
+  if (track.speed === null) return "The keys have frames; there is no drawn curve.";
+  if (track.kinetic === "pace") return "The smoothest pace is computed from the frames of the keys.";
+  if (track.speed_is_played) return "The curve shown is eased at corners; edit it as text.";
+  return null;
+}
+
+/** The edits as the program takes them. */
+export function editsOf(move: Move): object {
+  return {
+    revision: move.revision,
+    frames: move.frames,
+    fps: move.fps.text,
+    tracks: move.tracks.map((track) => ({
+      keys: track.moved ? track.keys : null,
+      speed: track.touched ? track.speed : null,
+      spline: track.spline,
+      closed: track.closed,
+    })),
+  };
+}
+
+/** First axis of a track among those of the whole move. */
+export function firstAxis(move: Move, track: number): number {
+  return move.tracks.slice(0, track).reduce((sum, one) => sum + one.axes.length, 0);
+}
+
+/** A step that suits numbers of this size: 1, 0.1, 0.01 ... */
+export function stepFor(range: number): number {
+  return 10 ** Math.floor(Math.log10(Math.max(range, 1e-9) / 500));
+}
+
+export const roundTo = (value: number, step: number): number => {
+  const digits = Math.max(0, Math.round(-Math.log10(step)));
+  return Number((Math.round(value / step) * step).toFixed(Math.min(digits, 12)));
+};

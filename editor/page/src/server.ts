@@ -1,0 +1,57 @@
+// The program behind the page: it reads and writes the file, and does what takes a heap or longer.
+import { editsOf, type Move } from "./move";
+
+/** What the program refuses, in its words. */
+export class Refusal extends Error {
+  constructor(readonly status: number, message: string, readonly revision: string | null) {
+    super(message);
+  }
+}
+
+export class Server {
+  /** Null where the page was opened without a program. */
+  static find(): Server | null {
+    const token = location.hash.slice(1) || sessionStorage.getItem("inbetween-token");
+    if (!token) return null;
+    sessionStorage.setItem("inbetween-token", token); // so that loading again keeps it
+    history.replaceState(null, "", location.pathname);
+    return new Server(token);
+  }
+  private constructor(private readonly token: string) {}
+
+  open(): Promise<Move> {
+    return this.ask("GET", "move") as Promise<Move>;
+  }
+  async revision(): Promise<string> {
+    return ((await this.ask("GET", "revision")) as { revision: string }).revision;
+  }
+  resolve(move: Move): Promise<Move> {
+    return this.ask("POST", "resolve", editsOf(move)) as Promise<Move>;
+  }
+  fit(move: Move): Promise<Move> {
+    return this.ask("POST", "fit", editsOf(move)) as Promise<Move>;
+  }
+  fewest(move: Move): Promise<Move> {
+    return this.ask("POST", "fewest", editsOf(move)) as Promise<Move>;
+  }
+  save(move: Move, expects: string): Promise<{ revision: string; kept: string | null }> {
+    return this.ask("POST", "save", { ...editsOf(move), expects }) as Promise<{ revision: string; kept: string | null }>;
+  }
+  async keep(move: Move): Promise<string> {
+    return ((await this.ask("POST", "keep", editsOf(move))) as { kept: string }).kept;
+  }
+
+  private async ask(method: string, what: string, body?: object): Promise<unknown> {
+    const headers: Record<string, string> = { "X-Inbetween-Token": this.token };
+    if (body) headers["Content-Type"] = "application/json";
+    let response: Response;
+    try {
+      response = await fetch(`/api/${what}`, { method, headers, body: body ? JSON.stringify(body) : undefined });
+    } catch {
+      throw new Refusal(0, "The program has ended; start it again to save.", null);
+    }
+    const answer = (await response.json()) as { error?: string; revision?: string };
+    if (!response.ok) throw new Refusal(response.status, answer.error ?? "The program refused.", answer.revision ?? null);
+    return answer;
+  }
+}

@@ -1,0 +1,313 @@
+// The core, as WebAssembly. editor/solver/abi.cpp is the other side and says what each function reads and writes.
+import { perSecond, type Move, type Track } from "./move";
+
+interface Abi {
+  memory: WebAssembly.Memory;
+  _initialize(): void;
+  ib_numbers(): number;
+  ib_integers(): number;
+  ib_error(): void;
+  ib_error_what(): number;
+  ib_error_remedy(): number;
+  ib_solve(track: number): number;
+  ib_assemble(): number;
+  ib_track(track: number): number;
+  ib_played_values(track: number): number;
+  ib_path(track: number, perSegment: number): number;
+  ib_frames(track: number): number;
+  ib_speed(track: number, samples: number): number;
+  ib_key_frames(track: number): number;
+  ib_at(track: number, s: number): number;
+  ib_certificate(): number;
+  ib_motion(first: number, step: number, samples: number): number;
+}
+
+export interface SolverError {
+  readonly what: string;
+  readonly remedy: string;
+  readonly track: number;
+  readonly key: number;
+  readonly axis: number;
+}
+
+export interface SolvedTrack {
+  readonly hash: string; // of the table, as in `plan --json`
+  readonly segments: number;
+  readonly length: number;
+  readonly path: Float64Array; // positions, axes at a time
+  readonly perSegment: number;
+  readonly table: Float64Array; // for every frame s, distance, speed, acceleration, positions
+  readonly stride: number; // of the table
+  readonly keyFrames: readonly number[]; // of each key, and of the return to key 0
+  readonly played: Float64Array; // control values
+  readonly unitPerValue: number; // speed along the path for a control value of 1
+}
+
+export interface Peak {
+  readonly value: number;
+  readonly frame: number;
+}
+
+export interface Ceiling {
+  readonly rate: number; // so many times faster every limit still holds
+  readonly axis: number;
+  readonly quantity: number;
+}
+
+export interface Certificate {
+  readonly firstFrame: number;
+  readonly lastFrame: number;
+  readonly fits: boolean;
+  readonly reason: string;
+  readonly highestRate: number;
+  readonly longestStop: number | null; // seconds
+  readonly peaks: readonly { lowest: Peak; highest: Peak; velocity: Peak; acceleration: Peak; jerk: Peak }[];
+  readonly ceilings: readonly (readonly Ceiling[])[]; // of each track, cell by cell
+  readonly steps: readonly { track: number; key: number; axis: number; frame: number; velocity: number; acceleration: number }[];
+}
+
+export interface Solution {
+  readonly tracks: readonly SolvedTrack[];
+  readonly certificate: Certificate | null; // without a rig there is none
+  readonly firstFrame: number;
+  readonly lastFrame: number;
+}
+
+const splines = ["smooth", "catmull-rom", "tcb", "linear"];
+const kinetics = { linear: 0, monotone: 1, curves: 2, pace: 0 };
+export const quantities = ["velocity", "acceleration", "jerk"];
+
+class Failure extends Error {
+  constructor(readonly error: SolverError) {
+    super(error.what);
+  }
+}
+
+export class Solver {
+  private readonly numbers: number;
+  private readonly integers: number;
+  private constructor(private readonly abi: Abi) {
+    abi._initialize();
+    this.numbers = abi.ib_numbers();
+    this.integers = abi.ib_integers();
+  }
+
+  static async load(bytes: BufferSource | Response): Promise<Solver> {
+    // The core asks nothing of a system. What the C library would ask for is never called.
+    const none = new Proxy({}, { get: () => () => 52 });
+    const imports = { wasi_snapshot_preview1: none };
+    const source = bytes instanceof Response ? await bytes.arrayBuffer() : bytes;
+    const { instance } = await WebAssembly.instantiate(source, imports as WebAssembly.Imports);
+    return new Solver(instance.exports as unknown as Abi);
+  }
+
+  /** Solves every track and holds the move against the limits of its rig. */
+  solve(move: Move): Solution | SolverError {
+    try {
+      move.tracks.forEach((track, t) => this.solveTrack(move, track, t));
+      this.assemble(move);
+      const tracks = move.tracks.map((_, t) => this.readTrack(move, t));
+      const certificate = this.readCertificate(move);
+      return {
+        tracks,
+        certificate,
+        firstFrame: certificate?.firstFrame ?? 0,
+        lastFrame: certificate?.lastFrame ?? move.frames,
+      };
+    } catch (error) {
+      if (error instanceof Failure) return error.error;
+      throw error;
+    }
+  }
+
+  /** The position of every axis of a track at s, in segments from the first key. */
+  at(track: number, s: number, axes: number): number[] {
+    return this.abi.ib_at(track, s) ? Array.from(this.out(axes)) : [];
+  }
+
+  /** The curve that is played in control values, or the speed along the path, in equal steps over the move. */
+  speed(track: number, samples: number, real: boolean): Float64Array {
+    this.abi.ib_speed(track, samples);
+    const pairs = this.out(2 * samples);
+    return Float64Array.from({ length: samples }, (_, i) => pairs[2 * i + Number(real)]);
+  }
+
+  /** Position, velocity, acceleration and jerk of every axis of the move, sample by sample. */
+  motion(first: number, step: number, samples: number, axes: number): Float64Array {
+    this.abi.ib_motion(first, step, samples);
+    return this.out(samples * axes * 4).slice();
+  }
+
+  private view(): { numbers: Float64Array; integers: Int32Array } {
+    return {
+      numbers: new Float64Array(this.abi.memory.buffer, this.numbers, 1 << 19),
+      integers: new Int32Array(this.abi.memory.buffer, this.integers, 1 << 16),
+    };
+  }
+  private out(count: number): Float64Array {
+    return new Float64Array(this.abi.memory.buffer, this.numbers, count);
+  }
+
+  private solveTrack(move: Move, track: Track, index: number): void {
+    const { numbers, integers } = this.view();
+    const byFrames = track.timing === "frames" && track.kinetic !== "pace";
+    const keys = track.keys;
+    const isReturnedTo = track.closed && keys.length > 1;
+    const hasOwnTiming = !byFrames && !track.speed_is_played;
+    const locks = hasOwnTiming
+      ? keys.map((key, k) => ({ key, k })).filter(({ key }) => key.frame !== null || key.hold !== null || key.ease)
+      : [];
+    const speed = byFrames ? [] : (track.speed ?? []);
+    const shapes = track.spline === "tcb" ? keys.length : 0;
+    const weights = track.path ? track.path.weights : track.weights;
+    const segments = track.path ? track.path.knots.length / 3 : 0;
+    if (byFrames && keys.some((key) => key.frame === null)) {
+      throw new Failure({ what: "a key has no frame", remedy: "give it one: all keys of this track have frames",
+        track: index, key: keys.findIndex((key) => key.frame === null), axis: -1 });
+    }
+    let i = 0;
+    const put = (...values: number[]): void => values.forEach((value) => (integers[i++] = value));
+    put(splines.indexOf(track.spline), Number(isReturnedTo), track.axes.length, keys.length, Number(track.overshoot),
+      Number(track.periodic), move.frames, move.fps.numerator, move.fps.denominator, speed.length, locks.length,
+      byFrames ? keys.length + Number(isReturnedTo) : 0, kinetics[track.kinetic ?? "curves"],
+      Number(track.rests[0]), Number(track.rests[1]), track.lap.length, weights.length, shapes, segments);
+    for (const { key, k } of locks) {
+      put(k, key.frame ?? -1, key.hold ?? 0, Number(key.break), Number(key.ease));
+    }
+    if (byFrames) {
+      put(...keys.map((key) => key.frame ?? 0));
+      if (isReturnedTo) put(move.frames);
+    }
+    if (track.path) put(...track.path.knots);
+    let n = 0;
+    const add = (values: readonly number[]): void => {
+      for (const value of values) numbers[n++] = value;
+    };
+    // A path that the program made has its keys elsewhere; only their number counts.
+    keys.forEach((key) => add(track.path ? track.axes.map(() => 0) : key.at));
+    add(track.lap);
+    add(weights);
+    if (shapes > 0) keys.forEach((key) => add([key.tension, key.continuity, key.bias]));
+    add(speed);
+    if (track.path) add(track.path.coefficients);
+    if (!this.abi.ib_solve(index)) this.fail(index);
+  }
+
+  private assemble(move: Move): void {
+    const { numbers, integers } = this.view();
+    const limits = move.rig ? move.axes : [];
+    integers[0] = move.tracks.length;
+    integers[1] = limits.length;
+    numbers[0] = move.rig ? 1 / move.rig.rate_hz : 1;
+    let n = 1;
+    for (const axis of limits) {
+      const l = axis.limits!;
+      for (const value of [l.min, l.max, l.max_velocity, l.max_acceleration, l.max_jerk, l.max_acceleration_step,
+        l.stop_acceleration, l.stop_jerk]) {
+        numbers[n++] = value ?? Number.NaN;
+      }
+    }
+    if (!this.abi.ib_assemble()) this.fail(-1);
+  }
+
+  private readTrack(move: Move, index: number): SolvedTrack {
+    this.abi.ib_track(index);
+    const { numbers, integers } = this.view();
+    const half = (i: number): string => (integers[i] >>> 0).toString(16).padStart(8, "0");
+    const hash = half(1) + half(0);
+    const [frames, segments, keys, , values] = integers.slice(2, 7);
+    const [length, constant, integral] = numbers.slice(0, 3);
+    const perSegment = Math.max(4, Math.min(24, Math.round(2400 / Math.max(segments, 1))));
+    const points = this.abi.ib_path(index, perSegment);
+    const rows = move.tracks[index].axes.length;
+    const path = this.out(points * rows).slice();
+    const stride = 4 + rows;
+    this.abi.ib_frames(index);
+    const table = this.out((frames + 1) * stride).slice();
+    const played = this.out(this.abi.ib_played_values(index)).slice();
+    const met = this.abi.ib_key_frames(index);
+    const { numbers: at, integers: of } = this.view();
+    const keyFrames = new Array<number>(keys).fill(0);
+    let last = 0;
+    for (let i = 0; i < met; ++i) {
+      if (of[i] >= 0 && !(i === met - 1 && of[i] === 0)) keyFrames[of[i]] = at[i];
+      last = at[i];
+    }
+    if (keyFrames.length > 0) keyFrames.push(last);
+    // L(s) = K Phi(a), and a runs through f spans in the time of the move: speed = K phi da/dt.
+    const unitPerValue = integral > 0 && values > 1 ? (constant * (values - 1) * perSecond(move.fps)) / frames : 0;
+    return { hash, segments, length, path, perSegment, table, stride, keyFrames, played, unitPerValue };
+  }
+
+  private readCertificate(move: Move): Certificate | null {
+    if (!this.abi.ib_certificate()) return null;
+    const { numbers, integers } = this.view();
+    const axes = integers[2];
+    if (axes === 0) return null;
+    const [cells, stepCount, , stops, roll, stopAxis, stopQuantity, rollAxis, rollQuantity] = integers.slice(3, 12);
+    let i = 12;
+    let n = 10;
+    const peak = (): Peak => ({ value: numbers[n++], frame: numbers[n++] });
+    const peaks = Array.from({ length: axes }, () => ({
+      lowest: peak(), highest: peak(), velocity: peak(), acceleration: peak(), jerk: peak(),
+    }));
+    const ceilings = move.tracks.map(() =>
+      Array.from({ length: cells }, () => ({ rate: numbers[n++], axis: integers[i++], quantity: integers[i++] })));
+    const steps = Array.from({ length: stepCount }, () => ({
+      track: integers[i++], key: integers[i++], axis: integers[i++],
+      frame: numbers[n++], velocity: numbers[n++], acceleration: numbers[n++],
+    }));
+    const found = { firstFrame: integers[0], lastFrame: integers[1], highestRate: numbers[0], peaks, ceilings, steps };
+    let reason = whyNot(move, peaks, steps);
+    if (!reason && roll) {
+      const names = ["position", "velocity", "acceleration", "jerk"];
+      reason = `no roll keeps the ${names[rollQuantity]} of ${move.axes[rollAxis].name}`;
+    }
+    if (!reason && !stops) {
+      reason = `no stop keeps the ${stopQuantity ? "jerk" : "acceleration"} of ${move.axes[stopAxis].name} near frame ${numbers[4].toFixed(0)}`;
+    }
+    return { ...found, fits: reason === "", reason, longestStop: stops ? numbers[1] : null };
+  }
+
+  private fail(track: number): never {
+    this.abi.ib_error();
+    const { integers } = this.view();
+    throw new Failure({
+      what: this.text(this.abi.ib_error_what()),
+      remedy: this.text(this.abi.ib_error_remedy()),
+      track, key: integers[1], axis: integers[2],
+    });
+  }
+
+  private text(begin: number): string {
+    const bytes = new Uint8Array(this.abi.memory.buffer, begin);
+    return new TextDecoder().decode(bytes.slice(0, bytes.indexOf(0)));
+  }
+}
+
+/** The first limit that the proven peaks exceed, in words; empty where all hold. */
+function whyNot(move: Move, peaks: Certificate["peaks"], steps: Certificate["steps"]): string {
+  for (const [a, axis] of move.axes.entries()) {
+    const l = axis.limits!;
+    const p = peaks[a];
+    const over = (name: string, value: number, limit: number, unit: string, frame: number): string =>
+      `${axis.name}: ${name} ${value.toPrecision(3)} ${unit} at frame ${frame.toFixed(0)}, and ${limit} is allowed`;
+    if (p.lowest.value < l.min) return over("position", p.lowest.value, l.min, axis.unit, p.lowest.frame);
+    if (p.highest.value > l.max) return over("position", p.highest.value, l.max, axis.unit, p.highest.frame);
+    if (!(p.velocity.value <= l.max_velocity))
+      return over("velocity", p.velocity.value, l.max_velocity, `${axis.unit}/s`, p.velocity.frame);
+    if (!(p.acceleration.value <= l.max_acceleration))
+      return over("acceleration", p.acceleration.value, l.max_acceleration, `${axis.unit}/s²`, p.acceleration.frame);
+    if (l.max_jerk !== null && !(p.jerk.value <= l.max_jerk))
+      return over("jerk", p.jerk.value, l.max_jerk, `${axis.unit}/s³`, p.jerk.frame);
+    for (const step of steps) {
+      if (step.axis !== a) continue;
+      if (step.velocity > 0) return `${axis.name}: the velocity jumps at frame ${step.frame.toFixed(0)}`;
+      if (l.max_jerk !== null && step.acceleration > (l.max_acceleration_step ?? 0))
+        return `${axis.name}: the acceleration jumps at frame ${step.frame.toFixed(0)}`;
+    }
+  }
+  return "";
+}
+
+export const isError = (result: Solution | SolverError): result is SolverError => "what" in result;

@@ -1,0 +1,92 @@
+// The editor as a person has it: the program, a browser, a move of its own in a folder of its own.
+import { spawn, execFileSync } from "node:child_process";
+import { cpSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { createRequire } from "node:module";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+
+const root = new URL("../..", import.meta.url).pathname;
+const require = createRequire(join(root, "editor/page/package.json"));
+const { chromium } = require("playwright-core");
+
+export const program = process.env.INBETWEEN ?? join(root, "build/release/inbetween");
+export const pictures = process.env.INBETWEEN_PICTURES ?? join(root, "build/release/tests/editor/pictures");
+mkdirSync(pictures, { recursive: true });
+
+let browser = null;
+export async function startBrowser() {
+  // A container's root has no sandbox to give.
+  const args = process.getuid() === 0 ? ["--no-sandbox"] : [];
+  browser = await chromium.launch({ executablePath: "/usr/bin/chromium", args: [...args, "--use-gl=swiftshader", "--enable-unsafe-swiftshader"] });
+}
+export async function stopBrowser() {
+  await browser.close();
+}
+
+/** Waits until `ask` is true in the page. (Playwright's own waitForFunction evaluates text, which the page's policy
+ * forbids, and that policy is part of what is tested.) */
+export async function until(page, ask, argument) {
+  for (let tries = 0; tries < 1500; ++tries) {
+    if (await page.evaluate(ask, argument)) return;
+    await new Promise((done) => setTimeout(done, 20));
+  }
+  throw new Error(`never: ${ask}`);
+}
+
+/** Starts `inbetween edit` on a copy of the examples, with `text` in place of the move if it is given. */
+export async function edit(move, rig, { text, viewport = { width: 1280, height: 720 }, touch = false } = {}) {
+  const folder = mkdtempSync(join(tmpdir(), "inbetween-editor-"));
+  cpSync(join(root, "examples"), folder, { recursive: true });
+  const path = join(folder, move);
+  if (text !== undefined) writeFileSync(path, text);
+  const words = ["edit", path, "--no-browser", ...(rig ? ["--rig", join(folder, rig)] : [])];
+  const process = spawn(program, words, { stdio: ["ignore", "pipe", "pipe"] });
+  let said = "";
+  const address = await new Promise((resolve, reject) => {
+    process.stdout.on("data", (bytes) => {
+      said += bytes;
+      const found = /http:\/\/\S+/.exec(said);
+      if (found) resolve(found[0]);
+    });
+    process.stderr.on("data", (bytes) => (said += bytes));
+    process.on("exit", () => reject(new Error(said)));
+  });
+  const context = await browser.newContext({ viewport, hasTouch: touch });
+  const page = await context.newPage();
+  const complaints = [];
+  page.on("pageerror", (error) => complaints.push(String(error)));
+  page.on("console", (message) => {
+    if (message.type() === "error" && !/409|422/.test(message.text())) complaints.push(message.text());
+  });
+  await page.goto(address);
+  await page.waitForSelector("#frames");
+  const plan = () => JSON.parse(execFileSync(program, ["plan", path, ...(rig ? ["--rig", join(folder, rig)] : []), "--json", "-"],
+    { stdio: ["ignore", "pipe", "ignore"] }));
+  return {
+    page, path, folder, address, complaints,
+    read: () => readFileSync(path, "utf8"),
+    plan,
+    /** Hashes of the tables that the page shows. */
+    shown: () => page.locator("#verdict").getAttribute("data-hash"),
+    planned: () => plan().tracks.map((track) => track.hash ?? track.provenance?.hash).join(" "),
+    settled: () => page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))),
+    saved: () => until(page, () => document.getElementById("saved").textContent === "saved"),
+    picture: (name) => page.screenshot({ path: join(pictures, `${name}.png`) }),
+    async end() {
+      await context.close();
+      process.kill("SIGTERM");
+      await new Promise((done) => process.on("exit", done));
+      rmSync(folder, { recursive: true });
+    },
+  };
+}
+
+/** A move of a hundred keys on three axes, with a curve of forty control values. */
+export function hundredKeys() {
+  const keys = [];
+  for (let k = 0; k < 100; ++k) {
+    keys.push(`  { at = [${(60 + 15 * k).toFixed(1)}, ${(40 * Math.sin(k / 7)).toFixed(2)}, ${(20 * Math.cos(k / 5)).toFixed(2)}] },`);
+  }
+  const speed = [0, 0, ...Array.from({ length: 36 }, (_, i) => 8 + 3 * Math.round(Math.sin(i) * 10) / 10), 0, 0];
+  return `name = "hundred keys"\nfps = 24\nframes = 960\n[[track]]\naxes = ["slide", "pan", "tilt"]\nkeys = [\n${keys.join("\n")}\n]\nspeed = [${speed.map((v) => Number(v.toFixed(2))).join(", ")}]\nweights = [1.0, 6.0, 6.0]\n`;
+}

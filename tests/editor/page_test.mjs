@@ -1,0 +1,366 @@
+// Every operation of the editor as a person does it, by pointer and keyboard; what is saved is then planned by the
+// command line, and has the hash that the page showed.
+//
+//   INBETWEEN=build/release/inbetween node --test tests/editor/page_test.mjs
+import assert from "node:assert/strict";
+import { existsSync, writeFileSync } from "node:fs";
+import { connect } from "node:net";
+import { join } from "node:path";
+import { after, before, test } from "node:test";
+import { edit, hundredKeys, startBrowser, stopBrowser, until } from "./editor.mjs";
+
+before(startBrowser);
+after(stopBrowser);
+
+const reveal = () => edit("reveal.toml", "camera_rig.toml");
+
+/** Runs `act` in the editor, saves, and holds what is saved to what is shown. */
+async function afterwards(editor, act) {
+  await act(editor.page);
+  await editor.settled();
+  const shown = await editor.shown();
+  await editor.page.keyboard.press("Control+s");
+  await editor.saved();
+  assert.equal(editor.planned(), shown, "the command line plans what the page showed");
+  assert.deepEqual(editor.complaints, []);
+}
+
+const centre = async (locator) => {
+  const box = await locator.boundingBox();
+  return [box.x + box.width / 2, box.y + box.height / 2];
+};
+async function drag(page, locator, dx, dy) {
+  const [x, y] = await centre(locator);
+  await page.mouse.move(x, y);
+  await page.mouse.down();
+  for (let i = 1; i <= 5; ++i) await page.mouse.move(x + (dx * i) / 5, y + (dy * i) / 5);
+  await page.mouse.up();
+}
+const key = (page, k) => page.locator("#plan .key .knob").nth(k);
+const value = (page, i) => page.locator("#speed .value .knob").nth(i);
+
+test("what is opened is shown with the numbers of the command line, and nothing is written", async () => {
+  const editor = await reveal();
+  const text = editor.read();
+  assert.equal(await editor.shown(), editor.planned());
+  assert.match(await editor.page.locator("#verdict").textContent(), /within the limits/);
+  await editor.picture("opened");
+  assert.equal(editor.read(), text);
+  assert.deepEqual(editor.complaints, []);
+  await editor.end();
+});
+
+test("a control value is dragged, undone and done again", async () => {
+  const editor = await reveal();
+  const text = editor.read();
+  await afterwards(editor, async (page) => {
+    const first = await editor.shown();
+    await drag(page, value(page, 4), 0, 40);
+    await editor.settled();
+    const second = await editor.shown();
+    assert.notEqual(second, first);
+    await page.keyboard.press("Control+z");
+    await editor.settled();
+    assert.equal(await editor.shown(), first);
+    await page.keyboard.press("Control+Shift+z");
+    await editor.settled();
+    assert.equal(await editor.shown(), second);
+  });
+  const lines = editor.read().split("\n");
+  const changed = text.split("\n").filter((line, i) => line !== lines[i]);
+  assert.equal(changed.length, 1, "one line changes, and every comment stays");
+  assert.match(changed[0], /^speed/);
+  await editor.picture("speed_dragged");
+  await editor.end();
+});
+
+test("control values by keyboard: raised, inserted, deleted, several at once", async () => {
+  const editor = await reveal();
+  await afterwards(editor, async (page) => {
+    await value(page, 3).click();
+    await page.keyboard.press("ArrowRight");
+    for (let i = 0; i < 3; ++i) await page.keyboard.press("ArrowDown");
+    await page.keyboard.press("i");
+    await page.keyboard.press("ArrowLeft");
+    await page.keyboard.press("Delete");
+    await page.keyboard.press("Shift+ArrowUp");
+    await page.locator("#speed .value").nth(5).press("ArrowDown");
+    const [x0] = await centre(value(page, 2));
+    const [x1] = await centre(value(page, 4));
+    const plot = await page.locator("#speed svg").boundingBox();
+    await page.mouse.move(x0 - 20, plot.y + 3);
+    await page.mouse.down();
+    await page.mouse.move(x1, plot.y + 30);
+    await page.mouse.move(x1 + 20, plot.y + plot.height - 3);
+    await page.mouse.up();
+    await editor.settled();
+    assert.ok((await page.locator("#speed .value.selected").count()) >= 2);
+    await page.locator("#lower").click();
+  });
+  await editor.end();
+});
+
+test("keys: dragged, moved by keyboard, typed, added, inserted, copied, deleted", async () => {
+  const editor = await reveal();
+  await afterwards(editor, async (page) => {
+    await drag(page, key(page, 1), 12, -18);
+    await key(page, 2).click();
+    await page.keyboard.press("Alt+ArrowUp");
+    await page.keyboard.press("Alt+Shift+ArrowRight");
+    await page.getByLabel("tilt of key 3").fill("7.5");
+    await page.keyboard.press("Enter");
+    await key(page, 2).click();
+    await page.locator("#insert-key").click();
+    await editor.settled();
+    assert.equal(await page.locator("#plan .key").count(), 6);
+    await page.keyboard.press("Control+d");
+    await editor.settled();
+    assert.equal(await page.locator("#plan .key").count(), 7);
+    await page.locator("#delete-key").click();
+    await editor.settled();
+    assert.equal(await page.locator("#plan .key").count(), 6);
+  });
+  assert.match(editor.read(), /7\.5\]/);
+  assert.match(editor.read(), /# one degree of pan or tilt counts/);
+  await editor.picture("keys");
+  await editor.end();
+});
+
+test("a key inserted by a double click lies on the path", async () => {
+  const editor = await edit("paper_figure_4.toml");
+  await afterwards(editor, async (page) => {
+    const before = await page.locator("#plan .path-line").getAttribute("d");
+    const [a, b] = [await centre(key(page, 1)), await centre(key(page, 2))];
+    const middle = before.split("L").map((point) => point.replace("M", "").split(" ").map(Number));
+    const box = await page.locator("#plan svg").boundingBox();
+    const wanted = [(a[0] + b[0]) / 2 - box.x, (a[1] + b[1]) / 2 - box.y];
+    const nearest = middle.reduce((best, point) =>
+      Math.hypot(point[0] - wanted[0], point[1] - wanted[1]) < Math.hypot(best[0] - wanted[0], best[1] - wanted[1]) ? point : best);
+    const count = await page.locator("#plan .key").count();
+    await page.mouse.dblclick(box.x + nearest[0], box.y + nearest[1]);
+    await editor.settled();
+    assert.equal(await page.locator("#plan .key").count(), count + 1);
+  });
+  await editor.end();
+});
+
+test("a key is locked a frame later by the arrow, held, eased; the path is closed and shaped", async () => {
+  const editor = await reveal();
+  await afterwards(editor, async (page) => {
+    await key(page, 2).click();
+    await page.locator("#later").click();
+    await page.keyboard.press("]");
+    await key(page, 1).click();
+    await page.locator("#key-ease").check();
+  });
+  assert.match(editor.read(), /frame = \d+/);
+  assert.match(editor.read(), /ease = true/);
+  await afterwards(editor, async (page) => {
+    await page.locator("#key-ease").uncheck();
+    await page.locator("#spline").selectOption("tcb");
+    await key(page, 2).click();
+    await page.locator("#key-tension").fill("0.5");
+    await page.locator("#key-bias").fill("-0.25");
+  });
+  assert.match(editor.read(), /spline = "tcb"/);
+  assert.match(editor.read(), /tension = 0\.5/);
+  await editor.picture("shaped");
+  await editor.end();
+});
+
+test("limits that are exceeded are red, and fit and fewest frames cure them", async () => {
+  const editor = await reveal();
+  await afterwards(editor, async (page) => {
+    await page.locator("#frames").fill("110");
+    await page.keyboard.press("Enter");
+    await editor.settled();
+    assert.match(await page.locator("#verdict").textContent(), /✗ .*allowed/);
+    assert.match(await page.locator("#speed .over-text").textContent(), /(slide|pan|tilt): (velocity|acceleration|jerk) .* % too high/);
+    assert.notEqual(await page.locator("#speed .over").getAttribute("d"), "");
+    await editor.picture("limits_exceeded");
+    await page.locator("#fewest").click();
+    await until(page, () => Number(document.getElementById("frames").value) > 110);
+    await editor.settled();
+    assert.match(await page.locator("#verdict").textContent(), /✓/);
+    const fewest = Number(await page.locator("#frames").inputValue());
+    await page.locator("#frames").fill(String(fewest - 8));
+    await page.keyboard.press("Enter");
+    await editor.settled();
+    assert.match(await page.locator("#verdict").textContent(), /✗/);
+    await page.locator("#fit").click();
+    await until(page, () => document.getElementById("verdict").textContent.includes("✓"));
+    await editor.picture("fitted");
+  });
+  await editor.end();
+});
+
+test("the preview plays in true time, backward, in a loop, to and fro, by steps, and is scrubbed", async () => {
+  const editor = await reveal();
+  const { page } = editor;
+  const frame = () => page.evaluate(() => window.inbetween.store.frame);
+  await page.locator("#play").click();
+  const began = await page.evaluate(() => [performance.now(), window.inbetween.store.frame]);
+  await until(page, (from) => window.inbetween.store.frame > from + 24, began[1]);
+  const later = await page.evaluate(() => [performance.now(), window.inbetween.store.frame]);
+  const rate = ((later[1] - began[1]) * 1000) / (later[0] - began[0]);
+  assert.ok(rate > 20 && rate < 28, `${rate} frames a second, and 24 are asked for`);
+  await page.locator("#play").click();
+  await page.locator("#to-end").click();
+  assert.equal(await frame(), 192);
+  await page.locator("#reverse").click();
+  await until(page, () => window.inbetween.store.frame < 190);
+  await page.locator("#reverse").click();
+  await page.locator("#to-start").click();
+  await page.locator("#step").click();
+  await page.keyboard.press(".");
+  await page.keyboard.press(",");
+  assert.equal(await frame(), 1);
+  assert.equal(await page.locator(".counter").textContent(), "1 / 192");
+  await page.locator("#scrub").fill("96");
+  assert.equal(await frame(), 96);
+  for (const mode of ["loop", "ping-pong"]) {
+    await page.locator("#mode").selectOption(mode);
+    await page.evaluate(() => window.inbetween.store.setFrame(190));
+    await page.locator("#play").click();
+    await until(page, () => window.inbetween.store.frame < 189);
+    const playing = await page.locator('[aria-pressed="true"]').getAttribute("id");
+    assert.equal(playing, mode === "loop" ? "play" : "reverse");
+    await page.locator(`#${playing}`).click();
+  }
+  await page.locator("#time svg").click();
+  assert.ok((await frame()) > 10 && (await frame()) < 182);
+  assert.deepEqual(editor.complaints, []);
+  await editor.end();
+});
+
+test("elevation, space and the axes over time", async () => {
+  const editor = await reveal();
+  const { page } = editor;
+  await page.locator("#tab-elevation").click();
+  await editor.picture("elevation");
+  await page.locator("#tab-axes").click();
+  await page.locator("#tab-space").click();
+  await page.waitForSelector("#space canvas");
+  await page.evaluate(() => window.inbetween.store.setFrame(90));
+  await editor.settled();
+  await editor.picture("space_and_axes");
+  assert.equal(await page.locator("#side .graph").count(), 9);
+  assert.deepEqual(editor.complaints, []);
+  await editor.end();
+});
+
+test("an outside change is offered, and both versions are kept", async () => {
+  const editor = await reveal();
+  const { page } = editor;
+  await page.locator("#autosave").uncheck();
+  await value(page, 4).click();
+  await page.keyboard.press("ArrowUp");
+  const outside = `# from elsewhere\n${editor.read()}`;
+  writeFileSync(editor.path, outside);
+  await page.keyboard.press("Control+s");
+  await page.waitForSelector("dialog[open]");
+  assert.equal(editor.read(), outside, "nothing is written over it");
+  await editor.picture("outside_change");
+  await page.locator("#save-mine").click();
+  await editor.saved();
+  assert.ok(existsSync(join(editor.folder, "reveal.outside-1.toml")));
+  assert.doesNotMatch(editor.read(), /from elsewhere/);
+
+  writeFileSync(editor.path, outside);
+  await value(page, 5).click();
+  await page.keyboard.press("ArrowUp");
+  await page.waitForSelector("dialog[open]");
+  await page.locator("#load-theirs").click();
+  await editor.saved();
+  assert.equal(editor.read(), outside);
+  assert.ok(existsSync(join(editor.folder, "reveal.mine-1.toml")));
+  assert.equal(await editor.shown(), editor.planned());
+  await editor.end();
+});
+
+test("a change is saved by itself, and undo reaches back over it", async () => {
+  const editor = await reveal();
+  const { page } = editor;
+  const text = editor.read();
+  await value(page, 4).click();
+  await page.keyboard.press("ArrowUp");
+  await editor.saved();
+  assert.notEqual(editor.read(), text);
+  await page.keyboard.press("Control+z");
+  await until(page, () => document.getElementById("saved").textContent !== "saved");
+  await editor.saved();
+  assert.equal(editor.read(), text, "to the last byte");
+  await editor.end();
+});
+
+test("other kinds of move open with the hash of the command line", async () => {
+  for (const [move, rig] of [["nod.toml", "puppet_head.toml"], ["turntable.toml", "turntable_rig.toml"],
+    ["track_and_focus.toml", null], ["jaw.toml", null], ["crane/over_the_table.toml", "crane/rig.toml"],
+    ["marionette/walk.toml", "marionette/rig.toml"]]) {
+    const editor = await edit(move, rig);
+    assert.equal(await editor.shown(), editor.planned(), move);
+    assert.deepEqual(editor.complaints, [], move);
+    await editor.end();
+  }
+});
+
+test("a thousand silent connections keep nobody out, and are left", async () => {
+  const editor = await reveal();
+  const port = Number(new URL(editor.address).port);
+  const silent = Array.from({ length: 1000 }, (_, i) => {
+    const socket = connect(port, "127.0.0.1");
+    const closed = new Promise((done) => socket.on("close", done));
+    socket.on("error", () => {});
+    if (i % 2) socket.write("POST /api/save HTTP/1.1\r\nHost: ");
+    return { socket, closed };
+  });
+  await Promise.all(silent.slice(0, 900).map(({ socket }) => new Promise((done) => socket.on("connect", done).on("error", done))));
+  const text = editor.read();
+  const { page } = editor;
+  assert.equal(await page.evaluate(() => fetch("/api/move", { headers: { "X-Inbetween-Token": sessionStorage.getItem("inbetween-token") } })
+    .then((answer) => answer.status)), 200);
+  await silent[0].closed;
+  for (const { socket } of silent) socket.destroy();
+  assert.equal(editor.read(), text);
+  await editor.end();
+});
+
+test("by touch on a tablet", async () => {
+  const editor = await edit("reveal.toml", "camera_rig.toml", { viewport: { width: 1024, height: 768 }, touch: true });
+  await editor.page.touchscreen.tap(...(await centre(value(editor.page, 4))));
+  await editor.settled();
+  assert.equal(await editor.page.locator("#speed .value.selected").count(), 1);
+  await editor.picture("tablet");
+  await editor.end();
+});
+
+test("dragging a control value of a hundred keys keeps up with the screen", async () => {
+  const editor = await edit("reveal.toml", "camera_rig.toml", { text: hundredKeys() });
+  const { page } = editor;
+  await editor.picture("hundred_keys");
+  const [x, y] = await centre(value(page, 20));
+  await page.mouse.move(x, y);
+  await page.mouse.down();
+  await page.evaluate(() => {
+    window.took = [];
+    const channel = new MessageChannel();
+    let begin = 0;
+    // From the event to the moment when the picture has been handed over: the first task after the frame.
+    channel.port1.onmessage = () => window.took.push(performance.now() - begin);
+    document.addEventListener("pointermove", (event) => {
+      begin = event.timeStamp;
+      requestAnimationFrame(() => channel.port2.postMessage(0));
+    }, true);
+  });
+  for (let i = 0; i < 120; ++i) {
+    await page.mouse.move(x, y - 30 * Math.sin(i / 6));
+    await page.evaluate(() => new Promise((done) => requestAnimationFrame(done)));
+  }
+  await page.mouse.up();
+  const took = (await page.evaluate(() => window.took)).sort((a, b) => a - b);
+  const solve = await page.evaluate(() => window.inbetween.store.solveMs);
+  const at = (share) => took[Math.floor(share * (took.length - 1))].toFixed(1);
+  console.log(`# pointer to picture: p50 ${at(0.5)} ms, p95 ${at(0.95)} ms of ${took.length}; solve and draw ${solve.toFixed(1)} ms`);
+  assert.ok(took.length > 50);
+  await editor.end();
+});
