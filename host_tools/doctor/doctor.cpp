@@ -44,18 +44,6 @@ std::optional<BusNeeds> needs_of(const RigFile& rig, const Bus& bus) {
   return needs;
 }
 
-/// Drives that this version only simulates.
-void refuse_simulated_types(const RigFile& rig) {
-  std::vector<std::size_t> others;
-  for (std::size_t a = 0; a < rig.axes.size(); ++a) {
-    const Drive& drive = rig.axes[a].drive;
-    if (!std::holds_alternative<Cia402Drive>(drive) && !std::holds_alternative<StepDirDrive>(drive))
-      others.push_back(a);
-  }
-  MachineHardware hardware(rig);
-  if (!others.empty()) static_cast<void>(hardware.open_others(others));
-}
-
 }  // namespace
 
 Findings check_rig(const RigFile& rig) {

@@ -10,6 +10,7 @@
 #include <limits>
 #include <utility>
 
+#include "drivers/linux/line_pipe.hpp"
 #include "inbetween/limits/limits.hpp"
 
 namespace inbetween {
@@ -22,7 +23,10 @@ constexpr std::array<std::string_view, 4> turns_fields = {"type", "bus", "node",
 constexpr std::array<std::string_view, 13> step_dir_fields = {
     "type",     "chip",     "step",         "dir",         "enable",        "steps_per_unit", "max_step_rate",
     "pulse_us", "pause_us", "dir_setup_us", "dir_hold_us", "enable_active", "latest_us"};
-constexpr std::array<std::string_view, 3> pipe_fields = {"type", "path", "counts_per_unit"};
+constexpr std::array<std::string_view, 8> pipe_fields = {
+    "type", "path", "counts_per_unit", "count_at_zero", "min_count", "max_count", "baud", "no_watchdog"};
+
+constexpr double max_pipe_count = std::numeric_limits<std::int32_t>::max();
 
 struct CanAddress {
   std::string bus;
@@ -171,6 +175,45 @@ StepDirDrive read_step_dir(const TomlTable& table, const RigAxis& axis, TakenLin
   return drive;
 }
 
+/// The counts of both ends of the axis must be those of the servo.
+void refuse_pipe_range(const TomlTable& table, const PipeDrive& drive, const RigAxis& axis) {
+  for (const std::string_view field : {"min_count", "max_count"}) {
+    const auto limit = table.optional(field);
+    if (!limit) continue;
+    const double bound = limit->number(-max_pipe_count, max_pipe_count);
+    for (const double end : {axis.min, axis.max}) {
+      const double count = std::floor(end * drive.counts_per_unit + drive.count_at_zero + 0.5);
+      if (field == "min_count" ? count >= bound : count <= bound) continue;
+      limit->refuse(
+          fmt::format("is {:.15g}, and {} {} is count {:.15g}; correct counts_per_unit, count_at_zero or "
+                      "the range of the axis",
+                      bound, end, to_string(axis.unit), count));
+    }
+  }
+}
+
+PipeDrive read_pipe(const TomlTable& table, const RigAxis& axis) {
+  const TomlValue path = table.required("path", "the FIFO or serial port, path = \"...\"");
+  PipeDrive drive;
+  drive.path = (std::filesystem::path(path.place().file).parent_path() / path.text()).string();
+  drive.counts_per_unit = read_count_scale(table, "counts_per_unit", axis);
+  if (const auto zero = table.optional("count_at_zero")) {
+    drive.count_at_zero = zero->number(-max_pipe_count, max_pipe_count);
+  }
+  if (const auto baud = table.optional("baud")) {
+    drive.baud = static_cast<std::int32_t>(baud->integer(1, 1'000'000));
+    if (!is_baud(drive.baud)) {
+      baud->refuse(
+          fmt::format("is {}; write one that serial ports have, such as 115200 or 1000000", drive.baud));
+    }
+  }
+  if (const auto accepted = table.optional("no_watchdog")) {
+    drive.has_no_watchdog = accepted->choice({"accepted"}) == 0;
+  }
+  refuse_pipe_range(table, drive, axis);
+  return drive;
+}
+
 }  // namespace
 
 void take(Taken& taken, const TomlValue& value, const std::string& what, std::string_view remedy) {
@@ -209,9 +252,7 @@ Drive read_drive(const TomlValue& value, const RigAxis& axis, const RigContext& 
     default:
       break;
   }
-  const TomlTable table(fields, "a pipe drive", pipe_fields);
-  const TomlValue path = table.required("path", "the FIFO or serial port, path = \"...\"");
-  return PipeDrive{path.text(), read_count_scale(table, "counts_per_unit", axis)};
+  return read_pipe(TomlTable(fields, "a pipe drive", pipe_fields), axis);
 }
 
 }  // namespace inbetween

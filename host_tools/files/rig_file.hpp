@@ -78,9 +78,13 @@ struct StepDirDrive {
   Level enable_active = Level::low;
   std::int64_t latest_ns = 500'000;  // an edge later than this means a controlled stop
 };
+/// A line of text a tick. Positions are whole counts, such as microseconds of a servo's pulse.
 struct PipeDrive {
   std::string path;
   double counts_per_unit = 0;
+  double count_at_zero = 0;  // the count of position 0
+  std::int32_t baud = 115'200;
+  bool has_no_watchdog = false;  // somebody accepts that nothing can be read back
 };
 using Drive = std::variant<Cia402Drive, OdriveDrive, MoteusDrive, StepDirDrive, PipeDrive>;
 

@@ -52,7 +52,7 @@ class CanDrives final : public PortDrives<can::Cia402Port<double, BusLink>> {
   [[nodiscard]] std::vector<std::string> notes() const;
   [[nodiscard]] std::string left_on() const;
   /// Adds what the buses and the drives on them have counted.
-  void count(Counters& counts) const;
+  void count(Counters& counts) const override;
 
  private:
   struct BusOfRig {

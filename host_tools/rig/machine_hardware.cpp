@@ -16,6 +16,7 @@
 #include "drivers/linux/instance_lock.hpp"
 #include "drivers/linux/real_time.hpp"
 #include "host_tools/rig/can_drives.hpp"
+#include "host_tools/rig/pipe_drives.hpp"
 #include "inbetween/can/canopen_id.hpp"
 #include "inbetween/loop/tick_time.hpp"
 
@@ -296,12 +297,21 @@ std::vector<RigHardware::OpenedInputs> MachineHardware::open_inputs(std::span<co
   return opened;
 }
 
+void refuse_simulated_types(const RigFile& rig) {
+  for (const RigAxis& axis : rig.axes) {
+    const bool is_simulated_only =
+        std::holds_alternative<OdriveDrive>(axis.drive) || std::holds_alternative<MoteusDrive>(axis.drive);
+    if (!is_simulated_only) continue;
+    throw InputError(axis.place,
+                     fmt::format("{}: this version moves CiA 402, step-dir and pipe drives; simulate the "
+                                 "rig with --sim",
+                                 named(axis)));
+  }
+}
+
 std::unique_ptr<AxisDrives> MachineHardware::open_others(std::span<const std::size_t> axes) {
-  const RigAxis& axis = rig_.axes[axes.front()];
-  throw InputError(axis.place,
-                   fmt::format("axis {}: this version moves CiA 402 and step-dir drives; simulate the rig "
-                               "with --sim",
-                               in_quotes(axis.name)));
+  refuse_simulated_types(rig_);
+  return std::make_unique<PipeDrives>(rig_, axes);
 }
 
 }  // namespace inbetween

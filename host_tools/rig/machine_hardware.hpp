@@ -21,6 +21,9 @@ std::vector<InputError> unavailable_lines(const RigFile& rig);
 /// Throws the first of them.
 void refuse_unavailable_lines(const RigFile& rig);
 
+/// Throws InputError at an axis whose drive this version only simulates.
+void refuse_simulated_types(const RigFile& rig);
+
 /// Nobody else can open a bus through it meanwhile. Lines are taken at their safe levels.
 class MachineHardware final : public RigHardware {
  public:

@@ -101,13 +101,17 @@ bool RigDrives::has_lost_position(std::size_t axis) const {
 Counters RigDrives::counts() const {
   Counters counts;
   if (can_ != nullptr) can_->count(counts);
-  if (steps_ != nullptr) steps_->count(counts);
+  for (const Part& part : parts_) {
+    if (part.drives.get() != can_) part.drives->count(counts);
+  }
   return counts;
 }
 
 std::string RigDrives::trouble() const {
   std::string trouble = can_ != nullptr ? can_->bus_trouble() : "";
-  if (trouble.empty() && steps_ != nullptr) trouble = steps_->trouble();
+  for (const Part& part : parts_) {
+    if (trouble.empty()) trouble = part.drives->trouble();
+  }
   if (trouble.empty() && can_ != nullptr) trouble = can_->drive_trouble();
   return trouble;
 }

@@ -97,6 +97,9 @@ class AxisDrives {
   /// RigDrives::place.
   virtual void place(std::size_t drive, double position) = 0;
   [[nodiscard]] virtual bool has_lost_position(std::size_t /*drive*/) const { return false; }
+  /// RigDrives::trouble and RigDrives::counts, of these.
+  [[nodiscard]] virtual std::string trouble() const { return ""; }
+  virtual void count(Counters& /*counts*/) const {}
 };
 
 /// The drives behind a DrivePort.

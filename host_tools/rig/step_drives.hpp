@@ -41,9 +41,9 @@ class StepDrives final : public PortDrives<StepPort<double, ChipOutputs>> {
   /// When the motion of the last setpoints is played.
   [[nodiscard]] const TickChain& chain() const { return port_->chain(); }
   /// Says the first thing that is wrong and what to do; "" if nothing is. Not for the loop's thread.
-  [[nodiscard]] std::string trouble() const;
+  [[nodiscard]] std::string trouble() const override;
   /// Adds what the chips that count have counted, and the steps of each axis that its driver's times delayed.
-  void count(Counters& counts) const;
+  void count(Counters& counts) const override;
 
  private:
   struct Chip {
