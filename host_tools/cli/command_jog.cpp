@@ -3,12 +3,15 @@
 
 #include <CLI/CLI.hpp>
 #include <numeric>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "drivers/linux/interrupt_watch.hpp"
 #include "drivers/linux/key_terminal.hpp"
+#include "drivers/linux/monotonic_clock.hpp"
 #include "host_tools/cli/command.hpp"
+#include "host_tools/cli/held_keys.hpp"
 #include "host_tools/cli/run_screen.hpp"
 #include "host_tools/cli/setup_arguments.hpp"
 #include "host_tools/loop/jitter.hpp"
@@ -19,10 +22,14 @@
 namespace inbetween {
 namespace {
 
+constexpr double default_reach = 0.1;
+
 struct JogArguments {
   SetupArguments setup;
   std::string axis;
   double share = 0.1;
+  std::optional<std::string> device;
+  std::optional<double> reach;
 };
 
 void print_steps(const RigFile& rig, const RigReference& reference) {
@@ -39,6 +46,10 @@ int jog_command(const JogArguments& arguments) {
   if (arguments.setup.allow_jitter && arguments.share > jitter_share) {
     throw UsageError("with --allow-jitter --speed is 0.1 at most");
   }
+  if (arguments.reach && !arguments.device)
+    throw UsageError("--reach is for a key that is held; add --device");
+  std::optional<HeldKeys> held;
+  if (arguments.device) held.emplace(*arguments.device);
   const RigWatch watch(arguments.setup.rig);
   const RigFile rig = read_rig(arguments.setup.rig);
   const std::size_t selected = axis_named(rig, arguments.axis);
@@ -52,6 +63,10 @@ int jog_command(const JogArguments& arguments) {
     RunScreen screen(fmt::format("{}{}, by hand", rig.name, arguments.setup.simulated ? ", simulated" : ""),
                      rig);
     options.session.audience.keys = [&] { return terminal.read(); };
+    if (held) {
+      options.reach = arguments.reach.value_or(default_reach);
+      options.session.audience.device = [&] { return held->read(MonotonicClock().now_ns()); };
+    }
     options.session.audience.interrupted = &InterruptWatch::asked;
     options.session.audience.rig_has_changed = [&] { return watch.has_changed(); };
     options.session.audience.status = [&](const RunSnapshot& now) {
@@ -75,12 +90,25 @@ void describe(CLI::App& app, JogArguments& arguments) {
          "the share of their limits that axes use on the way; a stop may use all of them (0.001 to 1)")
       ->check(CLI::Range(0.001, 1.0))
       ->capture_default_str();
+  app.add_option(
+      "--device", arguments.device,
+      "a keyboard or game pad of /dev/input: its left and right move the axis while they are held");
+  app.add_option("--reach", arguments.reach,
+                 "with --device: the share of its range that an axis moves at most, then the key must be\n"
+                 "pressed anew (0.001 to 1; 0.1 unless said otherwise)")
+      ->check(CLI::Range(0.001, 1.0));
   app.footer(
       R"(Left and right, or - and +, move the axis by one step; 1 to 5 choose how long it is, from fine to a
 hundredth of the way between its limits at most. Up and down choose the axis, any other key stops it; q, Esc
 and Ctrl-C leave, and so does a lost terminal. One step at a time: a press while an axis moves does nothing,
 and neither do the repeats of a key that is held, since a terminal does not tell when it is let go. To be told
 apart from those a press waits 150 ms.
+
+With --device the axis moves while right or left, + or - on the keypad, or the cross of a game pad is held,
+and rests as soon as its limits allow when it is let go, when the device is unplugged, or when it has moved by
+the --reach. It begins from neutral only: after a second key, or a key that was held before, let go of all.
+A program that does not look at the device for 150 ms takes it for let go. The terminal chooses the axis and
+leaves.
 
 Axes stay inside their soft limits. An unreferenced axis (one that does not know where it is) has none: it
 moves at a tenth of the share at most. Bring it to its mark, and say so with inbetween goto --set-zero.
@@ -90,6 +118,7 @@ Exit status: 0 left; 1 refused; 4 stopped by something else.
 Examples:
   inbetween jog --rig rig.toml focus
   inbetween jog --rig rig.toml pan --speed 0.02
+  inbetween jog --rig rig.toml pan --device /dev/input/by-id/usb-pad-event-joystick
   inbetween jog --rig rig.toml pan --sim --from pan=30)");
 }
 

@@ -58,6 +58,9 @@ ActEnd FastRunner::run(LoopTask& act, std::optional<std::int64_t> last) {
   while (!act.is_over()) {
     if (audience_.keys && !act.is_preparation()) keys_.feed(audience_.keys());
     while (const std::optional<TransportKey> key = keys_.next()) act.press(allowed(*key, audience_));
+    if (audience_.device && !act.is_preparation()) {
+      for (const TransportKey key : audience_.device()) act.press(key);
+    }
     if (audience_.interrupted && audience_.interrupted()) act.press(TransportKey::quit);
     act.tick(1, time_of_tick(++tick_, rate_hz_));
     trace_.take(loop_);
@@ -150,6 +153,8 @@ void TimedRunner::tick(std::int32_t ticks, std::int64_t now_ns) {
 void TimedRunner::attend(std::optional<std::int64_t> last) {
   if (audience_.keys) keys_.feed(audience_.keys());
   while (const std::optional<TransportKey> key = keys_.next()) typed_.push(allowed(*key, audience_));
+  if (audience_.device)
+    std::ranges::for_each(audience_.device(), [&](TransportKey key) { typed_.push(key); });
   if (audience_.interrupted && audience_.interrupted()) typed_.push(TransportKey::quit);
   std::optional<RunSnapshot> newest;
   while (const std::optional<RunSnapshot> one = shown_.pop()) newest = one;

@@ -23,6 +23,8 @@ namespace inbetween {
 struct LoopAudience {
   /// Returns the keys that were typed since the last call (TransportKeys). Without it nobody can type.
   std::function<std::string()> keys = {};
+  /// Returns the keys since the last call of a device that tells when it is let go.
+  std::function<std::vector<TransportKey>()> device = {};
   /// Whether somebody wants the run to end: it is stopped on the path.
   std::function<bool()> interrupted = {};
   /// Called about ten times a second of real time.

@@ -35,6 +35,7 @@ struct JogSnapshot {
   double min = 0, max = 0;  ///< soft limits; none where it is not referenced
   int size = 0;             ///< of a step, 1 to 5
   double increment = 0;     ///< of that size
+  double reach = 0;         ///< of a key that is held; 0: it goes by steps
   bool is_referenced = true;
 };
 

@@ -26,7 +26,11 @@ enum class TransportKey {
   size_3,
   size_4,
   size_5,
-  quit,     ///< q: stop, and leave
+  quit,           ///< q: stop, and leave
+  hold_forward,   ///< of a device that tells when it is let go: pressed
+  hold_backward,  ///< the same
+  still_held,     ///< told again and again meanwhile
+  let_go,
   refused,  ///< what would begin something, after the rig file was changed
 };
 

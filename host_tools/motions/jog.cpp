@@ -69,12 +69,21 @@ Status Jog::begin() {
 }
 
 void Jog::press(TransportKey key) {
+  if (key == TransportKey::let_go) return let_go();
+  if (key == TransportKey::still_held) {
+    held_ns_ = now_ns_;
+    return;
+  }
   if (keys_.press(key)) {
-    pressed_ = 0;
+    pressed_ = held_ = 0;
     return;
   }
   if (!keys_.is_running()) return;
   switch (key) {
+    case TransportKey::hold_forward:
+      return hold(1);
+    case TransportKey::hold_backward:
+      return hold(-1);
     case TransportKey::step_forward:
     case TransportKey::faster:
       return pressed(1);
@@ -98,6 +107,7 @@ void Jog::press(TransportKey key) {
 
 /// A press too soon after another is a repeat, and so was that one.
 void Jog::pressed(int direction) {
+  if (axes_[selected_].reach > 0) return keys_.say("the keys of the device move it");
   const bool repeats = pressed_ns_ && now_ns_ - *pressed_ns_ < ns_of(jog_repeat_s);
   pressed_ = repeats ? 0 : direction;
   pressed_ns_ = now_ns_;
@@ -140,7 +150,45 @@ void Jog::step(int direction) {
 
 void Jog::stop() {
   pressed_ = 0;
+  held_ = 0;
   axis().stop();
+}
+
+void Jog::hold(int direction) {
+  held_ = direction;
+  has_begun_hold_ = false;
+  held_ns_ = now_ns_;
+}
+
+void Jog::let_go() {
+  if (held_ != 0 && has_begun_hold_) axis().stop();
+  held_ = 0;
+}
+
+/// One that could not begin at once, or has come to its end, must be let go and pressed anew.
+void Jog::take_hold() {
+  if (held_ == 0) return;
+  if (now_ns_ - held_ns_ >= ns_of(jog_silence_s)) {
+    let_go();
+    return keys_.say("it is not told to be held any more: press again");
+  }
+  if (has_begun_hold_) return;
+  if (free_.is_resting() && !is_marked_[selected_]) {
+    ask_ = Ask::mark;  // comes back while it is held
+    return;
+  }
+  has_begun_hold_ = true;
+  if (!free_.is_resting()) {
+    held_ = 0;
+    return keys_.say("it still moves: press again");
+  }
+  const JogAxis& moved = axes_[selected_];
+  const double here = axis().position();
+  const double low = moved.is_referenced ? std::min(moved.min, here) : here - moved.reach;
+  const double high = moved.is_referenced ? std::max(moved.max, here) : here + moved.reach;
+  Status goes = axis().set_range(low, high);
+  if (goes) goes = axis().go_to(std::clamp(here + held_ * moved.reach, low, high));
+  keys_.say(goes);
 }
 
 void Jog::choose(std::size_t axis) {
@@ -155,7 +203,10 @@ void Jog::choose_increment(std::size_t size) {
 
 void Jog::tick(std::int32_t ticks, std::int64_t now_ns) {
   now_ns_ = now_ns;
-  if (keys_.is_running()) take_press();
+  if (keys_.is_running()) {
+    take_press();
+    take_hold();
+  }
   keys_.note(loop_.tick(ticks, now_ns));
   std::ranges::copy(loop_.drive_states(), states_.begin());
   if (!free_.is_resting()) rested_ns_ = now_ns;
@@ -188,6 +239,7 @@ RunSnapshot Jog::snapshot() const {
                              .max = axis.max,
                              .size = static_cast<int>(size_) + 1,
                              .increment = axis.increments[size_],
+                             .reach = axis.reach,
                              .is_referenced = axis.is_referenced}};
 }
 
@@ -201,7 +253,8 @@ struct JogRig {
   std::vector<JogAxis> axes;
 };
 
-JogRig jog_rig(const RigSession& session, const RigReference& reference, double share) {
+JogRig jog_rig(const RigSession& session, const RigReference& reference, double share,
+               const std::optional<double>& reach) {
   JogRig rig;
   for (std::size_t a = 0; a < session.rig().axes.size(); ++a) {
     const RigAxis& axis = session.rig().axes[a];
@@ -216,7 +269,8 @@ JogRig jog_rig(const RigSession& session, const RigReference& reference, double 
                         .min = axis.min,
                         .max = axis.max,
                         .count = count_of(axis.drive),
-                        .is_referenced = is_referenced});
+                        .is_referenced = is_referenced,
+                        .reach = reach.value_or(0) * (axis.max - axis.min)});
   }
   return rig;
 }
@@ -224,7 +278,7 @@ JogRig jog_rig(const RigSession& session, const RigReference& reference, double 
 SetupEnd jog_session(RigSession& session, std::size_t selected, RigReference& reference,
                      const JogOptions& options) {
   if (!session.arm()) return {.reason = reason_of(session, "the drives were not switched on")};
-  JogRig axes = jog_rig(session, reference, options.share);
+  JogRig axes = jog_rig(session, reference, options.share, options.reach);
   FreeAxes free(std::move(axes.free));
   Jog jog(session.loop(),
           {.source = source_of<double>(free),

@@ -23,6 +23,8 @@ namespace inbetween {
 inline constexpr double jog_repeat_s = 0.15;
 /// A press moves nothing if the disk kept it waiting for longer (docs/faults.md 41).
 inline constexpr double jog_press_waits_s = 0.5;
+/// A held key that is not told to be held for so long is let go: with the way to the loop 200 ms at most.
+inline constexpr double jog_silence_s = 0.15;
 /// An axis that does not know where it is gets this part of the velocity that another axis gets.
 inline constexpr double unreferenced_jog_share = 0.1;
 /// No step is longer than this part of the way between the limits of its axis.
@@ -41,6 +43,7 @@ struct JogAxis {
   double min = 0, max = 0;  ///< soft limits; none where it is not referenced
   double count = 0;         ///< of its drive, in its unit; 0 where it has none
   bool is_referenced = true;
+  double reach = 0;  ///< as far as a held key moves it at most; 0: it moves by steps
 };
 
 /// Steps by keys, as an act of a motion loop that comes back for its caller: over when somebody has left, and
@@ -51,6 +54,9 @@ struct JogAxis {
 /// choose the axis, and any other key stops. One step at a time: a press while something moves does nothing,
 /// and nothing waits for its turn. So nothing goes further than the increment of a press that somebody made,
 /// whatever becomes of the terminal. A referenced axis stays inside its soft limits.
+///
+/// An axis with a reach moves while a key of a device is held (hold_forward, hold_backward), until that is
+/// let go, is not told to be held any more, or has moved it by its reach; it must then be pressed anew.
 class Jog final : public LoopTask {
  public:
   enum class Ask : std::uint8_t {
@@ -89,6 +95,9 @@ class Jog final : public LoopTask {
   void choose(std::size_t axis);
   void choose_increment(std::size_t size);
   void stop();
+  void hold(int direction);
+  void take_hold();
+  void let_go();
   [[nodiscard]] FreeAxis<double>& axis() { return free_.axes()[selected_]; }
 
   RunLoop& loop_;
@@ -104,6 +113,9 @@ class Jog final : public LoopTask {
   bool has_begun_ = false;
   int pressed_ = 0;                              ///< the direction of a press that is not taken yet
   std::optional<std::int64_t> pressed_ns_ = {};  ///< when the last one came, taken or not
+  int held_ = 0;                                 ///< the direction of a key that is held
+  bool has_begun_hold_ = false;
+  std::int64_t held_ns_ = 0;  ///< when that was told last
   std::int64_t now_ns_ = 0;
   std::int64_t rested_ns_ = 0;  ///< when it did not rest for the last time
 };
@@ -111,6 +123,8 @@ class Jog final : public LoopTask {
 struct JogOptions {
   /// The share of its limits that an axis may use, up to 1. A stop may use all of them.
   double share = 0.1;
+  /// With a device whose keys are held: the share of its range that an axis moves at most. None: steps.
+  std::optional<double> reach = {};
   SessionOptions session = {};
 };
 

@@ -1,0 +1,265 @@
+// An axis moves while a key is held, and no longer.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "drivers/linux/event_device.hpp"
+#include "host_tools/loop/loop_preparations.hpp"
+#include "host_tools/motions/jog.hpp"
+#include "host_tools/plan/move_rolls.hpp"
+#include "host_tools/rig/simulated_hardware.hpp"
+#include "tests/support/event_pipe.hpp"
+#include "tests/support/run_program.hpp"
+#include "tests/support/temporary_file.hpp"
+#include "tests/support/terminal_screen.hpp"
+
+namespace inbetween {
+namespace held_jog_test {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+const std::string slider = R"(name = "slider"
+rate_hz = 250
+[[axis]]
+name = "track"
+unit = "mm"
+min = 0
+max = 500
+max_velocity = 250
+max_acceleration = 1000
+max_jerk = 20000
+reference = "operator"
+drive = { type = "step-dir", chip = "gpio", step = 17, dir = 27, steps_per_unit = 40 }
+)";
+constexpr double tick_s = 0.004;
+
+/// An axis under the keys of a device, on a virtual clock. What happens to the key happens before the tick of
+/// that number; while it is held that is told every eight ticks.
+struct Bench {
+  RigFile rig = parse_rig(slider, "rig.toml");
+  SimulatedHardware hardware;
+  RigInputs lines{rig, hardware};
+  RigDrives drives{rig, hardware};
+  LoopStorage room{1, 1};
+  std::optional<RunLoop> loop;
+  LoopTrace trace{1};
+  LoopAudience audience;
+  std::vector<std::size_t> drive_of{0};
+  std::vector<AxisLimits<double>> limits{limits_of(rig.axes[0])};
+  std::optional<FreeAxes> free;
+  std::optional<Jog> jog;
+  std::optional<FastRunner> runner;
+
+  std::map<int, TransportKey> keys;  ///< by tick
+  int silent_from = 1'000'000;       ///< nobody is told of the device any more
+  std::vector<double> path{0};       ///< by tick
+  std::function<void(int)> look = [](int) {};
+
+  explicit Bench(double at = 100, double reach = 50) : hardware(rig, std::vector<double>{at}) {
+    loop.emplace(drives, lines, room.memory());
+    free.emplace(std::vector{*FreeAxis<double>::make(free_limits_of(rig.axes[0], 1), at, tick_s)});
+    jog.emplace(*loop,
+                FreeSpec<double>{.source = source_of<double>(*free),
+                                 .drive_of = drive_of,
+                                 .limits = limits,
+                                 .tick_seconds = tick_s},
+                *free,
+                std::vector<JogAxis>{{.name = "track",
+                                      .unit = "mm",
+                                      .increments = {0.01, 0.05, 0.2, 1, 5},
+                                      .min = 0,
+                                      .max = 500,
+                                      .count = 1.0 / 40,
+                                      .is_referenced = true,
+                                      .reach = reach}},
+                0);
+    audience.keys = [] { return std::string(); };
+    audience.device = [this, held = false]() mutable {
+      path.push_back(loop->setpoints()[0].position);
+      const int tick = static_cast<int>(path.size()) - 1;
+      look(tick);
+      std::vector<TransportKey> now;
+      if (keys.contains(tick) && tick < silent_from) {
+        now.push_back(keys[tick]);
+        held = keys[tick] == TransportKey::hold_forward || keys[tick] == TransportKey::hold_backward;
+      } else if (held && tick % 8 == 0 && tick < silent_from) {
+        now.push_back(TransportKey::still_held);
+      }
+      if (keys.contains(tick) && keys[tick] == TransportKey::quit) now = {TransportKey::quit};
+      return now;
+    };
+    runner.emplace(*loop, 250, audience, trace);
+    Arming arming(*loop);
+    runner->run(arming, std::nullopt);
+  }
+
+  void run(int end) {
+    keys[end] = TransportKey::quit;
+    for (;;) {
+      ASSERT_TRUE(runner->run(*jog, std::nullopt).begun);
+      if (jog->asks() == Jog::Ask::none) return;
+      if (jog->asks() == Jog::Ask::mark) {
+        jog->marked();
+      } else {
+        jog->kept();
+      }
+    }
+  }
+  /// The last tick in which the axis had another position than in the one before.
+  [[nodiscard]] int last_motion() const {
+    int last = 0;
+    for (std::size_t tick = 2; tick < path.size(); ++tick) {
+      if (path[tick] != path[tick - 1]) last = static_cast<int>(tick);
+    }
+    return last;
+  }
+  /// From so many mm/s, and speeding up as quickly as it may, it takes this long to rest at the limits of the
+  /// axis, in ticks: a / j until it does not speed up any more, (v + a^2 / 2j) / a + a / j until it rests,
+  /// and a tick for each of the three changes and for the answer.
+  [[nodiscard]] static int stop_ticks(double velocity) {
+    constexpr double a = 1000, j = 20'000;
+    return static_cast<int>(std::ceil((a / j + (velocity + a * a / (2 * j)) / a + a / j) / tick_s)) + 4;
+  }
+};
+
+TEST(HeldJog, MovesWhileTheKeyIsHeldAndRestsWithinItsLimitsWhenItIsLetGo) {
+  Bench bench;
+  bench.keys = {{10, TransportKey::hold_forward}, {60, TransportKey::let_go}};
+  bench.run(600);
+  const auto& path = bench.path;
+  EXPECT_GT(path[60], 110) << "not as slow as steps";
+  EXPECT_LT(path.back(), 150) << "and ended before its reach";
+  const double velocity = (path[60] - path[59]) / tick_s;
+  EXPECT_LE(bench.last_motion(), 60 + Bench::stop_ticks(velocity));
+}
+
+TEST(HeldJog, HeldForAMinuteItEndsAtItsReachAndMustBePressedAnew) {
+  Bench bench;
+  bench.keys = {{10, TransportKey::hold_forward},
+                {15'010, TransportKey::let_go},
+                {15'020, TransportKey::hold_backward},
+                {15'400, TransportKey::let_go}};
+  bench.run(16'000);
+  EXPECT_EQ(bench.path[15'000], 150);
+  EXPECT_EQ(*std::ranges::max_element(bench.path), 150);
+  EXPECT_EQ(bench.path.back(), 100) << "pressed anew it goes its reach again";
+}
+
+TEST(HeldJog, NeverGoesBeyondALimit) {
+  Bench bench(490);
+  bench.keys = {{10, TransportKey::hold_forward}};
+  bench.run(1000);
+  EXPECT_EQ(bench.path.back(), 500);
+  EXPECT_EQ(*std::ranges::max_element(bench.path), 500);
+}
+
+TEST(HeldJog, SilenceIsTakenForLettingGoWithin200Milliseconds) {
+  Bench bench(100, 400);
+  bench.keys = {{10, TransportKey::hold_forward}};
+  bench.silent_from = 40;
+  bench.run(600);
+  EXPECT_LE(bench.last_motion(), 40 + static_cast<int>(0.2 / tick_s) + Bench::stop_ticks(250));
+  EXPECT_LT(bench.path.back(), 400);
+}
+
+TEST(HeldJog, AKeyThatIsPressedWhileItStillMovesBeginsNothing) {
+  Bench bench;
+  bench.keys = {
+      {10, TransportKey::hold_forward}, {60, TransportKey::let_go}, {62, TransportKey::hold_backward}};
+  std::string words;
+  bench.look = [&](int tick) {
+    if (tick == 70) words = bench.jog->snapshot().words;
+  };
+  bench.run(600);
+  EXPECT_THAT(words, HasSubstr("press again"));
+  EXPECT_GT(bench.path.back(), bench.path[60]);
+}
+
+TEST(EventDevice, TellsAKeyThatIsPressedAndLetGoAndNoRepeat) {
+  const TemporaryFolder folder;
+  EventPipe pipe(folder.path() / "device");
+  EventDevice device(pipe.path());
+  EXPECT_THAT(device.changes(), IsEmpty());
+  pipe.key(KEY_RIGHT, 1);
+  pipe.key(KEY_RIGHT, 2);
+  pipe.key(KEY_A, 1);
+  pipe.key(KEY_RIGHT, 0);
+  pipe.tell(EV_ABS, ABS_HAT0X, -1);
+  pipe.tell(EV_ABS, ABS_HAT0X, 0);
+  EXPECT_THAT(device.changes(), ElementsAre(1, 0, -1, 0));
+}
+
+TEST(EventDevice, ASecondKeyEndsItUntilAllAreLetGo) {
+  const TemporaryFolder folder;
+  EventPipe pipe(folder.path() / "device");
+  EventDevice device(pipe.path());
+  pipe.key(KEY_RIGHT, 1);
+  pipe.key(KEY_LEFT, 1);
+  pipe.key(KEY_RIGHT, 0);
+  EXPECT_THAT(device.changes(), ElementsAre(1, 0)) << "left is still held, and begins nothing";
+  pipe.key(KEY_LEFT, 0);
+  pipe.key(KEY_LEFT, 1);
+  EXPECT_THAT(device.changes(), ElementsAre(-1));
+}
+
+TEST(EventDevice, EventsThatWereLostEndIt) {
+  const TemporaryFolder folder;
+  EventPipe pipe(folder.path() / "device");
+  EventDevice device(pipe.path());
+  pipe.key(KEY_RIGHT, 1);
+  pipe.tell(EV_SYN, SYN_DROPPED, 0);
+  pipe.key(KEY_RIGHT, 2);
+  EXPECT_THAT(device.changes(), ElementsAre(1, 0));
+}
+
+TEST(EventDevice, ThatGoesAwayOrTellsHalfAnEventHoldsNothing) {
+  const TemporaryFolder folder;
+  for (const bool is_torn : {false, true}) {
+    EventPipe pipe(folder.path() / (is_torn ? "torn" : "gone"));
+    EventDevice device(pipe.path());
+    pipe.key(KEY_RIGHT, 1);
+    EXPECT_THAT(device.changes(), ElementsAre(1));
+    if (is_torn) {
+      pipe.write("torn", 4);
+    } else {
+      pipe.unplug();
+    }
+    EXPECT_THAT(device.changes(), ElementsAre(0));
+    EXPECT_TRUE(device.is_gone());
+  }
+}
+
+TEST(HeldJog, OfADeviceThatIsUnpluggedRests) {
+  const TemporaryFolder folder;
+  const std::string rig = folder.path() / "rig.toml";
+  std::ofstream(rig) << slider;
+  EventPipe pipe(folder.path() / "device");
+  TerminalScreen screen({"jog", "track", "--rig", rig, "--sim", "--from", "track=100", "--speed", "0.02",
+                         "--device", pipe.path(), "--reach", "1"});
+  screen.wait_for("track 100.000 mm in 0..500  reach 500\n");
+  pipe.key(KEY_RIGHT, 1);
+  screen.wait_for("stops in ");
+  screen.wait_for("track 101.");
+  pipe.unplug();
+  screen.wait_for("  reach 500\n");  // without a way to stop
+  screen.press("q");
+  EXPECT_EQ(screen.wait_for_exit(), 0);
+  EXPECT_THAT(screen.shown(), HasSubstr("left"));
+}
+
+TEST(HeldJog, AReachWithoutADeviceIsRefused) {
+  EXPECT_EQ(run_program({"jog", "track", "--rig", "rig.toml", "--reach", "0.5"}).status, 2);
+}
+
+}  // namespace held_jog_test
+}  // namespace inbetween
