@@ -163,7 +163,7 @@ std::optional<Frame> Cia402Drive::note_host_heartbeat() {
   host_heartbeat_sent_ = true;
   const bool is_asked = settings_.setup.is_guarded && needs_sync();
   if (!is_asked) return {};
-  guard_questions_ = std::min(guard_questions_ + 1, 2);
+  guard_questions_ = std::min<std::int32_t>(guard_questions_ + 1, 2);
   return guard_request_frame(node());
 }
 
