@@ -249,7 +249,6 @@ TEST(HeldJog, OfADeviceThatIsUnpluggedRests) {
   screen.wait_for("track 100.000 mm in 0..500  reach 500\n");
   pipe.key(KEY_RIGHT, 1);
   screen.wait_for("stops in ");
-  screen.wait_for("track 101.");
   pipe.unplug();
   screen.wait_for("  reach 500\n");  // without a way to stop
   screen.press("q");
