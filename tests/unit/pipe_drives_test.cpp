@@ -97,9 +97,9 @@ TEST_F(TwoServos, EveryTickIsALineWithItsNumberItsTimeAndTheCountOfEachAxis) {
   EXPECT_EQ(states[0].actual, 5);
   EXPECT_EQ(reader.read(), "") << "without a setpoint nothing is sent";
   tick({5, 0});
-  tick({5.04, -0.06});
+  tick({5.06, -0.06});
   tick({-90, 90});
-  EXPECT_EQ(reader.read(), "0 0 jaw=1550 lid=1500\n1 4 jaw=1550 lid=1499\n2 8 jaw=600 lid=2400\n");
+  EXPECT_EQ(reader.read(), "0 0 jaw=1550 lid=1500\n1 4 jaw=1551 lid=1499\n2 8 jaw=600 lid=2400\n");
   EXPECT_EQ(states[1].actual, -0.06) << "where it was told to be";
   drives.disable();
   EXPECT_EQ(reader.read(), "off\n");
