@@ -28,6 +28,6 @@ struct EditRequest {
 
 /// Reads one request. Strict: every unknown, missing or ill-typed member is refused by its name. Throws
 /// RequestError.
-EditRequest parse_edit_request(std::string_view json);
+EditRequest parse_edit_request(std::string_view text);
 
 }  // namespace inbetween

@@ -173,7 +173,7 @@ class EditServer::Door {
     server_.Get(".*", [this](const Request& request, Response& response) {
       const auto found = page_.find(request.path == "/" ? "/index.html" : request.path);
       if (found == page_.end()) return refuse(response, 404, "there is no such file");
-      response.set_content(found->second.bytes, found->second.type.c_str());
+      response.set_content(found->second.bytes, found->second.type);
     });
     server_.Post(
         ".*", [](const Request&, Response& response) { refuse(response, 404, "there is no such request"); });

@@ -152,7 +152,7 @@ std::string EditSession::keep_copy(const std::string& text, const char* what) co
   constexpr int max_copies = 1000;
   const std::string stem = name_.ends_with(".toml") ? name_.substr(0, name_.size() - 5) : name_;
   for (int number = 1; number < max_copies; ++number) {
-    const std::string name = fmt::format("{}.{}-{}.toml", stem, what, number);
+    std::string name = fmt::format("{}.{}-{}.toml", stem, what, number);
     std::string there;
     const int error = files_.read(name, max_file_bytes, there);
     if (error == 0 && there == text) return name;

@@ -79,27 +79,27 @@ int read_whole(int descriptor, std::size_t max_bytes, std::string& bytes) {
 
 }  // namespace
 
-FileLayer files_beneath(const std::string& path) {
-  const auto folder = std::make_shared<const OpenFolder>(path);
+FileLayer files_beneath(const std::string& folder) {
+  const auto opened = std::make_shared<const OpenFolder>(folder);
   FileLayer files = system_files();
-  files.read = [folder](const std::string& name, std::size_t max_bytes, std::string& bytes) {
+  files.read = [opened](const std::string& name, std::size_t max_bytes, std::string& bytes) {
     bytes.clear();
     int descriptor = -1;
-    if (const int error = folder->open(name, O_RDONLY | O_NONBLOCK, 0, descriptor)) return error;
+    if (const int error = opened->open(name, O_RDONLY | O_NONBLOCK, 0, descriptor)) return error;
     const int error = read_whole(descriptor, max_bytes, bytes);
     ::close(descriptor);
     return error;
   };
-  files.create = [folder](const std::string& name, int& descriptor) {
-    return folder->open(name, O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW, 0644, descriptor);
+  files.create = [opened](const std::string& name, int& descriptor) {
+    return opened->open(name, O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW, 0644, descriptor);
   };
-  files.rename = [folder](const std::string& from, const std::string& to) {
+  files.rename = [opened](const std::string& from, const std::string& to) {
     if (!is_plain(from) || !is_plain(to)) return EXDEV;
-    return outcome(::renameat(folder->descriptor(), from.c_str(), folder->descriptor(), to.c_str()));
+    return outcome(::renameat(opened->descriptor(), from.c_str(), opened->descriptor(), to.c_str()));
   };
-  files.sync_folder = [folder](const std::string& name) {
+  files.sync_folder = [opened](const std::string& name) {
     int descriptor = -1;
-    if (const int error = folder->open(name, O_RDONLY | O_DIRECTORY, 0, descriptor)) return error;
+    if (const int error = opened->open(name, O_RDONLY | O_DIRECTORY, 0, descriptor)) return error;
     const int error = outcome(::fsync(descriptor));
     ::close(descriptor);
     return error;
