@@ -12,6 +12,8 @@
 #include "inbetween/can/drive_exit.hpp"
 #include "inbetween/can/nmt.hpp"
 #include "tests/support/can_crane.hpp"
+#include "tests/support/rig_text.hpp"
+#include "tests/support/run_on.hpp"
 
 namespace inbetween {
 namespace can_switch_off_test {
@@ -97,6 +99,21 @@ TEST(CanSwitchOff, AfterAMoveEveryDriveIsOffAndNoneReportsAnEmergency) {
     EXPECT_EQ(drive.objects().value(0x1016, 1), 0U);
     EXPECT_EQ(drive.objects().value(0x1017), 0U);
   }
+}
+
+/// One order to leave is sent a tick, and a drive may miss five setpoints.
+TEST(CanSwitchOff, OfTwelveDrivesOnABusNoneMissesItsSetpointsWhileTheOthersLeave) {
+  std::vector<AxisText> axes;
+  for (int node = 1; node <= 12; ++node) {
+    axes.push_back({.name = fmt::format("a{}", node), .drive = cia402_text(node)});
+  }
+  const ProgramRun run =
+      run_on(rig_text(axes, {.more = bus_can0}), "run",
+             "name = \"m\"\nfps = 24\nframes = 24\n[[track]]\naxes = [\"a1\"]\n"
+             "keys = [ { at = [0] }, { at = [10] } ]\nspeed = [0, 0, 10, 0, 0]\n",
+             {"--sim", "--fast"});
+  EXPECT_EQ(run.status, 0) << run.err;
+  EXPECT_THAT(run.out, testing::Not(testing::HasSubstr("emergencies")));
 }
 
 /// What the host says on the bus, in words, each thing once.

@@ -378,7 +378,7 @@ void Cia402Drive::watch_deadline(std::int64_t now_ns) {
 }
 
 std::uint16_t Cia402Drive::controlword() const {
-  if (phase_ == disabling || phase_ == disabled) return disabling_controlword();
+  if (goes_off()) return disabling_controlword();
   // Not enabled, or not any more, before it is in the right mode and its target is held.
   const bool waits_for_mode = phase_ == enabling && !is_seeded_;
   const std::uint16_t word = controlword_for(goal_of(phase_), state());
@@ -400,8 +400,7 @@ void Cia402Drive::choose_target(std::optional<std::int32_t> target) {
 }
 
 std::optional<Frame> Cia402Drive::command(std::optional<std::int32_t> target) {
-  const bool goes_off = (phase_ == disabling || phase_ == disabled) && hears_commands();
-  if (!is_supervised() && !goes_off) return {};
+  if (!is_supervised() && !(goes_off() && hears_commands())) return {};
   if (phase_ == following && is_commanded_ && !target) return {};
   choose_target(target);
   return command_frame(node(), {.controlword = controlword(), .target = target_});

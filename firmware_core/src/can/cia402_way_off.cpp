@@ -11,6 +11,12 @@ bool Cia402Drive::hears_commands() const {
   return heard_ == NmtState::operational && has_feedback_;
 }
 
+/// On a bus of many drives the order to leave waits for its turn. Until it is sent the drive misses its
+/// setpoints, and would take silence for a fault.
+bool Cia402Drive::goes_off() const {
+  return phase_ == disabling || phase_ == disabled || (phase_ == leaving && order_.has_value());
+}
+
 /// A fault that only says that this program was silent for a while. It is reset on the way off, once the host
 /// is heard again; a fault of the drive itself stays for whoever looks at it.
 bool Cia402Drive::has_lost_touch_by_fault() const {

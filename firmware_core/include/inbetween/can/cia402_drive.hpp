@@ -192,6 +192,7 @@ class Cia402Drive {
   void give_up_disabling(std::int64_t now_ns);
   [[nodiscard]] bool hears_commands() const;
   [[nodiscard]] bool has_no_power() const;
+  [[nodiscard]] bool goes_off() const;
   [[nodiscard]] bool has_lost_touch_by_fault() const;
   [[nodiscard]] std::uint16_t disabling_controlword() const;
   [[nodiscard]] bool is_in_mode() const { return feedback_.mode == mode_cyclic_position; }
