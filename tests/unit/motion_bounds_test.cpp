@@ -26,7 +26,7 @@ SolvedTrack<Real> solved(const PathSpec<Real>& path, const std::vector<Real>& sp
 }
 
 template <Precise Real>
-std::vector<AxisPeaks<Real>> bounds_of(const Track<Real>& track) {
+std::vector<AxisPeaks<Real>> peaks_of(const Track<Real>& track) {
   const auto axes = static_cast<std::size_t>(track.path().axis_count());
   std::vector<AxisTurn<Real>> turns(axes);
   const std::vector<PeakSlack<Real>> slack(axes);
@@ -45,7 +45,7 @@ TEST(MotionBounds, AStraightLineWithAStraightSpeedCurveIsKnownByHand) {
   // 100 mm in 48 frames, from v to 3 v: v = 25 mm/s, acceleration 2 v in 2 s.
   const std::vector<double> keys{0, 100};
   const auto move = solved<double>({.axis_count = 1, .keys = keys}, {10, 30}, 48);
-  const AxisPeaks<double> peaks = bounds_of(move.track())[0];
+  const AxisPeaks<double> peaks = peaks_of(move.track())[0];
   EXPECT_EQ(peaks.lowest.value, 0);
   EXPECT_EQ(peaks.highest.value, 100);
   EXPECT_EQ(peaks.highest.frame, 48);
@@ -58,7 +58,7 @@ TEST(MotionBounds, AStraightLineWithAStraightSpeedCurveIsKnownByHand) {
 TEST(MotionBounds, AnAxisThatTurnsInsideASegmentIsBoundedBeyondItsKeys) {
   const std::vector<double> keys{0, 0, 10, 50, 20, 50, 30, 0};
   const auto move = solved<double>({.axis_count = 2, .keys = keys}, {10, 10}, 48);
-  const AxisPeaks<double> peaks = bounds_of(move.track())[1];
+  const AxisPeaks<double> peaks = peaks_of(move.track())[1];
   double sampled = 0;
   for (int i = 0; i <= 1000; ++i)
     sampled = std::max(sampled, move.track().path().segment(1)[1].value(i / 1000.0));
@@ -73,7 +73,7 @@ TEST(MotionBounds, ASpikeBetweenTwoFramesIsFoundWhereASamplerOf24ASecondMissesIt
   const std::vector<double> keys{0, 0, 400, 0, 400, 1, 0, 2};
   const double limit = 1000;
   const auto move = solved<double>({.axis_count = 2, .keys = keys}, {0, 0, 10, 10, 0, 0}, 101);
-  const std::vector<AxisPeaks<double>> peaks = bounds_of(move.track());
+  const std::vector<AxisPeaks<double>> peaks = peaks_of(move.track());
   std::vector<AxisMotion<double>> motion(2);
   double on_frames = 0;
   double dense = 0;
@@ -92,7 +92,7 @@ TEST(MotionBounds, ASpikeBetweenTwoFramesIsFoundWhereASamplerOf24ASecondMissesIt
 TEST(MotionBounds, ALineThatTurnsBackInsideASegmentAtASpeedHasNoBound) {
   const std::vector<double> keys{0, 10, 9, 0};
   const auto move = solved<double>({.axis_count = 1, .keys = keys}, {10, 10}, 48);
-  const AxisPeaks<double> peaks = bounds_of(move.track())[0];
+  const AxisPeaks<double> peaks = peaks_of(move.track())[0];
   ASSERT_GT(peaks.highest.value, 10);
   expect_bound(peaks.velocity.value, move.track().arc_length().total() / 2);
   EXPECT_EQ(peaks.acceleration.value, std::numeric_limits<double>::infinity());
@@ -104,7 +104,7 @@ TEST(MotionBounds, ALineThatTurnsBackAtRestIsBounded) {
   // The same way, and phi is 0 where the line turns.
   const std::vector<double> keys{0, 10, 0};
   const auto move = solved<double>({.axis_count = 1, .keys = keys}, {0, 0, 10, 0, 0, 0, 10, 0, 0}, 96);
-  const AxisPeaks<double> peaks = bounds_of(move.track())[0];
+  const AxisPeaks<double> peaks = peaks_of(move.track())[0];
   EXPECT_TRUE(std::isfinite(peaks.acceleration.value));
   EXPECT_GT(peaks.acceleration.value, 1);
 }
@@ -113,7 +113,7 @@ TEST(MotionBounds, ABendOfAMillionthOfAMillimetreIsNotTakenForALine) {
   const std::vector<double> keys{0, 0, 8, 0, 8, 1e-6, 0, 0};
   const auto move =
       solved<double>({.spline = Spline::catmull_rom, .axis_count = 2, .keys = keys}, {10, 10}, 48);
-  EXPECT_GT(bounds_of(move.track())[0].acceleration.value, 1e6);
+  EXPECT_GT(peaks_of(move.track())[0].acceleration.value, 1e6);
 }
 
 TEST(MotionBounds, AKeyOfTensionOneHasABoundedVelocity) {
@@ -122,7 +122,7 @@ TEST(MotionBounds, AKeyOfTensionOneHasABoundedVelocity) {
   const auto move =
       solved<double>({.spline = Spline::tcb, .axis_count = 2, .keys = keys, .shapes = shapes}, {10, 10}, 48);
   const double speed = move.track().arc_length().total() / 2;
-  for (const AxisPeaks<double>& axis : bounds_of(move.track())) {
+  for (const AxisPeaks<double>& axis : peaks_of(move.track())) {
     EXPECT_LE(axis.velocity.value, 1.01 * speed);
     EXPECT_GE(axis.velocity.value, speed / 10);
     EXPECT_EQ(axis.acceleration.value, std::numeric_limits<double>::infinity());
@@ -133,7 +133,7 @@ TEST(MotionBounds, ADwellIsStill) {
   const std::vector<double> keys{0, 50, 50, 100};
   const auto move =
       solved<double>({.axis_count = 1, .keys = keys}, {0, 0, 10, 10, 0, 0, 0, 10, 10, 0, 0}, 240);
-  const AxisPeaks<double> peaks = bounds_of(move.track())[0];
+  const AxisPeaks<double> peaks = peaks_of(move.track())[0];
   EXPECT_TRUE(std::isfinite(peaks.acceleration.value));
   EXPECT_TRUE(std::isfinite(peaks.jerk.value));
   EXPECT_GT(peaks.velocity.value, 10);
@@ -143,7 +143,7 @@ TEST(MotionBounds, BreaksHaveTheSpeedOfTheirOwnPortion) {
   const std::vector<double> keys{0, 10, 100};
   const auto move = solved<double>({.axis_count = 1, .keys = keys}, {10, 10}, 48,
                                    {{.key = 1, .frame = 24, .breaks = true}});
-  expect_bound(bounds_of(move.track())[0].velocity.value, 90);
+  expect_bound(peaks_of(move.track())[0].velocity.value, 90);
 }
 
 TEST(MotionBounds, TimedByFramesAreBoundedToo) {
@@ -158,7 +158,7 @@ TEST(MotionBounds, TimedByFramesAreBoundedToo) {
                                  .key_frames = key_frames,
                                  .kinetic = kinetic};
     const SolvedTrack<double> move(spec, Solver::closed_form);
-    const AxisPeaks<double> peaks = bounds_of(move.track())[0];
+    const AxisPeaks<double> peaks = peaks_of(move.track())[0];
     std::vector<AxisMotion<double>> motion(1);
     AxisMotion<double> dense;
     for (std::int32_t frame = 0; frame < 72; ++frame) {
@@ -182,8 +182,8 @@ TEST(MotionBounds, SinglePrecisionBoundsTheSameMove) {
   const std::vector<float> single_keys(keys.begin(), keys.end());
   const auto full = solved<double>({.axis_count = 2, .keys = keys}, {0, 0, 10, 10, 4, 10, 0, 0}, 120);
   const auto single = solved<float>({.axis_count = 2, .keys = single_keys}, {0, 0, 10, 10, 4, 10, 0, 0}, 120);
-  const std::vector<AxisPeaks<double>> expected = bounds_of(full.track());
-  const std::vector<AxisPeaks<float>> peaks = bounds_of(single.track());
+  const std::vector<AxisPeaks<double>> expected = peaks_of(full.track());
+  const std::vector<AxisPeaks<float>> peaks = peaks_of(single.track());
   for (std::size_t d = 0; d < 2; ++d) {
     EXPECT_NEAR(static_cast<double>(peaks[d].velocity.value) / expected[d].velocity.value, 1, 0.01);
     EXPECT_NEAR(static_cast<double>(peaks[d].acceleration.value) / expected[d].acceleration.value, 1, 0.02);
