@@ -58,8 +58,7 @@ std::vector<FrameTime<double>> rests_of(const Plan& plan, const CheckReport& rep
     rests.push_back({end.end == RollEnd::before ? 0 : plan.move().frames, 0});
   }
   std::ranges::sort(rests, [](const auto& a, const auto& b) { return a < b; });
-  const auto same = std::ranges::unique(rests);
-  rests.erase(same.begin(), same.end());
+  rests.erase(std::unique(rests.begin(), rests.end()), rests.end());
   return rests;
 }
 

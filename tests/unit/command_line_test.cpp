@@ -76,7 +76,7 @@ TEST(CommandLine, SaysItsVersion) {
 
 TEST(CommandLine, WrongUsageIsOneLineWithStatus2) {
   expect_wrong_usage({}, {"no command is given"});
-  expect_wrong_usage({"dance"}, {"there is no command \"dance\"; there are plan, check, run, goto,"});
+  expect_wrong_usage({"dance"}, {"there is no command \"dance\"; there are plan, check, edit, run, goto,"});
   expect_wrong_usage({"plan"}, {"MOVE is required", "inbetween plan --help"});
   expect_wrong_usage({"plan", move, "--speed", "3"}, {"--speed"});
   expect_wrong_usage({"plan", move, move}, {move});

@@ -91,6 +91,7 @@ void Cia402Drive::enter(DrivePhase phase, std::int64_t now_ns) {
       has_feedback_ = false;
       has_written_ = false;
       was_sent_back_ = false;
+      has_booted_again_ = false;
       emergency_ns_.reset();
       has_lost_touch_ = false;
       break;

@@ -53,6 +53,11 @@ void Cia402Drive::take_boot_up(std::int64_t now_ns) {
   if (phase_ == booting || was_told_to_leave) {
     // One that was on its way before the reset was sent is not the answer to it.
     if (!order_) apply(was_told_to_leave ? DriveEvent::left : DriveEvent::booted, now_ns);
+  } else if (phase_ == configuring && !has_booted_again_) {
+    // Then that one was the answer, as where rig and drive are switched on together. Its set-up begins anew.
+    has_booted_again_ = true;
+    was_sent_back_ = false;
+    runner_.begin(script_);
   } else if (phase_ != refused && phase_ != gone) {
     find(DriveFinding::unexpected_boot);
     apply(phase_ == leaving ? DriveEvent::left : DriveEvent::vanished, now_ns);

@@ -233,10 +233,11 @@ class Cia402Drive {
   bool has_feedback_ = false;                ///< in this phase or one before, since it was started
   bool is_fresh_ = false;                    ///< feedback has come since the last tick
   bool host_heartbeat_sent_ = false;
-  bool is_seeded_ = false;      ///< enabling: the target is held
-  bool is_commanded_ = false;   ///< following: a target has been given
-  bool has_written_ = false;    ///< its set-up has begun to write, since it was connected
-  bool was_sent_back_ = false;  ///< to pre-operational, since it was connected: it had started by itself
+  bool is_seeded_ = false;         ///< enabling: the target is held
+  bool is_commanded_ = false;      ///< following: a target has been given
+  bool has_written_ = false;       ///< its set-up has begun to write, since it was connected
+  bool has_booted_again_ = false;  ///< since its reset was sent: the first boot-up was of its power-on
+  bool was_sent_back_ = false;     ///< to pre-operational, since it was connected: it had started by itself
   /// It has left Operational by itself, or reported a fault of communication, since it was connected. When it
   /// leaves, its communication starts anew, which forgets such a fault.
   bool has_lost_touch_ = false;
