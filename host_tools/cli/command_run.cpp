@@ -16,9 +16,9 @@
 #include "host_tools/cli/run_picture.hpp"
 #include "host_tools/cli/run_screen.hpp"
 #include "host_tools/cli/setup_arguments.hpp"
+#include "host_tools/cli/shoot_arguments.hpp"
 #include "host_tools/files/fault_script.hpp"
 #include "host_tools/files/output_file.hpp"
-#include "host_tools/motions/frame_range.hpp"
 #include "host_tools/motions/run.hpp"
 #include "host_tools/plan/turns.hpp"
 #include "host_tools/rig/rig_watch.hpp"
@@ -26,7 +26,7 @@
 namespace inbetween {
 namespace {
 
-struct RunArguments : SetupArguments {
+struct RunArguments : SetupArguments, ShootArguments {
   std::string move;
   std::optional<std::string> json, record, cue_log, plot;
   PictureStyle style = PictureStyle::light;
@@ -38,77 +38,19 @@ struct RunArguments : SetupArguments {
   double top_rate = 1;
   double rate = 1;
   std::optional<std::string> faults;
-  bool step = false;
-  std::optional<double> settle;
-  std::optional<double> exposure;
-  std::optional<std::string> shutter;
-  std::vector<std::string> still;
   std::optional<std::int32_t> turns;
-  std::optional<std::string> frames;
-  std::optional<std::string> shoot_log;
-
-  [[nodiscard]] bool is_shot() const { return step || shutter; }
 };
 
-/// Reads a shutter such as "0..180", in degrees of a frame.
-Shutter<double> shutter_of(const std::string& text) {
-  const std::size_t dots = text.find("..");
-  const auto open = number_of(std::string_view(text).substr(0, dots));
-  const auto close =
-      dots == std::string::npos ? std::nullopt : number_of(std::string_view(text).substr(dots + 2));
-  if (!open || !close || !(*open >= -360 && *open < *close && *close <= 360 && *close - *open <= 360)) {
-    throw UsageError(
-        fmt::format("--shutter {}: not two angles; write OPEN..CLOSE in degrees of a frame, for "
-                    "example 0..180, within -360..360 and at most 360 apart",
-                    in_quotes(text)));
-  }
-  return {*open / 360, *close / 360};
-}
-
-/// Reads frames such as "20..80".
-FrameRange frames_argument(const std::string& text) {
-  if (const auto range = frame_range_of(text)) return *range;
-  throw UsageError(
-      fmt::format("--frames {}: not a part of a move; write FIRST..LAST, FIRST.. or ..LAST, for "
-                  "example 20..80",
-                  in_quotes(text)));
-}
-
-void refuse_shoot_arguments(const RunArguments& arguments) {
-  if (arguments.settle || arguments.exposure || !arguments.still.empty()) {
-    throw UsageError("--settle, --exposure and --still belong to --step or --shutter");
-  }
-  if (arguments.frames) throw UsageError("--frames belongs to --step or --shutter");
-  if (arguments.shoot_log) throw UsageError("--shoot-log belongs to --step or --shutter");
-}
-
-std::optional<ShootOptions> shoot_options(const RunArguments& arguments) {
-  if (!arguments.is_shot()) {
-    refuse_shoot_arguments(arguments);
-    return std::nullopt;
-  }
-  ShootOptions options;
+void refuse_to_play_a_shoot(const RunArguments& arguments) {
+  if (!arguments.is_shot()) return;
   if (arguments.top_rate != 1 || arguments.rate != 1) {
     throw UsageError(
         "--rate and --top-rate are for a move that is played; leave them out, or --step and "
         "--shutter");
   }
-  if (arguments.frames) options.frames = frames_argument(*arguments.frames);
-  options.log = arguments.shoot_log;
   if (arguments.ping_pong) {
     throw UsageError("a move that is shot frame by frame is not repeated; leave out --ping-pong");
   }
-  options.is_loop = arguments.loop || arguments.turns;
-  if (arguments.settle) options.settle_s = *arguments.settle;
-  if (arguments.exposure) options.exposure_s = *arguments.exposure;
-  if (!arguments.shutter) {
-    if (arguments.still.empty()) return options;
-    throw UsageError("without --shutter every axis stands still; leave out --still");
-  }
-  if (!arguments.exposure) throw UsageError("--shutter needs --exposure SECONDS: how long it is open");
-  options.shutter = shutter_of(*arguments.shutter);
-  options.still = arguments.still;
-  return options;
 }
 
 /// Prints the latency in a line, and if it is wanted one line an octave, with a bar if the octave has any
@@ -193,6 +135,7 @@ RunReport play(const Plan& plan, const RunArguments& arguments, const RigWatch& 
                      .shoot = shoot_options(arguments),
                      .positions = arguments.positions,
                      .cue_log = arguments.cue_log};
+  if (options.shoot) options.shoot->is_loop = arguments.loop || arguments.turns;
   if (arguments.loop && !is_periodic(plan.move())) options.repeat = Repeat::loop;
   if (arguments.ping_pong) options.repeat = Repeat::ping_pong;
   SessionOptions rig = session_options_of(arguments);
@@ -287,6 +230,7 @@ void refuse_plot_arguments(const RunArguments& arguments) {
 int run_command(const RunArguments& arguments) {
   refuse_take_arguments(arguments);
   refuse_plot_arguments(arguments);
+  refuse_to_play_a_shoot(arguments);
   shoot_options(arguments);  // refuses wrong arguments before any file is read
   check_setup_usage(arguments);
   if (arguments.faults && !arguments.simulated) {
@@ -417,21 +361,6 @@ void describe(CLI::App& app, RunArguments& arguments) {
   app.add_flag("--yes", arguments.yes, "agree that the rig goes slowly to the start of the move");
   app.add_option("--faults", arguments.faults,
                  "a script of what goes wrong with simulated CiA 402 drives, and when");
-  app.add_flag("--step", arguments.step,
-               "stop motion: on every frame go there, settle, signal the camera and wait");
-  app.add_option("--shutter", arguments.shutter,
-                 "go-motion: OPEN..CLOSE in degrees of a frame; the rig moves while the shutter is open");
-  app.add_option("--exposure", arguments.exposure, "seconds of the camera's signal (0.1 with --step)")
-      ->check(CLI::Range(0.001, 3600.0));
-  app.add_option("--settle", arguments.settle, "seconds at rest before the camera's signal (0.5)")
-      ->check(CLI::Range(0.0, 600.0));
-  app.add_option("--still", arguments.still, "an axis that stands still while the shutter is open")
-      ->expected(1)
-      ->take_all();
-  app.add_option("--frames", arguments.frames,
-                 "with --step or --shutter: shoot the frames FIRST..LAST of the move, FIRST.. or ..LAST");
-  app.add_option("--shoot-log", arguments.shoot_log,
-                 "add a line for each exposure to this file (CSV; - is standard output)");
   app.add_flag("--latency", arguments.latency, "at the end show how late the loop woke up, by octaves");
   app.add_option("--json", arguments.json, "write a report (- is standard output)");
   app.add_flag("--takes", arguments.takes,
@@ -447,6 +376,7 @@ void describe(CLI::App& app, RunArguments& arguments) {
   app.add_option("--cue-log", arguments.cue_log,
                  "write when which pulse began on the outputs of the rig, a line a pulse (CSV; - is standard "
                  "output)");
+  add_shoot_options(app, arguments);
   explain(app);
 }
 
