@@ -14,6 +14,7 @@ export const pictures = process.env.INBETWEEN_PICTURES ?? join(root, "build/rele
 mkdirSync(pictures, { recursive: true });
 
 let browser = null;
+const programs = new Set();  // that run: one whose test has failed would keep the tests from ending
 export async function startBrowser() {
   // A container's root has no sandbox to give.
   const args = process.getuid() === 0 ? ["--no-sandbox"] : [];
@@ -21,6 +22,7 @@ export async function startBrowser() {
 }
 export async function stopBrowser() {
   await browser.close();
+  for (const running of programs) running.kill("SIGTERM");
 }
 
 /** Waits until `ask` is true in the page. (Playwright's own waitForFunction evaluates text, which the page's policy
@@ -41,6 +43,8 @@ export async function edit(move, rig, { text, viewport = { width: 1280, height: 
   if (text !== undefined) writeFileSync(path, text);
   const words = ["edit", path, "--no-browser", ...(rig ? ["--rig", join(folder, rig)] : [])];
   const process = spawn(program, words, { stdio: ["ignore", "pipe", "pipe"] });
+  programs.add(process);
+  process.on("exit", () => programs.delete(process));
   let said = "";
   const address = await new Promise((resolve, reject) => {
     process.stdout.on("data", (bytes) => {

@@ -45,6 +45,11 @@ async function drag(page, locator, dx, dy) {
   for (let i = 1; i <= 5; ++i) await page.mouse.move(x + (dx * i) / 5, y + (dy * i) / 5);
   await page.mouse.up();
 }
+/** Clicks once the picture stands still: what was done before may still move it, and a person waits to see it. */
+async function pick(page, locator) {
+  await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+  await locator.click();
+}
 const key = (page, k) => page.locator("#plan .key .knob").nth(k);
 const value = (page, i) => page.locator("#speed .value .knob").nth(i);
 
@@ -86,7 +91,7 @@ test("a control value is dragged, undone and done again", async () => {
 test("control values by keyboard: raised, inserted, deleted, several at once", async () => {
   const editor = await reveal();
   await afterwards(editor, async (page) => {
-    await value(page, 3).click();
+    await pick(page, value(page, 3));
     await page.keyboard.press("ArrowRight");
     for (let i = 0; i < 3; ++i) await page.keyboard.press("ArrowDown");
     await page.keyboard.press("i");
@@ -113,12 +118,12 @@ test("keys: dragged, moved by keyboard, typed, added, inserted, copied, deleted"
   const editor = await reveal();
   await afterwards(editor, async (page) => {
     await drag(page, key(page, 1), 12, -18);
-    await key(page, 2).click();
+    await pick(page, key(page, 2));
     await page.keyboard.press("Alt+ArrowUp");
     await page.keyboard.press("Alt+Shift+ArrowRight");
     await page.getByLabel("tilt of key 3").fill("7.5");
     await page.keyboard.press("Enter");
-    await key(page, 2).click();
+    await pick(page, key(page, 2));
     await page.locator("#insert-key").click();
     await editor.settled();
     assert.equal(await page.locator("#plan .key").count(), 6);
@@ -156,18 +161,19 @@ test("a key inserted by a double click lies on the path", async () => {
 test("a key is locked a frame later by the arrow, held, eased; the path is closed and shaped", async () => {
   const editor = await reveal();
   await afterwards(editor, async (page) => {
-    await key(page, 2).click();
+    await pick(page, key(page, 2));
     await page.locator("#later").click();
     await page.keyboard.press("]");
-    await key(page, 1).click();
+    await pick(page, key(page, 1));
     await page.locator("#key-ease").check();
   });
   assert.match(editor.read(), /frame = \d+/);
   assert.match(editor.read(), /ease = true/);
   await afterwards(editor, async (page) => {
     await page.locator("#key-ease").uncheck();
+    await editor.settled();
     await page.locator("#spline").selectOption("tcb");
-    await key(page, 2).click();
+    await pick(page, key(page, 2));
     await page.locator("#key-tension").fill("0.5");
     await page.locator("#key-bias").fill("-0.25");
   });
@@ -262,7 +268,7 @@ test("an outside change is offered, and both versions are kept", async () => {
   const editor = await reveal();
   const { page } = editor;
   await page.locator("#autosave").uncheck();
-  await value(page, 4).click();
+  await pick(page, value(page, 4));
   await page.keyboard.press("ArrowUp");
   const outside = `# from elsewhere\n${editor.read()}`;
   writeFileSync(editor.path, outside);
@@ -276,7 +282,7 @@ test("an outside change is offered, and both versions are kept", async () => {
   assert.doesNotMatch(editor.read(), /from elsewhere/);
 
   writeFileSync(editor.path, outside);
-  await value(page, 5).click();
+  await pick(page, value(page, 5));
   await page.keyboard.press("ArrowUp");
   await page.waitForSelector("dialog[open]");
   await page.locator("#load-theirs").click();
@@ -291,7 +297,7 @@ test("a change is saved by itself, and undo reaches back over it", async () => {
   const editor = await reveal();
   const { page } = editor;
   const text = editor.read();
-  await value(page, 4).click();
+  await pick(page, value(page, 4));
   await page.keyboard.press("ArrowUp");
   // What a slow machine shows in between is not waited for: the file tells.
   await until(page, () => window.inbetween.store.canUndo);
