@@ -49,8 +49,7 @@ ProgramRun doctor(const std::string& script, const std::string& faults = "",
   const TemporaryFolder folder;
   std::ofstream(folder.path() / "rig.toml") << rig;
   std::ofstream(folder.path() / "faults.toml") << faults;
-  std::vector<std::string> options{"--vcan",         "can0",      "--gpio", "head:8",
-                                   "--virtual-time", "--timeout", "40"};
+  std::vector<std::string> options{"--vcan", "can0", "--gpio", "head:8", "--virtual-time", "--timeout", "40"};
   options.insert(options.end(), more.begin(), more.end());
   return script_in_bench(options, "cd '" + folder.path().string() +
                                       "'\necho -1 >/proc/sys/kernel/sched_rt_runtime_us\n" + script);

@@ -107,11 +107,10 @@ TEST(CanSwitchOff, OfTwelveDrivesOnABusNoneMissesItsSetpointsWhileTheOthersLeave
   for (int node = 1; node <= 12; ++node) {
     axes.push_back({.name = fmt::format("a{}", node), .drive = cia402_text(node)});
   }
-  const ProgramRun run =
-      run_on(rig_text(axes, {.more = bus_can0}), "run",
-             "name = \"m\"\nfps = 24\nframes = 24\n[[track]]\naxes = [\"a1\"]\n"
-             "keys = [ { at = [0] }, { at = [10] } ]\nspeed = [0, 0, 10, 0, 0]\n",
-             {"--sim", "--fast"});
+  const ProgramRun run = run_on(rig_text(axes, {.more = bus_can0}), "run",
+                                "name = \"m\"\nfps = 24\nframes = 24\n[[track]]\naxes = [\"a1\"]\n"
+                                "keys = [ { at = [0] }, { at = [10] } ]\nspeed = [0, 0, 10, 0, 0]\n",
+                                {"--sim", "--fast"});
   EXPECT_EQ(run.status, 0) << run.err;
   EXPECT_THAT(run.out, testing::Not(testing::HasSubstr("emergencies")));
 }

@@ -37,7 +37,8 @@ TEST(StatusLine, TellsStateFrameAndRateAndWhatToPress) {
 }
 
 TEST(StatusLine, WhyAKeyDidNothingComesFirst) {
-  const RunSnapshot now{.state = SupervisorState::running, .frames = 48, .words = "slower than this is a pause"};
+  const RunSnapshot now{
+      .state = SupervisorState::running, .frames = 48, .words = "slower than this is a pause"};
   EXPECT_THAT(status_line(now), EndsWith("| slower than this is a pause"));
 }
 

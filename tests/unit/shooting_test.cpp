@@ -165,7 +165,7 @@ RunReport shoot_by_script(const Plan& plan, const std::string& log, std::vector<
               .audience = {.keys =
                                [&] {
                                  return ++tick % 1000 == 0 && next < script.size() ? script[next++]
-                                                                                  : std::string();
+                                                                                   : std::string();
                                }}},
              {.shoot = ShootOptions{.settle_s = 0.02, .exposure_s = 0.02, .log = log}});
 }
