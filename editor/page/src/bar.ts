@@ -1,5 +1,5 @@
 // The bar at the top: name, frames, rate, what the limits say, and what is asked of the program.
-import { button, byId, html, say } from "./dom";
+import { attributes, button, byId, html, say } from "./dom";
 import { max_frames, type Move, parseFps, withTrack } from "./move";
 import { Refusal, type Server } from "./server";
 import type { Store } from "./store";
@@ -78,14 +78,17 @@ export class Bar {
   draw(): void {
     const { store } = this;
     const { move } = store;
-    if (document.activeElement !== this.frames) this.frames.value = String(move.frames);
-    if (document.activeElement !== this.fps) this.fps.value = move.fps.text;
+    const show = (input: HTMLInputElement, text: string): void => {
+      if (document.activeElement !== input && input.value !== text) input.value = text;
+    };
+    show(this.frames, String(move.frames));
+    show(this.fps, move.fps.text);
     this.undo.disabled = !store.canUndo;
     this.redo.disabled = !store.canRedo;
     if (this.track.options.length !== move.tracks.length) {
       this.track.replaceChildren(...move.tracks.map((track, t) => html("option", { value: t }, track.axes.join(" · "))));
     }
-    this.track.value = String(store.selection.track);
+    if (this.track.value !== String(store.selection.track)) this.track.value = String(store.selection.track);
     this.track.hidden = move.tracks.length < 2;
     const { certificate } = store.solution;
     let words = `${(move.frames * move.fps.denominator / move.fps.numerator).toFixed(2)} s`;
@@ -100,10 +103,10 @@ export class Bar {
       state = certificate.fits ? "good" : "bad";
     }
     if (this.verdict.textContent !== words) this.verdict.textContent = words;
-    this.verdict.title = words;
-    this.verdict.className = state;
+    attributes(this.verdict, { title: words, class: state });
     this.verdict.dataset.hash = store.solution.tracks.map((track) => track.hash).join(" ");
-    this.saved.textContent = this.conflict ? "changed outside" : this.isChanged ? "not saved" : "saved";
+    const saved = this.conflict ? "changed outside" : this.isChanged ? "not saved" : "saved";
+    if (this.saved.textContent !== saved) this.saved.textContent = saved;
     this.saved.className = this.conflict ? "bad" : this.isChanged ? "" : "good";
   }
 

@@ -3,6 +3,7 @@ import { attributes, byId, follow, html, say, svg, ticks } from "./dom";
 import { insertOnPath, moveKeys, removeKeys } from "./edits";
 import { stepFor } from "./move";
 import type { Store } from "./store";
+import { type Size, Strokes, watchSize } from "./strokes";
 
 const margin = { left: 46, right: 16, top: 16, bottom: 26 };
 
@@ -12,25 +13,23 @@ interface Box {
 
 export class PlanView {
   private readonly root = svg("svg", { class: "plot", role: "group" });
-  private readonly grid = svg("g", { class: "grid", "aria-hidden": "true" });
-  private readonly line = svg("path", { class: "path-line", "aria-hidden": "true" });
   private readonly hit = svg("path", { class: "path-hit", "aria-hidden": "true" });
-  private readonly marks = svg("path", { class: "frame-ticks", "aria-hidden": "true" });
-  private readonly red = svg("path", { class: "over", "aria-hidden": "true" });
+  private readonly ground = new Strokes(); // the grid and the path
+  private readonly strokes = new Strokes(); // the frames
   private readonly rig = svg("circle", { class: "playhead-dot", r: 6, "aria-hidden": "true" });
   private readonly handles = svg("g", { role: "listbox", "aria-label": "Keys", "aria-multiselectable": "true" });
   private readonly keys: SVGGElement[] = [];
   private box: Box = { x0: 0, x1: 1, y0: 0, y1: 1 };
-  private width = 100;
-  private height = 100;
+  private readonly size: Readonly<Size>;
   private held: Box | null = null; // while a key is dragged the view stands still
+  private drawnFrom: unknown[] = [];
   horizontal = 0;
   vertical = 1;
 
   constructor(private readonly store: Store, place: HTMLElement) {
-    this.root.append(this.grid, this.hit, this.line, this.marks, this.red, this.handles, this.rig);
-    place.append(this.root);
-    new ResizeObserver(() => this.draw()).observe(place);
+    this.root.append(this.hit, this.handles, this.rig);
+    place.append(this.ground.element, this.strokes.element, this.root);
+    this.size = watchSize(place, () => this.draw());
     store.onChange(() => this.draw());
     store.onFrame(() => this.drawFrame());
     this.hit.addEventListener("dblclick", (event) => this.insertAt(event));
@@ -57,15 +56,15 @@ export class PlanView {
 
   private x(value: number): number {
     const { x0, x1 } = this.box;
-    return margin.left + ((value - x0) / (x1 - x0)) * (this.width - margin.left - margin.right);
+    return margin.left + ((value - x0) / (x1 - x0)) * (this.size.width - margin.left - margin.right);
   }
   private y(value: number): number {
     const { y0, y1 } = this.box;
-    return this.height - margin.bottom - ((value - y0) / (y1 - y0)) * (this.height - margin.top - margin.bottom);
+    return this.size.height - margin.bottom - ((value - y0) / (y1 - y0)) * (this.size.height - margin.top - margin.bottom);
   }
   private perPixel(): [number, number] {
     const { x0, x1, y0, y1 } = this.box;
-    return [(x1 - x0) / (this.width - margin.left - margin.right), (y1 - y0) / (this.height - margin.top - margin.bottom)];
+    return [(x1 - x0) / (this.size.width - margin.left - margin.right), (y1 - y0) / (this.size.height - margin.top - margin.bottom)];
   }
 
   private fit(points: [number, number][]): Box {
@@ -84,8 +83,8 @@ export class PlanView {
     const first = move.tracks.slice(0, this.one.index).reduce((sum, track) => sum + track.axes.length, 0);
     const unit = (axis: number): string => move.axes[first + Math.min(axis, this.one.axes - 1)].unit;
     if (this.one.axes > 1 && unit(this.horizontal) === unit(this.vertical)) {
-      const wide = this.width - margin.left - margin.right;
-      const high = this.height - margin.top - margin.bottom;
+      const wide = this.size.width - margin.left - margin.right;
+      const high = this.size.height - margin.top - margin.bottom;
       const scale = Math.max((x1 - x0) / wide, (y1 - y0) / high);
       const cx = (x0 + x1) / 2;
       const cy = (y0 + y1) / 2;
@@ -95,26 +94,33 @@ export class PlanView {
   }
 
   draw(): void {
-    const place = this.root.parentElement!;
-    this.width = place.clientWidth;
-    this.height = place.clientHeight;
-    if (!this.shown || this.width === 0) return;
-    attributes(this.root, { width: this.width, height: this.height, viewBox: `0 0 ${this.width} ${this.height}` });
+    const { width, height } = this.size;
+    if (!this.shown || width === 0) return;
+    attributes(this.root, { width, height, viewBox: `0 0 ${width} ${height}` });
     const { store } = this;
     const { index, axes } = this.one;
     const track = store.move.tracks[index];
     const solved = store.solution.tracks[index];
-    const count = solved.path.length / axes;
-    const points: [number, number][] = [];
-    for (let i = 0; i < count; ++i) points.push(this.place(solved.path, i * axes, i / solved.perSegment));
-    this.box = this.held ?? this.fit(points);
-    let d = "";
-    for (const [i, [x, y]] of points.entries()) d += `${i ? "L" : "M"}${this.x(x).toFixed(1)} ${this.y(y).toFixed(1)}`;
-    this.line.setAttribute("d", d);
-    this.hit.setAttribute("d", d);
+    // What the keys alone decide is drawn anew when they change, and not with every picture of a dragged speed curve.
+    const from = [track.keys, track.spline, track.closed, track.path, store.selection.keys, width, height, this.horizontal, this.vertical,
+      this.held];
+    if (from.some((one, i) => one !== this.drawnFrom[i])) {
+      this.drawnFrom = from;
+      const count = solved.path.length / axes;
+      const points: [number, number][] = [];
+      for (let i = 0; i < count; ++i) points.push(this.place(solved.path, i * axes, i / solved.perSegment));
+      this.box = this.held ?? this.fit(points);
+      this.ground.clear(this.size);
+      this.drawGrid();
+      for (const [x, y] of points) this.ground.pen.lineTo(this.x(x), this.y(y));
+      this.ground.stroke("path", 2);
+      if (!store.isDragging) {
+        attributes(this.hit, { d: points.map(([x, y], i) => `${i ? "L" : "M"}${this.x(x).toFixed(1)} ${this.y(y).toFixed(1)}`).join("") });
+      }
+      this.drawKeys(track.fixed_keys !== null);
+    }
+    this.strokes.clear(this.size);
     this.drawTicks();
-    this.drawGrid();
-    this.drawKeys(track.fixed_keys !== null);
     this.drawFrame();
   }
 
@@ -128,14 +134,15 @@ export class PlanView {
     const frames = solved.table.length / solved.stride;
     const certificate = this.store.solution.certificate;
     const ceilings = certificate?.ceilings[this.one.index];
-    let d = "";
-    let over = "";
     const at: [number, number][] = [];
     for (let f = 0; f < frames; ++f) {
       const [x, y] = this.tablePoint(f);
       at.push([this.x(x), this.y(y)]);
     }
-    for (let f = 0; f < frames; ++f) {
+    const { pen } = this.strokes;
+    const isOver = (f: number): boolean =>
+      ceilings !== undefined && rateAt(ceilings, f, certificate!.firstFrame, certificate!.lastFrame) < 1;
+    const put = (f: number): void => {
       const [bx, by] = at[Math.max(f - 1, 0)];
       const [ax, ay] = at[Math.min(f + 1, frames - 1)];
       const length = Math.hypot(ax - bx, ay - by);
@@ -143,12 +150,13 @@ export class PlanView {
       const [nx, ny] = length > 1e-3 ? [-(ay - by) / length, (ax - bx) / length] : [0, 1];
       const size = f % 10 === 0 ? 8 : 4.5;
       const [px, py] = at[f];
-      const tick = `M${(px - nx * size).toFixed(1)} ${(py - ny * size).toFixed(1)}L${(px + nx * size).toFixed(1)} ${(py + ny * size).toFixed(1)}`;
-      d += tick;
-      if (ceilings && certificate && rateAt(ceilings, f, certificate.firstFrame, certificate.lastFrame) < 1) over += tick;
-    }
-    this.marks.setAttribute("d", d);
-    this.red.setAttribute("d", over);
+      pen.moveTo(px - nx * size, py - ny * size);
+      pen.lineTo(px + nx * size, py + ny * size);
+    };
+    for (let f = 0; f < frames; ++f) if (!isOver(f)) put(f);
+    this.strokes.stroke("ticks");
+    for (let f = 0; f < frames; ++f) if (isOver(f)) put(f);
+    this.strokes.stroke("over", 2);
   }
 
   private drawGrid(): void {
@@ -161,20 +169,19 @@ export class PlanView {
       return unit ? `${track.axes[a]} (${unit})` : track.axes[a];
     };
     const [xLabel, yLabel] = this.one.axes === 1 ? ["key", label(0)] : [label(this.horizontal), label(this.vertical)];
-    const parts: Node[] = [];
+    const strokes = this.ground;
+    const [right, bottom] = [this.size.width - margin.right, this.size.height - margin.bottom];
     for (const value of ticks(box.x0, box.x1, 8)) {
-      const x = this.x(value);
-      parts.push(svg("line", { x1: x, x2: x, y1: margin.top, y2: this.height - margin.bottom }),
-        svg("text", { x, y: this.height - margin.bottom + 15, "text-anchor": "middle" }, String(value)));
+      strokes.line(this.x(value), margin.top, this.x(value), bottom);
+      strokes.text(String(value), this.x(value), bottom + 15, "center");
     }
     for (const value of ticks(box.y0, box.y1, 6)) {
-      const y = this.y(value);
-      parts.push(svg("line", { x1: margin.left, x2: this.width - margin.right, y1: y, y2: y }),
-        svg("text", { x: margin.left - 6, y: y + 4, "text-anchor": "end" }, String(value)));
+      strokes.line(margin.left, this.y(value), right, this.y(value));
+      strokes.text(String(value), margin.left - 6, this.y(value) + 4, "right");
     }
-    parts.push(svg("text", { x: this.width - margin.right, y: this.height - margin.bottom - 6, "text-anchor": "end", class: "axis-name" }, xLabel),
-      svg("text", { x: margin.left + 6, y: margin.top + 6, class: "axis-name" }, yLabel));
-    this.grid.replaceChildren(...parts);
+    strokes.stroke("grid");
+    strokes.text(xLabel, right, bottom - 6, "right", "text");
+    strokes.text(yLabel, margin.left + 6, margin.top + 6, "left", "text");
   }
 
   private drawKeys(fixed: boolean): void {

@@ -1,14 +1,22 @@
 // Beside the path: the keys as numbers, and every axis over time.
 import { attributes, button, html, say, svg } from "./dom";
 import { changeKeys, copyKeys, insertOnPath, removeKeys } from "./edits";
-import { firstAxis, type Key, type Spline, withKeys, withTrack } from "./move";
+import { KeyDetail } from "./key_detail";
+import { firstAxis } from "./move";
 import type { Store } from "./store";
 
 export class KeyTable {
   readonly element = html("div", { class: "fill column" });
   private readonly table = html("table", { class: "keys" });
-  private readonly detail = html("div", { class: "detail" });
+  private readonly detail: KeyDetail;
   private shape = "";
+  private rows: HTMLTableRowElement[] = [];
+  private inputs: HTMLInputElement[][] = [];
+  private readonly inView = new Set<Element>();
+  private readonly watch = new IntersectionObserver((entries) => {
+    for (const { target, isIntersecting } of entries) this.inView[isIntersecting ? "add" : "delete"](target);
+    this.draw();
+  });
 
   constructor(private readonly store: Store) {
     const tools = html("div", { class: "tools", role: "toolbar", "aria-label": "Keys" },
@@ -20,7 +28,8 @@ export class KeyTable {
       button("Delete", "Delete the selected keys (Delete)", () => removeKeys(store), "delete-key"));
     const scroll = html("div", { class: "scroll" });
     scroll.append(this.table);
-    this.element.append(tools, scroll, this.detail);
+    this.detail = new KeyDetail(store);
+    this.element.append(tools, scroll, this.detail.element);
     store.onChange(() => this.draw());
   }
 
@@ -33,17 +42,18 @@ export class KeyTable {
     if (shape !== this.shape) this.build();
     this.shape = shape;
     const met = store.solution.tracks[index].keyFrames;
-    for (const [k, row] of [...this.table.tBodies[0].rows].entries()) {
+    for (const [k, row] of this.rows.entries()) {
+      if (store.isDragging && !this.inView.has(row)) continue; // drawn when the drag has ended
       const key = track.keys[k];
       row.classList.toggle("selected", store.selection.keys.has(k));
-      const inputs = row.querySelectorAll("input");
-      inputs.forEach((input, i) => {
+      this.inputs[k].forEach((input, i) => {
         if (input === document.activeElement && input.dataset.typing) return;
-        input.value = i < key.at.length ? String(key.at[i]) : key.frame === null ? "" : String(key.frame);
-        if (i === key.at.length) input.placeholder = (met[k] ?? 0).toFixed(1);
+        const text = i < key.at.length ? String(key.at[i]) : key.frame === null ? "" : String(key.frame);
+        if (input.value !== text) input.value = text;
+        if (i === key.at.length) attributes(input, { placeholder: (met[k] ?? 0).toFixed(1) });
       });
     }
-    this.drawDetail();
+    this.detail.draw();
   }
 
   private build(): void {
@@ -77,6 +87,11 @@ export class KeyTable {
       return row;
     });
     this.table.replaceChildren(html("thead", {}, head), html("tbody", {}, ...rows));
+    this.rows = rows;
+    this.inputs = rows.map((row) => [...row.querySelectorAll("input")]);
+    this.inView.clear();
+    this.watch.disconnect();
+    for (const row of rows) this.watch.observe(row);
   }
 
   private input(label: string, fixed: boolean, change: (text: string) => void): HTMLInputElement {
@@ -89,76 +104,6 @@ export class KeyTable {
     });
     input.addEventListener("blur", () => delete input.dataset.typing);
     return input;
-  }
-
-  private drawDetail(): void {
-    const { store } = this;
-    if (this.detail.contains(document.activeElement) && document.activeElement instanceof HTMLInputElement &&
-        document.activeElement.type === "range") return this.fillDetail();
-    const index = store.selection.track;
-    const track = store.move.tracks[index];
-    const parts: Node[] = [];
-    const spline = html("select", { "aria-label": "Path", id: "spline" },
-      ...["smooth", "catmull-rom", "tcb", "linear"].map((word) => html("option", { value: word, selected: track.spline === word }, word)));
-    spline.addEventListener("change", () => {
-      const to = spline.value as Spline;
-      const keys = to === "tcb" ? track.keys : track.keys.map((key) => ({ ...key, tension: 0, continuity: 0, bias: 0 }));
-      const changed = withTrack(store.move, index, { spline: to });
-      store.edit(track.spline === "tcb" ? withKeys(changed, index, keys) : changed);
-    });
-    const closed = html("input", { type: "checkbox", id: "closed" });
-    closed.checked = track.closed;
-    closed.disabled = track.periodic || track.path !== null;
-    closed.addEventListener("change", () => store.edit(withTrack(store.move, index, { closed: closed.checked })));
-    parts.push(html("label", {}, "Path ", spline), html("label", {}, closed, " Closed"));
-    const keys = [...store.selection.keys];
-    if (keys.length > 0) {
-      const key = track.keys[keys[0]];
-      const flag = (name: "ease" | "break", label: string, title: string, can: boolean): HTMLElement => {
-        const box = html("input", { type: "checkbox", id: `key-${name}` });
-        box.checked = key[name];
-        box.disabled = !can;
-        box.addEventListener("change", () => changeKeys(store, store.selection.keys, (one) => ({ ...one, [name]: box.checked })));
-        return html("label", { title }, box, ` ${label}`);
-      };
-      const hold = html("input", { type: "number", min: 0, max: store.move.frames, "aria-label": "Frames of rest at the key", class: "short", id: "key-hold" });
-      hold.value = key.hold === null ? "" : String(key.hold);
-      hold.addEventListener("change", () => {
-        const value = Math.round(Number(hold.value));
-        changeKeys(store, store.selection.keys, (one) => ({ ...one, hold: value > 0 ? value : null, ease: value > 0 ? false : one.ease }));
-      });
-      const bySpeed = track.timing === "speed";
-      parts.push(
-        flag("ease", "Ease", "The speed touches 0 at the key", bySpeed && key.hold === null),
-        flag("break", "Break", "The speed may jump at the key, which needs a frame", bySpeed && key.frame !== null && !key.ease));
-      if (bySpeed) parts.push(html("label", {}, "Hold ", hold, " frames"));
-      if (track.spline === "tcb") {
-        for (const name of ["tension", "continuity", "bias"] as const) parts.push(this.slider(name, key));
-      }
-    }
-    this.detail.replaceChildren(...parts);
-  }
-
-  private slider(name: "tension" | "continuity" | "bias", key: Key): HTMLElement {
-    const { store } = this;
-    const slider = html("input", { type: "range", min: -1, max: 1, step: 0.05, "aria-label": name, id: `key-${name}`, "data-name": name });
-    slider.value = String(key[name]);
-    const shown = html("output", {}, key[name].toFixed(2));
-    slider.addEventListener("pointerdown", () => store.begin());
-    slider.addEventListener("input", () =>
-      changeKeys(store, store.selection.keys, (one) => ({ ...one, [name]: Number(slider.value) })));
-    slider.addEventListener("change", () => store.end());
-    return html("label", { class: "wide" }, html("span", {}, name[0].toUpperCase() + name.slice(1)), slider, shown);
-  }
-
-  private fillDetail(): void {
-    const { store } = this;
-    const key = store.move.tracks[store.selection.track].keys[Math.min(...store.selection.keys)];
-    for (const slider of this.detail.querySelectorAll<HTMLInputElement>("input[type=range]")) {
-      const value = key[slider.dataset.name as "tension"];
-      slider.value = String(value);
-      slider.nextElementSibling!.textContent = value.toFixed(2);
-    }
   }
 }
 

@@ -4,16 +4,14 @@ import { insertValue, removeValues, setValues } from "./edits";
 import { fixedSpeed, max_control_value } from "./move";
 import { quantities } from "./solver";
 import type { Store } from "./store";
+import { type Size, Strokes, watchSize } from "./strokes";
 
 const margin = { left: 46, right: 62, top: 12, bottom: 22 };
 const samples = 400;
 
 export class SpeedView {
   private readonly root = svg("svg", { class: "plot", role: "group" });
-  private readonly grid = svg("g", { class: "grid", "aria-hidden": "true" });
-  private readonly ceiling = svg("path", { class: "ceiling", "aria-hidden": "true" });
-  private readonly area = svg("path", { class: "speed-area", "aria-hidden": "true" });
-  private readonly curve = svg("path", { class: "speed-curve", "aria-hidden": "true" });
+  private readonly strokes = new Strokes();
   private readonly red = svg("path", { class: "over", "aria-hidden": "true" });
   private readonly polygon = svg("polyline", { class: "polygon", "aria-hidden": "true" });
   private readonly overText = svg("text", { class: "over-text", "text-anchor": "middle" });
@@ -21,16 +19,14 @@ export class SpeedView {
   private readonly handles = svg("g", { role: "group", "aria-label": "Control values" });
   private readonly band = svg("rect", { class: "band", hidden: true });
   private readonly knobs: SVGGElement[] = [];
-  private width = 100;
-  private height = 100;
+  private readonly size: Readonly<Size>;
   private top = max_control_value; // of the scale, in control values
   private held = false;
 
-  constructor(private readonly store: Store, private readonly place: HTMLElement) {
-    this.root.append(this.grid, this.area, this.ceiling, this.curve, this.red, this.polygon, this.overText,
-      this.cursor, this.band, this.handles);
-    place.append(this.root);
-    new ResizeObserver(() => this.draw()).observe(place);
+  constructor(private readonly store: Store, place: HTMLElement) {
+    this.root.append(this.red, this.polygon, this.overText, this.cursor, this.band, this.handles);
+    place.append(this.strokes.element, this.root);
+    this.size = watchSize(place, () => this.draw());
     store.onChange(() => this.draw());
     store.onFrame(() => this.drawCursor());
     this.root.addEventListener("pointerdown", (event) => this.pressBackground(event));
@@ -38,24 +34,23 @@ export class SpeedView {
   }
 
   private x(share: number): number {
-    return margin.left + share * (this.width - margin.left - margin.right);
+    return margin.left + share * (this.size.width - margin.left - margin.right);
   }
   private y(value: number): number {
-    return this.height - margin.bottom - (value / this.top) * (this.height - margin.top - margin.bottom);
+    return this.size.height - margin.bottom - (value / this.top) * (this.size.height - margin.top - margin.bottom);
   }
   private share(clientX: number): number {
     const { left } = this.root.getBoundingClientRect();
-    return (clientX - left - margin.left) / (this.width - margin.left - margin.right);
+    return (clientX - left - margin.left) / (this.size.width - margin.left - margin.right);
   }
   private get track() {
     return this.store.move.tracks[this.store.selection.track];
   }
 
   draw(): void {
-    this.width = this.place.clientWidth;
-    this.height = this.place.clientHeight;
-    if (this.width === 0) return;
-    attributes(this.root, { width: this.width, height: this.height, viewBox: `0 0 ${this.width} ${this.height}` });
+    const { width, height } = this.size;
+    if (width === 0) return;
+    attributes(this.root, { width, height, viewBox: `0 0 ${width} ${height}` });
     const { store } = this;
     const index = store.selection.track;
     const solved = store.solution.tracks[index];
@@ -68,15 +63,14 @@ export class SpeedView {
     // The curve that is played, in control values; of a track that is timed by frames the speed itself.
     const unit = solved.unitPerValue;
     const values = this.sampleCurve(index, unit);
-    const along = (i: number): number => i / (samples - 1);
-    let d = "";
-    for (let i = 0; i < samples; ++i) d += `${i ? "L" : "M"}${this.x(along(i)).toFixed(1)} ${this.y(values[i]).toFixed(1)}`;
-    this.curve.setAttribute("d", d);
-    this.area.setAttribute("d", `${d}L${this.x(1)} ${this.y(0)}L${this.x(0)} ${this.y(0)}Z`);
-    this.drawCeiling(values);
+    this.strokes.clear(this.size);
     this.drawGrid(unit);
+    const { pen } = this.strokes;
+    for (let i = 0; i < samples; ++i) pen.lineTo(this.x(i / (samples - 1)), this.y(values[i]));
+    this.strokes.stroke("speed", 2.2);
+    this.drawCeiling(values);
     const f = Math.max(drawn.length - 1, 1);
-    this.polygon.setAttribute("points", drawn.map((value, i) => `${this.x(i / f).toFixed(1)},${this.y(value).toFixed(1)}`).join(" "));
+    attributes(this.polygon, { points: drawn.map((value, i) => `${this.x(i / f).toFixed(1)},${this.y(value).toFixed(1)}`).join(" ") });
     this.drawKnobs(drawn, f);
     this.drawCursor();
   }
@@ -96,20 +90,22 @@ export class SpeedView {
     const { certificate } = this.store.solution;
     const index = this.store.selection.track;
     const cells = certificate?.ceilings[index];
-    let line = "";
+    const { pen } = this.strokes;
     let over = "";
     let worst = { rate: 1, share: 0, axis: -1, quantity: 0 };
     if (cells && certificate) {
       const frames = this.store.move.frames;
       const span = Math.max(certificate.lastFrame - certificate.firstFrame, 1);
       // A cell is one number: the line goes through the middles of the cells.
-      let pen = false;
+      let isDown = false;
       for (const [i, cell] of cells.entries()) {
         const share = (certificate.firstFrame + ((i + 0.5) / cells.length) * span) / frames;
         const value = values[Math.round(share * (samples - 1))] ?? 0;
         const visible = share >= 0 && share <= 1 && Number.isFinite(cell.rate) && value > 1e-6 * this.top;
-        if (visible) line += `${pen ? "L" : "M"}${this.x(share).toFixed(1)} ${this.y(Math.min(value * cell.rate, 1.02 * this.top)).toFixed(1)}`;
-        pen = visible;
+        const [x, y] = [this.x(share), this.y(Math.min(value * cell.rate, 1.02 * this.top))];
+        if (visible && isDown) pen.lineTo(x, y);
+        else if (visible) pen.moveTo(x, y);
+        isDown = visible;
       }
       let red = false;
       for (let i = 0; i < samples; ++i) {
@@ -121,43 +117,43 @@ export class SpeedView {
         red = cell.rate < 1;
       }
     }
-    this.ceiling.setAttribute("d", line);
-    this.red.setAttribute("d", over);
+    this.strokes.stroke("ceiling", 1.3, [7, 3]);
+    attributes(this.red, { d: over });
     const shown = worst.axis >= 0;
-    attributes(this.overText, { x: Math.min(Math.max(this.x(worst.share), 150), this.width - 150), y: margin.top + 12 });
-    this.overText.textContent = shown
-      ? `${this.store.move.axes[worst.axis].name}: ${quantities[worst.quantity]} ${percentOver(worst)} % too high`
-      : "";
+    attributes(this.overText, { x: Math.min(Math.max(this.x(worst.share), 150), this.size.width - 150), y: margin.top + 12 });
+    const words = shown ? `${this.store.move.axes[worst.axis].name}: ${quantities[worst.quantity]} ${percentOver(worst)} % too high` : "";
+    if (this.overText.textContent !== words) this.overText.textContent = words;
   }
 
   private drawGrid(unit: number): void {
-    const parts: Node[] = [];
     const isDrawn = this.track.speed !== null;
-    for (const value of ticks(0, this.top, 4)) {
-      const y = this.y(value);
-      parts.push(svg("line", { x1: margin.left, x2: this.width - margin.right, y1: y, y2: y }));
-      if (isDrawn) parts.push(svg("text", { x: margin.left - 6, y: y + 4, "text-anchor": "end" }, String(value)));
-    }
-    // The real speed at this frame count, on its own scale at the right.
     const per = isDrawn ? unit : 1;
     const name = this.track.unit ? `${this.track.unit}/s` : "units/s";
-    if (per > 0) {
-      for (const real of ticks(0, this.top * per, 4)) {
-        const y = this.y(real / per);
-        if (y < margin.top + 12) continue; // the unit stands there
-        parts.push(svg("line", { x1: this.width - margin.right, x2: this.width - margin.right + 4, y1: y, y2: y, class: "tick" }),
-          svg("text", { x: this.width - margin.right + 8, y: y + 4 }, String(real)));
-      }
-      parts.push(svg("text", { x: this.width - 6, y: margin.top + 2, "text-anchor": "end", class: "axis-name" }, name));
-    }
     const { frames } = this.store.move;
+    const { strokes } = this;
+    const [right, bottom] = [this.size.width - margin.right, this.size.height - margin.bottom];
+    for (const value of ticks(0, this.top, 4)) {
+      const y = this.y(value);
+      strokes.line(margin.left, y, right, y);
+      if (isDrawn) strokes.text(String(value), margin.left - 6, y + 4, "right");
+    }
     for (const frame of ticks(0, frames, 12)) {
       if (!Number.isInteger(frame)) continue;
       const x = this.x(frame / frames);
-      parts.push(svg("line", { x1: x, x2: x, y1: margin.top, y2: this.height - margin.bottom }),
-        svg("text", { x, y: this.height - 7, "text-anchor": "middle" }, String(frame)));
+      strokes.line(x, margin.top, x, bottom);
+      strokes.text(String(frame), x, this.size.height - 7, "center");
     }
-    this.grid.replaceChildren(...parts);
+    strokes.stroke("grid");
+    // The real speed at this frame count, on its own scale at the right.
+    if (!(per > 0)) return;
+    for (const real of ticks(0, this.top * per, 4)) {
+      const y = this.y(real / per);
+      if (y < margin.top + 12) continue; // the unit stands there
+      strokes.line(right, y, right + 4, y);
+      strokes.text(String(real), right + 8, y + 4, "left");
+    }
+    strokes.stroke("dim");
+    strokes.text(name, this.size.width - 6, margin.top + 2, "right", "text");
   }
 
   private drawKnobs(values: readonly number[], f: number): void {
@@ -191,7 +187,7 @@ export class SpeedView {
 
   private drawCursor(): void {
     const x = this.x(Math.min(Math.max(this.store.frame / this.store.move.frames, 0), 1));
-    attributes(this.cursor, { x1: x, x2: x, y1: margin.top, y2: this.height - margin.bottom });
+    attributes(this.cursor, { x1: x, x2: x, y1: margin.top, y2: this.size.height - margin.bottom });
   }
 
   private press(event: PointerEvent, i: number): void {
@@ -207,7 +203,7 @@ export class SpeedView {
     const index = store.selection.track;
     const chosen = new Set(store.selection.values).add(i);
     const from = event.clientY;
-    const perPixel = this.top / (this.height - margin.top - margin.bottom);
+    const perPixel = this.top / (this.size.height - margin.top - margin.bottom);
     this.held = true;
     store.begin();
     follow(event, (e) => {
@@ -231,8 +227,6 @@ export class SpeedView {
     const x0 = event.clientX - left;
     const y0 = event.clientY - top;
     let drawn = false;
-    const target = event.currentTarget as Element;
-    void target;
     follow(event, (e) => {
       const x1 = e.clientX - left;
       const y1 = e.clientY - top;
@@ -261,7 +255,7 @@ export class SpeedView {
     const speed = this.track.speed;
     if (!speed) return;
     const { top } = this.root.getBoundingClientRect();
-    const value = (this.height - margin.bottom - (event.clientY - top)) * (this.top / (this.height - margin.top - margin.bottom));
+    const value = (this.size.height - margin.bottom - (event.clientY - top)) * (this.top / (this.size.height - margin.top - margin.bottom));
     const index = Math.min(Math.max(Math.ceil(this.share(event.clientX) * (speed.length - 1)), 1), speed.length - 1);
     insertValue(this.store, index, value);
   }

@@ -58,7 +58,11 @@ export class Store {
     this.gesture = null;
     if (before === null || before === this.move) return;
     this.done.push(before);
+    this.solveSoon(); // what was left out while it was dragged
     this.onCommit();
+  }
+  get isDragging(): boolean {
+    return this.gesture !== null;
   }
   cancel(): void {
     const before = this.gesture;

@@ -3,24 +3,25 @@ import { attributes, button, follow, html, svg } from "./dom";
 import { shiftKeys } from "./edits";
 import { rateAt } from "./plan_view";
 import type { Store } from "./store";
+import { type Size, Strokes, watchSize } from "./strokes";
 
 export class TimeBar {
   private readonly root = svg("svg", { class: "plot", role: "slider", tabindex: 0, "aria-label": "Frame" });
-  private readonly stripes = svg("path", { class: "stripes" });
-  private readonly red = svg("path", { class: "over" });
+  private readonly strokes = new Strokes();
   private readonly keys = svg("g", { class: "bar-keys" });
   private readonly cursor = svg("line", { class: "cursor" });
   private readonly place = html("div", { class: "fill" });
-  private width = 100;
+  private readonly marks: SVGPathElement[] = [];
+  private readonly size: Readonly<Size>;
 
   constructor(private readonly store: Store, section: HTMLElement) {
-    this.root.append(this.stripes, this.red, this.keys, this.cursor);
-    this.place.append(this.root);
+    this.root.append(this.keys, this.cursor);
+    this.place.append(this.strokes.element, this.root);
     section.append(
       button("◀", "Meet the selected keys one frame earlier ([)", () => shiftKeys(store, -1), "earlier"),
       this.place,
       button("▶", "Meet the selected keys one frame later (])", () => shiftKeys(store, 1), "later"));
-    new ResizeObserver(() => this.draw()).observe(this.place);
+    this.size = watchSize(this.place, () => this.draw());
     store.onChange(() => this.draw());
     store.onFrame(() => this.drawCursor());
     this.root.addEventListener("pointerdown", (event) => {
@@ -38,7 +39,7 @@ export class TimeBar {
     const low = Math.floor(at);
     const distance = (f: number): number => solved.table[Math.min(f, frames) * solved.stride + 1];
     const here = distance(low) + (at - low) * (distance(low + 1) - distance(low));
-    return 6 + (solved.length > 0 ? here / solved.length : at / frames) * (this.width - 12);
+    return 6 + (solved.length > 0 ? here / solved.length : at / frames) * (this.size.width - 12);
   }
 
   private scrub(event: PointerEvent): void {
@@ -66,43 +67,53 @@ export class TimeBar {
   }
 
   draw(): void {
-    this.width = this.place.clientWidth;
-    const height = this.place.clientHeight;
-    if (this.width === 0) return;
+    const { width, height } = this.size;
+    if (width === 0) return;
     const { store } = this;
-    attributes(this.root, { width: this.width, height, viewBox: `0 0 ${this.width} ${height}` });
+    attributes(this.root, { width, height, viewBox: `0 0 ${width} ${height}` });
     const { certificate } = store.solution;
     const index = store.selection.track;
     const cells = certificate?.ceilings[index];
     const solved = store.solution.tracks[index];
     const frames = solved.table.length / solved.stride - 1;
-    let d = "";
-    let over = "";
-    for (let f = 0; f <= frames; ++f) {
-      const stripe = `M${this.x(f).toFixed(1)} ${f % 10 === 0 ? 4 : 10}V${height - 12}`;
-      d += stripe;
-      if (cells && certificate && rateAt(cells, f, certificate.firstFrame, certificate.lastFrame) < 1) over += stripe;
+    this.strokes.clear(this.size);
+    const { pen } = this.strokes;
+    const isOver = (f: number): boolean =>
+      cells !== undefined && rateAt(cells, f, certificate!.firstFrame, certificate!.lastFrame) < 1;
+    for (const [over, color, thick] of [[false, "stripes", 1], [true, "over", 2]] as const) {
+      for (let f = 0; f <= frames; ++f) {
+        if (isOver(f) !== over) continue;
+        const x = this.x(f);
+        pen.moveTo(x, f % 10 === 0 ? 4 : 10);
+        pen.lineTo(x, height - 12);
+      }
+      this.strokes.stroke(color, thick);
     }
-    this.stripes.setAttribute("d", d);
-    this.red.setAttribute("d", over);
-    const track = store.move.tracks[index];
-    this.keys.replaceChildren(...track.keys.map((key, k) => {
+    const { keys } = store.move.tracks[index];
+    while (this.marks.length > keys.length) this.marks.pop()!.remove();
+    while (this.marks.length < keys.length) this.marks.push(this.mark(this.marks.length));
+    for (const [k, key] of keys.entries()) {
       const x = this.x(solved.keyFrames[k] ?? 0);
-      const classes = `${store.selection.keys.has(k) ? "selected " : ""}${key.frame !== null ? "locked" : ""}`;
-      const mark = svg("path", { d: `M${x} ${height - 11}l5 9h-10z`, class: classes });
-      mark.addEventListener("pointerdown", (event) => {
-        event.stopPropagation();
-        store.selectKey(k, event.shiftKey || event.ctrlKey);
-      });
-      return mark;
-    }));
+      attributes(this.marks[k], { transform: `translate(${x.toFixed(1)} ${height - 11})`,
+        class: `${store.selection.keys.has(k) ? "selected " : ""}${key.frame !== null ? "locked" : ""}` });
+    }
     attributes(this.root, { "aria-valuemin": 0, "aria-valuemax": store.move.frames });
     this.drawCursor();
   }
 
+  private mark(k: number): SVGPathElement {
+    const mark = svg("path", { d: "M0 0l5 9h-10z" });
+    mark.addEventListener("pointerdown", (event) => {
+      event.stopPropagation();
+      this.store.selectKey(k, event.shiftKey || event.ctrlKey);
+    });
+    this.keys.append(mark);
+    return mark;
+  }
+
   private drawCursor(): void {
     const x = this.x(this.store.frame);
-    attributes(this.cursor, { x1: x, x2: x, y1: 0, y2: this.place.clientHeight });
+    attributes(this.cursor, { x1: x, x2: x, y1: 0, y2: this.size.height });
     attributes(this.root, { "aria-valuenow": Math.round(this.store.frame) });
   }
 }
