@@ -20,8 +20,8 @@ class EventDevice {
   EventDevice(const EventDevice&) = delete;
   EventDevice& operator=(const EventDevice&) = delete;
 
-  /// What was held since the last call, in order: 1 forward, -1 backward, 0 nothing. Never waits. A device
-  /// that goes away holds nothing.
+  /// Returns what was held since the last call, in order: 1 forward, -1 backward, 0 nothing. It never waits.
+  /// A device that goes away holds nothing.
   std::vector<int> changes();
   [[nodiscard]] bool is_gone() const { return file_ < 0; }
 

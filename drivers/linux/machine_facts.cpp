@@ -18,7 +18,7 @@ std::string line_of(const fs::path& path) {
   return line;
 }
 
-/// In the order of their names; none where there is no such folder.
+/// Returns the names in their order. A folder that is not there has none.
 std::vector<std::string> names_in(const fs::path& folder) {
   std::vector<std::string> names;
   std::error_code none;

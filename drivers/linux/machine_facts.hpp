@@ -14,8 +14,8 @@ struct NamedSetting {
   friend bool operator==(const NamedSetting&, const NamedSetting&) = default;
 };
 
-/// What the kernel tells in files about how punctual this machine can be. What it does not tell is empty, as
-/// in a container.
+/// The kernel tells in files how punctual this machine can be. What it does not tell, as in a container, is
+/// empty.
 struct MachineFacts {
   std::string kernel;                ///< "6.1.0-18-rt-amd64 #1 SMP PREEMPT_RT Debian 6.1.76-1"
   bool is_real_time_kernel = false;  ///< /sys/kernel/realtime

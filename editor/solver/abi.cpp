@@ -11,7 +11,7 @@
 namespace inbetween::editor {
 namespace {
 
-// Of one move at a time: a page has one thread.
+// They hold one move at a time, and a page has one thread.
 Session session;
 Exchange exchange;
 

@@ -9,11 +9,11 @@
 namespace inbetween::editor {
 namespace {
 
-/// As `check` has them: nothing is refined that is further from its limit than this share of it, and a step
-/// below this share of the peak or the limit is rounding.
+/// `check` has the same bounds: it refines nothing that is further from its limit than this share of it, and
+/// takes a step below this share of the peak or the limit for rounding.
 constexpr double slack_share = 1e-6;
 constexpr double step_rounding = 1e-9;
-/// As many cells as `check` takes, up to max_cells: one for a frame, and none shorter than two ticks.
+/// `check` takes as many cells, up to max_cells: one for a frame, and none shorter than two ticks.
 std::size_t cells_for(const Move<double>& move, double tick_seconds) {
   constexpr double min_cells = 64;
   const double frames = move.last_frame() - move.first_frame();

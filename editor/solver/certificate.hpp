@@ -40,7 +40,7 @@ struct KeyStep {
 };
 inline constexpr std::size_t max_steps = 256;
 
-/// What is proven of the move, in memory of its own. It refers to the tracks and the limits.
+/// It proves what the move keeps of its limits, in memory of its own. It refers to the tracks and the limits.
 class Certificate {
  public:
   /// `limits` has an entry for every axis of all tracks, or is empty: then there is a move without rolls, and
@@ -51,7 +51,7 @@ class Certificate {
 
   [[nodiscard]] const Move<double>& move() const { return *move_; }
   [[nodiscard]] bool has_limits() const { return !limits_.empty(); }
-  /// Of the move with its rolls, of every axis.
+  /// Every axis has an entry; the rolls count.
   [[nodiscard]] std::span<const AxisPeaks<double>> peaks() const { return std::span(peaks_).first(axes_); }
   [[nodiscard]] std::size_t cell_count() const { return cells_; }
   /// Of one track, cell by cell.

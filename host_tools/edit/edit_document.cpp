@@ -14,9 +14,6 @@
 namespace inbetween {
 namespace {
 
-constexpr std::array<const char*, 4> spline_words{"smooth", "catmull-rom", "tcb", "linear"};
-constexpr std::array<const char*, 4> kinetic_words{"linear", "curves", "pace", "monotone"};
-
 /// Whether the core alone solves the track: the page has nothing else.
 bool is_live(const MoveTrack& track) {
   const bool follows = track.space || track.distance;
@@ -74,9 +71,9 @@ void write_track(JsonWriter& json, const Plan& plan, std::size_t index, std::str
   json.member("closed", track.closed);
   json.member("periodic", track.periodic);
   json.member("timing", by_frames ? "frames" : "speed");
-  json.member("kinetic", by_frames ? std::optional<std::string_view>(
-                                         kinetic_words.at(static_cast<std::size_t>(kinetic_of(track))))
-                                   : std::nullopt);
+  json.member("kinetic", by_frames
+                             ? std::optional(kinetic_words.at(static_cast<std::size_t>(kinetic_of(track))))
+                             : std::nullopt);
   json.member("live", live);
   json.member("fixed_keys", why_keys_are_fixed(text, file, index));
   json.member("overshoot", track.overshoot);

@@ -116,10 +116,9 @@ EditedTrack read_track(const json& object) {
     }
     if (edited.speed->empty()) refuse("track.speed", "is empty");
   }
-  constexpr std::array<std::string_view, 4> words{"smooth", "catmull-rom", "tcb", "linear"};
-  const auto word = std::ranges::find(words, track.text("spline", 16));
-  if (word == words.end()) refuse("track.spline", "is none");
-  edited.spline = static_cast<Spline>(word - words.begin());
+  const auto word = std::ranges::find(spline_words, track.text("spline", 16));
+  if (word == spline_words.end()) refuse("track.spline", "is none");
+  edited.spline = static_cast<Spline>(word - spline_words.begin());
   return edited;
 }
 

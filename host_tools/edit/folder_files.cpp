@@ -53,28 +53,9 @@ class OpenFolder {
   int descriptor_;
 };
 
-int outcome(int result) {
-  return result == 0 ? 0 : errno;
-}
-
 /// A name without a folder, so that renaming stays where opening does.
 bool is_plain(const std::string& name) {
   return !name.empty() && name != "." && name != ".." && name.find('/') == std::string::npos;
-}
-
-int read_whole(int descriptor, std::size_t max_bytes, std::string& bytes) {
-  struct stat status = {};
-  if (::fstat(descriptor, &status) != 0) return errno;
-  if (!S_ISREG(status.st_mode)) return S_ISDIR(status.st_mode) ? EISDIR : EINVAL;
-  std::array<char, 4096> block = {};
-  while (true) {
-    const ssize_t count = ::read(descriptor, block.data(), block.size());
-    if (count < 0 && errno == EINTR) continue;
-    if (count < 0) return errno;
-    if (count == 0) return 0;
-    bytes.append(block.data(), static_cast<std::size_t>(count));
-    if (bytes.size() > max_bytes) return EFBIG;
-  }
 }
 
 }  // namespace
@@ -86,7 +67,7 @@ FileLayer files_beneath(const std::string& folder) {
     bytes.clear();
     int descriptor = -1;
     if (const int error = opened->open(name, O_RDONLY | O_NONBLOCK, 0, descriptor)) return error;
-    const int error = read_whole(descriptor, max_bytes, bytes);
+    const int error = read_open_file(descriptor, max_bytes, bytes);
     ::close(descriptor);
     return error;
   };
@@ -95,12 +76,12 @@ FileLayer files_beneath(const std::string& folder) {
   };
   files.rename = [opened](const std::string& from, const std::string& to) {
     if (!is_plain(from) || !is_plain(to)) return EXDEV;
-    return outcome(::renameat(opened->descriptor(), from.c_str(), opened->descriptor(), to.c_str()));
+    return errno_of(::renameat(opened->descriptor(), from.c_str(), opened->descriptor(), to.c_str()));
   };
   files.sync_folder = [opened](const std::string& name) {
     int descriptor = -1;
     if (const int error = opened->open(name, O_RDONLY | O_DIRECTORY, 0, descriptor)) return error;
-    const int error = outcome(::fsync(descriptor));
+    const int error = errno_of(::fsync(descriptor));
     ::close(descriptor);
     return error;
   };

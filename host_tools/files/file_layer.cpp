@@ -12,29 +12,10 @@
 namespace inbetween {
 namespace {
 
-int outcome(int result) {
-  return result == 0 ? 0 : errno;
-}
-
 int open_again_if_interrupted(const char* path, int flags, mode_t mode, int& descriptor) {
   do descriptor = ::open(path, flags, mode);
   while (descriptor < 0 && errno == EINTR);
   return descriptor < 0 ? errno : 0;
-}
-
-int read_open_file(int descriptor, std::size_t max_bytes, std::string& bytes) {
-  struct stat status = {};
-  if (::fstat(descriptor, &status) != 0) return errno;
-  if (!S_ISREG(status.st_mode)) return S_ISDIR(status.st_mode) ? EISDIR : EINVAL;
-  std::array<char, 4096> block = {};
-  while (true) {
-    const ssize_t count = ::read(descriptor, block.data(), block.size());
-    if (count < 0 && errno == EINTR) continue;
-    if (count < 0) return errno;
-    if (count == 0) return 0;
-    bytes.append(block.data(), static_cast<std::size_t>(count));
-    if (bytes.size() > max_bytes) return EFBIG;
-  }
 }
 
 int read_file(const std::string& path, std::size_t max_bytes, std::string& bytes) {
@@ -65,7 +46,7 @@ int sync_folder(const std::string& folder) {
           open_again_if_interrupted(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC, 0, descriptor)) {
     return error;
   }
-  const int error = outcome(::fsync(descriptor));
+  const int error = errno_of(::fsync(descriptor));
   ::close(descriptor);
   return error;
 }
@@ -86,6 +67,25 @@ int write_all(const FileLayer& files, int descriptor, std::string_view bytes) {
 
 }  // namespace
 
+int errno_of(int result) {
+  return result == 0 ? 0 : errno;
+}
+
+int read_open_file(int descriptor, std::size_t max_bytes, std::string& bytes) {
+  struct stat status = {};
+  if (::fstat(descriptor, &status) != 0) return errno;
+  if (!S_ISREG(status.st_mode)) return S_ISDIR(status.st_mode) ? EISDIR : EINVAL;
+  std::array<char, 4096> block = {};
+  while (true) {
+    const ssize_t count = ::read(descriptor, block.data(), block.size());
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) return errno;
+    if (count == 0) return 0;
+    bytes.append(block.data(), static_cast<std::size_t>(count));
+    if (bytes.size() > max_bytes) return EFBIG;
+  }
+}
+
 FileLayer system_files() {
   return {.read = read_file,
           .create =
@@ -94,12 +94,12 @@ FileLayer system_files() {
                     path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0644, descriptor);
               },
           .write = write_some,
-          .sync = [](int descriptor) { return outcome(::fsync(descriptor)); },
-          .close = [](int descriptor) { return outcome(::close(descriptor)); },
+          .sync = [](int descriptor) { return errno_of(::fsync(descriptor)); },
+          .close = [](int descriptor) { return errno_of(::close(descriptor)); },
           .rename = [](const std::string& from,
-                       const std::string& to) { return outcome(std::rename(from.c_str(), to.c_str())); },
+                       const std::string& to) { return errno_of(std::rename(from.c_str(), to.c_str())); },
           .sync_folder = sync_folder,
-          .make_folder = [](const std::string& folder) { return outcome(::mkdir(folder.c_str(), 0755)); }};
+          .make_folder = [](const std::string& folder) { return errno_of(::mkdir(folder.c_str(), 0755)); }};
 }
 
 FileFailure replace_durably(const FileLayer& files, const std::string& path, std::string_view bytes) {

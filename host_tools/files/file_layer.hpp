@@ -27,6 +27,10 @@ struct FileLayer {
 
 /// The operations of Linux.
 FileLayer system_files();
+/// What a call of Linux returned, 0 or -1 and errno, as such an errno.
+int errno_of(int result);
+/// FileLayer::read from where an open file stands to its end; `bytes` is empty before.
+int read_open_file(int descriptor, std::size_t max_bytes, std::string& bytes);
 
 /// A failed operation, its file and its reason.
 struct FileFailure {

@@ -143,9 +143,7 @@ void read_kinetic(const TomlTable& table, MoveTrack& track) {
       kinetic->refuse(
           R"(is "smooth", which is called "monotone"; write that, or "curves", which does not step)");
     }
-    constexpr std::array kinds = {MoveKinetic::linear, MoveKinetic::curves, MoveKinetic::pace,
-                                  MoveKinetic::monotone};
-    track.kinetic = kinds.at(kinetic->choice({"linear", "curves", "pace", "monotone"}));
+    track.kinetic = static_cast<MoveKinetic>(kinetic->choice(kinetic_words));
     if (track.kinetic == MoveKinetic::curves && track.spline == Spline::linear) {
       kinetic->refuse(
           R"(is "curves", and spline = "linear" has none; write kinetic = "linear" or another spline)");
@@ -254,8 +252,7 @@ MoveTrack read_track(const TomlValue& value, std::int32_t frames, std::map<std::
   track.place = table.place();
   read_axes(table, track, taken_axes);
   if (const auto spline = table.optional("spline")) {
-    constexpr std::array kinds = {Spline::smooth, Spline::catmull_rom, Spline::tcb, Spline::linear};
-    track.spline = kinds.at(spline->choice({"smooth", "catmull-rom", "tcb", "linear"}));
+    track.spline = static_cast<Spline>(spline->choice(spline_words));
   }
   if (const auto closed = table.optional("closed")) track.closed = closed->boolean();
   if (const auto timing = table.optional("timing")) {

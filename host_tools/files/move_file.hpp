@@ -5,6 +5,7 @@
 // under the speed curve makes sense is for the solver, which finds the places to complain about here.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -39,6 +40,9 @@ enum class Timing { speed, frames };
 
 /// How the frames of the keys make a motion. `pace` is a speed curve, the others are the core's.
 enum class MoveKinetic { linear, curves, pace, monotone };
+inline constexpr std::array<std::string_view, 4> kinetic_words{"linear", "curves", "pace", "monotone"};
+/// In the order of Spline.
+inline constexpr std::array<std::string_view, 4> spline_words{"smooth", "catmull-rom", "tcb", "linear"};
 
 /// The ends of the move at which a track rests.
 struct RestingEnds {

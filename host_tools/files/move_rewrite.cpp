@@ -219,8 +219,7 @@ void set_track_field(std::string_view text, const toml::table& table, std::strin
 }
 
 std::string quoted_spline(Spline spline) {
-  constexpr std::array names{"smooth", "catmull-rom", "tcb", "linear"};
-  return fmt::format("\"{}\"", names.at(static_cast<std::size_t>(spline)));
+  return fmt::format("\"{}\"", spline_words.at(static_cast<std::size_t>(spline)));
 }
 
 void refuse_other_move(const MoveFile& move, const EditedMove& edited) {

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "tests/support/bench.hpp"
+#include "tests/support/rig_text.hpp"
 #include "tests/support/temporary_file.hpp"
 
 namespace inbetween {
@@ -15,33 +16,11 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
-const std::string rig = R"(name = "two"
-rate_hz = 250
-[bus.can0]
-bitrate = 1_000_000
-[emergency_stop]
+const std::string rig = pan_and_tilt_text(R"([emergency_stop]
 chip = "head"
 line = 3
 stops_at = "low"
-[[axis]]
-name = "pan"
-unit = "deg"
-min = -90
-max = 90
-max_velocity = 60
-max_acceleration = 120
-unpowered = "holds"
-drive = { type = "cia402", bus = "can0", node = 1, counts_per_unit = 1000 }
-[[axis]]
-name = "tilt"
-unit = "deg"
-min = -90
-max = 90
-max_velocity = 60
-max_acceleration = 120
-unpowered = "holds"
-drive = { type = "cia402", bus = "can0", node = 2, counts_per_unit = 1000 }
-)";
+)");
 
 /// In the folder with rig.toml; what the doctor says is in the standard output.
 ProgramRun doctor(const std::string& script, const std::string& faults = "",

@@ -46,4 +46,31 @@ inline std::string rig_text(const std::vector<AxisText>& axes, const RigText& ri
   return text;
 }
 
+/// A head of two such drives on that bus; `more` are lines before its axes.
+inline std::string pan_and_tilt_text(const std::string& more = "") {
+  std::vector<AxisText> axes;
+  for (const char* name : {"pan", "tilt"}) {
+    axes.push_back({.name = name,
+                    .unit = "deg",
+                    .min = -90,
+                    .max = 90,
+                    .max_velocity = 60,
+                    .max_acceleration = 120,
+                    .more = "unpowered = \"holds\"",
+                    .drive = cia402_text(static_cast<int>(axes.size()) + 1)});
+  }
+  return rig_text(axes, {.name = "head", .rate_hz = 250, .more = bus_can0 + more});
+}
+
+/// A stepper drive that somebody has told where it stands.
+inline AxisText stepper_track() {
+  return {.name = "track",
+          .min = 0,
+          .max = 500,
+          .max_velocity = 250,
+          .max_acceleration = 1000,
+          .more = "max_jerk = 20000\nreference = \"operator\"",
+          .drive = R"(type = "step-dir", chip = "gpio", step = 17, dir = 27, steps_per_unit = 40)"};
+}
+
 }  // namespace inbetween

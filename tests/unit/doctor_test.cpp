@@ -23,6 +23,7 @@
 #include "host_tools/files/fault_script.hpp"
 #include "host_tools/rig/simulated_hardware.hpp"
 #include "tests/support/places.hpp"
+#include "tests/support/rig_text.hpp"
 #include "tests/support/run_program.hpp"
 #include "tests/support/temporary_file.hpp"
 
@@ -252,29 +253,7 @@ TEST(Doctor, EveryMistakeOfABusIsNamedWithItsRemedy) {
 
 // --- drives
 
-const std::string two_axes = R"(name = "two"
-rate_hz = 250
-[bus.can0]
-bitrate = 1_000_000
-[[axis]]
-name = "pan"
-unit = "deg"
-min = -90
-max = 90
-max_velocity = 60
-max_acceleration = 120
-unpowered = "holds"
-drive = { type = "cia402", bus = "can0", node = 1, counts_per_unit = 1000 }
-[[axis]]
-name = "tilt"
-unit = "deg"
-min = -90
-max = 90
-max_velocity = 60
-max_acceleration = 120
-unpowered = "holds"
-drive = { type = "cia402", bus = "can0", node = 2, counts_per_unit = 1000 }
-)";
+const std::string two_axes = pan_and_tilt_text();
 
 /// The drives of that rig with the faults of a script, on a clock that takes no time.
 Findings visit(const std::string& faults = "") {

@@ -17,6 +17,7 @@
 #include "host_tools/plan/move_rolls.hpp"
 #include "host_tools/rig/simulated_hardware.hpp"
 #include "tests/support/event_pipe.hpp"
+#include "tests/support/rig_text.hpp"
 #include "tests/support/run_program.hpp"
 #include "tests/support/temporary_file.hpp"
 #include "tests/support/terminal_screen.hpp"
@@ -28,19 +29,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-const std::string slider = R"(name = "slider"
-rate_hz = 250
-[[axis]]
-name = "track"
-unit = "mm"
-min = 0
-max = 500
-max_velocity = 250
-max_acceleration = 1000
-max_jerk = 20000
-reference = "operator"
-drive = { type = "step-dir", chip = "gpio", step = 17, dir = 27, steps_per_unit = 40 }
-)";
+const std::string slider = rig_text({stepper_track()}, {.name = "slider", .rate_hz = 250});
 constexpr double tick_s = 0.004;
 
 /// An axis under the keys of a device, on a virtual clock. What happens to the key happens before the tick of

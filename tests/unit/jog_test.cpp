@@ -16,6 +16,7 @@
 #include "host_tools/loop/loop_preparations.hpp"
 #include "host_tools/plan/move_rolls.hpp"
 #include "host_tools/rig/simulated_hardware.hpp"
+#include "tests/support/rig_text.hpp"
 #include "tests/support/run_program.hpp"
 #include "tests/support/temporary_file.hpp"
 
@@ -24,28 +25,17 @@ namespace jog_test {
 
 using testing::HasSubstr;
 
-const std::string crane = R"(name = "crane"
-rate_hz = 250
-[[axis]]
-name = "track"
-unit = "mm"
-min = 0
-max = 500
-max_velocity = 250
-max_acceleration = 1000
-max_jerk = 20000
-reference = "operator"
-drive = { type = "step-dir", chip = "gpio", step = 17, dir = 27, steps_per_unit = 40 }
-[[axis]]
-name = "pan"
-unit = "deg"
-min = -90
-max = 90
-max_velocity = 120
-max_acceleration = 700
-reference = "operator"
-drive = { type = "step-dir", chip = "gpio", step = 19, dir = 26, steps_per_unit = 50 }
-)";
+const std::string crane =
+    rig_text({stepper_track(),
+              {.name = "pan",
+               .unit = "deg",
+               .min = -90,
+               .max = 90,
+               .max_velocity = 120,
+               .max_acceleration = 700,
+               .more = R"(reference = "operator")",
+               .drive = R"(type = "step-dir", chip = "gpio", step = 19, dir = 26, steps_per_unit = 50)"}},
+             {.name = "crane", .rate_hz = 250});
 
 const std::string left = "\x1b[D", right = "\x1b[C", up = "\x1b[A", down = "\x1b[B";
 constexpr std::int64_t tick_ns = 4'000'000;
