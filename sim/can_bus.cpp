@@ -21,7 +21,7 @@ void SimulatedCanBus::collect(std::int64_t now_ns) {
 }
 
 std::vector<can::Frame> SimulatedCanBus::run(std::int64_t now_ns) {
-  for (SimulatedCia402Drive* drive : drives_) drive->advance(now_ns);
+  for (SimulatedCanDrive* drive : drives_) drive->advance(now_ns);
   for (const Waiting& sent : outbox_) post(sent, now_ns);
   outbox_.clear();
   std::vector<can::Frame> heard;

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "inbetween/can/frame.hpp"
-#include "sim/cia402_drive.hpp"
+#include "sim/simulated_can_drive.hpp"
 
 namespace inbetween {
 
@@ -20,7 +20,7 @@ struct FrameFate {
 class SimulatedCanBus {
  public:
   /// The drive stays the caller's.
-  void attach(SimulatedCia402Drive& drive) { drives_.push_back(&drive); }
+  void attach(SimulatedCanDrive& drive) { drives_.push_back(&drive); }
   /// Asked once for every frame, when it is to be sent.
   void set_fate(std::function<FrameFate(const can::Frame&, std::int64_t now_ns)> fate) {
     fate_ = std::move(fate);
@@ -45,7 +45,7 @@ class SimulatedCanBus {
   void post(const Waiting& sent, std::int64_t now_ns);
   void collect(std::int64_t now_ns);
 
-  std::vector<SimulatedCia402Drive*> drives_;
+  std::vector<SimulatedCanDrive*> drives_;
   std::function<FrameFate(const can::Frame&, std::int64_t)> fate_;
   std::vector<Waiting> outbox_;
   std::vector<Waiting> wire_;

@@ -35,8 +35,8 @@ SimulatedCia402Drive::SimulatedCia402Drive(const SimulatedCia402Settings& settin
       defaults_(objects_),
       motor_(settings.motor, settings.position),
       now_ns_(now_ns),
-      boot_ns_(now_ns + settings.boot_delay_ns),
-      met_(settings.troubles.size()) {
+      boot_ns_(now_ns + settings.boot_delay_ns) {
+  for (const DriveTrouble& trouble : settings.troubles) troubles_.add(trouble);
   show();
 }
 

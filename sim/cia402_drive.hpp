@@ -3,7 +3,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <optional>
 #include <vector>
 
@@ -14,45 +13,12 @@
 #include "inbetween/can/nmt.hpp"
 #include "inbetween/can/pdo.hpp"
 #include "inbetween/can/sdo.hpp"
+#include "sim/drive_trouble.hpp"
 #include "sim/object_dictionary.hpp"
+#include "sim/simulated_can_drive.hpp"
 #include "sim/simulated_motor.hpp"
 
 namespace inbetween {
-
-/// A fault of a simulated drive, and its time.
-struct DriveTrouble {
-  enum class Kind : std::uint8_t {
-    lose_feedback,   ///< TPDOs are not sent
-    lose_heartbeat,  ///< heartbeats are not sent
-    emergency,       ///< at `at_ns`: an EMCY with code `value`, and a fault
-    stick,           ///< the motor is held
-    reboot,          ///< at `at_ns`: the drive starts anew
-    move_by_hand,    ///< at `at_ns`: the axis is moved by `value` counts
-    put_by_hand,     ///< at `at_ns`: the axis is moved to `value` counts from where 0 was at power-on
-    wrong_mode,      ///< 6061 shows mode `value`
-    ignore_target,   ///< statusword bit 12 is clear, and the axis comes to rest
-    lose_sent,       ///< nothing that it sends arrives
-    lose_heard,      ///< nothing that is sent to it arrives
-    shorten,         ///< its process data lack their last byte
-    duplicate,       ///< its process data come twice
-    foreign_sender,  ///< at `at_ns`: a target for it that is not from the host: where it stands
-    flood,           ///< it sends `value` SDO answers a second that nobody has asked for
-    stay_on,         ///< it does not take the order to switch off; its watchdogs still do
-    sink,            ///< without power the axis moves by `value` counts/s
-    no_window,       ///< at `at_ns`: it is one that does not watch its following error
-    no_watchdog,     ///< at `at_ns`: it is one with neither heartbeat consumer nor setpoint timer
-    no_object,       ///< at `at_ns`: it is one without `object`
-    fixed_object,    ///< at `at_ns`: it is one whose `object` is `value` and can only be read
-    silent_object,   ///< at `at_ns`: it is one that does not answer for `object`
-  };
-  Kind kind = Kind::lose_feedback;
-  std::int64_t at_ns = 0;
-  std::int64_t for_ns = std::int64_t{1} << 62;
-  std::int32_t value = 0;
-  /// How many frames are lost, shortened or doubled at most; of those meant for it, where it hears nothing.
-  std::int32_t frames = std::numeric_limits<std::int32_t>::max();
-  can::ObjectAddress object{};
-};
 
 struct SimulatedCia402Settings {
   can::NodeId node;
@@ -71,17 +37,14 @@ struct SimulatedCia402Settings {
 /// only.
 ///
 /// Time is the caller's, in nanoseconds, and never goes back: a virtual clock, or that of the machine.
-class SimulatedCia402Drive {
+class SimulatedCia402Drive : public SimulatedCanDrive {
  public:
   /// Powered on at `now_ns`.
   SimulatedCia402Drive(const SimulatedCia402Settings& settings, std::int64_t now_ns);
 
-  /// Until `now_ns`: the motor moves, timers end, heartbeats are due.
-  void advance(std::int64_t now_ns);
-  /// A frame that it hears at the time to which it was advanced.
-  void receive(const can::Frame& frame);
-  /// Takes the frames that it has to send since the last call, in order.
-  std::vector<can::Frame> take_frames();
+  void advance(std::int64_t now_ns) override;
+  void receive(const can::Frame& frame) override;
+  std::vector<can::Frame> take_frames() override;
 
   /// A target that was applied by SYNC while the drive was in operation.
   struct Applied {
@@ -98,33 +61,26 @@ class SimulatedCia402Drive {
     std::uint16_t code;  ///< 0: the errors are gone
   };
   /// Its own record, where it was asked for: the targets from the first time that it was in operation, its
-  /// states, and the emergencies that it sent; since power-on, or since they were forgotten.
+  /// states, and the emergencies that it sent; since power-on, or since they were taken.
   [[nodiscard]] const std::vector<Applied>& applied() const { return applied_; }
   [[nodiscard]] const std::vector<Entered>& entered() const { return entered_; }
   [[nodiscard]] const std::vector<Reported>& reported() const { return reported_; }
-  /// It misses something that it watches, or is in fault because it did.
-  [[nodiscard]] bool misses_something() const { return missing_ != 0; }
-
-  void forget_record() {
-    applied_.clear();
-    entered_.clear();
-    reported_.clear();
-  }
-  /// A target was applied that is not where it was switched on.
-  [[nodiscard]] bool has_been_moved() const { return has_been_moved_; }
+  DriveRecord take_record() override;
+  [[nodiscard]] bool misses_something() const override { return missing_ != 0; }
+  [[nodiscard]] bool has_been_moved() const override { return has_been_moved_; }
 
   [[nodiscard]] can::NodeId node() const { return settings_.node; }
   [[nodiscard]] can::Cia402State state() const { return state_; }
   [[nodiscard]] can::NmtState nmt() const { return nmt_; }
-  /// The true position of the motor in counts, whatever the drive believes.
-  [[nodiscard]] double position() const { return motor_.position(); }
-  [[nodiscard]] double velocity() const { return motor_.velocity(); }
+  [[nodiscard]] const char* state_name() const override { return can::name_of(state_); }
+  [[nodiscard]] double position() const override { return motor_.position(); }
+  [[nodiscard]] double velocity() const override { return motor_.velocity(); }
   [[nodiscard]] const ObjectDictionary& objects() const { return objects_; }
   /// To make another device of it: these last through a reset.
   void add_object(can::ObjectAddress address, const ObjectDictionary::Object& object);
   void remove_object(can::ObjectAddress address);
   void change_access(can::ObjectAddress address, ObjectDictionary::Access access);
-  void add_trouble(const DriveTrouble& trouble);
+  void add_trouble(const DriveTrouble& trouble) override { troubles_.add(trouble); }
 
  private:
   struct Pdo {
@@ -189,13 +145,13 @@ class SimulatedCia402Drive {
   void watch_following_error(double seconds);
   void meet_troubles();
   void meet(const DriveTrouble& trouble);
-  [[nodiscard]] bool is_there(const DriveTrouble& trouble) const;
-  [[nodiscard]] bool has_trouble(DriveTrouble::Kind kind) const;
-  /// Whether such a trouble takes this frame; it is one of those that it may take.
-  bool takes_frame(DriveTrouble::Kind kind);
+  [[nodiscard]] bool has_trouble(DriveTrouble::Kind kind) const { return troubles_.has(kind, now_ns_); }
+  bool takes_frame(DriveTrouble::Kind kind) { return troubles_.takes_frame(kind, now_ns_); }
   [[nodiscard]] bool is_meant_for_it(const can::Frame& frame) const;
   void babble();
-  [[nodiscard]] std::int32_t trouble_value(DriveTrouble::Kind kind) const;
+  [[nodiscard]] std::int32_t trouble_value(DriveTrouble::Kind kind) const {
+    return troubles_.value(kind, now_ns_);
+  }
   void show();
   [[nodiscard]] std::uint16_t statusword() const;
   [[nodiscard]] bool is_in_operation() const { return state_ == can::Cia402State::operation_enabled; }
@@ -241,12 +197,7 @@ class SimulatedCia402Drive {
   bool is_following_error_ = false;
   bool is_limited_ = false;
   double zero_ = 0;  ///< the position of the motor that is reported as 0
-  /// The record of each trouble.
-  struct Met {
-    bool is_begun = false;
-    std::int64_t frames = 0;  ///< that it has taken or, in a flood, sent
-  };
-  std::vector<Met> met_;
+  DriveTroubles troubles_;
 };
 
 }  // namespace inbetween

@@ -1,7 +1,5 @@
 // The faults of a simulated drive.
-#include <algorithm>
 #include <cmath>
-#include <cstddef>
 
 #include "sim/cia402_drive.hpp"
 
@@ -10,50 +8,13 @@ namespace {
 
 using Kind = DriveTrouble::Kind;
 
-constexpr std::int64_t ns_per_s = 1'000'000'000;
 constexpr std::uint32_t watches_nothing = 0xFFFFFFFF;
 constexpr std::uint32_t function_bits = 0x780;  // of an identifier; the others are the node
 
 }  // namespace
 
-void SimulatedCia402Drive::add_trouble(const DriveTrouble& trouble) {
-  settings_.troubles.push_back(trouble);
-  met_.emplace_back();
-}
-
-bool SimulatedCia402Drive::is_there(const DriveTrouble& trouble) const {
-  return now_ns_ >= trouble.at_ns && now_ns_ - trouble.at_ns < trouble.for_ns;
-}
-
-bool SimulatedCia402Drive::has_trouble(Kind kind) const {
-  return std::ranges::any_of(settings_.troubles, [&](const DriveTrouble& trouble) {
-    return trouble.kind == kind && is_there(trouble);
-  });
-}
-
-std::int32_t SimulatedCia402Drive::trouble_value(Kind kind) const {
-  for (const DriveTrouble& trouble : settings_.troubles) {
-    if (trouble.kind == kind && is_there(trouble)) return trouble.value;
-  }
-  return 0;
-}
-
-bool SimulatedCia402Drive::takes_frame(Kind kind) {
-  for (std::size_t i = 0; i < met_.size(); ++i) {
-    const DriveTrouble& trouble = settings_.troubles[i];
-    if (trouble.kind != kind || !is_there(trouble) || met_[i].frames >= trouble.frames) continue;
-    ++met_[i].frames;
-    return true;
-  }
-  return false;
-}
-
 void SimulatedCia402Drive::meet_troubles() {
-  for (std::size_t i = 0; i < met_.size(); ++i) {
-    if (met_[i].is_begun || now_ns_ < settings_.troubles[i].at_ns) continue;
-    met_[i].is_begun = true;
-    meet(settings_.troubles[i]);
-  }
+  while (const std::optional<DriveTrouble> trouble = troubles_.begin_next(now_ns_)) meet(*trouble);
 }
 
 void SimulatedCia402Drive::meet(const DriveTrouble& trouble) {
@@ -63,7 +24,7 @@ void SimulatedCia402Drive::meet(const DriveTrouble& trouble) {
     case Kind::move_by_hand:
       return motor_.put(motor_.position() + trouble.value);
     case Kind::put_by_hand:
-      return motor_.put(trouble.value);
+      return motor_.put(trouble.place);
     case Kind::reboot:
       return start_anew();
     case Kind::foreign_sender: {
@@ -116,20 +77,29 @@ bool SimulatedCia402Drive::is_meant_for_it(const can::Frame& frame) const {
   return is_of_host && (frame.id & ~function_bits) == node().value();
 }
 
-/// As many as are due by now.
 void SimulatedCia402Drive::babble() {
   if (is_booting_) return;
-  for (std::size_t i = 0; i < met_.size(); ++i) {
-    const DriveTrouble& trouble = settings_.troubles[i];
-    if (trouble.kind != Kind::flood || !is_there(trouble)) continue;
-    const std::int64_t due = (now_ns_ - trouble.at_ns) / 1000 * trouble.value / (ns_per_s / 1000);
-    for (; met_[i].frames < due; ++met_[i].frames) {
-      send(can::sdo_frame(can::sdo_answer_id(node()), {.kind = can::SdoKind::upload_value,
-                                                       .object = {.index = 0x1000},
-                                                       .size = 4,
-                                                       .value = objects_.value(0x1000)}));
-    }
+  for (std::int64_t due = troubles_.flood(now_ns_); due > 0; --due) {
+    send(can::sdo_frame(can::sdo_answer_id(node()), {.kind = can::SdoKind::upload_value,
+                                                     .object = {.index = 0x1000},
+                                                     .size = 4,
+                                                     .value = objects_.value(0x1000)}));
   }
+}
+
+DriveRecord SimulatedCia402Drive::take_record() {
+  DriveRecord record;
+  for (const Applied& applied : applied_) {
+    record.applied.push_back({applied.at_ns, static_cast<double>(applied.target)});
+  }
+  for (const Entered& entered : entered_) {
+    record.entered.push_back({entered.at_ns, can::name_of(entered.state), entered.velocity});
+  }
+  for (const Reported& reported : reported_) record.reported.push_back({reported.at_ns, reported.code});
+  applied_.clear();
+  entered_.clear();
+  reported_.clear();
+  return record;
 }
 
 }  // namespace inbetween

@@ -9,7 +9,7 @@
 #include "host_tools/doctor/bus_checks.hpp"
 #include "host_tools/files/diagnostics.hpp"
 #include "host_tools/files/json_writer.hpp"
-#include "host_tools/rig/can_drives.hpp"
+#include "host_tools/rig/bus_kind.hpp"
 #include "host_tools/rig/machine_hardware.hpp"
 #include "host_tools/rig/rig_drives.hpp"
 #include "host_tools/rig/step_drives.hpp"
@@ -33,17 +33,6 @@ void add_refusal(Findings& findings, const std::string& of, const std::function<
   }
 }
 
-/// `bus` with its CiA 402 drives.
-std::optional<BusNeeds> needs_of(const RigFile& rig, const Bus& bus) {
-  BusNeeds needs{.bitrate = bus.bitrate};
-  for (const RigAxis& axis : rig.axes) {
-    const auto* const drive = std::get_if<Cia402Drive>(&axis.drive);
-    if (drive != nullptr && drive->bus == bus.name) needs.frames_per_tick += drive->is_guarded ? 2 : 1;
-  }
-  needs.frames_per_tick += frames_of_bus_per_tick;
-  return needs;
-}
-
 }  // namespace
 
 Findings check_rig(const RigFile& rig) {
@@ -56,7 +45,8 @@ Findings check_rig(const RigFile& rig) {
     findings.push_back({.of = "rig", .what = fmt::format("{}, at {} Hz", in_quotes(rig.name), rig.rate_hz)});
   }
   for (const Bus& bus : rig.buses) {
-    const Findings of_bus = check_bus(bus.name, can::read_can_link(bus.name), needs_of(rig, bus));
+    const BusNeeds needs{.bitrate = bus.bitrate, .frames_per_tick = share_of_bus(rig, bus).frames};
+    const Findings of_bus = check_bus(bus.name, can::read_can_link(bus.name), needs);
     findings.insert(findings.end(), of_bus.begin(), of_bus.end());
   }
   const std::vector<InputError> lines = unavailable_lines(rig);

@@ -176,7 +176,7 @@ void read_own(const TomlTable& table, const FaultKind& kind, const RigFile& rig,
       return whole(table.required("code", "the code of the EMCY, code = 0x2310"), 1, 0xFFFF);
     case Kind::move_by_hand:
       trouble.kind = Kind::put_by_hand;
-      trouble.value = read_counts(table.required("to", "the position that it is moved to, to = 0.0"),
+      trouble.place = read_counts(table.required("to", "the position that it is moved to, to = 0.0"),
                                   rig.axes[fault.axis]);
       return;
     case Kind::wrong_mode:

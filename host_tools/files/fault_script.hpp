@@ -14,7 +14,7 @@
 
 #include "host_tools/files/diagnostics.hpp"
 #include "host_tools/files/rig_file.hpp"
-#include "sim/cia402_drive.hpp"
+#include "sim/drive_trouble.hpp"
 
 namespace inbetween {
 

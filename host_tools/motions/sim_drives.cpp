@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <deque>
+#include <iterator>
 #include <memory>
 #include <optional>
 #include <span>
@@ -14,12 +15,10 @@
 #include "drivers/can/socket_can.hpp"
 #include "drivers/linux/monotonic_clock.hpp"
 #include "host_tools/files/diagnostics.hpp"
-#include "host_tools/rig/can_drives.hpp"
+#include "host_tools/rig/bus_kind.hpp"
 #include "host_tools/rig/fault_schedule.hpp"
 #include "host_tools/rig/machine_hardware.hpp"
-#include "host_tools/rig/simulated_hardware.hpp"
-#include "inbetween/can/canopen_id.hpp"
-#include "sim/cia402_drive.hpp"
+#include "sim/simulated_can_drive.hpp"
 
 namespace inbetween {
 namespace {
@@ -28,25 +27,15 @@ constexpr std::int64_t ns_between_looks = 1'000'000;
 
 struct DriveOnBus {
   std::string axis;
-  SimulatedCia402Drive drive;
+  std::unique_ptr<SimulatedCanDrive> drive;
 };
 
 struct BusOfDrives {
   std::string name;
   can::SocketCan socket;
-  std::deque<DriveOnBus> drives;
+  std::vector<DriveOnBus> drives;
+  std::vector<can::CanFilter> heard;
 };
-
-std::vector<can::CanFilter> what_drives_hear(const std::deque<DriveOnBus>& drives) {
-  std::vector<can::CanFilter> filters{
-      {can::nmt_id, false}, {can::sync_id, false}, {can::heartbeat_id(host_node()), false}};
-  for (const DriveOnBus& one : drives) {
-    filters.push_back({can::rpdo1_id(one.drive.node()), false});
-    filters.push_back({can::sdo_request_id(one.drive.node()), false});
-    filters.push_back({.id = can::heartbeat_id(one.drive.node()), .is_remote = true});
-  }
-  return filters;
-}
 
 /// The drives hear what has come and answer.
 void serve(BusOfDrives& bus, std::int64_t now_ns) {
@@ -54,9 +43,9 @@ void serve(BusOfDrives& bus, std::int64_t now_ns) {
   const std::size_t count = bus.socket.receive(frames);
   std::vector<can::Frame> answers;
   for (DriveOnBus& one : bus.drives) {
-    one.drive.advance(now_ns);
-    for (std::size_t i = 0; i < count; ++i) one.drive.receive(frames[i]);
-    for (const can::Frame& frame : one.drive.take_frames()) answers.push_back(frame);
+    one.drive->advance(now_ns);
+    for (std::size_t i = 0; i < count; ++i) one.drive->receive(frames[i]);
+    for (const can::Frame& frame : one.drive->take_frames()) answers.push_back(frame);
   }
   std::span<const can::Frame> left = answers;
   while (!left.empty()) {
@@ -70,17 +59,16 @@ void serve(BusOfDrives& bus, std::int64_t now_ns) {
 void write_record(std::deque<BusOfDrives>& buses, std::FILE* file) {
   for (BusOfDrives& bus : buses) {
     for (DriveOnBus& one : bus.drives) {
-      for (const SimulatedCia402Drive::Applied& applied : one.drive.applied()) {
+      const DriveRecord record = one.drive->take_record();
+      for (const DriveRecord::Applied& applied : record.applied) {
         fmt::print(file, "{},{},{}\n", one.axis, applied.at_ns, applied.target);
       }
-      for (const SimulatedCia402Drive::Entered& entered : one.drive.entered()) {
-        fmt::print(file, "{},state,{},{},{:.3f}\n", one.axis, entered.at_ns, can::name_of(entered.state),
-                   entered.velocity);
+      for (const DriveRecord::Entered& entered : record.entered) {
+        fmt::print(file, "{},state,{},{},{:.3f}\n", one.axis, entered.at_ns, entered.state, entered.velocity);
       }
-      for (const SimulatedCia402Drive::Reported& reported : one.drive.reported()) {
+      for (const DriveRecord::Reported& reported : record.reported) {
         fmt::print(file, "{},emergency,{},{:04X}\n", one.axis, reported.at_ns, reported.code);
       }
-      one.drive.forget_record();
     }
   }
 }
@@ -92,9 +80,9 @@ void write_end(const std::deque<BusOfDrives>& buses, const FaultSchedule& faults
   }
   for (const BusOfDrives& bus : buses) {
     for (const DriveOnBus& one : bus.drives) {
-      fmt::print(file, "{},end,{},{:.3f},{:.3f},{}\n", one.axis, can::name_of(one.drive.state()),
-                 one.drive.position(), one.drive.velocity(),
-                 one.drive.misses_something() ? "misses something" : "misses nothing");
+      fmt::print(file, "{},end,{},{:.3f},{:.3f},{}\n", one.axis, one.drive->state_name(),
+                 one.drive->position(), one.drive->velocity(),
+                 one.drive->misses_something() ? "misses something" : "misses nothing");
     }
   }
 }
@@ -108,25 +96,29 @@ void run_sim_drives(const RigFile& rig, const SimDrivesOptions& options) {
   FaultSchedule faults(options.faults, clock.now_ns());
   for (std::size_t a = 0; a < rig.axes.size(); ++a) {
     const RigAxis& axis = rig.axes[a];
-    const Cia402Drive* const drive = std::get_if<Cia402Drive>(&axis.drive);
     if (std::holds_alternative<StepDirDrive>(axis.drive)) continue;
-    if (drive == nullptr) {
-      throw InputError(axis.place,
-                       fmt::format("axis {} is no CiA 402 drive; this version simulates those only "
-                                   "on a bus",
-                                   in_quotes(axis.name)));
-    }
-    auto bus = std::ranges::find(buses, drive->bus, &BusOfDrives::name);
-    if (bus == buses.end()) {
-      buses.emplace_back().name = drive->bus;
-      bus = buses.end() - 1;
-    }
     double position = std::clamp(0.0, axis.min, axis.max);
-    if (const auto said = standing.extract(axis.name)) position = said.mapped();
-    SimulatedCia402Settings settings = simulated_settings_of(axis, position);
-    settings.keeps_record = options.record != nullptr;
-    bus->drives.push_back({axis.name, SimulatedCia402Drive(settings, clock.now_ns())});
-    faults.attach(a, bus->drives.back().drive);
+    bool is_on_bus = false;
+    with_kind_of(axis, [&]<class Kind>() {
+      is_on_bus = true;
+      const std::string& name = std::get<typename Kind::InRig>(axis.drive).bus;
+      auto bus = std::ranges::find(buses, name, &BusOfDrives::name);
+      if (bus == buses.end()) {
+        buses.emplace_back().name = name;
+        bus = buses.end() - 1;
+      }
+      if (const auto said = standing.extract(axis.name)) position = said.mapped();
+      bus->drives.push_back({axis.name, Kind::simulate(axis, {.position = position,
+                                                              .now_ns = clock.now_ns(),
+                                                              .keeps_record = options.record != nullptr})});
+      std::ranges::copy(Kind::heard_by_drive(axis), std::back_inserter(bus->heard));
+      faults.attach(a, *bus->drives.back().drive);
+    });
+    if (is_on_bus) continue;
+    throw InputError(axis.place,
+                     fmt::format("axis {} has no drive on a CAN bus; this version simulates those "
+                                 "only on a bus",
+                                 in_quotes(axis.name)));
   }
   if (buses.empty()) {
     throw InputError({rig.path, 0, 0},
@@ -139,7 +131,7 @@ void run_sim_drives(const RigFile& rig, const SimDrivesOptions& options) {
                                  in_quotes(rig.name), in_quotes(standing.begin()->first)));
   }
   for (BusOfDrives& bus : buses) {
-    open_bus_of(rig, bus.name, what_drives_hear(bus.drives), bus.socket);
+    open_bus_of(rig, bus.name, bus.heard, bus.socket);
   }
   if (options.ready) options.ready();
   while (!options.interrupted()) {

@@ -5,8 +5,7 @@
 #include <array>
 #include <vector>
 
-#include "host_tools/rig/can_drives.hpp"
-#include "host_tools/rig/simulated_hardware.hpp"
+#include "host_tools/rig/cia402_kind.hpp"
 #include "inbetween/can/cia402_bus.hpp"
 #include "inbetween/can/pdo.hpp"
 #include "sim/can_bus.hpp"

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "host_tools/files/fault_script.hpp"
-#include "sim/cia402_drive.hpp"
+#include "sim/simulated_can_drive.hpp"
 
 namespace inbetween {
 
@@ -19,7 +19,7 @@ class FaultSchedule {
       : pending_(script.faults), power_ns_(power_ns) {}
 
   /// The drive of an axis of the rig, by its number; it stays the caller's.
-  void attach(std::size_t axis, SimulatedCia402Drive& drive) { drives_.push_back({axis, &drive}); }
+  void attach(std::size_t axis, SimulatedCanDrive& drive) { drives_.push_back({axis, &drive}); }
 
   /// Before the drives are advanced to `now_ns`: what is due begins then. O(faults that have not begun +
   /// drives).
@@ -35,7 +35,7 @@ class FaultSchedule {
  private:
   struct DriveOfAxis {
     std::size_t axis;
-    SimulatedCia402Drive* drive;
+    SimulatedCanDrive* drive;
   };
   void begin(const ScriptedFault& fault, std::int64_t now_ns);
 

@@ -13,11 +13,9 @@
 #include "drivers/gpio/gpio_inputs.hpp"
 #include "drivers/gpio/gpio_outputs.hpp"
 #include "drivers/gpio/step_thread.hpp"
-#include "drivers/linux/instance_lock.hpp"
 #include "drivers/linux/real_time.hpp"
-#include "host_tools/rig/can_drives.hpp"
+#include "host_tools/rig/bus_kind.hpp"
 #include "host_tools/rig/pipe_drives.hpp"
-#include "inbetween/can/canopen_id.hpp"
 #include "inbetween/loop/tick_time.hpp"
 
 namespace inbetween {
@@ -86,7 +84,6 @@ constexpr std::array biases = {gpio::Bias::pull_up, gpio::Bias::pull_down, gpio:
 class SocketLink final : public BusLink {
  public:
   SocketLink(const RigFile& rig, const std::string& bus, std::span<const can::CanFilter> filters) {
-    if (const auto refusal = lock_.take("bus " + bus)) refuse_at(place_of_bus(rig, bus), *refusal);
     open_bus_of(rig, bus, filters, socket_);
   }
 
@@ -112,7 +109,6 @@ class SocketLink final : public BusLink {
              socket_.controller() != can::ControllerState::bus_off;
   }
 
-  InstanceLock lock_;
   can::SocketCan socket_;
   bool is_up_ = true;
 };
@@ -216,16 +212,15 @@ void refuse_unavailable_lines(const RigFile& rig) {
 
 std::unique_ptr<BusLink> MachineHardware::open_bus(const std::string& bus,
                                                    std::span<const std::size_t> axes) {
-  const can::NodeId host = host_node();
-  std::vector<can::CanFilter> filters{
-      {can::nmt_id, false}, {can::sync_id, false}, {can::heartbeat_id(host), false}};
+  const auto [lock, is_new] = buses_.try_emplace(bus);
+  if (is_new) {
+    if (const auto refusal = lock->second.take("bus " + bus)) refuse_at(place_of_bus(rig_, bus), *refusal);
+  }
+  std::vector<can::CanFilter> filters;
   for (const std::size_t a : axes) {
-    const can::NodeId node = node_of(rig_.axes[a]);
-    for (const std::uint32_t id :
-         {can::tpdo1_id(node), can::rpdo1_id(node), can::heartbeat_id(node), can::emergency_id(node),
-          can::sdo_answer_id(node), can::sdo_request_id(node)}) {
-      filters.push_back({id, false});
-    }
+    with_kind_of(rig_.axes[a], [&]<class Kind>() {
+      std::ranges::copy(Kind::heard_by_host(rig_.axes[a]), std::back_inserter(filters));
+    });
   }
   return std::make_unique<SocketLink>(rig_, bus, filters);
 }

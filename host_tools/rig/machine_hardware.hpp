@@ -1,12 +1,14 @@
 // The buses and GPIO chips of this machine under a rig.
 #pragma once
 
+#include <map>
 #include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "drivers/can/socket_can.hpp"
+#include "drivers/linux/instance_lock.hpp"
 #include "host_tools/rig/rig_hardware.hpp"
 
 namespace inbetween {
@@ -44,6 +46,7 @@ class MachineHardware final : public RigHardware {
  private:
   const RigFile& rig_;
   bool in_real_time_;
+  std::map<std::string, InstanceLock> buses_;  ///< those that have been opened
 };
 
 }  // namespace inbetween

@@ -2,8 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <iterator>
 #include <utility>
 #include <variant>
+
+#include "host_tools/rig/bus_drives.hpp"
 
 namespace inbetween {
 
@@ -29,24 +32,23 @@ void refuse_falling_axes(const RigFile& rig) {
 
 RigDrives::RigDrives(const RigFile& rig, RigHardware& hardware)
     : hardware_(hardware), axes_(rig.axes.size()) {
-  std::vector<std::size_t> on_can, on_steps, others;
-  for (std::size_t a = 0; a < rig.axes.size(); ++a) {
-    const Drive& drive = rig.axes[a].drive;
-    if (std::holds_alternative<Cia402Drive>(drive)) {
-      on_can.push_back(a);
-    } else {
-      (std::holds_alternative<StepDirDrive>(drive) ? on_steps : others).push_back(a);
-    }
-  }
   refuse_overloaded_buses(rig);
+  std::vector<std::size_t> others;
+  bool has_steps = false;
+  for (std::size_t a = 0; a < rig.axes.size(); ++a) {
+    bool is_on_bus = false;
+    with_kind_of(rig.axes[a], [&]<class Kind>() { is_on_bus = true; });
+    const bool is_step_dir = std::holds_alternative<StepDirDrive>(rig.axes[a].drive);
+    has_steps = has_steps || is_step_dir;
+    if (!is_on_bus && !is_step_dir) others.push_back(a);
+  }
   std::unique_ptr<AxisDrives> other_drives;
   if (!others.empty()) other_drives = hardware.open_others(others);
-  if (!on_can.empty()) {
-    auto can = std::make_unique<CanDrives>(rig, on_can, hardware);
-    can_ = can.get();
-    add(on_can, std::move(can));
-  }
-  if (!on_steps.empty()) {
+  for_each_bus_kind([&]<class Kind>() {
+    const std::vector<std::size_t> axes = axes_of_kind<Kind>(rig);
+    if (!axes.empty()) add(axes, std::make_unique<BusDrives<Kind>>(rig, axes, hardware));
+  });
+  if (has_steps) {
     auto steps = std::make_unique<StepDrives>(rig, hardware);
     steps_ = steps.get();
     add(steps_->indices(), std::move(steps));
@@ -100,20 +102,37 @@ bool RigDrives::has_lost_position(std::size_t axis) const {
 
 Counters RigDrives::counts() const {
   Counters counts;
-  if (can_ != nullptr) can_->count(counts);
-  for (const Part& part : parts_) {
-    if (part.drives.get() != can_) part.drives->count(counts);
-  }
+  for (const Part& part : parts_) part.drives->count(counts);
   return counts;
 }
 
-std::string RigDrives::trouble() const {
-  std::string trouble = can_ != nullptr ? can_->bus_trouble() : "";
+std::string RigDrives::first_of(std::string (AxisDrives::*words)() const) const {
   for (const Part& part : parts_) {
-    if (trouble.empty()) trouble = part.drives->trouble();
+    if (std::string said = (*part.drives.*words)(); !said.empty()) return said;
   }
-  if (trouble.empty() && can_ != nullptr) trouble = can_->drive_trouble();
-  return trouble;
+  return "";
+}
+
+std::string RigDrives::trouble() const {
+  for (const auto words : {&AxisDrives::bus_trouble, &AxisDrives::trouble, &AxisDrives::drive_trouble}) {
+    if (std::string said = first_of(words); !said.empty()) return said;
+  }
+  return "";
+}
+
+std::string RigDrives::left_on() const {
+  std::string all;
+  for (const Part& part : parts_) {
+    const std::string said = part.drives->left_on();
+    if (!said.empty()) all += (all.empty() ? "" : ". And ") + said;
+  }
+  return all;
+}
+
+std::vector<std::string> RigDrives::notes() const {
+  std::vector<std::string> notes;
+  for (const Part& part : parts_) std::ranges::copy(part.drives->notes(), std::back_inserter(notes));
+  return notes;
 }
 
 }  // namespace inbetween

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "host_tools/files/rig_file.hpp"
-#include "host_tools/rig/can_drives.hpp"
+#include "host_tools/rig/bus_kind.hpp"
 #include "host_tools/rig/counters.hpp"
 #include "host_tools/rig/rig_hardware.hpp"
 #include "host_tools/rig/step_drives.hpp"
@@ -50,11 +50,9 @@ class RigDrives {
   [[nodiscard]] std::string trouble() const;
   /// Once disable() was over: which drive may have power, or will report that this program is gone, and what
   /// to do; "" for none.
-  [[nodiscard]] std::string left_on() const { return can_ != nullptr ? can_->left_on() : ""; }
-  /// CanDrives::notes.
-  [[nodiscard]] std::vector<std::string> notes() const {
-    return can_ != nullptr ? can_->notes() : std::vector<std::string>{};
-  }
+  [[nodiscard]] std::string left_on() const;
+  /// AxisDrives::notes.
+  [[nodiscard]] std::vector<std::string> notes() const;
   /// The counters of the buses, the drives on them and the chips that steps go to. Once no tick follows.
   [[nodiscard]] Counters counts() const;
 
@@ -72,11 +70,11 @@ class RigDrives {
     std::size_t number = 0;
   };
   void add(std::span<const std::size_t> axes, std::unique_ptr<AxisDrives> drives);
+  [[nodiscard]] std::string first_of(std::string (AxisDrives::*words)() const) const;
 
   RigHardware& hardware_;
   std::vector<Part> parts_;
   std::vector<OfPart> axes_;
-  const CanDrives* can_ = nullptr;
   const StepDrives* steps_ = nullptr;
 };
 

@@ -100,6 +100,15 @@ class AxisDrives {
   /// RigDrives::trouble and RigDrives::counts, of these.
   [[nodiscard]] virtual std::string trouble() const { return ""; }
   virtual void count(Counters& /*counts*/) const {}
+
+  // Of drives on buses. Each says the first thing that is wrong, with a bus or with a drive, and what to do;
+  // "" if nothing is.
+  [[nodiscard]] virtual std::string bus_trouble() const { return ""; }
+  [[nodiscard]] virtual std::string drive_trouble() const { return ""; }
+  /// What drives that are set up do without, a line each, with what stands in for it.
+  [[nodiscard]] virtual std::vector<std::string> notes() const { return {}; }
+  /// RigDrives::left_on.
+  [[nodiscard]] virtual std::string left_on() const { return ""; }
 };
 
 /// The drives behind a DrivePort.
@@ -140,7 +149,8 @@ class RigHardware {
   virtual ~RigHardware() = default;
   /// Brings what is simulated to `now_ns`. Call it once a tick, before anything is read.
   virtual void advance(std::int64_t /*now_ns*/) {}
-  /// `axes` of the rig have their CiA 402 drives on this bus.
+  /// `axes` of the rig have their drives on this bus; all speak the same protocol. Asked once for each
+  /// protocol on a bus.
   virtual std::unique_ptr<BusLink> open_bus(const std::string& bus, std::span<const std::size_t> axes) = 0;
   /// `axes` of the rig have their steps on this chip. The lines are numbered as `wires` are, and the ENABLE
   /// lines follow.
@@ -154,7 +164,7 @@ class RigHardware {
   /// The chip of a line; whatever has the same name is the same chip.
   virtual std::string chip_of(const LineAddress& line) = 0;
   virtual std::vector<OpenedInputs> open_inputs(std::span<const InputLine* const> lines) = 0;
-  /// `axes` of the rig have drives that are neither CiA 402 nor step-dir.
+  /// `axes` of the rig have drives that are neither on a CAN bus nor step-dir.
   virtual std::unique_ptr<AxisDrives> open_others(std::span<const std::size_t> axes) = 0;
 };
 

@@ -5,8 +5,7 @@
 #include <utility>
 
 #include "host_tools/files/diagnostics.hpp"
-#include "host_tools/rig/can_drives.hpp"
-#include "host_tools/rig/eds_drive.hpp"
+#include "host_tools/rig/bus_kind.hpp"
 #include "sim/simulated_link.hpp"
 #include "sim/simulated_rig.hpp"
 
@@ -106,17 +105,6 @@ class InputsInProcess final : public ChipInputs {
 
 }  // namespace
 
-SimulatedCia402Settings simulated_settings_of(const RigAxis& axis, double position) {
-  const auto& drive = std::get<Cia402Drive>(axis.drive);
-  SimulatedCia402Settings settings{
-      .node = node_of(axis),
-      .position = static_cast<std::int32_t>(std::floor(position * drive.counts_per_unit + 0.5))};
-  if (!drive.eds.empty()) settings.objects = dictionary_of(read_eds_file(drive.eds, drive.node));
-  settings.motor.max_acceleration =
-      std::max(settings.motor.max_acceleration, 4 * std::fabs(drive.counts_per_unit) * axis.max_acceleration);
-  return settings;
-}
-
 void SimulatedHardware::advance(std::int64_t now_ns) {
   faults_.advance(now_ns);
   for (SimulatedStepChip& chip : chips_) chip.run(now_ns);
@@ -127,11 +115,14 @@ std::unique_ptr<BusLink> SimulatedHardware::open_bus(const std::string& /*bus*/,
   SimulatedCanBus& wire = buses_.emplace_back();
   for (const std::size_t a : axes) {
     const RigAxis& axis = rig_.axes[a];
-    SimulatedCia402Drive& drive = drives_.emplace_back(simulated_settings_of(axis, positions_[a]), 0);
-    wire.attach(drive);
-    faults_.attach(a, drive);
-    const double scale = std::get<Cia402Drive>(axis.drive).counts_per_unit;
-    where_[a] = [&drive, scale] { return drive.position() / scale; };
+    with_kind_of(axis, [&]<class Kind>() {
+      drives_.push_back(Kind::simulate(axis, {.position = positions_[a]}));
+      where_[a] = [drive = drives_.back().get(), scale = Kind::scale_of(axis)] {
+        return drive->position() / scale;
+      };
+    });
+    wire.attach(*drives_.back());
+    faults_.attach(a, *drives_.back());
   }
   return std::make_unique<LinkInProcess>(wire);
 }

@@ -15,18 +15,15 @@
 #include "host_tools/rig/fault_schedule.hpp"
 #include "host_tools/rig/rig_hardware.hpp"
 #include "sim/can_bus.hpp"
-#include "sim/cia402_drive.hpp"
+#include "sim/simulated_can_drive.hpp"
 #include "sim/simulated_inputs.hpp"
 #include "sim/simulated_step_chip.hpp"
 
 namespace inbetween {
 
-/// A simulated drive for a CiA 402 axis that stands at `position`, with a motor that was chosen for its axis.
-SimulatedCia402Settings simulated_settings_of(const RigAxis& axis, double position);
-
-/// CiA 402 axes have drives that speak their frames, step-dir axes motors that turn by the edges on their
-/// lines, the others ideal drives. Home switches are at `home.at`, limit switches beyond what a homing needs;
-/// the other inputs are released. Pulses are played in time.
+/// Axes on CAN buses have drives that speak their frames, step-dir axes motors that turn by the edges on
+/// their lines, the others ideal drives. Home switches are at `home.at`, limit switches beyond what a homing
+/// needs; the other inputs are released. Pulses are played in time.
 class SimulatedHardware final : public RigHardware {
  public:
   /// The axes stand at `positions`, in the order of the rig. The faults begin after power-on, which is at 0.
@@ -55,7 +52,7 @@ class SimulatedHardware final : public RigHardware {
   const RigFile& rig_;
   std::vector<double> positions_;
   std::deque<SimulatedCanBus> buses_;
-  std::deque<SimulatedCia402Drive> drives_;
+  std::vector<std::unique_ptr<SimulatedCanDrive>> drives_;
   std::deque<SimulatedStepChip> chips_;
   FaultSchedule faults_;
   std::optional<SimulatedInputs> inputs_;

@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "host_tools/rig/can_drives.hpp"
+#include "host_tools/rig/cia402_kind.hpp"
 #include "tests/support/quirk_wire.hpp"
 #include "tests/support/quirky_drive.hpp"
 

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "host_tools/rig/cia402_kind.hpp"
 #include "host_tools/rig/rig_drives.hpp"
 #include "host_tools/rig/simulated_hardware.hpp"
 #include "sim/simulated_link.hpp"

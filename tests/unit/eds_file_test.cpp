@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "host_tools/rig/cia402_kind.hpp"
 #include "host_tools/rig/eds_drive.hpp"
 #include "host_tools/rig/simulated_hardware.hpp"
 #include "tests/support/eds_text.hpp"

@@ -86,7 +86,7 @@ TEST(FaultScript, TimesAreNanosecondsAndPositionsCounts) {
   EXPECT_EQ(only("stick", "at = 0").trouble.for_ns, DriveTrouble{}.for_ns) << "for good";
   EXPECT_EQ(only("short-frames", "at = 0\ncount = 3").trouble.frames, 3);
   EXPECT_EQ(only("short-frames", "at = 0").trouble.frames, DriveTrouble{}.frames);
-  EXPECT_EQ(only("move-by-hand", "at = 0\nto = 12.5").trouble.value, -12'500);
+  EXPECT_EQ(only("move-by-hand", "at = 0\nto = 12.5").trouble.place, -12'500);
   EXPECT_EQ(only("emergency", "at = 0\ncode = 0x2310").trouble.value, 0x2310);
   EXPECT_EQ(only("wrong-mode", "at = 0\nmode = -1").trouble.value, -1);
   EXPECT_EQ(only("flood", "at = 0\nframes_per_s = 5000").trouble.value, 5000);

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/rig/can_drives.hpp"
+#include "host_tools/rig/cia402_kind.hpp"
 #include "inbetween/can/sdo_client.hpp"
 #include "sim/cia402_drive.hpp"
 #include "tests/support/quirky_drive.hpp"

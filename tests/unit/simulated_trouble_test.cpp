@@ -97,7 +97,7 @@ TEST_F(Trouble, AForeignSenderIsHeardByTheHostAndByTheDrive) {
 }
 
 TEST_F(Trouble, IsPutSomewhereByHand) {
-  add({.kind = Kind::put_by_hand, .value = -7000});
+  add({.kind = Kind::put_by_hand, .place = -7000});
   sent_in(1);
   EXPECT_NEAR(rig.drive(0).position(), -7000, 200) << "the drive is on and pulls";
 }

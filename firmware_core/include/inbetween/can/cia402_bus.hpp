@@ -23,6 +23,7 @@ namespace inbetween::can {
 /// Only tick() sends, so that the drives stop by themselves as soon as nobody calls it.
 class Cia402Bus {
  public:
+  using Drive = Cia402Drive;
   struct Settings {
     NodeId host;
     std::uint8_t sync_overflow = 0;

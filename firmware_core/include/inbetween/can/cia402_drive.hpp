@@ -1,9 +1,12 @@
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 
+#include "inbetween/base/precision.hpp"
 #include "inbetween/base/result.hpp"
 #include "inbetween/can/canopen_id.hpp"
 #include "inbetween/can/cia402.hpp"
@@ -77,6 +80,22 @@ struct DriveCounters {
 /// every call is O(1).
 class Cia402Drive {
  public:
+  using Place = std::int64_t;   ///< counts
+  using Target = std::int32_t;  ///< counts
+  /// To the nearest count.
+  template <Precise Real>
+  static Place place_of(Real counts) {
+    return static_cast<Place>(std::floor(counts + Real(0.5)));
+  }
+  /// BusDrive. The velocity is the drive's own to find.
+  template <Precise Real>
+  static std::optional<Target> target_of(Real counts, Real /*counts_per_s*/, Place zero) {
+    const Real count = std::floor(counts + Real(0.5)) + static_cast<Real>(zero);
+    constexpr auto max_count = static_cast<Real>(std::numeric_limits<Target>::max() - 128);
+    if (!(std::fabs(count) <= max_count)) return {};
+    return static_cast<Target>(count);
+  }
+
   /// Errors: those of make_setup_script; out_of_range (a limit or time that is not positive, a heartbeat
   /// timeout of less than two periods).
   static Result<Cia402Drive> make(const Cia402Settings& settings);
@@ -154,6 +173,10 @@ class Cia402Drive {
   /// The last feedback of the drive; all 0 before the first.
   [[nodiscard]] const DriveFeedback& feedback() const { return feedback_; }
   [[nodiscard]] Cia402State state() const { return state_of(feedback_.statusword); }
+  /// BusDrive.
+  [[nodiscard]] Place held_place() const {
+    return phase_ == DrivePhase::following && !is_commanded_ ? target_ : feedback_.actual;
+  }
   /// The target that was sent last, in counts.
   [[nodiscard]] std::int32_t target() const { return target_; }
 

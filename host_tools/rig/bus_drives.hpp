@@ -1,0 +1,181 @@
+// The drives of one protocol on the buses of a rig.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "host_tools/files/diagnostics.hpp"
+#include "host_tools/files/rig_file.hpp"
+#include "host_tools/rig/counters.hpp"
+#include "host_tools/rig/rig_hardware.hpp"
+#include "inbetween/can/bus_port.hpp"
+
+namespace inbetween {
+
+/// `Kind` is a protocol (bus_kind.hpp).
+template <class Kind>
+class BusDrives final : public PortDrives<can::BusPort<typename Kind::Bus, double, BusLink>> {
+ public:
+  using Bus = typename Kind::Bus;
+  using Drive = typename Bus::Drive;
+  using Port = can::BusPort<Bus, double, BusLink>;
+
+  /// `axes` of the rig have such drives; there is one at least. Throws InputError at the place of an axis
+  /// that cannot be set up, and what RigHardware::open_bus throws.
+  BusDrives(const RigFile& rig, std::span<const std::size_t> axes, RigHardware& hardware)
+      : rig_(rig), axes_(axes.begin(), axes.end()) {
+    for (const std::size_t a : axes_) add(a);
+    const RigAxis& first = rig.axes[axes_.front()];
+    for (BusOfRig& bus : buses_) {
+      bus.link = hardware.open_bus(bus.name, bus.axes);
+      bus.bus.emplace(Kind::bus_of(bus.hosts, rig.rate_hz, first));
+      bus.targets.resize(bus.hosts.size());
+      bus.known.resize(bus.hosts.size());
+      bus.frames.resize(can::frames_per_read(bus.hosts.size()));
+      lanes_.push_back({&*bus.bus, bus.link.get(), bus.targets, bus.known, bus.frames});
+    }
+    port_ = value_or_refuse(Port::make(lanes_, ports_), first.place, named(first));
+  }
+  BusDrives(const BusDrives&) = delete;
+  BusDrives& operator=(const BusDrives&) = delete;
+
+  void place(std::size_t drive, double position) override {
+    if (!(std::fabs(position * ports_[drive].scale) <= Kind::max_place)) {
+      const RigAxis& axis = rig_.axes[axes_[drive]];
+      throw InputError(axis.place, fmt::format("{}: a position is more counts from 0 than a drive tells; "
+                                               "put 0 nearer",
+                                               named(axis)));
+    }
+    if (port_->drive(drive).phase() == can::DrivePhase::following) {
+      port_->place(drive, position);
+    } else {
+      ports_[drive].stands_at = position;
+    }
+  }
+  [[nodiscard]] bool has_lost_position(std::size_t drive) const override {
+    return can::loses_reference(port_->drive(drive).findings());
+  }
+  void count(Counters& counts) const override {
+    for (std::size_t l = 0; l < lanes_.size(); ++l) {
+      counts.buses.push_back({buses_[l].name, counts_of(port_->counters(l), buses_[l].link->counters())});
+    }
+    for (std::size_t i = 0; i < axes_.size(); ++i) {
+      counts.drives.push_back({rig_.axes[axes_[i]].name, counts_of(port_->drive(i).counters())});
+    }
+  }
+
+  [[nodiscard]] std::string bus_trouble() const override;
+  [[nodiscard]] std::string drive_trouble() const override;
+  [[nodiscard]] std::vector<std::string> notes() const override;
+  [[nodiscard]] std::string left_on() const override;
+
+ private:
+  using PortDrives<Port>::port_;
+  struct BusOfRig {
+    std::string name;
+    std::vector<std::size_t> axes;
+    std::vector<Drive> hosts;
+    std::optional<Bus> bus;
+    std::unique_ptr<BusLink> link;
+    std::vector<typename Drive::Target> targets;
+    std::vector<can::PortDrive> known;
+    std::vector<can::Frame> frames;
+  };
+  void add(std::size_t a) {
+    const RigAxis& axis = rig_.axes[a];
+    const std::string& name = std::get<typename Kind::InRig>(axis.drive).bus;
+    auto bus = std::ranges::find(buses_, name, &BusOfRig::name);
+    if (bus == buses_.end()) {
+      buses_.emplace_back().name = name;
+      bus = buses_.end() - 1;
+    }
+    ports_.push_back(
+        {static_cast<std::size_t>(bus - buses_.begin()), bus->hosts.size(), Kind::scale_of(axis)});
+    bus->axes.push_back(a);
+    bus->hosts.push_back(Kind::host_of(axis, rig_.rate_hz));
+  }
+
+  const RigFile& rig_;
+  std::vector<std::size_t> axes_;
+  std::deque<BusOfRig> buses_;
+  std::vector<typename Port::Lane> lanes_;
+  std::vector<typename Port::Axis> ports_;
+};
+
+template <class Kind>
+std::string BusDrives<Kind>::bus_trouble() const {
+  for (const BusOfRig& bus : buses_) {
+    if (!bus.link->is_up()) {
+      return fmt::format("bus {} is down or off; look at its cable, supply and termination",
+                         in_quotes(bus.name));
+    }
+  }
+  for (std::size_t l = 0; l < lanes_.size(); ++l) {
+    if (!port_->is_unsent(l)) continue;
+    return fmt::format(
+        "bus {} does not take frames ({} lost); look whether its drives are on and its cable is "
+        "plugged in",
+        in_quotes(buses_[l].name), counted(port_->counters(l).unsent, "frame"));
+  }
+  return "";
+}
+
+template <class Kind>
+std::string BusDrives<Kind>::drive_trouble() const {
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    const Drive& drive = port_->drive(i);
+    std::optional<can::DriveFinding> finding = drive.first_finding();
+    if (!finding) continue;
+    // A drive that starts anew is silent first; what it has lost by that is what must be known.
+    constexpr can::DriveFinding boot = can::DriveFinding::unexpected_boot;
+    if (drive.findings().has(boot)) finding = boot;
+    const can::DriveFindingWords words = can::words_of(*finding);
+    return fmt::format("{}: {}{}; {}", named(rig_.axes[axes_[i]]), words.what,
+                       Kind::detail_of(drive, *finding), words.remedy);
+  }
+  return "";
+}
+
+template <class Kind>
+std::vector<std::string> BusDrives<Kind>::notes() const {
+  std::vector<std::string> notes;
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    for (const std::string& lack : Kind::lacks_of(port_->drive(i))) {
+      notes.push_back(fmt::format("note: {}: {}", named(rig_.axes[axes_[i]]), lack));
+    }
+  }
+  return notes;
+}
+
+template <class Kind>
+std::string BusDrives<Kind>::left_on() const {
+  std::string all;
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    const Drive& drive = port_->drive(i);
+    if (drive.phase() == can::DrivePhase::off) continue;
+    can::DriveFinding why = can::DriveFinding::not_switched_off;
+    for (const can::DriveFinding end :
+         {can::DriveFinding::moves_while_off, can::DriveFinding::watchdog_stays}) {
+      if (drive.findings().has(end)) why = end;
+    }
+    const can::DriveFindingWords words = can::words_of(why);
+    all += fmt::format("{}{}: {}; {}", all.empty() ? "" : ". And ", named(rig_.axes[axes_[i]]), words.what,
+                       words.remedy);
+  }
+  return all;
+}
+
+}  // namespace inbetween

@@ -1,0 +1,228 @@
+#include "host_tools/rig/cia402_kind.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "host_tools/files/diagnostics.hpp"
+#include "host_tools/rig/eds_drive.hpp"
+#include "inbetween/can/bus_load.hpp"
+#include "inbetween/can/canopen_id.hpp"
+#include "inbetween/can/pdo.hpp"
+#include "inbetween/loop/tick_time.hpp"
+
+namespace inbetween {
+namespace {
+
+/// By which a setpoint may be further from the last than max_velocity allows: rounding to counts, and the
+/// rates above the drawn one that are certified within it.
+constexpr double step_share = 1.2;
+/// The host's heartbeat, and how many of them a drive waits for.
+constexpr std::int64_t heartbeat_ns = 30'000'000;
+constexpr std::int64_t heartbeats_waited_for = can::life_time_factor;
+constexpr std::int64_t ns_per_ms = 1'000'000;
+/// How long a drive waits for a setpoint: in ticks, of which one may be late, and at least. Meanwhile it
+/// holds the last one, which stops the axis as hard as its motor can; then it brakes by its own ramp.
+constexpr std::int64_t setpoints_waited_for = 4;
+constexpr std::int64_t min_setpoint_wait_ms = 20;
+
+std::int64_t tick_ns(std::int32_t rate_hz) {
+  return ns_per_s / rate_hz;
+}
+std::int64_t heartbeat_period_ns(std::int32_t rate_hz) {
+  return std::max(heartbeat_ns, tick_ns(rate_hz));
+}
+
+/// What a drive may lack that its owner should know.
+struct Lack {
+  std::uint16_t index;
+  const char* words;
+};
+constexpr std::array lacks{
+    Lack{0x6502, "the drive does not list its modes (no 6502); it is moved once 6061 shows mode 8"},
+    Lack{0x60C2, "the drive is not told how long a tick is (no 60C2); it goes by the period of SYNC (1006)"},
+    Lack{0x607D,
+         "the drive has no soft limits (no 607D); only this program keeps the axis between min and max"},
+    Lack{0x605A, "the drive does not say how it brakes in a quick stop (no 605A); its manual must"},
+    Lack{0x6085, "the drive is not told how hard it brakes in a quick stop (no 6085); set that in the drive"},
+    Lack{0x605E, "the drive does not say how it brakes in a fault (no 605E); its manual must"},
+    Lack{0x1016,
+         "the drive does not watch this program's heartbeat (no 1016); its setpoint timeout (1400:5) stops "
+         "it"}};
+
+/// A length of an axis in counts of its drive, at least one.
+std::int32_t whole_counts(double length, double counts_per_unit) {
+  return static_cast<std::int32_t>(std::clamp(std::round(length * std::fabs(counts_per_unit)), 1.0, 1e9));
+}
+
+}  // namespace
+
+// --- what a rig file says
+
+can::NodeId host_node() {
+  return *can::NodeId::make(127);
+}
+
+can::NodeId node_of(const RigAxis& axis) {
+  return value_or_refuse(can::NodeId::make(std::get<Cia402Drive>(axis.drive).node), axis.place, named(axis));
+}
+
+can::Cia402Settings settings_of(const RigAxis& axis, std::int32_t rate_hz) {
+  const Cia402Drive& drive = std::get<Cia402Drive>(axis.drive);
+  const double scale = drive.counts_per_unit;
+  const double ends[] = {axis.min * scale, axis.max * scale};
+  const std::int64_t timeout_ms = heartbeats_waited_for * heartbeat_period_ns(rate_hz) / ns_per_ms;
+  const std::int64_t setpoint_ms =
+      std::max(min_setpoint_wait_ms, setpoints_waited_for * tick_ns(rate_hz) / ns_per_ms);
+  can::Cia402Settings settings{
+      .setup = {
+          .node = node_of(axis),
+          .host = host_node(),
+          .rate_hz = rate_hz,
+          .host_timeout_ms = static_cast<std::uint16_t>(std::min<std::int64_t>(timeout_ms, 65'535)),
+          .is_guarded = drive.is_guarded,
+          .setpoint_timeout_ms = static_cast<std::uint16_t>(std::min<std::int64_t>(setpoint_ms, 65'535)),
+          .position_limits =
+              can::CountRange{.min = static_cast<std::int32_t>(std::floor(std::min(ends[0], ends[1]))),
+                              .max = static_cast<std::int32_t>(std::ceil(std::max(ends[0], ends[1])))},
+          .quick_stop_deceleration = drive.stop_deceleration,
+          .coasts = axis.coasts,
+          .stops_without_host = axis.stops_without_host,
+          .watches_following_error = drive.watches_following_error}};
+  if (drive.resets_node) settings.reset = can::NmtCommand::reset_node;
+  settings.enable_timeout_ns =
+      static_cast<std::int64_t>(drive.enable_timeout_s * static_cast<double>(ns_per_s));
+  // What the axis covers at max_velocity in half a millisecond is a place that it holds, whatever its scale.
+  constexpr double hold_s = 0.0005;
+  settings.hold_tolerance_counts = whole_counts(hold_s * axis.max_velocity, scale);
+  const double tick_s = 1.0 / rate_hz;
+  settings.first_step_counts = whole_counts(0.5 * axis.max_acceleration * tick_s * tick_s, scale);
+  // The ramp of the drive is not known; that of the axis, twice, is long enough.
+  settings.disable_timeout_ns += static_cast<std::int64_t>(2 * axis.max_velocity / axis.max_acceleration *
+                                                           static_cast<double>(ns_per_s));
+  // A thousandth of max_velocity is rest, and a count to either side.
+  const double rest_s = static_cast<double>(settings.rest_ns) / static_cast<double>(ns_per_s);
+  settings.rest_counts = static_cast<std::int32_t>(std::ceil(
+                             std::min(0.001 * std::fabs(scale) * axis.max_velocity * rest_s, 1e9))) +
+                         1;
+  settings.max_step_counts =
+      static_cast<std::int32_t>(std::ceil(step_share * std::fabs(scale) * axis.max_velocity / rate_hz)) + 1;
+  return settings;
+}
+
+std::string words_of(const can::SetupRefusal& refusal) {
+  std::string text = fmt::format("object {:04X}h:{}", refusal.object.index, refusal.object.sub);
+  const unsigned group = refusal.object.index & 0xFE00U;
+  const bool is_mapping = (group == 0x1600 || group == 0x1A00) && refusal.object.sub != 0;
+  if (is_mapping && !refusal.found) {
+    const can::ObjectAddress mapped = can::read_mapping_value(refusal.expected).object;
+    text += fmt::format(" for {:04X}h:{}", mapped.index, mapped.sub);
+  }
+  if (refusal.found) {
+    text += fmt::format(" is {} ({:X}h), not {} ({:X}h)", *refusal.found, *refusal.found, refusal.expected,
+                        refusal.expected);
+  }
+  if (refusal.abort_code != 0) {
+    text += fmt::format("; {:04X} {:04X}h: {}", refusal.abort_code >> 16, refusal.abort_code & 0xFFFF,
+                        can::words_of_abort(refusal.abort_code));
+  }
+  return text;
+}
+
+std::vector<std::string> words_of_lacks(const can::SetupRunner& setup) {
+  std::vector<std::string> words;
+  for (const Lack& lack : lacks) {
+    if (std::ranges::find(setup.absent(), lack.index) != setup.absent().end()) words.emplace_back(lack.words);
+  }
+  return words;
+}
+
+// --- the protocol
+
+can::Cia402Drive Cia402Kind::host_of(const RigAxis& axis, std::int32_t rate_hz) {
+  return value_or_refuse(can::Cia402Drive::make(settings_of(axis, rate_hz)), axis.place, named(axis));
+}
+
+can::Cia402Bus Cia402Kind::bus_of(std::span<can::Cia402Drive> hosts, std::int32_t rate_hz,
+                                  const RigAxis& first) {
+  return value_or_refuse(
+      can::Cia402Bus::make(hosts, {.host = host_node(), .heartbeat_period_ns = heartbeat_period_ns(rate_hz)}),
+      first.place, named(first));
+}
+
+std::string Cia402Kind::detail_of(const can::Cia402Drive& host, can::DriveFinding finding) {
+  std::string text;
+  if (host.last_emergency().code != 0) {
+    text += fmt::format(" (EMCY {:04X}, {})", host.last_emergency().code,
+                        can::words_of_emergency(host.last_emergency().code));
+  }
+  const bool is_of_setup = host.setup().state() == can::SetupState::refused;
+  if (is_of_setup && finding == host.refusal().finding)
+    text += fmt::format(" ({})", words_of(host.refusal()));
+  return text;
+}
+
+std::string Cia402Kind::fitness_of(const can::Cia402Drive& host, std::int32_t rate_hz) {
+  const std::uint32_t of_host = host.setup().host_timeout_ms();
+  const std::uint32_t of_setpoint = host.setup().setpoint_timeout_ms();
+  const std::uint32_t watchdog = of_host == 0       ? of_setpoint
+                                 : of_setpoint == 0 ? of_host
+                                                    : std::min(of_host, of_setpoint);
+  return fmt::format("node {} has mode 8, the period of {} Hz and a watchdog of {} ms", host.node().value(),
+                     rate_hz, watchdog);
+}
+
+std::vector<can::CanFilter> Cia402Kind::heard_by_host(const RigAxis& axis) {
+  const can::NodeId node = node_of(axis);
+  std::vector<can::CanFilter> filters;
+  for (const std::uint32_t id :
+       {can::nmt_id, can::sync_id, can::heartbeat_id(host_node()), can::tpdo1_id(node), can::rpdo1_id(node),
+        can::heartbeat_id(node), can::emergency_id(node), can::sdo_answer_id(node),
+        can::sdo_request_id(node)}) {
+    filters.push_back({.id = id});
+  }
+  return filters;
+}
+
+std::vector<can::CanFilter> Cia402Kind::heard_by_drive(const RigAxis& axis) {
+  const can::NodeId node = node_of(axis);
+  return {{.id = can::nmt_id},
+          {.id = can::sync_id},
+          {.id = can::heartbeat_id(host_node())},
+          {.id = can::rpdo1_id(node)},
+          {.id = can::sdo_request_id(node)},
+          {.id = can::heartbeat_id(node), .is_remote = true}};
+}
+
+BusShare Cia402Kind::share_of(const RigFile& rig, std::span<const std::size_t> axes) {
+  const auto drives = static_cast<std::int64_t>(axes.size());
+  const auto guarded = std::ranges::count_if(
+      axes, [&](std::size_t a) { return std::get<Cia402Drive>(rig.axes[a].drive).is_guarded; });
+  return {.drives = drives,
+          .frames = frames_of_bus_per_tick + drives + guarded,
+          .bits = can::cyclic_bits_per_second({.rate_hz = 1, .drives = drives}),
+          .bits_of_bus = can::cyclic_bits_per_second({.rate_hz = 1, .drives = 0}),
+          .because = guarded > 0 ? fmt::format(", {} of them guarded,", guarded) : ""};
+}
+
+std::unique_ptr<SimulatedCanDrive> Cia402Kind::simulate(const RigAxis& axis, const SimulatedPower& power) {
+  SimulatedCia402Settings settings = simulated_settings_of(axis, power.position);
+  settings.keeps_record = power.keeps_record;
+  return std::make_unique<SimulatedCia402Drive>(settings, power.now_ns);
+}
+
+SimulatedCia402Settings simulated_settings_of(const RigAxis& axis, double position) {
+  const auto& drive = std::get<Cia402Drive>(axis.drive);
+  SimulatedCia402Settings settings{
+      .node = node_of(axis),
+      .position = static_cast<std::int32_t>(std::floor(position * drive.counts_per_unit + 0.5))};
+  if (!drive.eds.empty()) settings.objects = dictionary_of(read_eds_file(drive.eds, drive.node));
+  settings.motor.max_acceleration =
+      std::max(settings.motor.max_acceleration, 4 * std::fabs(drive.counts_per_unit) * axis.max_acceleration);
+  return settings;
+}
+
+}  // namespace inbetween

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "inbetween/can/frame.hpp"
+#include "sim/drive_trouble.hpp"
+
+namespace inbetween {
+
+/// What a simulated drive has noted since it was asked last. Positions are in units of the drive.
+struct DriveRecord {
+  struct Applied {
+    std::int64_t at_ns;
+    double target;
+  };
+  struct Entered {
+    std::int64_t at_ns;
+    const char* state;
+    double velocity;  ///< of the motor at that moment, per second
+  };
+  struct Reported {
+    std::int64_t at_ns;
+    std::uint32_t code;  ///< 0: the errors are gone
+  };
+  std::vector<Applied> applied;  ///< from the first time that it was in operation
+  std::vector<Entered> entered;
+  std::vector<Reported> reported;  ///< errors, as the protocol numbers them
+};
+
+/// A drive with its motor on a CAN bus, frame in and frame out: on a simulated bus, or on a real one. Time is
+/// the caller's, in nanoseconds, and never goes back.
+class SimulatedCanDrive {
+ public:
+  virtual ~SimulatedCanDrive() = default;
+
+  /// Until `now_ns`: the motor moves, timers end, reports are due.
+  virtual void advance(std::int64_t now_ns) = 0;
+  /// A frame that it hears at the time to which it was advanced.
+  virtual void receive(const can::Frame& frame) = 0;
+  /// Takes the frames that it has to send since the last call, in order.
+  virtual std::vector<can::Frame> take_frames() = 0;
+  virtual void add_trouble(const DriveTrouble& trouble) = 0;
+
+  /// A target was applied that is not where it was switched on.
+  [[nodiscard]] virtual bool has_been_moved() const = 0;
+  /// The true position of the motor in units of the drive, whatever the drive believes.
+  [[nodiscard]] virtual double position() const = 0;
+  [[nodiscard]] virtual double velocity() const = 0;
+  /// Its state in the words of its protocol.
+  [[nodiscard]] virtual const char* state_name() const = 0;
+  /// It misses something that it watches, or is in fault because it did.
+  [[nodiscard]] virtual bool misses_something() const = 0;
+  /// Takes its own record, where it was asked to keep one.
+  virtual DriveRecord take_record() = 0;
+};
+
+}  // namespace inbetween
