@@ -2,6 +2,7 @@
 #include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <numeric>
 #include <optional>
 #include <string>
@@ -14,6 +15,8 @@
 #include "host_tools/cli/held_keys.hpp"
 #include "host_tools/cli/run_screen.hpp"
 #include "host_tools/cli/setup_arguments.hpp"
+#include "host_tools/files/output_file.hpp"
+#include "host_tools/files/taught_move.hpp"
 #include "host_tools/loop/jitter.hpp"
 #include "host_tools/motions/jog.hpp"
 #include "host_tools/reference/axis_positions.hpp"
@@ -30,6 +33,8 @@ struct JogArguments {
   double share = 0.1;
   std::optional<std::string> device;
   std::optional<double> reach;
+  std::optional<std::string> teach;
+  std::vector<std::string> axes_of_new;
 };
 
 void print_steps(const RigFile& rig, const RigReference& reference) {
@@ -40,6 +45,51 @@ void print_steps(const RigFile& rig, const RigReference& reference) {
   }
 }
 
+/// The move that is taught, and what its keys do.
+class Teaching {
+ public:
+  Teaching(const JogArguments& arguments, const RigFile& rig, const RigReference& reference)
+      : rig_(rig),
+        reference_(reference),
+        move_(system_files(), *arguments.teach, rig, axes(arguments, rig)) {}
+
+  void press(TransportKey key, std::size_t axis, const std::vector<double>& positions) {
+    StandingAxes standing(positions.size());
+    for (std::size_t a = 0; a < positions.size(); ++a) {
+      if (reference_.is_referenced(a)) standing[a] = positions[a];
+    }
+    if (key == TransportKey::teach_next) move_.choose(axis, 1);
+    if (key == TransportKey::teach_previous) move_.choose(axis, -1);
+    if (key == TransportKey::teach_insert) move_.insert(axis, standing);
+    if (key == TransportKey::teach_replace) move_.replace(axis, standing);
+    if (key == TransportKey::start) move_.append(axis, standing);
+    if (key == TransportKey::teach_undo) move_.undo();
+  }
+  [[nodiscard]] std::vector<std::string> shown(const char* axis) const {
+    constexpr std::size_t rows = 5;
+    std::vector<std::string> lines = move_.shown(axis_named(rig_, axis), rows);
+    lines.emplace_back("n p choose a key, i inserts before it, t replaces it, Enter appends, u undoes");
+    std::rotate(lines.begin() + 1, lines.end() - 1, lines.end());
+    return lines;
+  }
+  [[nodiscard]] std::size_t stored() const { return move_.stored(); }
+
+ private:
+  static std::vector<std::size_t> axes(const JogArguments& arguments, const RigFile& rig) {
+    check_output(*arguments.teach);
+    std::vector<std::size_t> axes(rig.axes.size());
+    std::iota(axes.begin(), axes.end(), std::size_t{0});
+    if (arguments.axes_of_new.empty()) return axes;
+    axes.clear();
+    for (const std::string& name : arguments.axes_of_new) axes.push_back(axis_named(rig, name));
+    return axes;
+  }
+
+  const RigFile& rig_;
+  const RigReference& reference_;
+  TaughtMove move_;
+};
+
 int jog_command(const JogArguments& arguments) {
   check_setup_usage(arguments.setup);
   if (!KeyTerminal::is_there()) throw UsageError("jog needs somebody at a terminal; use goto in a script");
@@ -48,12 +98,16 @@ int jog_command(const JogArguments& arguments) {
   }
   if (arguments.reach && !arguments.device)
     throw UsageError("--reach is for a key that is held; add --device");
+  if (!arguments.axes_of_new.empty() && !arguments.teach)
+    throw UsageError("--axes is for a new move; add --teach");
   std::optional<HeldKeys> held;
   if (arguments.device) held.emplace(*arguments.device);
   const RigWatch watch(arguments.setup.rig);
   const RigFile rig = read_rig(arguments.setup.rig);
   const std::size_t selected = axis_named(rig, arguments.axis);
   RigReference reference = reference_of(rig, arguments.setup.positions, arguments.setup.simulated);
+  std::optional<Teaching> teaching;
+  if (arguments.teach) teaching.emplace(arguments, rig, reference);
   print_steps(rig, reference);
   const InterruptWatch interrupts;
   JogOptions options{.share = arguments.share, .session = session_options_of(arguments.setup)};
@@ -62,7 +116,7 @@ int jog_command(const JogArguments& arguments) {
     KeyTerminal terminal;
     RunScreen screen(fmt::format("{}{}, by hand", rig.name, arguments.setup.simulated ? ", simulated" : ""),
                      rig);
-    options.session.audience.keys = [&] { return terminal.read(); };
+    options.session.audience.keys = [&] { return terminal.read() + (held ? held->typed() : ""); };
     if (held) {
       options.reach = arguments.reach.value_or(default_reach);
       options.session.audience.device = [&] { return held->read(MonotonicClock().now_ns()); };
@@ -70,8 +124,15 @@ int jog_command(const JogArguments& arguments) {
     options.session.audience.interrupted = &InterruptWatch::asked;
     options.session.audience.rig_has_changed = [&] { return watch.has_changed(); };
     options.session.audience.status = [&](const RunSnapshot& now) {
-      if (now.jog) screen.show(now);
+      if (!now.jog) return;
+      if (teaching) screen.tell(teaching->shown(now.jog->axis));
+      screen.show(now);
     };
+    if (teaching) {
+      options.teach = [&](TransportKey key, std::size_t axis, const std::vector<double>& positions) {
+        teaching->press(key, axis, positions);
+      };
+    }
     end = jog(rig, selected, reference, options);
   }
   release_lost_terminal();
@@ -79,6 +140,10 @@ int jog_command(const JogArguments& arguments) {
   std::vector<std::size_t> all(end.positions.size());
   std::iota(all.begin(), all.end(), std::size_t{0});
   print_positions(rig, reference, all, end.positions);
+  if (teaching) {
+    fmt::print("{}: {} stored\n", *arguments.teach,
+               counted(static_cast<std::int64_t>(teaching->stored()), "key"));
+  }
   return end.is_done ? 0 : exit_fault;
 }
 
@@ -90,13 +155,18 @@ void describe(CLI::App& app, JogArguments& arguments) {
          "the share of their limits that axes use on the way; a stop may use all of them (0.001 to 1)")
       ->check(CLI::Range(0.001, 1.0))
       ->capture_default_str();
-  app.add_option(
-      "--device", arguments.device,
-      "a keyboard or game pad of /dev/input: its left and right move the axis while they are held");
+  app.add_option("--device", arguments.device,
+                 "a keyboard, game pad or jog wheel of /dev/input: its left and right move the axis while\n"
+                 "they are held, its wheel moves it a step a detent");
   app.add_option("--reach", arguments.reach,
                  "with --device: the share of its range that an axis moves at most, then the key must be\n"
                  "pressed anew (0.001 to 1; 0.1 unless said otherwise)")
       ->check(CLI::Range(0.001, 1.0));
+  app.add_option("--teach", arguments.teach,
+                 "the move whose keys are stored where the rig stands; the first key makes a new one");
+  app.add_option("--axes", arguments.axes_of_new,
+                 "with --teach and a new move: its axes; all of the rig unless said otherwise")
+      ->delimiter(',');
   app.footer(
       R"(Left and right, or - and +, move the axis by one step; 1 to 5 choose how long it is, from fine to a
 hundredth of the way between its limits at most. Up and down choose the axis, any other key stops it; q, Esc
@@ -107,8 +177,17 @@ apart from those a press waits 150 ms.
 With --device the axis moves while right or left, + or - on the keypad, or the cross of a game pad is held,
 and rests as soon as its limits allow when it is let go, when the device is unplugged, or when it has moved by
 the --reach. It begins from neutral only: after a second key, or a key that was held before, let go of all.
-A program that does not look at the device for 150 ms takes it for let go. The terminal chooses the axis and
-leaves.
+A program that does not look at the device for 150 ms takes it for let go. A detent of a wheel is one step at
+once; detents that come while the axis moves are dropped, so that it rests when the wheel does, at the end of
+its step. Nobody else hears the device meanwhile: its keys 1 to 5, up, down, q, Esc, Ctrl-C and those below do
+what they do on the terminal, by their places on a US keyboard.
+
+With --teach MOVE a key press stores where all axes of a track stand, in the track of the chosen axis: Enter
+appends a key, i inserts one before the chosen key, t replaces the chosen key, n and p choose the next and
+the previous one, u takes the last one back. Each is written at once, and comments stay. A file that somebody
+else changes meanwhile is read again and never overwritten. Keys of a track with timing = "frames" can be
+replaced only, since a new one would need its frame; keys in the world, and of axes that count round (wrap),
+are edited in the file. An unreferenced axis has no position to store. Whether the move fits, check says.
 
 Axes stay inside their soft limits. An unreferenced axis (one that does not know where it is) has none: it
 moves at a tenth of the share at most. Bring it to its mark, and say so with inbetween goto --set-zero.
@@ -119,6 +198,7 @@ Examples:
   inbetween jog --rig rig.toml focus
   inbetween jog --rig rig.toml pan --speed 0.02
   inbetween jog --rig rig.toml pan --device /dev/input/by-id/usb-pad-event-joystick
+  inbetween jog --rig rig.toml slide --teach move.toml
   inbetween jog --rig rig.toml pan --sim --from pan=30)");
 }
 

@@ -45,7 +45,8 @@ class RunScreen::Curses {
 
   [[nodiscard]] bool can_place_cursor() const { return can_place_cursor_; }
 
-  void show(const std::string& title, const RigFile& rig, const RunSnapshot& snapshot) {
+  void show(const std::string& title, const RigFile& rig, const RunSnapshot& snapshot,
+            const std::vector<std::string>& notes) {
     winsize size{};
     if (::ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_row > 0 && size.ws_col > 0 &&
         ::is_term_resized(size.ws_row, size.ws_col)) {
@@ -54,7 +55,7 @@ class RunScreen::Curses {
     ::erase();
     int row = 0;
     // The last column stays free: whoever writes there scrolls some terminals.
-    for (const std::string& line : screen_text(title, rig, snapshot, COLS - 1, LINES)) {
+    for (const std::string& line : screen_text(title, rig, snapshot, COLS - 1, LINES, notes)) {
       ::mvaddstr(row++, 0, line.c_str());
     }
     ::refresh();
@@ -75,10 +76,17 @@ void RunScreen::leave() {
   curses_.reset();
 }
 
+void RunScreen::tell(std::vector<std::string> notes) {
+  if (notes == notes_) return;
+  notes_ = std::move(notes);
+  if (kind_ == Kind::screen) return;
+  for (const std::string& note : notes_) fmt::print(stderr, "{}\n", note);
+}
+
 void RunScreen::show(const RunSnapshot& snapshot) {
   if (kind_ == Kind::screen) {
     if (!curses_) curses_ = std::make_unique<Curses>();
-    if (curses_->can_place_cursor()) return curses_->show(title_, rig_, snapshot);
+    if (curses_->can_place_cursor()) return curses_->show(title_, rig_, snapshot, notes_);
     leave();
     kind_ = Kind::line;
   }

@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "host_tools/cli/progress_bar.hpp"
 #include "host_tools/files/rig_file.hpp"
@@ -25,6 +26,8 @@ class RunScreen {
   /// Standard error is a terminal.
   [[nodiscard]] bool has_terminal() const { return kind_ != Kind::plain; }
   void show(const RunSnapshot& snapshot);
+  /// Notes on the screen from now on (screen_text.hpp). Elsewhere they are lines, whenever they are others.
+  void tell(std::vector<std::string> notes);
   /// Gives the terminal back for a question; the next show() takes it again.
   void leave();
 
@@ -37,6 +40,7 @@ class RunScreen {
   Kind kind_;
   ProgressBar bar_;
   std::unique_ptr<Curses> curses_;
+  std::vector<std::string> notes_;
   std::string phase_;  ///< the last that a plain line told
 };
 

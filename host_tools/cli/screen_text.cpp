@@ -45,15 +45,38 @@ Lines axis_lines(const RigFile& rig, const RunSnapshot& snapshot) {
   return all;
 }
 
+/// Broken at spaces, as far as there are any.
+Lines wrapped(const Lines& notes, std::size_t columns) {
+  Lines lines;
+  for (std::string rest : notes) {
+    while (rest.size() > columns) {
+      const std::size_t space = rest.rfind(' ', columns);
+      if (space == std::string::npos || space == 0) break;
+      lines.push_back(rest.substr(0, space));
+      rest.erase(0, space + 1);
+    }
+    lines.push_back(rest);
+  }
+  return lines;
+}
+
 }  // namespace
 
 std::vector<std::string> screen_text(const std::string& title, const RigFile& rig,
-                                     const RunSnapshot& snapshot, int columns, int lines) {
+                                     const RunSnapshot& snapshot, int columns, int lines,
+                                     const std::vector<std::string>& notes) {
   const auto room = static_cast<std::size_t>(std::max(lines, 2));
   constexpr std::size_t around_axes = 4;  // a space and the heads of the columns, a space and the keys
   Lines text{title, "", state_line(snapshot)};
   Lines axes = axis_lines(rig, snapshot);
-  if (text.size() + axes.size() + around_axes > room) text = {state_line(snapshot)};
+  if (!notes.empty()) {
+    Lines told = wrapped(notes, static_cast<std::size_t>(std::max(columns, 1)));
+    const std::size_t taken = text.size() + 1 + axes.size() + around_axes;
+    told.resize(std::min(told.size(), std::max<std::size_t>(room > taken ? room - taken : 0, 3)));
+    text.emplace_back();
+    text.insert(text.end(), told.begin(), told.end());
+  }
+  if (text.size() + axes.size() + around_axes > room) text.erase(text.begin(), text.begin() + 2);
   if (!snapshot.jog && text.size() + axes.size() + around_axes < room)
     text.push_back(bar_of(snapshot.share, columns));
   if (!axes.empty() && text.size() + around_axes < room) {

@@ -161,11 +161,12 @@ const toml::table& track_table(const toml::table& root, std::size_t track) {
   return there(there(there(root.get_as<toml::array>("track")).get(track)).as_table());
 }
 
-std::optional<std::string> why_fixed(const MoveTrack& track, const toml::table& table) {
+std::optional<std::string> why_fixed(const MoveTrack& track, const toml::table& table, bool in_own_units) {
   if (track.space) return "the keys are in the world; edit them as text";
   if (!track.wraps.empty()) return "an axis counts round (wrap); edit its keys as text";
-  const auto has_units = [](const MoveKey& key) { return !key.units.empty() || !key.ways.empty(); };
-  if (!track.units.empty() || std::ranges::any_of(track.keys, has_units)) {
+  const std::vector<MoveUnit> units = in_own_units ? track.units : std::vector<MoveUnit>{};
+  const auto has_others = [&](const MoveKey& key) { return key.units != units || !key.ways.empty(); };
+  if (track.units != units || std::ranges::any_of(track.keys, has_others)) {
     return "the keys have units of their own; edit them as text";
   }
   for (const toml::node& key : there(table.get_as<toml::array>("keys"))) {
@@ -261,10 +262,31 @@ void expect_edited(const MoveFile& before, const MoveFile& after, const EditedMo
 
 }  // namespace
 
+EditedMove edits_of(const MoveFile& move) {
+  EditedMove edited{.frames = move.frames, .fps = move.fps.as_written, .tracks = {}};
+  for (const MoveTrack& track : move.tracks) {
+    EditedTrack same{.keys = {}, .speed = std::nullopt, .spline = track.spline, .closed = track.closed};
+    for (std::size_t k = 0; k < track.keys.size(); ++k) {
+      const MoveKey& key = track.keys[k];
+      same.keys.push_back({.from = k,
+                           .at = key.at,
+                           .tension = key.tension,
+                           .continuity = key.continuity,
+                           .bias = key.bias,
+                           .frame = key.frame,
+                           .hold = key.hold,
+                           .breaks = key.breaks,
+                           .ease = key.ease});
+    }
+    edited.tracks.push_back(std::move(same));
+  }
+  return edited;
+}
+
 std::optional<std::string> why_keys_are_fixed(std::string_view text, const std::string& file_name,
                                               std::size_t track) {
   return why_fixed(parse_move(text, file_name).tracks.at(track),
-                   track_table(parse_toml(text, file_name), track));
+                   track_table(parse_toml(text, file_name), track), false);
 }
 
 std::string with_edits(std::string_view text, const std::string& file_name, const EditedMove& edited) {
@@ -285,7 +307,7 @@ std::string with_edits(std::string_view text, const std::string& file_name, cons
     const MoveTrack& old = before.tracks[t];
     const toml::table& table = track_table(root, t);
     if (!same_keys(old, track.keys)) {
-      if (const auto why = why_fixed(old, table)) throw InputError(old.place, *why);
+      if (const auto why = why_fixed(old, table, track.in_own_units)) throw InputError(old.place, *why);
       write_keys(text, table, old, track, changes);
     }
     if (track.spline != old.spline)

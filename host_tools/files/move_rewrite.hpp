@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "host_tools/files/move_file.hpp"
 #include "inbetween/path/path.hpp"
 
 namespace inbetween {
@@ -31,6 +32,7 @@ struct EditedTrack {
   std::optional<std::vector<double>> speed;  ///< control values; nothing: as it is
   Spline spline = Spline::smooth;
   bool closed = false;
+  bool in_own_units = false;  ///< coordinates are in the units that the track has in its file
 };
 
 /// A whole move as an editor wants it. Whatever is not named here stays.
@@ -39,6 +41,9 @@ struct EditedMove {
   std::string fps;                  ///< "24", "24000/1001"
   std::vector<EditedTrack> tracks;  ///< as many as the file has
 };
+
+/// The move as it is.
+EditedMove edits_of(const MoveFile& move);
 
 /// Why the keys of this track cannot be edited; nothing where they can: they have units or turns, are in the
 /// world, or stand in sections of their own.

@@ -48,9 +48,9 @@ std::string state_of_jog(const JogSnapshot& jog) {
   const std::string limits =
       jog.is_referenced ? fmt::format("in {:g}..{:g}", jog.min, jog.max) : std::string("UNREFERENCED");
   const std::string stop = jog.stop_way > 0 ? fmt::format("  stops in {:.3g}", jog.stop_way) : "";
-  const std::string way = jog.reach > 0 ? fmt::format("reach {:g}", jog.reach)
-                                        : fmt::format("step {}: {:g}", jog.size, jog.increment);
-  return fmt::format("{} {:.3f} {} {}  {}{}", jog.axis, jog.position, jog.unit, limits, way, stop);
+  const std::string reach = jog.reach > 0 ? fmt::format("reach {:g}  ", jog.reach) : "";
+  return fmt::format("{} {:.3f} {} {}  {}step {}: {:g}{}", jog.axis, jog.position, jog.unit, limits, reach,
+                     jog.size, jog.increment, stop);
 }
 
 }  // namespace
@@ -83,7 +83,7 @@ std::string hint_line(const RunSnapshot& snapshot) {
   if (*snapshot.words != 0) return snapshot.words;
   if (snapshot.state != SupervisorState::running) return hint_at_rest(snapshot.state);
   if (snapshot.jog && snapshot.jog->reach > 0) {
-    return "hold left or right of the device; here up down axis, q leaves";
+    return "of the device: hold left or right, or turn; 1-5 size, up down axis, q leaves";
   }
   if (snapshot.jog) return "left right step, 1-5 size, up down axis, q leaves";
   if (snapshot.shoot) return hint_of_shoot(*snapshot.shoot);

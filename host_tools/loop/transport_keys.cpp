@@ -25,6 +25,16 @@ std::optional<TransportKey> key_of(char byte) {
       return TransportKey::start;
     case 'e':
       return TransportKey::expose;
+    case 'n':
+      return TransportKey::teach_next;
+    case 'p':
+      return TransportKey::teach_previous;
+    case 'i':
+      return TransportKey::teach_insert;
+    case 't':
+      return TransportKey::teach_replace;
+    case 'u':
+      return TransportKey::teach_undo;
     case 'q':
       return TransportKey::quit;
     default:

@@ -19,7 +19,7 @@ enum class TransportKey {
   slower,         ///< -
   stop,           ///< Esc: the controlled stop, which has to be acknowledged
   acknowledge,    ///< a
-  start,          ///< Enter: after an acknowledged stop
+  start,          ///< Enter: after an acknowledged stop; a new key at the end of a move that is taught
   expose,         ///< e: the frame that the rig stands on, once more
   size_1,         ///< 1 to 5: the size of a step
   size_2,
@@ -31,7 +31,15 @@ enum class TransportKey {
   hold_backward,  ///< the same
   still_held,     ///< told again and again meanwhile
   let_go,
-  refused,  ///< what would begin something, after the rig file was changed
+  device_gone,     ///< unplugged
+  detent_forward,  ///< of a wheel
+  detent_backward,
+  teach_next,      ///< n: the next key of the move that is taught
+  teach_previous,  ///< p
+  teach_insert,    ///< i: a new key before the chosen one
+  teach_replace,   ///< t: in the place of the chosen one
+  teach_undo,      ///< u
+  refused,         ///< what would begin something, after the rig file was changed
 };
 
 /// From the bytes that a terminal sends. Other keys are ignored. An Esc that begins no arrow key is a stop:

@@ -51,7 +51,7 @@ JogIncrements jog_increments(const RigAxis& axis) {
 }
 
 Jog::Jog(RunLoop& loop, const FreeSpec<double>& spec, FreeAxes& free, std::vector<JogAxis> axes,
-         std::size_t selected)
+         std::size_t selected, bool teaches)
     : loop_(loop),
       spec_(spec),
       free_(free),
@@ -59,7 +59,8 @@ Jog::Jog(RunLoop& loop, const FreeSpec<double>& spec, FreeAxes& free, std::vecto
       is_marked_(axes_.size()),
       states_(loop.drive_states().size()),
       keys_(loop, false),
-      selected_(selected) {}
+      selected_(selected),
+      teaches_(teaches) {}
 
 Status Jog::begin() {
   if (has_begun_) return Done{};
@@ -70,6 +71,7 @@ Status Jog::begin() {
 
 void Jog::press(TransportKey key) {
   if (key == TransportKey::let_go) return let_go();
+  if (key == TransportKey::device_gone) return keys_.say("the device is gone: leave with q, and begin again");
   if (key == TransportKey::still_held) {
     held_ns_ = now_ns_;
     return;
@@ -84,6 +86,10 @@ void Jog::press(TransportKey key) {
       return hold(1);
     case TransportKey::hold_backward:
       return hold(-1);
+    case TransportKey::detent_forward:
+      return turned(1);
+    case TransportKey::detent_backward:
+      return turned(-1);
     case TransportKey::step_forward:
     case TransportKey::faster:
       return pressed(1);
@@ -100,6 +106,13 @@ void Jog::press(TransportKey key) {
     case TransportKey::size_4:
     case TransportKey::size_5:
       return choose_increment(static_cast<std::size_t>(key) - static_cast<std::size_t>(TransportKey::size_1));
+    case TransportKey::start:
+    case TransportKey::teach_next:
+    case TransportKey::teach_previous:
+    case TransportKey::teach_insert:
+    case TransportKey::teach_replace:
+    case TransportKey::teach_undo:
+      return teaches_ ? teach(key) : stop();
     default:
       return stop();
   }
@@ -110,13 +123,33 @@ void Jog::pressed(int direction) {
   if (axes_[selected_].reach > 0) return keys_.say("the keys of the device move it");
   const bool repeats = pressed_ns_ && now_ns_ - *pressed_ns_ < ns_of(jog_repeat_s);
   pressed_ = repeats ? 0 : direction;
+  is_detent_ = false;
   pressed_ns_ = now_ns_;
   if (repeats) keys_.say("a key that is held moves nothing: press it for each step");
 }
 
-/// Once no other press has followed it.
+void Jog::turned(int direction) {
+  if (pressed_ != 0 || held_ != 0 || !free_.is_resting()) {
+    return keys_.say("the wheel turns faster than the axis goes: some detents moved nothing");
+  }
+  pressed_ = direction;
+  is_detent_ = true;
+  pressed_ns_ = now_ns_;
+}
+
+/// Where the rig stands is known when it rests.
+void Jog::teach(TransportKey key) {
+  pressed_ = 0;
+  if (held_ != 0 || !free_.is_resting()) return keys_.say("it still moves: press again");
+  if (ask_ == Ask::teach) return keys_.say("the key before is not done: press again");
+  taught_ = key;
+  ask_ = Ask::teach;
+}
+
+/// A key once no other press has followed it.
 void Jog::take_press() {
-  if (pressed_ == 0 || now_ns_ - *pressed_ns_ < ns_of(jog_repeat_s)) return;
+  if (pressed_ == 0) return;
+  if (!is_detent_ && now_ns_ - *pressed_ns_ < ns_of(jog_repeat_s)) return;
   if (!free_.is_resting()) {
     keys_.say("it still moves: one step at a time");
   } else if (now_ns_ - *pressed_ns_ >= ns_of(jog_press_waits_s)) {
@@ -203,15 +236,14 @@ void Jog::choose_increment(std::size_t size) {
 
 void Jog::tick(std::int32_t ticks, std::int64_t now_ns) {
   now_ns_ = now_ns;
-  if (keys_.is_running()) {
-    take_press();
-    take_hold();
-  }
+  if (keys_.is_running() && ask_ == Ask::none) take_press();
+  if (keys_.is_running() && ask_ == Ask::none) take_hold();
   keys_.note(loop_.tick(ticks, now_ns));
   std::ranges::copy(loop_.drive_states(), states_.begin());
   if (!free_.is_resting()) rested_ns_ = now_ns;
   const bool has_moved = std::ranges::find(is_marked_, true) != is_marked_.end();
-  if (has_moved && keys_.is_running() && now_ns - rested_ns_ >= ns_until_kept) ask_ = Ask::keep;
+  const bool has_rested = has_moved && now_ns - rested_ns_ >= ns_until_kept;
+  if (has_rested && keys_.is_running() && ask_ == Ask::none) ask_ = Ask::keep;
 }
 
 void Jog::marked() {
@@ -285,7 +317,7 @@ SetupEnd jog_session(RigSession& session, std::size_t selected, RigReference& re
            .drive_of = axes.drive_of,
            .limits = axes.limits,
            .tick_seconds = session.tick_seconds()},
-          free, axes.axes, selected);
+          free, axes.axes, selected, static_cast<bool>(options.teach));
   const DisarmAtEnd disarm(session);
   ActEnd end;
   for (bool goes_on = true; goes_on;) {
@@ -299,6 +331,11 @@ SetupEnd jog_session(RigSession& session, std::size_t selected, RigReference& re
     } else if (jog.asks() == Jog::Ask::keep) {
       session.keep(jog.states());
       jog.kept();
+    } else if (jog.asks() == Jog::Ask::teach) {
+      std::vector<double> positions;
+      for (const FreeAxis<double>& axis : free.axes()) positions.push_back(axis.position());
+      options.teach(jog.taught(), jog.selected(), positions);
+      jog.has_taught();
     }
   }
   session.rest();

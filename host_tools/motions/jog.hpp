@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -57,16 +58,22 @@ struct JogAxis {
 ///
 /// An axis with a reach moves while a key of a device is held (hold_forward, hold_backward), until that is
 /// let go, is not told to be held any more, or has moved it by its reach; it must then be pressed anew.
+///
+/// A detent of a wheel is a step too, at once. One that comes while something moves is dropped: when the
+/// wheel rests, the axis goes no further than the step that it is in.
+///
+/// With `teaches`, keys that concern a move are for the caller to do, once everything rests (`teach`).
 class Jog final : public LoopTask {
  public:
   enum class Ask : std::uint8_t {
     none,
-    mark,  ///< axis selected() is about to move
-    keep,  ///< everything rests that has moved
+    mark,   ///< axis selected() is about to move
+    keep,   ///< everything rests that has moved
+    teach,  ///< taught() was pressed
   };
 
   Jog(RunLoop& loop, const FreeSpec<double>& spec, FreeAxes& free, std::vector<JogAxis> axes,
-      std::size_t selected);
+      std::size_t selected, bool teaches = false);
 
   /// Errors: those of MotionLoop::load and begin, the first time.
   Status begin() override;
@@ -81,6 +88,9 @@ class Jog final : public LoopTask {
   [[nodiscard]] std::size_t selected() const { return selected_; }
   void marked();
   void kept();
+  /// The key about a move. TransportKey::start is a key at the end.
+  [[nodiscard]] TransportKey taught() const { return taught_; }
+  void has_taught() { ask_ = Ask::none; }
   /// The states of all drives in the last tick.
   [[nodiscard]] const std::vector<DriveState<double>>& states() const { return states_; }
   /// The operator is the reason that it is over, and nothing else is.
@@ -90,6 +100,8 @@ class Jog final : public LoopTask {
 
  private:
   void pressed(int direction);
+  void turned(int direction);
+  void teach(TransportKey key);
   void take_press();
   void step(int direction);
   void choose(std::size_t axis);
@@ -109,9 +121,12 @@ class Jog final : public LoopTask {
   OperatorKeys keys_;
   std::size_t selected_;
   std::size_t size_ = 2;  ///< of the increments
+  bool teaches_;
   Ask ask_ = Ask::none;
+  TransportKey taught_ = TransportKey::start;
   bool has_begun_ = false;
-  int pressed_ = 0;                              ///< the direction of a press that is not taken yet
+  int pressed_ = 0;         ///< the direction of a press or a detent that is not taken yet
+  bool is_detent_ = false;  ///< it cannot be the repeat of a key
   std::optional<std::int64_t> pressed_ns_ = {};  ///< when the last one came, taken or not
   int held_ = 0;                                 ///< the direction of a key that is held
   bool has_begun_hold_ = false;
@@ -125,6 +140,9 @@ struct JogOptions {
   double share = 0.1;
   /// With a device whose keys are held: the share of its range that an axis moves at most. None: steps.
   std::optional<double> reach = {};
+  /// What a key about a move does (Jog::taught), with the selected axis and where every axis of the rig was
+  /// told to stand. None: such keys are keys like others.
+  std::function<void(TransportKey key, std::size_t axis, const std::vector<double>& positions)> teach = {};
   SessionOptions session = {};
 };
 

@@ -8,6 +8,7 @@
 
 #include <cerrno>
 #include <cstdint>
+#include <initializer_list>
 #include <string>
 #include <system_error>
 
@@ -27,14 +28,22 @@ class EventPipe {
   [[nodiscard]] const std::string& path() const { return path_; }
   /// A key: 1 pressed, 0 let go, 2 repeated.
   void key(std::uint16_t code, std::int32_t value) { tell(EV_KEY, code, value); }
-  void tell(std::uint16_t type, std::uint16_t code, std::int32_t value) {
+  void tell(std::uint16_t type, std::uint16_t code, std::int32_t value) { report({{type, code, value}}); }
+  struct Event {
+    std::uint16_t type, code;
+    std::int32_t value;
+  };
+  /// Several events and their SYN_REPORT.
+  void report(std::initializer_list<Event> events) {
     input_event event{};
-    event.type = type;
-    event.code = code;
-    event.value = value;
-    write(&event, sizeof(event));
+    for (const Event& one : events) {
+      event.type = one.type;
+      event.code = one.code;
+      event.value = one.value;
+      write(&event, sizeof(event));
+    }
     event = {};
-    write(&event, sizeof(event));  // SYN_REPORT
+    write(&event, sizeof(event));
   }
   void write(const void* bytes, std::size_t size) {
     if (::write(file_, bytes, size) != static_cast<ssize_t>(size)) {

@@ -174,18 +174,120 @@ TEST(HeldJog, AKeyThatIsPressedWhileItStillMovesBeginsNothing) {
   EXPECT_GT(bench.path.back(), bench.path[60]);
 }
 
+TEST(HeldJog, ADetentOfAWheelIsAStep) {
+  Bench bench;
+  bench.keys = {
+      {10, TransportKey::detent_forward}, {300, TransportKey::size_4}, {310, TransportKey::detent_backward}};
+  bench.run(600);
+  EXPECT_DOUBLE_EQ(bench.path[299], 100.2);
+  EXPECT_DOUBLE_EQ(bench.path.back(), 99.2);
+}
+
+/// The ticks from a detent of the largest step to the last that it moves the axis in.
+int ticks_of_a_step() {
+  Bench bench;
+  bench.keys = {{5, TransportKey::size_5}, {10, TransportKey::detent_forward}};
+  bench.run(600);
+  EXPECT_EQ(bench.path.back(), 105);
+  return bench.last_motion() - 10;
+}
+
+TEST(HeldJog, AWheelThatWasSpunForASecondRestsWithinTheTimeOfOneStep) {
+  const int step = ticks_of_a_step();
+  for (const int period : {1, 2, 7, 25}) {  // up to 250 detents a second
+    Bench bench;
+    bench.keys = {{5, TransportKey::size_5}};
+    int last = 0;
+    for (int tick = 10; tick <= 260; tick += period) bench.keys[last = tick] = TransportKey::detent_forward;
+    bool is_said = false;
+    bench.look = [&](int) {
+      const std::string words = bench.jog->snapshot().words;
+      is_said = is_said || words.find("turns faster than the axis goes") != std::string::npos;
+    };
+    bench.run(900);
+    EXPECT_LE(bench.last_motion(), last + step) << period;
+    const double steps = (bench.path.back() - 100) / 5;
+    EXPECT_EQ(steps, std::round(steps)) << "whole steps only";
+    EXPECT_GE(steps, 2) << period;
+    EXPECT_TRUE(is_said) << period;
+  }
+}
+
+TEST(HeldJog, ADetentWhileAKeyIsHeldMovesNothing) {
+  Bench bench;
+  bench.keys = {
+      {10, TransportKey::hold_forward}, {600, TransportKey::detent_backward}, {700, TransportKey::let_go}};
+  bench.run(1000);
+  EXPECT_EQ(bench.path.back(), 150);
+}
+
+TEST(EventDevice, TellsEachDetentOfAWheelOnce) {
+  const TemporaryFolder folder;
+  EventPipe pipe(folder.path() / "device");
+  EventDevice device(pipe.path());
+  pipe.tell(EV_REL, REL_DIAL, 1);
+  pipe.tell(EV_REL, REL_WHEEL, -1);
+  EXPECT_THAT(device.events(), ElementsAre(HandEvent::detent_forward, HandEvent::detent_backward));
+  pipe.report({{EV_REL, REL_WHEEL_HI_RES, 120}, {EV_REL, REL_WHEEL, 1}});
+  EXPECT_THAT(device.events(), ElementsAre(HandEvent::detent_forward)) << "told twice by the kernel";
+  pipe.tell(EV_REL, REL_DIAL, 1'000'000'000);
+  EXPECT_EQ(device.events().size(), 2U) << "and no more than it takes to know that there were several";
+}
+
+TEST(EventDevice, AWheelOfHighResolutionHas120UnitsInADetentAndBeginsAnewTheOtherWay) {
+  const TemporaryFolder folder;
+  EventPipe pipe(folder.path() / "device");
+  EventDevice device(pipe.path());
+  for (int i = 0; i < 3; ++i) pipe.tell(EV_REL, REL_WHEEL_HI_RES, 30);
+  EXPECT_THAT(device.events(), IsEmpty());
+  pipe.tell(EV_REL, REL_WHEEL_HI_RES, 30);
+  EXPECT_THAT(device.events(), ElementsAre(HandEvent::detent_forward));
+  pipe.tell(EV_REL, REL_WHEEL_HI_RES, 90);
+  pipe.tell(EV_REL, REL_WHEEL_HI_RES, -90);
+  EXPECT_THAT(device.events(), IsEmpty());
+  pipe.tell(EV_REL, REL_WHEEL_HI_RES, -30);
+  EXPECT_THAT(device.events(), ElementsAre(HandEvent::detent_backward));
+}
+
+TEST(EventDevice, ItsOtherKeysTypeWhatATerminalWouldAndCtrlCLeaves) {
+  const TemporaryFolder folder;
+  EventPipe pipe(folder.path() / "device");
+  EventDevice device(pipe.path());
+  for (const std::uint16_t code :
+       std::initializer_list<std::uint16_t>{KEY_UP, KEY_3, KEY_F1, KEY_ENTER, KEY_ESC}) {
+    pipe.key(code, 1);
+    pipe.key(code, 2);
+    pipe.key(code, 0);
+  }
+  EXPECT_THAT(device.events(), IsEmpty());
+  EXPECT_EQ(device.typed(), "\x1b[A3\r\x1b");
+  pipe.key(KEY_LEFTCTRL, 1);
+  pipe.key(KEY_C, 1);
+  EXPECT_THAT(device.events(), IsEmpty());
+  EXPECT_EQ(device.typed(), "q");
+}
+
+TEST(EventDevice, WhatFollowsLostEventsInTheirReportDoesNotCount) {
+  const TemporaryFolder folder;
+  EventPipe pipe(folder.path() / "device");
+  EventDevice device(pipe.path());
+  pipe.report({{EV_SYN, SYN_DROPPED, 0}, {EV_KEY, KEY_RIGHT, 1}, {EV_REL, REL_DIAL, 1}});
+  EXPECT_THAT(device.events(), IsEmpty());
+}
+
 TEST(EventDevice, TellsAKeyThatIsPressedAndLetGoAndNoRepeat) {
   const TemporaryFolder folder;
   EventPipe pipe(folder.path() / "device");
   EventDevice device(pipe.path());
-  EXPECT_THAT(device.changes(), IsEmpty());
+  EXPECT_THAT(device.events(), IsEmpty());
   pipe.key(KEY_RIGHT, 1);
   pipe.key(KEY_RIGHT, 2);
   pipe.key(KEY_A, 1);
   pipe.key(KEY_RIGHT, 0);
   pipe.tell(EV_ABS, ABS_HAT0X, -1);
   pipe.tell(EV_ABS, ABS_HAT0X, 0);
-  EXPECT_THAT(device.changes(), ElementsAre(1, 0, -1, 0));
+  EXPECT_THAT(device.events(),
+              ElementsAre(HandEvent::forward, HandEvent::let_go, HandEvent::backward, HandEvent::let_go));
 }
 
 TEST(EventDevice, ASecondKeyEndsItUntilAllAreLetGo) {
@@ -195,10 +297,11 @@ TEST(EventDevice, ASecondKeyEndsItUntilAllAreLetGo) {
   pipe.key(KEY_RIGHT, 1);
   pipe.key(KEY_LEFT, 1);
   pipe.key(KEY_RIGHT, 0);
-  EXPECT_THAT(device.changes(), ElementsAre(1, 0)) << "left is still held, and begins nothing";
+  EXPECT_THAT(device.events(), ElementsAre(HandEvent::forward, HandEvent::let_go))
+      << "left is still held, and begins nothing";
   pipe.key(KEY_LEFT, 0);
   pipe.key(KEY_LEFT, 1);
-  EXPECT_THAT(device.changes(), ElementsAre(-1));
+  EXPECT_THAT(device.events(), ElementsAre(HandEvent::backward));
 }
 
 TEST(EventDevice, EventsThatWereLostEndIt) {
@@ -208,7 +311,7 @@ TEST(EventDevice, EventsThatWereLostEndIt) {
   pipe.key(KEY_RIGHT, 1);
   pipe.tell(EV_SYN, SYN_DROPPED, 0);
   pipe.key(KEY_RIGHT, 2);
-  EXPECT_THAT(device.changes(), ElementsAre(1, 0));
+  EXPECT_THAT(device.events(), ElementsAre(HandEvent::forward, HandEvent::let_go));
 }
 
 TEST(EventDevice, ThatGoesAwayOrTellsHalfAnEventHoldsNothing) {
@@ -217,13 +320,13 @@ TEST(EventDevice, ThatGoesAwayOrTellsHalfAnEventHoldsNothing) {
     EventPipe pipe(folder.path() / (is_torn ? "torn" : "gone"));
     EventDevice device(pipe.path());
     pipe.key(KEY_RIGHT, 1);
-    EXPECT_THAT(device.changes(), ElementsAre(1));
+    EXPECT_THAT(device.events(), ElementsAre(HandEvent::forward));
     if (is_torn) {
       pipe.write("torn", 4);
     } else {
       pipe.unplug();
     }
-    EXPECT_THAT(device.changes(), ElementsAre(0));
+    EXPECT_THAT(device.events(), ElementsAre(HandEvent::let_go));
     EXPECT_TRUE(device.is_gone());
   }
 }
@@ -235,14 +338,44 @@ TEST(HeldJog, OfADeviceThatIsUnpluggedRests) {
   EventPipe pipe(folder.path() / "device");
   TerminalScreen screen({"jog", "track", "--rig", rig, "--sim", "--from", "track=100", "--speed", "0.02",
                          "--device", pipe.path(), "--reach", "1"});
-  screen.wait_for("track 100.000 mm in 0..500  reach 500\n");
+  screen.wait_for("track 100.000 mm in 0..500  reach 500  step 3: 0.2\n");
   pipe.key(KEY_RIGHT, 1);
   screen.wait_for("stops in ");
   pipe.unplug();
-  screen.wait_for("  reach 500\n");  // without a way to stop
+  screen.wait_for("  reach 500  step 3: 0.2\n");  // without a way to stop
+  screen.wait_for("the device is gone");
   screen.press("q");
   EXPECT_EQ(screen.wait_for_exit(), 0);
   EXPECT_THAT(screen.shown(), HasSubstr("left"));
+}
+
+TEST(HeldJog, OfAWheelMovesAStepADetentAndTheKeysOfTheDeviceDoWhatThoseOfTheTerminalDo) {
+  const TemporaryFolder folder;
+  const std::string rig = folder.path() / "rig.toml";
+  std::ofstream(rig) << slider;
+  EventPipe pipe(folder.path() / "device");
+  TerminalScreen screen(
+      {"jog", "track", "--rig", rig, "--sim", "--from", "track=100", "--device", pipe.path()});
+  screen.wait_for("track 100.000 mm in 0..500  reach 50  step 3: 0.2\n");
+  pipe.tell(EV_REL, REL_DIAL, 1);
+  screen.wait_for("track 100.200 mm");
+  pipe.key(KEY_4, 1);
+  screen.wait_for("step 4: 1\n");
+  pipe.tell(EV_REL, REL_WHEEL, -1);
+  screen.wait_for("track 99.200 mm");
+  pipe.key(KEY_Q, 1);
+  EXPECT_EQ(screen.wait_for_exit(), 0);
+  EXPECT_THAT(screen.shown(), HasSubstr("left"));
+}
+
+TEST(HeldJog, ADeviceThatCannotBeOpenedIsOneLine) {
+  const TemporaryFolder folder;
+  const std::string rig = folder.path() / "rig.toml";
+  std::ofstream(rig) << slider;
+  TerminalScreen screen({"jog", "track", "--rig", rig, "--sim", "--device", "nowhere"}, 120);
+  EXPECT_EQ(screen.wait_for_exit(), 1);
+  EXPECT_THAT(screen.shown(), HasSubstr("nowhere: error: the device cannot be used: No such file or "
+                                        "directory; name one of /dev/input/by-id"));
 }
 
 TEST(HeldJog, AReachWithoutADeviceIsRefused) {

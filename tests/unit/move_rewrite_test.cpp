@@ -39,18 +39,7 @@ speed = [0, 0, 10, 3, 10, 0, 0]  # drawn
 
 /// The move of a text as an editor gets it.
 EditedMove unchanged(const std::string& of) {
-  const MoveFile move = parse_move(of, "m.toml");
-  EditedMove edited{.frames = move.frames, .fps = move.fps.as_written, .tracks = {}};
-  for (const MoveTrack& track : move.tracks) {
-    EditedTrack one{.keys = {}, .speed = std::nullopt, .spline = track.spline, .closed = track.closed};
-    for (std::size_t k = 0; k < track.keys.size(); ++k) {
-      const MoveKey& key = track.keys[k];
-      one.keys.push_back(
-          {k, key.at, key.tension, key.continuity, key.bias, key.frame, key.hold, key.breaks, key.ease});
-    }
-    edited.tracks.push_back(one);
-  }
-  return edited;
+  return edits_of(parse_move(of, "m.toml"));
 }
 
 std::string replaced(std::string in, const std::string& what, const std::string& by) {
