@@ -62,7 +62,7 @@ void bound_track(const Plan& plan, std::size_t index, CheckReport& report) {
   }
   std::vector<AxisTurn<double>> turns(axes.size());
   std::vector<AxisPeaks<double>> peaks(axes.size());
-  value_or_throw(bound_motion<double>(plan.tracks()[index].track(), slack, {turns}, peaks));
+  value_or_throw(bound_motion<double>(plan.tracks()[index].track(), slack, {turns}, peaks, plan.part()));
   for (std::size_t d = 0; d < axes.size(); ++d) raise(report.axes[axes[d]], peaks[d]);
 }
 
@@ -92,11 +92,21 @@ void add_steps(const std::vector<std::size_t>& axes, const std::vector<AxisStep<
   }
 }
 
-/// At the ends a move that is moving meets its roll, or is refused because there is none. By the frame:
-/// several keys may lie in one place there.
-bool is_joined_by_roll(const Track<double>& track, double frame) {
-  return (frame <= 0 && is_moving(track, RollEnd::before)) ||
-         (frame >= track.frames() && is_moving(track, RollEnd::after));
+/// A key so near to a frame is met on it.
+constexpr double frame_rounding = 1e-9;
+
+/// Whether the step on a frame is one of what is played. At the ends a move that is moving meets its roll, or
+/// is refused because there is none; inside the whole it rests there otherwise. By the frame: several keys
+/// may lie in one place there.
+bool is_played(const Plan& plan, std::size_t track, double frame) {
+  const auto& [first, last] = plan.part();
+  if (frame <= first + (first > 0 ? frame_rounding : 0)) {
+    return first == 0 && !plan.is_moving(track, RollEnd::before);
+  }
+  if (frame >= last - (last < plan.move().frames ? frame_rounding : 0)) {
+    return last == plan.move().frames && !plan.is_moving(track, RollEnd::after);
+  }
+  return true;
 }
 
 void list_steps(const Plan& plan, std::size_t index, CheckReport& report) {
@@ -106,12 +116,12 @@ void list_steps(const Plan& plan, std::size_t index, CheckReport& report) {
   std::vector<AxisStep<double>> steps(axes.size());
   for (std::int32_t i = 0; i <= segments; ++i) {
     const double frame = steps_at_key<double>(track, i, steps);
-    if (!is_joined_by_roll(track, frame)) add_steps(axes, steps, track.path().key_at(i), frame, report);
+    if (is_played(plan, index, frame)) add_steps(axes, steps, track.path().key_at(i), frame, report);
     if (i == segments) break;
     const Standstills<double> standstills = standstills_within(track, i);
     for (std::size_t k = 0; k < standstills.count; ++k) {
       const double turn = steps_at_standstill<double>(track, {i, standstills.t[k]}, steps);
-      add_steps(axes, steps, std::nullopt, turn, report);
+      if (is_played(plan, index, turn)) add_steps(axes, steps, std::nullopt, turn, report);
     }
   }
 }

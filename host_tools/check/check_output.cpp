@@ -9,6 +9,7 @@
 
 #include "host_tools/check/checked_peaks.hpp"
 #include "host_tools/files/diagnostics.hpp"
+#include "host_tools/files/frame_range.hpp"
 #include "host_tools/plan/plan_output.hpp"
 
 namespace inbetween {
@@ -122,6 +123,11 @@ void print_stops(const CheckReport& report, std::FILE* out) {
 void print_verdict(const Plan& plan, const CheckReport& report, const SmallestFrames& smallest,
                    std::FILE* out) {
   const std::int32_t frames = plan.move().frames;
+  if (!plan.is_whole()) {
+    fmt::print(out, "{} in {}\n", report.fits() ? "fits" : "does not fit",
+               frames_in_words(plan.part(), frames));
+    return;
+  }
   const std::int32_t known = report.fits() ? frames : max_frames;
   const bool is_fewer = smallest.with_other_curve &&
                         *smallest.with_other_curve < std::min(known, smallest.frames.value_or(known));
@@ -200,7 +206,7 @@ void print_check(const Plan& plan, const CheckReport& report, const SmallestFram
                  std::FILE* out) {
   const MoveFile& move = plan.move();
   fmt::print(out, "{} on {}: {} at {} fps, {:.3f} s\n", move.name, plan.rig()->name,
-             counted(move.frames, "frame"), move.fps.as_written, plan.duration_s());
+             frames_in_words(plan.part(), move.frames), move.fps.as_written, plan.duration_s());
   print_rolls(plan, out);
   for (std::size_t t = 0; t < plan.tracks().size(); ++t) print_followed(plan, t, "  ", out);
   const Table table = table_of(report, out);
@@ -214,8 +220,13 @@ void print_check(const Plan& plan, const CheckReport& report, const SmallestFram
   print_verdict(plan, report, smallest, out);
 }
 
-void write_check(JsonWriter& json, const CheckReport& report, const SmallestFrames& smallest) {
+void write_check(JsonWriter& json, const Plan& plan, const CheckReport& report,
+                 const SmallestFrames& smallest) {
   json.member("format", 1);
+  if (!plan.is_whole()) {
+    json.member("first", plan.part().first);
+    json.member("last", plan.part().last);
+  }
   json.member("fits", report.fits());
   write_smallest(json, smallest);
   json.line();

@@ -13,6 +13,7 @@ namespace inbetween {
 void print_check(const Plan& plan, const CheckReport& report, const SmallestFrames& smallest, std::FILE* out);
 
 /// Writes the members of the JSON object, version 1 of the format, into an object that is open.
-void write_check(JsonWriter& json, const CheckReport& report, const SmallestFrames& smallest);
+void write_check(JsonWriter& json, const Plan& plan, const CheckReport& report,
+                 const SmallestFrames& smallest);
 
 }  // namespace inbetween

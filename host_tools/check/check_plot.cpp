@@ -87,6 +87,7 @@ LimitsPlot limits_plot_of(const Plan& plan, const CheckReport& report) {
                   .frame_rate = plan.move().fps.as_written,
                   .frames_per_second = plan.move().fps.rate.frames_per_second(),
                   .frames = plan.move().frames,
+                  .part = plan.part(),
                   .first_frame = plan.played().first_frame(),
                   .last_frame = plan.played().last_frame(),
                   .rows = {}};

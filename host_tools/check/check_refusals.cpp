@@ -211,7 +211,7 @@ bool has_room(const Plan& plan, const RollObstacle& obstacle) {
   const RollBreach<double>& breach = obstacle.breach;
   if (breach.quantity != RollQuantity::position) return true;
   std::vector<AxisMotion<double>> joints(plan.played().axis_count());
-  static_cast<void>(joints_of(plan.played().tracks(), obstacle.end, std::span(joints)));
+  static_cast<void>(joints_of(plan.played().tracks(), obstacle.end, std::span(joints), plan.part()));
   const double position = joints[static_cast<std::size_t>(breach.axis)].position;
   const AxisLimits<double>& limits = plan.limits()[static_cast<std::size_t>(breach.axis)];
   const double room = breach.value > breach.limit ? limits.max() - position : position - limits.min();
@@ -237,6 +237,19 @@ void refuse_roll(const Plan& plan, const RollObstacle& obstacle, CheckReport& re
   // The move breaks the limit itself, which has been said.
   if (breach.at_joint && !report.refusals.empty()) return;
   const bool room = has_room(plan, obstacle);
+  const std::int32_t frame = starts ? plan.part().first : plan.part().last;
+  if (frame != (starts ? 0 : plan.move().frames)) {
+    report.refusals.push_back(
+        {plan.place_of(index),
+         fmt::format(
+             "frame {} is passed moving, and on a {} of {} axis {} {}; {} on a frame where the move is "
+             "slower or rests{}",
+             frame, name_of(obstacle.end), counted(breach.frames, "frame"), in_quotes(axis.name),
+             breach_in_words(breach, axis), starts ? "begin" : "end",
+             room ? ", or give the move more frames" : ""),
+         room});
+    return;
+  }
   const std::string remedy =
       track.timing == Timing::speed
           ? fmt::format("{} the speed curve with 0, 0, at rest{}", starts ? "begin" : "end",

@@ -69,15 +69,19 @@ RigFile read_rig(const std::string& path) {
 }
 
 Plan make_plan(const std::string& move, const std::optional<std::string>& rig, Solver solver,
-               std::optional<std::int32_t> turns) {
+               const PlayedPart& part) {
   std::optional<RigFile> rig_file;
   if (rig) rig_file = read_rig(*rig);
   PlanOptions options{.solver = solver};
   if (rig_file && rig_file->kinematics) {
     options.kinematics = std::make_shared<const Kinematics>(read_kinematics(*rig_file));
   }
+  if (!part.turns) options.frames = part.frames;
   Plan plan(read_move_file(move), std::move(rig_file), options);
-  if (turns) plan = Plan(turns_of(plan, *turns), plan.rig(), options);
+  if (part.turns) {
+    options.frames = part.frames;
+    plan = Plan(turns_of(plan, *part.turns), plan.rig(), options);
+  }
   for (const Warning& warning : plan.warnings()) fmt::print(stderr, "{}\n", to_string(warning));
   return plan;
 }
@@ -85,6 +89,19 @@ Plan make_plan(const std::string& move, const std::optional<std::string>& rig, S
 void add_turns(CLI::App& app, std::optional<std::int32_t>& turns) {
   app.add_option("--turns", turns, "so many turns of a periodic move, as one move through its seams")
       ->check(CLI::Range(1, max_frames));
+}
+
+void add_frames(CLI::App& app, std::optional<std::string>& frames, const std::string& what) {
+  app.add_option("--frames", frames, what)->type_name("FIRST..LAST");
+}
+
+FrameRange frame_range_argument(const std::optional<std::string>& text) {
+  if (!text) return {};
+  if (const auto range = frame_range_of(*text)) return *range;
+  throw UsageError(
+      fmt::format("--frames {}: not a part of a move; write FIRST..LAST, FIRST.. or ..LAST, for "
+                  "example 20..80",
+                  in_quotes(*text)));
 }
 
 void add_style(CLI::App& app, PictureStyle& style) {

@@ -78,12 +78,23 @@ void refuse_unknown_picture(const std::optional<std::string>& plot);
 /// Throws InputError.
 RigFile read_rig(const std::string& path);
 
-/// Reads and solves; warnings go to standard error. `turns`: so many turns of a periodic move.
+/// What of a move is played: so many turns of a periodic one, and of all that these frames.
+struct PlayedPart {
+  std::optional<std::int32_t> turns = {};
+  FrameRange frames = {};
+};
+
+/// Reads and solves; warnings go to standard error.
 Plan make_plan(const std::string& move, const std::optional<std::string>& rig, Solver solver,
-               std::optional<std::int32_t> turns = {});
+               const PlayedPart& part = {});
 
 /// Adds --turns.
 void add_turns(CLI::App& app, std::optional<std::int32_t>& turns);
+
+/// Adds --frames, which frame_range_argument reads.
+void add_frames(CLI::App& app, std::optional<std::string>& frames, const std::string& what);
+/// Reads frames such as "20..80". Throws UsageError.
+FrameRange frame_range_argument(const std::optional<std::string>& text);
 
 /// Adds --style, for a command that has --plot already.
 void add_style(CLI::App& app, PictureStyle& style);

@@ -25,10 +25,10 @@ namespace {
 
 struct CheckArguments {
   std::string move, rig;
-  std::optional<std::string> json, plot, fit;
+  std::optional<std::string> json, plot, fit, frames;
   PictureStyle style = PictureStyle::light;
   std::string start = "drawn";
-  std::string frames = "given";
+  bool fewest = false;
   std::optional<std::int32_t> turns;
 };
 
@@ -53,11 +53,15 @@ struct Searched {
 };
 Searched search(const CheckArguments& arguments, const Plan& plan, const CheckReport& report) {
   Searched found;
+  if (!plan.is_whole()) {
+    found.smallest.reason = "other frames are those of another move; only a whole one is tried in fewer";
+    return found;
+  }
   ProgressBar bar;
   found.smallest = smallest_frames(plan, report, [&](double share, std::int32_t frames) {
     bar.show(share, fmt::format("trying {}", counted(frames, "frame")));
   });
-  if (arguments.frames == "fewest" || (!arguments.fit && is_quick_to_fit(plan))) {
+  if (arguments.fewest || (!arguments.fit && is_quick_to_fit(plan))) {
     FewestFit fewest = find_fewest(arguments, plan, report, found.smallest, bar);
     if (fewest.fit.found) found.smallest.with_other_curve = fewest.move.frames;
     found.smallest.may_be_refined = arguments.fit.has_value();
@@ -109,17 +113,32 @@ void complain_of_no_fit(const Plan& plan, const SpeedFit& fit, const SmallestFra
                        in_quotes(plan.rig()->axes[fit.fewest.axis].name)));
 }
 
-int check_command(const CheckArguments& arguments) {
+void refuse_contradictions(const CheckArguments& arguments) {
+  for (const char* former : {"given", "fewest"}) {
+    if (arguments.frames != former) continue;
+    throw UsageError(fmt::format(
+        "--frames {}: --frames names frames of the move, for example 20..80; for a fitted move in "
+        "the fewest frames write --fit OUT --fewest",
+        former));
+  }
+  if (arguments.fit && arguments.frames) {
+    throw UsageError("--fit fits the whole move; leave out --frames, or --fit");
+  }
   if (arguments.fit && arguments.turns) {
     throw UsageError("--fit writes the move as it is, of one turn; leave out --turns");
   }
+}
+
+int check_command(const CheckArguments& arguments) {
+  refuse_contradictions(arguments);
   refuse_unknown_picture(arguments.plot);
   refuse_outputs_in_one_place(
       {{"MOVE", arguments.move}, {"--rig", arguments.rig}},
       {{"--json", arguments.json}, {"--plot", arguments.plot}, {"--fit", arguments.fit}});
   if (arguments.json) check_output(*arguments.json);
   if (arguments.fit) check_output(*arguments.fit);
-  const Plan plan = make_plan(arguments.move, arguments.rig, Solver::closed_form, arguments.turns);
+  const Plan plan = make_plan(arguments.move, arguments.rig, Solver::closed_form,
+                              {.turns = arguments.turns, .frames = frame_range_argument(arguments.frames)});
   const CheckReport report = check(plan);
   const auto [smallest, fitted] = search(arguments, plan, report);
   if (fitted) write_fitted(arguments, plan, *fitted);
@@ -128,7 +147,7 @@ int check_command(const CheckArguments& arguments) {
     write_output(*arguments.json, [&, &smallest = smallest, &fitted = fitted](std::FILE* file) {
       JsonWriter json(file);
       json.begin_object();
-      write_check(json, report, smallest);
+      write_check(json, plan, report, smallest);
       if (fitted) write_fit(json, fitted->fit, fitted->move.frames);
       json.end_object();
       json.finish();
@@ -150,6 +169,8 @@ void describe(CLI::App& app, CheckArguments& arguments) {
       ->required();
   app.add_option("--rig", arguments.rig, "the rig: gives the axes their limits")->required();
   add_turns(app, arguments.turns);
+  add_frames(app, arguments.frames,
+             "check the frames 20..80 of the move alone, or 20.. or ..80, with their own rolls");
   app.add_option("--json", arguments.json, "write everything that was found (- is standard output)");
   app.add_option("--plot", arguments.plot,
                  "draw velocity, acceleration and jerk of every axis with its limits (.svg, .png or .pdf)");
@@ -163,11 +184,9 @@ void describe(CLI::App& app, CheckArguments& arguments) {
       ->check(CLI::IsMember({"drawn", "curvature"}))
       ->needs(fit)
       ->capture_default_str();
-  app.add_option("--frames", arguments.frames,
-                 "of the fitted move: those that are given, or the fewest for which a curve is found")
-      ->check(CLI::IsMember({"given", "fewest"}))
-      ->needs(fit)
-      ->capture_default_str();
+  app.add_flag("--fewest", arguments.fewest,
+               "fit in the fewest frames for which a curve is found, not in those of the move")
+      ->needs(fit);
   app.footer(
       R"(Every moment from the first frame to the last is held against the limits, not samples of it: a peak
 is a proven bound, not below the true one and at most 1 % above it. Jerk is held only where the rig has a
@@ -183,8 +202,12 @@ at its ends.
 
 The last line tells in how many frames the move would fit, its locked keys and holds moved in proportion. At
 one frame less it was tried and does not fit. Where slowing down cures nothing, it says why. Where another
-speed curve with as many control values (32 at most) needs fewer, it tells how many; --fit OUT --frames fewest
-looks for one with more control values too, and writes the move in the fewest frames.
+speed curve with as many control values (32 at most) needs fewer, it tells how many; --fit OUT --fewest looks
+for one with more control values too, and writes the move in the fewest frames.
+
+--frames 20..80 checks a part of the move as what it is when it is played alone: from rest, by a pre-roll into
+frame 20 as the move passes it, and by a post-roll out of frame 80 to rest. A part may fit where the whole
+does not, and the other way round, where its rolls find no room.
 
 --fit OUT writes the same file with another speed curve, comments and all else kept. It covers the same
 distance by the same frames, so that locked keys stay locked; rests stay rests. Where no curve with as many
@@ -202,6 +225,7 @@ Examples:
   inbetween check move.toml --rig rig.toml                   a table of peaks, and the verdict
   inbetween check move.toml --rig rig.toml --plot limits.svg where the peaks are
   inbetween check move.toml --rig rig.toml --fit slower.toml the move, made to fit
+  inbetween check move.toml --rig rig.toml --frames 20..80   a part of it, played alone
   inbetween check move.toml --rig rig.toml --json -          for other programs)");
 }
 

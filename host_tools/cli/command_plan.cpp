@@ -16,7 +16,7 @@ namespace {
 
 struct PlanArguments {
   std::string move, per = "frame", solver = "closed-form";
-  std::optional<std::string> rig, csv, json, plot;
+  std::optional<std::string> rig, csv, json, plot, frames;
   PictureStyle style = PictureStyle::light;
   std::optional<std::int32_t> turns;
 };
@@ -48,7 +48,7 @@ void print_key_timing(const SolvedTrack<double>& solved, std::FILE* out) {
 
 void print_plan_summary(const Plan& plan, std::FILE* out) {
   const MoveFile& move = plan.move();
-  fmt::print(out, "{}: {} at {} fps, {:.3f} s\n", move.name, counted(move.frames, "frame"),
+  fmt::print(out, "{}: {} at {} fps, {:.3f} s\n", move.name, frames_in_words(plan.part(), move.frames),
              move.fps.as_written, plan.duration_s());
   for (std::size_t t = 0; t < plan.tracks().size(); ++t) {
     const SolvedTrack<double>& solved = plan.tracks()[t];
@@ -91,7 +91,8 @@ void check_usage(const PlanArguments& arguments) {
 int plan_command(const PlanArguments& arguments) {
   check_usage(arguments);
   const Solver solver = arguments.solver == "closed-form" ? Solver::closed_form : Solver::runge_kutta;
-  const Plan plan = make_plan(arguments.move, arguments.rig, solver, arguments.turns);
+  const Plan plan = make_plan(arguments.move, arguments.rig, solver,
+                              {.turns = arguments.turns, .frames = frame_range_argument(arguments.frames)});
   const PlanRows rows = arguments.per == "tick" ? PlanRows::tick : PlanRows::frame;
   if (arguments.csv) {
     write_output(*arguments.csv, [&](std::FILE* file) { write_plan_csv(plan, rows, file); });
@@ -109,6 +110,8 @@ void describe(CLI::App& app, PlanArguments& arguments) {
       ->required();
   app.add_option("--rig", arguments.rig, "the rig: gives the axes their units, and ticks their rate");
   add_turns(app, arguments.turns);
+  add_frames(app, arguments.frames,
+             "the frames 20..80 of the move alone, or 20.. or ..80, on a rig with their own rolls");
   app.add_option("--per", arguments.per, "rows of the CSV and of the JSON's axes")
       ->check(CLI::IsMember({"frame", "tick"}))
       ->capture_default_str();
@@ -126,6 +129,7 @@ void describe(CLI::App& app, PlanArguments& arguments) {
   inbetween plan move.toml                                   a summary
   inbetween plan move.toml --plot move.svg                   a picture
   inbetween plan move.toml --csv - | head                    positions per frame
+  inbetween plan move.toml --frames 20..80 --csv -           a part of the move, its frames numbered as ever
   inbetween plan move.toml --rig rig.toml --per tick --csv ticks.csv)");
 }
 

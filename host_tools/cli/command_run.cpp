@@ -102,8 +102,10 @@ int exit_status_of(const RunReport& report, bool is_shot) {
 
 void print_run_summary(const RunReport& report, const Plan& plan, const RunArguments& arguments,
                        std::FILE* out) {
-  fmt::print(out, "{}: {}; {} at {} Hz{}\n", plan.move().name, report.reason, counted(report.ticks, "tick"),
-             plan.rig()->rate_hz, arguments.fast ? " on a virtual clock" : "");
+  const bool names_part = !plan.is_whole() && report.ending != Ending::finished;
+  fmt::print(out, "{}{}: {}; {} at {} Hz{}\n", plan.move().name,
+             names_part ? ", " + frames_in_words(plan.part(), plan.move().frames) : "", report.reason,
+             counted(report.ticks, "tick"), plan.rig()->rate_hz, arguments.fast ? " on a virtual clock" : "");
   if (report.shoot) print_shoot(*report.shoot, out);
   if (!arguments.fast) {
     print_wake_latency(report, arguments.latency, out);
@@ -192,9 +194,13 @@ void refuse_no_camera(const Plan& plan) {
 Plan looped(Plan plan, const RunArguments& arguments) {
   const bool is_shot = arguments.is_shot();
   if (is_periodic(plan.move()) && !is_shot) {
+    if (arguments.frames) {
+      throw UsageError(
+          "--loop goes round the whole of a periodic move; leave out --frames, or name frames of --turns K");
+    }
     const std::int32_t turns = max_turns_of(plan);
     fmt::print(stderr, "{}: --loop plays up to {}\n", plan.move().name, counted(turns, "turn"));
-    return {turns_of(plan, turns), plan.rig(), {}};
+    return {turns_of(plan, turns), plan.rig(), {.kinematics = plan.kinematics()}};
   }
   if (!is_shot || is_periodic(plan.move())) return plan;
   throw UsageError(
@@ -232,6 +238,7 @@ int run_command(const RunArguments& arguments) {
   refuse_plot_arguments(arguments);
   refuse_to_play_a_shoot(arguments);
   shoot_options(arguments);  // refuses wrong arguments before any file is read
+  frame_range_argument(arguments.frames);
   check_setup_usage(arguments);
   if (arguments.faults && !arguments.simulated) {
     throw UsageError("--faults is for simulated drives; add --sim, or give it to inbetween sim-drives");
@@ -249,7 +256,10 @@ int run_command(const RunArguments& arguments) {
        {"--shoot-log", arguments.shoot_log}});
   if (arguments.json) check_output(*arguments.json);
   const RigWatch watch(arguments.rig);
-  Plan plan = make_plan(arguments.move, arguments.rig, Solver::closed_form, arguments.turns);
+  // A shoot goes to single frames of the whole move; what is played of it is a move of its own.
+  Plan plan = make_plan(
+      arguments.move, arguments.rig, Solver::closed_form,
+      {.turns = arguments.turns, .frames = is_shot ? FrameRange{} : frame_range_argument(arguments.frames)});
   if (arguments.loop && !arguments.turns) plan = looped(std::move(plan), arguments);
   if (!arguments.simulated && is_shot) refuse_no_camera(plan);
   const RunReport report = play(plan, arguments, watch);
@@ -294,6 +304,11 @@ With --takes the rig waits where the move begins, and every take begins with Ent
 Home goes back along the path, q leaves. --record takes/%n.csv writes a file a take, from the first number on
 that is free.
 
+--frames 20..80 plays a part of the move as a move of its own: from rest it is led into frame 20 as the move
+passes it, and out of frame 80 to rest. It has its own check (inbetween check --frames 20..80), way to the
+start, takes and Home; its positions are those of the whole move, and so are the numbers of its frames. Cues
+of other frames do not happen; the clapper claps on the first and the last that is played.
+
 --loop is refused for a move that does not end where it starts. A periodic move goes on through its seam at
 its speed: --turns K plays K turns between one pre-roll and one post-roll, --loop as many as the limits of the
 rig leave. With --step or --shutter either shoots N frames a turn: frame N is frame 0.
@@ -334,6 +349,7 @@ Examples:
   inbetween run move.toml --rig rig.toml                     on the drives of the rig
   inbetween run move.toml --rig rig.toml --sim               in real time
   inbetween run move.toml --rig rig.toml --rate 0.1          at a tenth of the drawn speed
+  inbetween run move.toml --rig rig.toml --frames 20..80     a part of the move
   inbetween run move.toml --rig rig.toml --sim --fast        for scripts and tests
   inbetween run move.toml --rig rig.toml --sim --from pan=10 from elsewhere, slowly to its start first
   inbetween run move.toml --rig rig.toml --sim --step        stop motion
@@ -352,6 +368,10 @@ void describe(CLI::App& app, RunArguments& arguments) {
   CLI::Option* loop = app.add_flag("--loop", arguments.loop, "begin again at the end, until stopped");
   app.add_flag("--ping-pong", arguments.ping_pong, "play to and fro, until stopped")->excludes(loop);
   add_turns(app, arguments.turns);
+  add_frames(
+      app, arguments.frames,
+      "play the frames 20..80 of the move alone, or 20.. or ..80, with their own rolls; with --step or\n"
+      "--shutter shoot them");
   app.add_option("--top-rate", arguments.top_rate, "let + go up to so many times the drawn speed (1 to 10)")
       ->check(CLI::Range(1.0, 10.0))
       ->capture_default_str();

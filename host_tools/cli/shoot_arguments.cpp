@@ -5,7 +5,6 @@
 #include <string_view>
 
 #include "host_tools/cli/command.hpp"
-#include "host_tools/motions/frame_range.hpp"
 
 namespace inbetween {
 namespace {
@@ -25,20 +24,10 @@ Shutter<double> shutter_of(const std::string& text) {
   return {*open / 360, *close / 360};
 }
 
-/// Reads frames such as "20..80".
-FrameRange frames_argument(const std::string& text) {
-  if (const auto range = frame_range_of(text)) return *range;
-  throw UsageError(
-      fmt::format("--frames {}: not a part of a move; write FIRST..LAST, FIRST.. or ..LAST, for "
-                  "example 20..80",
-                  in_quotes(text)));
-}
-
 void refuse_shoot_arguments(const ShootArguments& arguments) {
   if (arguments.settle || arguments.exposure || !arguments.still.empty()) {
     throw UsageError("--settle, --exposure and --still belong to --step or --shutter");
   }
-  if (arguments.frames) throw UsageError("--frames belongs to --step or --shutter");
   if (arguments.shoot_log) throw UsageError("--shoot-log belongs to --step or --shutter");
 }
 
@@ -50,7 +39,7 @@ std::optional<ShootOptions> shoot_options(const ShootArguments& arguments) {
     return std::nullopt;
   }
   ShootOptions options;
-  if (arguments.frames) options.frames = frames_argument(*arguments.frames);
+  options.frames = frame_range_argument(arguments.frames);
   options.log = arguments.shoot_log;
   if (arguments.settle) options.settle_s = *arguments.settle;
   if (arguments.exposure) options.exposure_s = *arguments.exposure;
@@ -76,12 +65,9 @@ void add_shoot_options(CLI::App& command, ShootArguments& arguments) {
   command.add_option("--still", arguments.still, "an axis that stands still while the shutter is open")
       ->expected(1)
       ->take_all();
-  command.add_option("--frames", arguments.frames,
-                     "with --step or --shutter: shoot the frames FIRST..LAST of the move, FIRST.. or ..LAST");
   command.add_option("--shoot-log", arguments.shoot_log,
                      "add a line for each exposure to this file (CSV; - is standard output)");
-  for (const char* name :
-       {"--step", "--shutter", "--exposure", "--settle", "--still", "--frames", "--shoot-log"}) {
+  for (const char* name : {"--step", "--shutter", "--exposure", "--settle", "--still", "--shoot-log"}) {
     command.get_option(name)->group("Stop motion and go-motion");
   }
 }

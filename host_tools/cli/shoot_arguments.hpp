@@ -16,7 +16,7 @@ struct ShootArguments {
   std::optional<double> exposure;
   std::optional<std::string> shutter;
   std::vector<std::string> still;
-  std::optional<std::string> frames;
+  std::optional<std::string> frames;  ///< --frames, which every run has
   std::optional<std::string> shoot_log;
 
   [[nodiscard]] bool is_shot() const { return step || shutter; }

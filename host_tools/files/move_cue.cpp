@@ -13,12 +13,14 @@ namespace {
 
 constexpr std::string_view camera_line = "camera";
 
-void add_pulses(const MoveCue& cue, std::int32_t last_frame, std::vector<CuePulse>& pulses) {
+void add_pulses(const MoveCue& cue, const WholeFrames& part, std::vector<CuePulse>& pulses) {
   for (std::size_t i = 0; i < cue.frames.size(); ++i) {
+    if (cue.frames[i] < part.first || cue.frames[i] > part.last) continue;
     pulses.push_back({cue.line, cue.frames[i], cue.phase, cue.width_ns, &cue.frame_places[i]});
   }
   if (cue.every == 0) return;
-  for (std::int32_t frame = 0; frame <= last_frame; frame += cue.every) {
+  const std::int32_t first = (part.first + cue.every - 1) / cue.every * cue.every;
+  for (std::int32_t frame = first; frame <= part.last; frame += cue.every) {
     pulses.push_back({cue.line, frame, cue.phase, cue.width_ns, &cue.place});
   }
 }
@@ -42,15 +44,16 @@ void check_line(const std::string& line, const Place& place, const RigFile& rig)
 
 }  // namespace
 
-std::vector<CuePulse> cue_pulses(const MoveFile& move) {
+std::vector<CuePulse> cue_pulses(const MoveFile& move, const std::optional<WholeFrames>& part) {
+  const WholeFrames played = part.value_or(WholeFrames{0, move.frames});
   std::vector<CuePulse> pulses;
   if (move.clapper) {
     const Clapper& clapper = *move.clapper;
-    for (const std::int32_t frame : {0, move.frames}) {
+    for (const std::int32_t frame : {played.first, played.last}) {
       pulses.push_back({clapper.line, frame, 0, clapper.width_ns, &clapper.place});
     }
   }
-  for (const MoveCue& cue : move.cues) add_pulses(cue, move.frames, pulses);
+  for (const MoveCue& cue : move.cues) add_pulses(cue, played, pulses);
   std::stable_sort(pulses.begin(), pulses.end(), [](const CuePulse& a, const CuePulse& b) {
     return std::tie(a.frame, a.phase) < std::tie(b.frame, b.phase);
   });

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "host_tools/files/diagnostics.hpp"
+#include "inbetween/timing/frame_time.hpp"
 
 namespace inbetween {
 
@@ -52,9 +53,10 @@ struct CuePulse {
   const Place* place = nullptr;  // of its frame in the move, or of the cue; in the move too
 };
 
-/// All pulses of a move, the clapper's included, in the order in which they begin. Pulses that begin at once
-/// have the order of the file, the clapper first. The result refers to `move`, which must live longer.
-std::vector<CuePulse> cue_pulses(const MoveFile& move);
+/// The pulses of a move, or of a part of it, in the order in which they begin. Of a part those of its frames,
+/// and the clapper claps on its first and its last. Pulses that begin at once have the order of the file, the
+/// clapper first. The result refers to `move`, which must live longer.
+std::vector<CuePulse> cue_pulses(const MoveFile& move, const std::optional<WholeFrames>& part = std::nullopt);
 
 /// Throws InputError at the place in the move that names a line or a trigger that the rig does not have.
 void check_cues(const MoveFile& move, const RigFile& rig);

@@ -60,8 +60,8 @@ std::string phase_of(const RunSnapshot& snapshot) {
   if (*snapshot.doing != 0) return snapshot.doing;
   if (snapshot.shoot) return name_of(snapshot.shoot->phase);
   if (snapshot.is_resting) return "paused";
-  if (snapshot.frame < 0) return "pre-roll";
-  return snapshot.frame > snapshot.frames ? "post-roll" : "playing";
+  if (snapshot.frame < snapshot.played().first) return "pre-roll";
+  return snapshot.frame > snapshot.played().last ? "post-roll" : "playing";
 }
 
 std::string state_line(const RunSnapshot& snapshot) {
@@ -74,9 +74,11 @@ std::string state_line(const RunSnapshot& snapshot) {
   }
   const std::string left =
       snapshot.seconds_left ? fmt::format("  {:.1f} s left", *snapshot.seconds_left) : "";
-  return fmt::format("{}  frame {:.1f} of {}  rate {:+.2f} of {:.2f}{}{}", phase, snapshot.frame,
-                     snapshot.frames, snapshot.rate, snapshot.override_rate,
-                     snapshot.backward ? ", backward" : "", left);
+  const auto [first, last] = snapshot.played();
+  const std::string of = first > 0 || last < snapshot.frames ? fmt::format("{}..{}", first, last)
+                                                             : std::to_string(snapshot.frames);
+  return fmt::format("{}  frame {:.1f} of {}  rate {:+.2f} of {:.2f}{}{}", phase, snapshot.frame, of,
+                     snapshot.rate, snapshot.override_rate, snapshot.backward ? ", backward" : "", left);
 }
 
 std::string hint_line(const RunSnapshot& snapshot) {

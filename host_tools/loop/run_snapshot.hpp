@@ -52,7 +52,10 @@ struct RunSnapshot {
   const char* doing = "";  ///< what runs, where it is no drawn move: "going to the start"
   bool is_resting = false;
   double frame = 0;
-  std::int32_t frames = 0;  ///< N of the move; before 0 is its pre-roll, behind N its post-roll
+  std::int32_t frames = 0;  ///< N of the move
+  /// The frames that are played, all where nothing is said; before them is the pre-roll, behind the
+  /// post-roll.
+  std::optional<WholeFrames> part = {};
   std::optional<double> seconds_left = {};  ///< while it plays to an end
   double rate = 0;
   double override_rate = 1;
@@ -63,6 +66,8 @@ struct RunSnapshot {
   std::optional<JogSnapshot> jog = {};
   std::array<AxisPlace, max_rig_axes> axes = {};  ///< of the rig, in its order
   std::size_t axis_count = 0;
+
+  [[nodiscard]] WholeFrames played() const { return part.value_or(WholeFrames{0, frames}); }
 };
 
 /// What happens: "pre-roll", "playing", "stopped: press a".

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "host_tools/files/diagnostics.hpp"
+#include "host_tools/files/frame_range.hpp"
 #include "host_tools/loop/manual_motion.hpp"
 #include "host_tools/motions/run_checks.hpp"
 #include "host_tools/motions/shoot_checks.hpp"
@@ -31,8 +32,9 @@ constexpr double jitter_rate = 0.1;
 std::unique_ptr<CueOutputs> opened_cues(const Plan& plan, RigSession& session,
                                         const std::optional<std::string>& log) {
   const RigFile& rig = session.rig();
-  std::unique_ptr<CueOutputs> cues = CueOutputs::open(plan.move(), rig, plan.played().first_frame(),
-                                                      plan.played().last_frame(), session.hardware());
+  const WholeFrames line{plan.played().first_frame(), plan.played().last_frame()};
+  std::unique_ptr<CueOutputs> cues =
+      CueOutputs::open(plan.move(), rig, line, plan.part(), session.hardware());
   if (cues && session.drives().steps() != nullptr) cues->go_with(*session.drives().steps());
   if (!log) return cues;
   if (!cues) {
@@ -54,7 +56,12 @@ class Run {
         session_(*staged.plan().rig(), reference, rig),
         cues_(opened_cues(staged.plan(), session_, options.cue_log)),
         audience_(session_.options().audience) {
+    const Plan& plan = staged.plan();
     report_.reason = "the move was played to its last frame";
+    if (!plan.is_whole()) {
+      report_.played = plan.part();
+      report_.reason = frames_in_words(plan.part(), plan.move().frames) + " were played";
+    }
     if (options.shoot && options.shoot->log) shoot_log_.emplace(*options.shoot->log, session_.options().fast);
   }
 

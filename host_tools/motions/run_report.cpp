@@ -63,6 +63,10 @@ void write_run_json(const RunReport& report, std::FILE* file) {
   json.member("format", 1);
   json.member("ended", ending_names.at(static_cast<std::size_t>(report.ending)));
   json.member("reason", report.reason);
+  if (report.played) {
+    json.member("first", report.played->first);
+    json.member("last", report.played->last);
+  }
   json.member("ticks", report.ticks);
   json.member("late_ticks", report.late_ticks);
   if (report.exposures) json.member("exposures", *report.exposures);

@@ -11,6 +11,7 @@
 #include "host_tools/loop/wake_latency.hpp"
 #include "host_tools/motions/shoot_count.hpp"
 #include "host_tools/rig/counters.hpp"
+#include "inbetween/timing/frame_time.hpp"
 
 namespace inbetween {
 
@@ -37,6 +38,7 @@ struct RunReport {
   std::string reason;
   std::int64_t ticks = 0;
   std::int64_t late_ticks = 0;                 ///< woken a whole period or more after their deadline
+  std::optional<WholeFrames> played = {};      ///< of a part of a move
   std::optional<std::int64_t> exposures = {};  ///< of a move that is shot frame by frame
   std::optional<ShootCount> shoot = {};        ///< the same, in frames
   std::vector<RunAxis> axes;                   ///< every axis of the rig

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "host_tools/files/frame_range.hpp"
 #include "host_tools/loop/loop_task.hpp"
 #include "host_tools/loop/operator_keys.hpp"
-#include "host_tools/motions/frame_range.hpp"
 #include "host_tools/motions/shoot_count.hpp"
 #include "host_tools/motions/shoot_log.hpp"
 #include "host_tools/motions/staged_move.hpp"

@@ -219,6 +219,7 @@ RunSnapshot Transport::snapshot() const {
           .is_resting = playhead_.is_resting(),
           .frame = frame,
           .frames = move_.frames(),
+          .part = move_.part(),
           .seconds_left = seconds_left(frame),
           .rate = playhead_.rate(),
           .override_rate = playhead_.override_rate(),

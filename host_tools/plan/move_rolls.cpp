@@ -17,14 +17,15 @@ AxisLimits<double> limits_of(const RigAxis& axis) {
                                                   .stop_jerk = axis.stop_jerk}));
 }
 
-PlannedRolls plan_rolls(std::span<const Track<double>> tracks, std::span<const AxisLimits<double>> limits) {
+PlannedRolls plan_rolls(std::span<const Track<double>> tracks, std::span<const AxisLimits<double>> limits,
+                        const WholeFrames& part) {
   PlannedRolls rolls;
   std::vector<AxisMotion<double>> joints(limits.size());
   for (const auto& [end, axes] :
        {std::pair(RollEnd::before, &rolls.before), std::pair(RollEnd::after, &rolls.after)}) {
-    if (!joints_of(tracks, end, std::span(joints))) continue;
+    if (!joints_of(tracks, end, std::span(joints), part)) continue;
     const RollRequest<double> request{.end = end,
-                                      .joint_frame = end == RollEnd::before ? 0 : tracks.front().frames(),
+                                      .joint_frame = end == RollEnd::before ? part.first : part.last,
                                       .fps = tracks.front().frame_rate(),
                                       .joints = joints,
                                       .limits = limits};

@@ -26,8 +26,9 @@ struct PlannedRolls {
   std::vector<RollObstacle> obstacles;
 };
 
-/// The shortest rolls that keep the limits, `limits` track after track. Each end has its own number of
-/// frames.
-PlannedRolls plan_rolls(std::span<const Track<double>> tracks, std::span<const AxisLimits<double>> limits);
+/// The shortest rolls that keep the limits, `limits` track after track, of the frames `part`. Each end has
+/// its own number of frames.
+PlannedRolls plan_rolls(std::span<const Track<double>> tracks, std::span<const AxisLimits<double>> limits,
+                        const WholeFrames& part);
 
 }  // namespace inbetween

@@ -269,7 +269,10 @@ SolvedTrack<double> solve_looking(const MoveTrack& track, const MoveFile& move, 
 }  // namespace
 
 Plan::Plan(MoveFile move, std::optional<RigFile> rig, const PlanOptions& options)
-    : move_(std::move(move)), rig_(std::move(rig)), kinematics_(options.kinematics) {
+    : move_(std::move(move)),
+      part_(played_frames_of(options.frames, move_.frames, {move_.path, 0, 0})),
+      rig_(std::move(rig)),
+      kinematics_(options.kinematics) {
   list_axes();
   settle_positions(move_, rig_);
   settle_aims(move_, kinematics_.get(), axes_in_move());
@@ -283,7 +286,7 @@ Plan::Plan(MoveFile move, std::optional<RigFile> rig, const PlanOptions& options
 
 double Plan::duration_s() const {
   const FrameRate& fps = move_.fps.rate;
-  return static_cast<double>(move_.frames) * fps.denominator / fps.numerator;
+  return static_cast<double>(part_.last - part_.first) * fps.denominator / fps.numerator;
 }
 
 void Plan::refuse_too_many_ticks() const {
@@ -424,10 +427,19 @@ void Plan::put_together() {
     std::size_t moving = 0;
     for (const MoveTrack& track : move_.tracks) moving += track.axes.size();
     for (std::size_t d = 0; d < moving; ++d) limits_.push_back(limits_of(rig_->axes[axis_of(d)]));
-    rolls_ = plan_rolls(track_views_, limits_);
+    rolls_ = plan_rolls(track_views_, limits_, part_);
   }
-  played_ =
-      value_or_throw(Move<double>::make(track_views_, {.before = rolls_.before, .after = rolls_.after}));
+  played_ = value_or_throw(
+      Move<double>::make(track_views_, {.before = rolls_.before, .after = rolls_.after}, part_));
+}
+
+bool Plan::is_moving(std::size_t track, RollEnd end) const {
+  const std::int32_t frame = end == RollEnd::before ? part_.first : part_.last;
+  if (frame == (end == RollEnd::before ? 0 : move_.frames)) {
+    return inbetween::is_moving(track_views_[track], end);
+  }
+  std::vector<AxisMotion<double>> joints(move_.tracks[track].axes.size());
+  return joints_of(std::span(track_views_).subspan(track, 1), end, std::span(joints), part_);
 }
 
 const Place& Plan::place_of(std::size_t axis) const {

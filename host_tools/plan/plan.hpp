@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "host_tools/files/diagnostics.hpp"
+#include "host_tools/files/frame_range.hpp"
 #include "host_tools/files/move_file.hpp"
 #include "host_tools/files/rig_file.hpp"
 #include "host_tools/joints/kinematics.hpp"
@@ -25,6 +26,7 @@ inline constexpr std::int64_t max_ticks = 1'000'000'000;
 struct PlanOptions {
   Solver solver = Solver::closed_form;
   std::shared_ptr<const Kinematics> kinematics = nullptr;  // of the rig, where it has some
+  FrameRange frames = {};                                  // that are played; all where nothing is said
 };
 
 /// An axis of the plan, with its place in the rig, the tracks and the move.
@@ -41,7 +43,8 @@ class Plan {
  public:
   /// Solves every track and checks every frame table (check_invariants). Throws InputError at the place
   /// in the move's file where a track cannot be solved, where an axis or the line of a cue is not one of the
-  /// rig's, or where the move, rolls included, has more than max_ticks ticks of the rig.
+  /// rig's, where it has not the frames that are asked for, or where what is played, rolls included, has more
+  /// than max_ticks ticks of the rig.
   Plan(MoveFile move, std::optional<RigFile> rig, const PlanOptions& options);
 
   /// The move, the positions of its keys settled (key_positions.hpp).
@@ -50,12 +53,17 @@ class Plan {
   [[nodiscard]] const std::vector<SolvedTrack<double>>& tracks() const { return tracks_; }
   [[nodiscard]] const std::vector<PlanAxis>& axes() const { return axes_; }
   [[nodiscard]] const std::vector<Warning>& warnings() const { return warnings_; }
-  /// The move on its time line, the axes track after track. On a rig it has a pre-roll where it starts moving
-  /// and a post-roll where it ends moving, unless there is an obstacle.
+  /// The frames of the move that are planned to be played.
+  [[nodiscard]] const WholeFrames& part() const { return part_; }
+  [[nodiscard]] bool is_whole() const { return part_ == WholeFrames{0, move_.frames}; }
+  /// These frames on their time line, the axes track after track. On a rig it has a pre-roll where it starts
+  /// moving and a post-roll where it ends moving, unless there is an obstacle.
   [[nodiscard]] const Move<double>& played() const { return *played_; }
   /// The limits of the axes of played(); empty without a rig.
   [[nodiscard]] const std::vector<AxisLimits<double>>& limits() const { return limits_; }
   [[nodiscard]] const std::vector<RollObstacle>& roll_obstacles() const { return rolls_.obstacles; }
+  /// Whether a track moves at an end of what is played, so that a roll joins it there.
+  [[nodiscard]] bool is_moving(std::size_t track, RollEnd end) const;
   /// The geometry of the rig, if it was given.
   [[nodiscard]] const std::shared_ptr<const Kinematics>& kinematics() const { return kinematics_; }
   /// How well the axes of a track, or its tip, follow what is drawn; nothing where nothing follows.
@@ -69,7 +77,7 @@ class Plan {
   /// The place where the move names axis `axis` of axes(), which is in a track.
   [[nodiscard]] const Place& place_of(std::size_t axis) const;
 
-  /// The duration without the rolls.
+  /// The duration of the frames that are played, without the rolls.
   [[nodiscard]] double duration_s() const;
   /// "mm" where all axes of a track with a weight above 0 share it; "" where they do not or have none.
   [[nodiscard]] std::string length_unit(std::size_t track) const;
@@ -87,6 +95,7 @@ class Plan {
       const std::vector<std::optional<SolvedTrack<double>>>& solved) const;
 
   MoveFile move_;
+  WholeFrames part_;
   std::optional<RigFile> rig_;
   std::vector<SolvedTrack<double>> tracks_;
   std::vector<std::optional<FollowAccuracy>> accuracies_;  // of tracks_

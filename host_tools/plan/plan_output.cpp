@@ -101,8 +101,9 @@ void write_segments(const Path<double>& path, JsonWriter& json) {
   });
 }
 
-void write_table(const SolvedTrack<double>& solved, JsonWriter& json) {
-  json.objects("table", solved.table().frames() + 1, [&](std::int32_t frame) {
+void write_table(const SolvedTrack<double>& solved, const WholeFrames& part, JsonWriter& json) {
+  json.objects("table", part.last - part.first + 1, [&](std::int32_t row_of_part) {
+    const std::int32_t frame = part.first + row_of_part;
     const FrameRow<double> row = frame_row(solved.track(), solved.table(), frame);
     json.member("frame", frame);
     json.member("alpha", row.alpha);
@@ -130,7 +131,8 @@ void write_speed(const MoveTrack& track, const SolvedTrack<double>& solved, Json
   });
 }
 
-void write_track(const MoveTrack& track, const SolvedTrack<double>& solved, JsonWriter& json) {
+void write_track(const MoveTrack& track, const SolvedTrack<double>& solved, const WholeFrames& part,
+                 JsonWriter& json) {
   const Provenance<double>& provenance = solved.table().provenance();
   json.member("axes", track.axes);
   json.member("solver", provenance.solver == Solver::closed_form ? "closed-form" : "runge-kutta");
@@ -141,7 +143,7 @@ void write_track(const MoveTrack& track, const SolvedTrack<double>& solved, Json
   json.line();
   write_segments(solved.track().path(), json);
   json.line();
-  write_table(solved, json);
+  write_table(solved, part, json);
 }
 
 /// Rows of a column, both included.
@@ -149,6 +151,11 @@ struct Rows {
   std::int64_t first = 0;
   std::int64_t last = 0;
 };
+
+Rows rows_of(const Plan& plan, PlanRows rows, const TimeLine& line) {
+  if (rows == PlanRows::tick) return {0, line.last()};
+  return {plan.part().first, plan.part().last};
+}
 
 /// Position, velocity and acceleration, number by number: a plan per tick may have more rows than memory.
 void write_motion(AxisColumn& column, const Rows& rows, JsonWriter& json) {
@@ -167,8 +174,7 @@ void write_axes(const Plan& plan, PlanRows rows, JsonWriter& json) {
     AxisColumn column(plan, *axis, rows);
     json.member("name", axis->name);
     json.member("unit", axis->unit ? std::optional(to_string(*axis->unit)) : std::nullopt);
-    const bool by_tick = rows == PlanRows::tick;
-    write_motion(column, {0, by_tick ? column.line().last() : plan.move().frames}, json);
+    write_motion(column, rows_of(plan, rows, column.line()), json);
   });
 }
 
@@ -211,8 +217,8 @@ void write_tips(const Plan& plan, PlanRows rows, JsonWriter& json) {
   if (plan.kinematics() == nullptr) return;
   json.line();
   LinkRows links(plan, rows);
-  const std::int64_t last = rows == PlanRows::tick ? links.line().last() : plan.move().frames;
-  json.objects("tips", plan.tips(), [&](const Tip& tip) { write_tip(tip, links, {0, last}, json); });
+  const Rows written = rows_of(plan, rows, links.line());
+  json.objects("tips", plan.tips(), [&](const Tip& tip) { write_tip(tip, links, written, json); });
 }
 
 }  // namespace
@@ -229,16 +235,20 @@ void write_plan_json(const Plan& plan, PlanRows rows, std::FILE* file) {
     json.member("fps", move.fps.as_written);
   }
   json.member("frames", move.frames);
+  if (!plan.is_whole()) {
+    json.member("first", plan.part().first);
+    json.member("last", plan.part().last);
+  }
   json.member("duration_s", plan.duration_s());
   json.member("hash", fmt::format("{:016x}", hash_of(move)));
   json.line();
   json.objects("tracks", move.tracks.size(),
-               [&](std::size_t t) { write_track(move.tracks[t], plan.tracks()[t], json); });
+               [&](std::size_t t) { write_track(move.tracks[t], plan.tracks()[t], plan.part(), json); });
   json.line();
   write_axes(plan, rows, json);
   write_tips(plan, rows, json);
-  write_roll(plan, "pre_roll", {plan.played().first_frame(), -1}, json);
-  write_roll(plan, "post_roll", {move.frames + 1, plan.played().last_frame()}, json);
+  write_roll(plan, "pre_roll", {plan.played().first_frame(), plan.part().first - 1}, json);
+  write_roll(plan, "post_roll", {plan.part().last + 1, plan.played().last_frame()}, json);
   json.end_object();
   json.finish();
 }
@@ -298,8 +308,8 @@ void print_roll(const Plan& plan, RollEnd end, std::FILE* out) {
                before ? "from" : "to", resting_places(plan, roll));
     return;
   }
-  const bool is_needed = std::ranges::any_of(
-      plan.tracks(), [&](const SolvedTrack<double>& solved) { return is_moving(solved.track(), end); });
+  bool is_needed = false;
+  for (std::size_t t = 0; t < plan.tracks().size(); ++t) is_needed = is_needed || plan.is_moving(t, end);
   if (!is_needed) return;
   fmt::print(out, "  {} moving: {}\n", before ? "starts" : "ends",
              plan.rig()

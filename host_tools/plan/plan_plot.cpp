@@ -143,11 +143,14 @@ void sample_tips(const Plan& plan, PlotMove& plot) {
   LinkRows links(plan, PlanRows::frame);
   for (const Tip& tip : plan.tips()) {
     PlotTip drawn{.name = tip.name, .places = {}, .postures = {}};
-    for (std::int32_t frame = 0; frame <= plan.move().frames; ++frame) {
+    for (std::int32_t frame = plan.part().first; frame <= plan.part().last; ++frame) {
       drawn.places.push_back(
           place_in_plot(links.at(frame)[static_cast<std::size_t>(tip.link)].pose.position));
     }
-    for (const double frame : frames_of_keys(plot)) drawn.postures.push_back(posture_at(plan, tip, frame));
+    for (const double frame : frames_of_keys(plot)) {
+      if (frame < plan.part().first || frame > plan.part().last) continue;
+      drawn.postures.push_back(posture_at(plan, tip, frame));
+    }
     plot.tips.push_back(std::move(drawn));
   }
 }
@@ -160,6 +163,7 @@ PlotMove plot_of(const Plan& plan) {
   plot.frame_rate = plan.move().fps.as_written;
   plot.frames_per_second = plan.move().fps.rate.frames_per_second();
   plot.frames = plan.move().frames;
+  plot.part = plan.part();
   plot.first_frame = plan.played().first_frame();
   plot.last_frame = plan.played().last_frame();
   const int samples = samples_per_frame(plot.last_frame - plot.first_frame);

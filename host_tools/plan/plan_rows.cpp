@@ -24,31 +24,27 @@ AxisColumn::AxisColumn(const Plan& plan, const PlanAxis& axis, PlanRows rows)
       rows_(rows),
       solved_(plan.tracks()[*axis.track]),
       axis_(axis.track_axis),
-      motion_(plan.move().tracks[*axis.track].axes.size()) {
-  const MoveRolls<double>& rolls = plan.played().rolls();
-  if (!rolls.before.empty()) before_ = &rolls.before[axis.move_axis];
-  if (!rolls.after.empty()) after_ = &rolls.after[axis.move_axis];
-}
+      move_axis_(axis.move_axis),
+      motion_(plan.move().tracks[*axis.track].axes.size()) {}
 
 double AxisColumn::position(const FrameTime<double>& when) const {
-  if (const RollAxis<double>* roll = roll_at(when)) return roll->motion(when).position;
+  const Move<double>& move = line_.move();
+  const auto rolls = move.rolls_at(when);
+  const bool is_on_roll =
+      when.frame < move.part().first || when.frame > move.part().last || when.fraction > 0;
+  if (is_on_roll && !rolls.empty()) return rolls[move_axis_].motion(when).position;
   const bool is_in_table = rows_ == PlanRows::frame && when.fraction == 0;
   const PathPoint<double> point =
-      is_in_table ? solved_.table().point(when.frame) : solved_.track().locate(when);
+      is_in_table ? solved_.table().point(when.frame) : solved_.track().locate(move.within_part(when));
   return solved_.track().path().position(point, static_cast<std::int32_t>(axis_));
 }
 
 AxisMotion<double> AxisColumn::motion(std::int64_t row) {
   const FrameTime<double> when = line_.at(row);
-  if (const RollAxis<double>* roll = roll_at(when)) return roll->motion(when);
-  solved_.track().motion(when, motion_);
+  const auto rolls = line_.move().rolls_at(when);
+  if (!rolls.empty()) return rolls[move_axis_].motion(when);
+  solved_.track().motion(line_.move().within_part(when), motion_);
   return motion_[axis_];
-}
-
-const RollAxis<double>* AxisColumn::roll_at(const FrameTime<double>& when) const {
-  if (when.frame < 0) return before_;
-  const std::int32_t frames = solved_.track().frames();
-  return when.frame > frames || (when.frame == frames && when.fraction > 0) ? after_ : nullptr;
 }
 
 std::string unit_of(const PlanAxis& axis) {

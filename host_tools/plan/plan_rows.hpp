@@ -11,7 +11,7 @@
 namespace inbetween {
 
 enum class PlanRows {
-  frame,  ///< frames 0..N; in the CSV also those of the rolls, below 0 and above N
+  frame,  ///< the frames that are played; in the CSV also those of the rolls before and behind them
   tick,  ///< ticks of the rig's rate_hz from 0, on the first frame of the pre-roll or of the move, to the end
 };
 
@@ -24,6 +24,7 @@ class TimeLine {
   [[nodiscard]] std::int64_t first() const { return rows_ == PlanRows::tick ? 0 : move_.first_frame(); }
   [[nodiscard]] std::int64_t last() const;
   [[nodiscard]] FrameTime<double> at(std::int64_t row) const;
+  [[nodiscard]] const Move<double>& move() const { return move_; }
   /// Counts from the beginning of the move, or of its pre-roll if the rows are ticks.
   [[nodiscard]] double seconds(std::int64_t row) const;
 
@@ -47,15 +48,12 @@ class AxisColumn {
   AxisMotion<double> motion(std::int64_t row);
 
  private:
-  [[nodiscard]] const RollAxis<double>* roll_at(const FrameTime<double>& when) const;
-
   TimeLine line_;
   PlanRows rows_;
   const SolvedTrack<double>& solved_;
   std::size_t axis_;
+  std::size_t move_axis_;
   std::vector<AxisMotion<double>> motion_;
-  const RollAxis<double>* before_ = nullptr;
-  const RollAxis<double>* after_ = nullptr;
 };
 
 /// "mm"; "" where the plan has no rig.

@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "host_tools/files/diagnostics.hpp"
+#include "host_tools/files/frame_range.hpp"
 #include "host_tools/plot/plot_canvas.hpp"
 #include "host_tools/plot/plot_page.hpp"
 #include "host_tools/plot/plot_panel.hpp"
@@ -79,9 +80,11 @@ Layout layout_of(const PlotMove& move) {
 }
 
 std::string summary(const PlotMove& move) {
-  const double milliseconds = std::round(1000 * (move.frames / move.frames_per_second));
-  return fmt::format("{}  ·  {} fps  ·  {} s  ·  {}", counted(move.frames, "frame"), move.frame_rate,
-                     milliseconds / 1000, counted(static_cast<std::int64_t>(move.tracks.size()), "track"));
+  const double milliseconds =
+      std::round(1000 * ((move.part.last - move.part.first) / move.frames_per_second));
+  return fmt::format("{}  ·  {} fps  ·  {} s  ·  {}", frames_in_words(move.part, move.frames),
+                     move.frame_rate, milliseconds / 1000,
+                     counted(static_cast<std::int64_t>(move.tracks.size()), "track"));
 }
 
 std::string names_of(const PlotMove& move, std::span<const std::size_t> axes) {
@@ -171,8 +174,10 @@ void require_consistent(const PlotTrack& track, const PlotMove& move) {
 
 void require_consistent(const PlotMove& move) {
   require(move.frames >= 1, "frames must be at least 1");
-  require(move.first_frame <= 0 && move.last_frame >= move.frames,
-          "first_frame and last_frame must enclose the frames 0..N");
+  require(move.part.first >= 0 && move.part.first < move.part.last && move.part.last <= move.frames,
+          "part must be some of the frames 0..N");
+  require(move.first_frame <= move.part.first && move.last_frame >= move.part.last,
+          "first_frame and last_frame must enclose the frames that are played");
   require(std::isfinite(move.frames_per_second) && move.frames_per_second > 0,
           "frames_per_second must be positive");
   require(!move.axes.empty(), "a move needs an axis");
@@ -187,8 +192,8 @@ void require_consistent(const PlotMove& move) {
   }
   for (const PlotTrack& track : move.tracks) require_consistent(track, move);
   for (const PlotTip& tip : move.tips) {
-    require(tip.places.size() == static_cast<std::size_t>(move.frames) + 1,
-            "places needs one for each of the frames 0..N");
+    require(tip.places.size() == static_cast<std::size_t>(move.part.last - move.part.first) + 1,
+            "places needs one for each of the frames that are played");
     for (const PlotPlace& place : tip.places) require_finite(place, "places");
   }
 }

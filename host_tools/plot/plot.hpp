@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "host_tools/plot/plot_canvas.hpp"
+#include "inbetween/timing/frame_time.hpp"
 
 namespace inbetween {
 
@@ -55,7 +56,7 @@ struct PlotPosture {
 /// The way of a link of the rig.
 struct PlotTip {
   std::string name;
-  std::vector<PlotPlace> places;      // on the frames 0..N
+  std::vector<PlotPlace> places;      // on the frames that are played
   std::vector<PlotPosture> postures;  // where keys are met
 };
 
@@ -64,8 +65,9 @@ struct PlotMove {
   std::string frame_rate;        // as written: "24" or "24000/1001"
   double frames_per_second = 0;  // > 0
   std::int32_t frames = 0;       // N >= 1
-  std::int32_t first_frame = 0;  // below 0 with a pre-roll
-  std::int32_t last_frame = 0;   // N, or above it with a post-roll
+  WholeFrames part = {};         // that are played: 0..N, or some of them
+  std::int32_t first_frame = 0;  // part.first, or below it with a pre-roll
+  std::int32_t last_frame = 0;   // part.last, or above it with a post-roll
   std::vector<PlotAxis> axes;
   std::vector<PlotTrack> tracks;
   std::vector<PlotTip> tips = {};
@@ -75,8 +77,9 @@ struct PlotMove {
 /// ending of the file's name. Per track: the path with a tick across it at every frame (Bartels and Hardtke
 /// 1989, Figures 4 to 6: crowded ticks are slow, sparse ones fast), the speed curve over its control values,
 /// and the time bar, a stripe per frame as wide as the distance travelled in it; then every axis over time,
-/// rolls included. Per tip of an articulated rig: its way in plan, elevation and perspective (plot_tips.hpp).
-/// Where frames are too many for ticks or stripes to be told apart, the page shows every k-th and says so.
+/// rolls included. Of a part of a move path and speed curve are drawn whole, the rest on its frames. Per tip
+/// of an articulated rig: its way in plan, elevation and perspective (plot_tips.hpp). Where frames are too
+/// many for ticks or stripes to be told apart, the page shows every k-th and says so.
 ///
 /// A track of one axis is a ruler; of three or more axes, two planes through its first three. Both axes of a
 /// plane have the same scale when they have the same unit and one is not more than 12 times as long as the

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "host_tools/files/diagnostics.hpp"
+#include "host_tools/files/frame_range.hpp"
 #include "host_tools/plot/plot_line.hpp"
 #include "host_tools/plot/plot_page.hpp"
 #include "host_tools/plot/plot_panel.hpp"
@@ -25,6 +26,10 @@ constexpr double left_room = 200;
 constexpr double right_room = 190;
 /// A peak further beyond its limit is cut off, so that the limit can still be seen.
 constexpr double max_shown = 3;
+
+Range played_frames(const LimitsPlot& plot) {
+  return {static_cast<double>(plot.part.first), static_cast<double>(plot.part.last)};
+}
 
 Range range_in_frames(const LimitsPlot& plot) {
   return {static_cast<double>(plot.first_frame), static_cast<double>(plot.last_frame)};
@@ -45,8 +50,10 @@ void require_consistent(const LimitsPlot& plot) {
     if (!condition) throw std::invalid_argument(what);
   };
   require(plot.frames >= 1, "frames must be at least 1");
-  require(plot.first_frame <= 0 && plot.last_frame >= plot.frames,
-          "first_frame and last_frame must enclose the frames 0..N");
+  require(plot.part.first >= 0 && plot.part.first < plot.part.last && plot.part.last <= plot.frames,
+          "part must be some of the frames 0..N");
+  require(plot.first_frame <= plot.part.first && plot.last_frame >= plot.part.last,
+          "first_frame and last_frame must enclose the frames that are played");
   require(std::isfinite(plot.frames_per_second) && plot.frames_per_second > 0,
           "frames_per_second must be positive");
   for (const LimitsRow& row : plot.rows) {
@@ -123,7 +130,7 @@ void draw_row(Canvas& canvas, const Box& area, const LimitsPlot& plot, const Lim
   const double magnitude = shown_magnitude(row);
   const Scale y(widened({-magnitude, magnitude}, 0.08), area.bottom(), area.y);
   const Scale x(range_in_frames(plot), area.x, area.right());
-  shade_outside(canvas, area, x, {0, static_cast<double>(plot.frames)});
+  shade_outside(canvas, area, x, played_frames(plot));
   const TickLabels labels = draw_left_ticks(canvas, area, y);
   draw_limits(canvas, area, y, row);
   canvas.outline(area, {plot_color::frame});
@@ -171,7 +178,7 @@ void draw_curve(Canvas& canvas, const Box& area, const LimitsPlot& plot, const F
   }
   const Scale y({0, top > 0 ? 1.08 * top : 1}, area.bottom(), area.y);
   const Scale x(range_in_frames(plot), area.x, area.right());
-  shade_outside(canvas, area, x, {0, static_cast<double>(plot.frames)});
+  shade_outside(canvas, area, x, played_frames(plot));
   draw_left_ticks(canvas, area, y);
   canvas.outline(area, {plot_color::frame});
   const auto line_of_curve = [&](const std::vector<Point>& samples) {
@@ -200,13 +207,14 @@ void draw_limits_plot(const LimitsPlot& plot, const std::filesystem::path& file,
                 style);
   const TextStyle title{.size = 24, .color = plot_color::ink, .bold = true};
   const TextStyle quiet{.size = 13, .color = plot_color::quiet};
-  const std::string summary = fmt::format("{}  ·  {} fps  ·  {:.6g} s", counted(plot.frames, "frame"),
-                                          plot.frame_rate, plot.frames / plot.frames_per_second);
+  const std::string summary =
+      fmt::format("{}  ·  {} fps  ·  {:.6g} s", frames_in_words(plot.part, plot.frames), plot.frame_rate,
+                  (plot.part.last - plot.part.first) / plot.frames_per_second);
   canvas.text({page_margin, page_margin + 18}, elided(canvas, plot.name, title, content_width), title);
   canvas.text({page_margin, page_margin + 42}, summary, quiet);
   Box area{page_margin + left_room, page_margin + title_height + above_rows,
            content_width - left_room - right_room, row_height};
-  const bool rolls = plot.first_frame < 0 || plot.last_frame > plot.frames;
+  const bool rolls = plot.first_frame < plot.part.first || plot.last_frame > plot.part.last;
   const std::string remarks = "dashed: limits of the rig; dots: proven peaks; orange: what does not fit";
   draw_heading(canvas, {page_margin, area.y - 14}, "Limits",
                rolls ? remarks + "; grey: pre-roll and post-roll" : remarks, content_width);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "host_tools/plot/plot_canvas.hpp"
+#include "inbetween/timing/frame_time.hpp"
 
 namespace inbetween {
 
@@ -37,8 +38,9 @@ struct LimitsPlot {
   std::string frame_rate;        // as written
   double frames_per_second = 0;  // > 0
   std::int32_t frames = 0;       // N >= 1
-  std::int32_t first_frame = 0;  // below 0 with a pre-roll
-  std::int32_t last_frame = 0;   // N, or above it with a post-roll
+  WholeFrames part = {};         // that are played: 0..N, or some of them
+  std::int32_t first_frame = 0;  // part.first, or below it with a pre-roll
+  std::int32_t last_frame = 0;   // part.last, or above it with a post-roll
   std::vector<LimitsRow> rows;
   std::vector<FittedCurve> curves = {};  // drawn below the rows
 };

@@ -38,10 +38,11 @@ struct KeyMark {
   bool end = false;
 };
 
-// The range of an axis on the frames 0..N, without the rolls, which are not on the path.
+// An axis on the frames that are played, without the rolls, which are not on the path.
 std::span<const double> on_the_path(const PlotMove& move, const PlotTrack& track, std::size_t axis) {
   return std::span(move.axes[track.axes[axis]].positions)
-      .subspan(static_cast<std::size_t>(-move.first_frame), static_cast<std::size_t>(move.frames) + 1);
+      .subspan(static_cast<std::size_t>(move.part.first - move.first_frame),
+               static_cast<std::size_t>(move.part.last - move.part.first) + 1);
 }
 
 Range path_range(const PlotMove& move, const PlotTrack& track, std::size_t axis) {
@@ -111,7 +112,7 @@ std::vector<Point> path_on_page(const PlotTrack& track, PlotPlane plane, const S
 
 std::size_t tick_every(const PlotMove& move, double length) {
   const double tick_limit = std::clamp(length / min_tick_gap, 1.0, max_ticks);
-  return static_cast<std::size_t>(round_step(move.frames / tick_limit));
+  return static_cast<std::size_t>(round_step((move.part.last - move.part.first) / tick_limit));
 }
 
 std::string tick_remark(std::size_t every, bool any, std::string_view meaning) {
@@ -135,8 +136,9 @@ std::vector<Segment> plane_ticks(const PlotMove& move, const PlotTrack& track, P
   std::vector<Segment> ticks;
   std::optional<Point> normal;
   for (std::size_t j = 0; j < across.size(); j += every) {
-    const auto here = normal_of(track.tangents[plane.across][j] * scales.x.pixels_per_unit(),
-                                track.tangents[plane.up][j] * scales.y.pixels_per_unit());
+    const std::size_t frame = j + static_cast<std::size_t>(move.part.first);
+    const auto here = normal_of(track.tangents[plane.across][frame] * scales.x.pixels_per_unit(),
+                                track.tangents[plane.up][frame] * scales.y.pixels_per_unit());
     // On a cusp the direction is undefined. The direction before it tells the eye more than a gap.
     if (here) normal = here;
     if (!normal) continue;
@@ -316,7 +318,7 @@ void draw_ruler(Canvas& canvas, const Box& panel, const PlotMove& move, const Pl
   std::vector<Segment> ticks;
   const std::span<const double> positions = on_the_path(move, track, 0);
   for (std::size_t j = 0; j < positions.size(); j += every) {
-    const double direction = track.tangents.front()[j];
+    const double direction = track.tangents.front()[j + static_cast<std::size_t>(move.part.first)];
     if (direction == 0) continue;
     const Point at{x(positions[j]), y};
     ticks.push_back({at, {at.x, direction > 0 ? y - tick_length : y + tick_length}});

@@ -63,8 +63,11 @@ void draw_frames_below(Canvas& canvas, const Box& area, const PlotMove& move) {
               {.size = 11, .color = plot_color::quiet, .align = Align::right});
 }
 
+/// What is not played is grey, behind the lines of the keys.
 void draw_key_lines(Canvas& canvas, const Box& area, const PlotMove& move, const PlotTrack& track) {
   const Scale frame({0, static_cast<double>(move.frames)}, area.x, area.right());
+  shade_outside(canvas, area, frame,
+                {static_cast<double>(move.part.first), static_cast<double>(move.part.last)});
   constexpr std::size_t max_lines = 60;  // more lines would hide the curve
   if (track.key_frames.size() > max_lines) return;
   for (const double at : track.key_frames) {

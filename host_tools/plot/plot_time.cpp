@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "host_tools/plot/plot_line.hpp"
 #include "host_tools/plot/plot_panel.hpp"
@@ -15,25 +16,31 @@ namespace {
 // Narrower than this on average, stripes run together.
 constexpr double min_stripe = 4;
 
-// Share of the distance that is travelled at each frame, 0 at frame 0 and 1 at frame N.
+// Share of the distance that is travelled at each of the frames that are played, 0 at the first and 1 at the
+// last.
 struct Progress {
   std::vector<double> at_frame;
+  std::int32_t first = 0;
   bool moves = true;
 
   [[nodiscard]] double at(double frame) const {
     const double last = static_cast<double>(at_frame.size() - 1);
-    const double clipped = std::clamp(frame, 0.0, last);
+    const double clipped = std::clamp(frame - first, 0.0, last);
     const std::size_t i = std::min(static_cast<std::size_t>(clipped), at_frame.size() - 2);
     const double t = clipped - static_cast<double>(i);
     return (1 - t) * at_frame[i] + t * at_frame[i + 1];
   }
 };
 
-Progress progress_of(const PlotTrack& track) {
-  Progress out{{0}, true};
-  const double greatest = range_of(track.speed).high;
-  for (std::size_t j = 1; j < track.speed.size(); ++j) {
-    const double step = greatest > 0 ? (track.speed[j - 1] + track.speed[j]) / greatest : 0;
+Progress progress_of(const PlotMove& move, const PlotTrack& track) {
+  Progress out{.at_frame = {0}, .first = move.part.first};
+  const std::span<const double> speed =
+      std::span(track.speed)
+          .subspan(static_cast<std::size_t>(move.part.first),
+                   static_cast<std::size_t>(move.part.last - move.part.first) + 1);
+  const double greatest = range_of(speed).high;
+  for (std::size_t j = 1; j < speed.size(); ++j) {
+    const double step = greatest > 0 ? (speed[j - 1] + speed[j]) / greatest : 0;
     out.at_frame.push_back(out.at_frame.back() + step);
   }
   const double total = out.at_frame.back();
@@ -45,15 +52,21 @@ Progress progress_of(const PlotTrack& track) {
   return out;
 }
 
+bool is_played(const PlotMove& move, double frame) {
+  return frame >= move.part.first && frame <= move.part.last;
+}
+
 /// For how many frames the rig rests at the key.
 double hold_of(const PlotTrack& track, std::size_t key) {
   return track.key_holds.empty() ? 0 : track.key_holds[key];
 }
 
-void draw_keys_above(Canvas& canvas, const Box& bar, const PlotTrack& track, const Progress& progress) {
+void draw_keys_above(Canvas& canvas, const Box& bar, const PlotMove& move, const PlotTrack& track,
+                     const Progress& progress) {
   std::vector<double> at;
   std::vector<std::string> labels;
   for (std::size_t i = 0; i < track.key_frames.size(); ++i) {
+    if (!is_played(move, track.key_frames[i])) continue;
     const double x = bar.x + progress.at(track.key_frames[i]) * bar.width;
     canvas.polygon(std::vector<Point>{{x, bar.y - 1}, {x - 4.5, bar.y - 9}, {x + 4.5, bar.y - 9}},
                    plot_color::key);
@@ -68,8 +81,13 @@ void draw_keys_above(Canvas& canvas, const Box& bar, const PlotTrack& track, con
 void draw_frames_below(Canvas& canvas, const Box& bar, const PlotMove& move, const Progress& progress) {
   std::vector<double> at;
   std::vector<std::string> labels;
-  auto ticks = round_ticks({0, static_cast<double>(move.frames)}, 40, 1);
-  if (ticks.back() < move.frames) ticks.push_back(move.frames);
+  const double first = move.part.first;
+  const double last = move.part.last;
+  std::vector<double> ticks{first};
+  for (const double tick : round_ticks({first, last}, 40, 1)) {
+    if (tick > first) ticks.push_back(tick);
+  }
+  if (ticks.back() < last) ticks.push_back(last);
   for (const double tick : ticks) {
     at.push_back(bar.x + progress.at(tick) * bar.width);
     labels.push_back(fmt::format("{:.0f}", tick));
@@ -163,7 +181,7 @@ void draw_row(Canvas& canvas, const Box& area, double left, const PlotMove& move
   const PlotAxis& axis = move.axes[index];
   const Scale y(row_range(axis), area.bottom(), area.y);
   const Scale x(range_in_frames(move), area.x, area.right());
-  shade_outside(canvas, area, x, {0, static_cast<double>(move.frames)});
+  shade_outside(canvas, area, x, {static_cast<double>(move.part.first), static_cast<double>(move.part.last)});
   const TickLabels labels = draw_left_ticks(canvas, area, y);
   canvas.outline(area, {plot_color::frame});
   const TextStyle bold{.size = 12, .color = plot_color::ink, .bold = true};
@@ -185,13 +203,15 @@ void draw_row(Canvas& canvas, const Box& area, double left, const PlotMove& move
   const auto& keys = mover.track->keys[mover.axis];
   const double radius = keys.size() > 60 ? 1.8 : 3;
   for (std::size_t i = 0; i < mover.track->key_frames.size(); ++i) {
+    if (!is_played(move, mover.track->key_frames[i])) continue;
     // A closed path ends where it began, or a whole turn further.
     const double at = i < keys.size() ? keys[i] : mover.track->path[mover.axis].back();
     const Point begin{x(mover.track->key_frames[i]), y(at)};
     canvas.disc(begin, radius, plot_color::key);
     const double hold = hold_of(*mover.track, i);
     if (hold == 0) continue;
-    const Point end{x(mover.track->key_frames[i] + hold), begin.y};
+    const double to = std::min(mover.track->key_frames[i] + hold, static_cast<double>(move.part.last));
+    const Point end{x(to), begin.y};
     canvas.line(begin, end, {plot_color::key, radius});
     canvas.disc(end, radius, plot_color::key);
   }
@@ -231,9 +251,9 @@ void draw_time_ticks(Canvas& canvas, const Box& rows, const PlotMove& move) {
 void draw_time_bar(Canvas& canvas, const Box& panel, const PlotMove& move, const PlotTrack& track,
                    Color color) {
   const Box bar{panel.x + 8, panel.y + 52, panel.width - 16, 40};
-  const Progress progress = progress_of(track);
-  const auto every =
-      static_cast<std::size_t>(round_step(std::max(1.0, move.frames * min_stripe / bar.width)));
+  const Progress progress = progress_of(move, track);
+  const std::int32_t frames = move.part.last - move.part.first;
+  const auto every = static_cast<std::size_t>(round_step(std::max(1.0, frames * min_stripe / bar.width)));
   canvas.rectangle(bar, color.faded(0.25));
   std::vector<Box> stripes;
   for (std::size_t j = 0; j + 1 < progress.at_frame.size(); j += 2 * every) {
@@ -243,7 +263,7 @@ void draw_time_bar(Canvas& canvas, const Box& panel, const PlotMove& move, const
     if (to > from) stripes.push_back({from, bar.y, to - from, bar.height});
   }
   canvas.rectangles(stripes, color);
-  draw_keys_above(canvas, bar, track, progress);
+  draw_keys_above(canvas, bar, move, track, progress);
   draw_frames_below(canvas, bar, move, progress);
   draw_heading(canvas, {panel.x, panel.y + 14}, "Time bar", stripe_remark(progress, every), panel.width);
 }
@@ -256,7 +276,7 @@ double positions_height(const PlotMove& move) {
 void draw_positions(Canvas& canvas, const Box& panel, const PlotMove& move) {
   const double height = row_height(move.axes.size());
   Box area{panel.x + left_room, panel.y + above_rows, panel.width - left_room - right_room, height};
-  const bool rolls = move.first_frame < 0 || move.last_frame > move.frames;
+  const bool rolls = move.first_frame < move.part.first || move.last_frame > move.part.last;
   draw_heading(
       canvas, {panel.x, panel.y + 14}, "Axis positions",
       rolls ? "dots: keys; dashed: limits; grey: pre-roll and post-roll" : "dots: keys; dashed: limits",

@@ -196,8 +196,8 @@ void draw_view(Canvas& canvas, const Box& panel, const PlotMove& move, const Plo
   const PictureScale scale = fitted(flat, area);
   const std::vector<Point> way = on_page(tip.places, projection, scale);
   const double length = length_of(way);
-  const auto every =
-      static_cast<std::size_t>(round_step(move.frames / std::clamp(length / 4.5, 1.0, 1000.0)));
+  const auto every = static_cast<std::size_t>(
+      round_step((move.part.last - move.part.first) / std::clamp(length / 4.5, 1.0, 1000.0)));
   if (view == View::perspective) {
     canvas.polyline(simplified_to(on_page(shadow, projection, scale), 5000), shadow_stroke);
     draw_directions(canvas, area);

@@ -21,9 +21,9 @@ constexpr std::size_t begun_in_a_tick = 256;
 
 }  // namespace
 
-CueOutputs::CueOutputs(const MoveFile& move, const RigFile& rig, std::int32_t first, std::int32_t last,
-                       RigHardware& hardware)
-    : pulses_(cue_pulses(move)),
+CueOutputs::CueOutputs(const MoveFile& move, const RigFile& rig, const WholeFrames& line,
+                       const WholeFrames& part, RigHardware& hardware)
+    : pulses_(cue_pulses(move, part)),
       begun_(begun_in_a_tick),
       instants_(instants_for(begun_in_a_tick)),
       chain_(rig.rate_hz, played_lead_ns(rig.rate_hz)) {
@@ -41,11 +41,11 @@ CueOutputs::CueOutputs(const MoveFile& move, const RigFile& rig, std::int32_t fi
   }
   camera_ = number_of("camera");
   for (const CuePulse& pulse : pulses_) {
-    const std::optional<std::size_t> line = number_of(pulse.line);
-    if (!line) refuse(pulse.line, *pulse.place, "the rig does not have it", "add it to the rig");
-    timed_.push_back({{pulse.frame, pulse.phase}, pulse.width_ns, static_cast<std::int32_t>(*line)});
+    const std::optional<std::size_t> number = number_of(pulse.line);
+    if (!number) refuse(pulse.line, *pulse.place, "the rig does not have it", "add it to the rig");
+    timed_.push_back({{pulse.frame, pulse.phase}, pulse.width_ns, static_cast<std::int32_t>(*number)});
   }
-  timer_.emplace(value_or_refuse(CueTimer<double>::make(timed_, first, last, move.fps.rate),
+  timer_.emplace(value_or_refuse(CueTimer<double>::make(timed_, line.first, line.last, move.fps.rate),
                                  pulses_.empty() ? move.frames_place : *pulses_.front().place));
   open_chips(hardware);
 }
@@ -63,10 +63,11 @@ void CueOutputs::open_chips(RigHardware& hardware) {
   }
 }
 
-std::unique_ptr<CueOutputs> CueOutputs::open(const MoveFile& move, const RigFile& rig, std::int32_t first,
-                                             std::int32_t last, RigHardware& hardware) {
+std::unique_ptr<CueOutputs> CueOutputs::open(const MoveFile& move, const RigFile& rig,
+                                             const WholeFrames& line, const WholeFrames& part,
+                                             RigHardware& hardware) {
   if (rig.outputs.empty() && !rig.camera) return nullptr;
-  return std::unique_ptr<CueOutputs>(new CueOutputs(move, rig, first, last, hardware));
+  return std::unique_ptr<CueOutputs>(new CueOutputs(move, rig, line, part, hardware));
 }
 
 std::optional<std::size_t> CueOutputs::number_of(std::string_view line) const {

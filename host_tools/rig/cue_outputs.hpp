@@ -33,11 +33,11 @@ struct CuePassage {
 /// at its place: a tick after the loop has said so, as the steps of StepPort.
 class CueOutputs {
  public:
-  /// Takes all outputs of the rig, a request a chip; null where the rig has no output and no camera. `first`
-  /// and `last` frame are those of the time line, with its rolls. The others last longer. Throws InputError
-  /// at the place of what is not there; then nothing has changed.
-  static std::unique_ptr<CueOutputs> open(const MoveFile& move, const RigFile& rig, std::int32_t first,
-                                          std::int32_t last, RigHardware& hardware);
+  /// Takes all outputs of the rig, a request a chip; null where the rig has no output and no camera. `line`
+  /// is the time line, with its rolls, `part` the frames of the move that are played. The others last longer.
+  /// Throws InputError at the place of what is not there; then nothing has changed.
+  static std::unique_ptr<CueOutputs> open(const MoveFile& move, const RigFile& rig, const WholeFrames& line,
+                                          const WholeFrames& part, RigHardware& hardware);
   CueOutputs(const CueOutputs&) = delete;
   CueOutputs& operator=(const CueOutputs&) = delete;
 
@@ -78,7 +78,7 @@ class CueOutputs {
     std::unique_ptr<ChipOutputs> outputs;
   };
 
-  CueOutputs(const MoveFile& move, const RigFile& rig, std::int32_t first, std::int32_t last,
+  CueOutputs(const MoveFile& move, const RigFile& rig, const WholeFrames& line, const WholeFrames& part,
              RigHardware& hardware);
   void open_chips(RigHardware& hardware);
   void put_out(const CueCount& count);

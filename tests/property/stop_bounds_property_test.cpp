@@ -43,15 +43,22 @@ double any_share() {
   return any_int(0, 1'000'001) * 1e-6;
 }
 
-/// A solved move with the rolls that it needs, of any length.
+/// A solved move, or any part of it, with the rolls that it needs, of any length.
 struct PlayedMove {
   TrackInput<double> input;
   SolvedTrack<double> solution;
+  WholeFrames part;
   std::vector<RollAxis<double>> before, after;
   std::optional<Move<double>> move;
   std::vector<AxisPeaks<double>> peaks;
 
-  explicit PlayedMove(const RandomMove& random) : input(random), solution(input.spec, Solver::closed_form) {
+  explicit PlayedMove(const RandomMove& random)
+      : input(random), solution(input.spec, Solver::closed_form), part{0, random.frames} {
+    if (random.frames > 1 && any_int(0, 2) == 0) {
+      part.first = any_int(0, random.frames);
+      part.last = any_int(part.first + 1, random.frames + 1);
+    }
+    RC_LOG() << "frames " << part.first << ".." << part.last << "\n";
     const auto axes = static_cast<std::size_t>(track().path().axis_count());
     peaks.resize(axes);
     std::vector<AxisTurn<double>> turns(axes);
@@ -59,17 +66,17 @@ struct PlayedMove {
     const double rate = fps * static_cast<double>(input.control_values.size()) / random.frames;
     const double speed = track().arc_length().total() * rate * 1e-3;
     const std::vector<PeakSlack<double>> slack(axes, {speed, speed * rate, speed * rate * rate});
-    RC_ASSERT(bound_motion<double>(track(), slack, {turns}, peaks).has_value());
+    RC_ASSERT(bound_motion<double>(track(), slack, {turns}, peaks, part).has_value());
     if (!roll(RollEnd::before, before) || !roll(RollEnd::after, after)) return;
-    move = *Move<double>::make({&solution.track(), 1}, {before, after});
+    move = *Move<double>::make({&solution.track(), 1}, {before, after}, part);
   }
   const Track<double>& track() const { return solution.track(); }
 
  private:
   bool roll(RollEnd end, std::vector<RollAxis<double>>& out) {
     std::vector<AxisMotion<double>> joints(peaks.size());
-    if (!joints_of<double>({&solution.track(), 1}, end, joints)) return true;
-    const RollSpan span{end, end == RollEnd::before ? 0 : track().frames(), any_int(4, 60), {24, 1}};
+    if (!joints_of<double>({&solution.track(), 1}, end, joints, part)) return true;
+    const RollSpan span{end, end == RollEnd::before ? part.first : part.last, any_int(4, 60), {24, 1}};
     for (std::size_t d = 0; d < peaks.size(); ++d) {
       const auto axis = RollAxis<double>::make(span, joints[d]);
       if (!axis) return false;
@@ -107,7 +114,7 @@ std::vector<AxisLimits<double>> limits_near(const std::vector<AxisPeaks<double>>
 }
 
 struct Counts {
-  int moves = 0, refused = 0, unbounded = 0, stops = 0;
+  int moves = 0, parts = 0, refused = 0, unbounded = 0, stops = 0;
   long steps = 0, not_exact = 0;
   double nearest_acceleration = 0, nearest_jerk = 0, nearest_seconds = 0, nearest_frames = 0;
 };
@@ -243,6 +250,7 @@ TEST(StopBoundsProperty, EveryStopKeepsTheStopLimitsAndEndsWherePredicted) {
     const auto bounds = StopBounds<double>::make({*played.move, limits, rate},
                                                  {stop_cells, suprema, slack, turns}, stop_peaks);
     ++counts.moves;
+    if (played.part.last - played.part.first < random.frames) ++counts.parts;
     if (!bounds) {
       RC_ASSERT(bounds.error().code == ErrorCode::no_solution);
       ++counts.refused;
@@ -256,12 +264,14 @@ TEST(StopBoundsProperty, EveryStopKeepsTheStopLimitsAndEndsWherePredicted) {
         (played.move->last_frame() - played.move->first_frame()) / fps / static_cast<double>(cells);
     for (int i = 0; i < 4; ++i) stop_once(played, limits, *bounds, cell_seconds, counts);
   });
-  std::cout << counts.moves << " moves, " << counts.refused << " refused, " << counts.unbounded
-            << " unbounded; " << counts.stops << " stops of " << counts.steps << " steps, "
-            << counts.not_exact << " without derivatives; at most " << counts.nearest_acceleration
-            << " of the acceleration, " << counts.nearest_jerk << " of the jerk, " << counts.nearest_seconds
-            << " of the time, " << counts.nearest_frames << " of the frames\n";
+  std::cout << counts.moves << " moves, " << counts.parts << " of them parts, " << counts.refused
+            << " refused, " << counts.unbounded << " unbounded; " << counts.stops << " stops of "
+            << counts.steps << " steps, " << counts.not_exact << " without derivatives; at most "
+            << counts.nearest_acceleration << " of the acceleration, " << counts.nearest_jerk
+            << " of the jerk, " << counts.nearest_seconds << " of the time, " << counts.nearest_frames
+            << " of the frames\n";
   if (!counts_mean_something()) return;
+  EXPECT_GE(counts.parts, counts.moves / 5);
   EXPECT_LE(counts.refused, counts.moves / 10);
   EXPECT_LE(counts.not_exact, counts.steps / 100);
   EXPECT_GE(counts.nearest_acceleration, 0.9);

@@ -109,13 +109,19 @@ class IdealMotion::Cursor {
   long double u;
 };
 
-std::vector<IdealMotion::Stretch> IdealMotion::stretches() const {
+std::vector<IdealMotion::Stretch> IdealMotion::stretches(int first, int last) const {
   struct Bound {
     long double alpha;
     int key;  ///< -1: a knot of phi
   };
   std::vector<Bound> bounds;
   for (int knot = 0; knot <= profile_.spans(); ++knot) bounds.push_back({static_cast<long double>(knot), -1});
+  // The first and the last frame are cut out like knots.
+  const long double spans_per_frame = static_cast<long double>(profile_.spans()) / frames_;
+  const long double begin = first * spans_per_frame;
+  const long double end = last == frames_ ? profile_.spans() : last * spans_per_frame;
+  if (first > 0) bounds.push_back({begin, -1});
+  if (last < frames_) bounds.push_back({end, -1});
   for (int key = 1; key < path_.segments(); ++key)
     bounds.push_back({alpha_at(distance_[static_cast<std::size_t>(key)]), key});
   std::sort(bounds.begin(), bounds.end(), [](const Bound& a, const Bound& b) {
@@ -129,15 +135,14 @@ std::vector<IdealMotion::Stretch> IdealMotion::stretches() const {
     // Where rounding has it that a knot lies beyond the next key, or before the last, it is on it.
     Place to = {place.segment, 1};
     if (bound.key < 0) {
-      const auto whole = static_cast<int>(bound.alpha);
-      const long double distance = k_ * profile_.integral(static_cast<long double>(whole));
+      const long double distance = k_ * profile_.integral(bound.alpha);
       const Place there = path_.place(std::min(distance, path_.total_length()));
       if (there.segment < place.segment) to.t = place.t;
       if (there.segment == place.segment) to.t = std::max(place.t, there.t);
     }
     const auto span = static_cast<int>(alpha);
     const auto knot = static_cast<long double>(span);
-    if (bound.alpha > alpha)
+    if (bound.alpha > alpha && alpha >= begin && bound.alpha <= end)
       result.push_back({place.segment, span, alpha - knot, bound.alpha - knot, place.t, to.t});
     alpha = bound.alpha;
     place = bound.key < 0 ? to : Place{bound.key, 0};
@@ -270,18 +275,18 @@ void IdealMotion::search_standstill(const Stretch& stretch, long double place,
   }
 }
 
-Extremes IdealMotion::extremes(int samples) const {
+Extremes IdealMotion::extremes_between(int first, int last, int samples) const {
   if (samples < 1) throw std::invalid_argument("oracle: nothing to search");
   const auto axes = static_cast<std::size_t>(path_.axes());
   std::vector<Extreme> best(functions_per_axis * axes, {-infinity, 0});
-  const std::vector<AxisState> start = at_key(0, Side::before);
+  const std::vector<AxisState> start = first == 0 ? at_key(0, Side::before) : at(first);
   Sample at_start{.x = 0, .values = std::vector<long double>(best.size()), .place = 0};
   write_functions(start, at_start.values);
   for (std::size_t i = 0; i < best.size(); ++i) best[i].value = at_start.values[i];
   // Once without climbing, so that only what can be higher than all of it is climbed.
   if (k_ > 0)
     for (const Between between : {Between::skipped, Between::climbed})
-      for (const Stretch& stretch : stretches())
+      for (const Stretch& stretch : stretches(first, last))
         search(stretch, between == Between::skipped ? 16 : samples, between, best);
 
   Extremes result;

@@ -101,7 +101,9 @@ class IdealMotion {
   /// a place nothing is sampled, and its steps are taken at that distance.
   ///
   /// Time: 2 to 3 us a sample for two axes.
-  Extremes extremes(int samples) const;
+  Extremes extremes(int samples) const { return extremes_between(0, frames_, samples); }
+  /// The same of the motion from one frame to a later one, as if there were no other. The steps are all.
+  Extremes extremes_between(int first, int last, int samples) const;
 
  private:
   /// A time in which the motion is one smooth function: one segment, one span.
@@ -139,7 +141,7 @@ class IdealMotion {
   std::vector<std::vector<long double>> sweeps_by_t(const Stretch& stretch,
                                                     const std::vector<long double>& slowest,
                                                     int samples) const;
-  std::vector<Stretch> stretches() const;
+  std::vector<Stretch> stretches(int first, int last) const;
   /// False where the path stands still at t and the move does not.
   bool evaluate(int segment, long double t, int span, long double u, std::vector<AxisState>& axes) const;
   std::vector<AxisState> beside_key(int key, Side side, int span, long double u) const;

@@ -361,7 +361,7 @@ TEST(CheckCommand, FitsInTheFewestFramesForWhichACurveIsFound) {
       "keys = [{ at = [60] }, { at = [500], frame = 60 }, { at = [1240] }]\nspeed = [0, 0, 2, 30, 2, 0, 0]\n";
   const TemporaryFolder folder;
   const auto file = [&](const char* name) { return (folder.path() / name).string(); };
-  const ProgramRun run = check_text(move, {"--fit", file("fitted.toml"), "--frames", "fewest", "--json",
+  const ProgramRun run = check_text(move, {"--fit", file("fitted.toml"), "--fewest", "--json",
                                            file("report.json"), "--plot", file("fitted.svg")});
   ASSERT_EQ(run.status, 0) << run.err;
   const Json report = Json::parse(file_contents(file("report.json")));

@@ -83,6 +83,26 @@ TEST(CueOutputs, EveryFrameOfARunHasItsPulseAtItsTimeAndTheClapperFramesIt) {
   }
 }
 
+TEST(CueOutputs, OfAPartOfAMoveItsOwnPulsesHappenAndTheClapperFramesIt) {
+  const TemporaryFolder folder;
+  const std::string file = folder.path() / "cues.csv";
+  const Plan plan(read_move_file(slide_and_pan), read_rig_file(slider_rig), {.frames = {100, 150}});
+  const RunReport report = run(plan, simulated, {.cue_log = file});
+  EXPECT_EQ(report.ending, Ending::finished) << report.reason;
+  const std::vector<Row> rows = rows_of(file);
+  ASSERT_EQ(rows.size(), 2U + 51U);
+  EXPECT_EQ(rows.front().line, "clapper");
+  EXPECT_EQ(rows.front().frame, 100);
+  EXPECT_EQ(rows[1].frame, 100.25);
+  EXPECT_EQ(rows[51].line, "clapper");
+  EXPECT_EQ(rows[51].frame, 150);
+  EXPECT_EQ(rows[52].line, "camera");
+  EXPECT_EQ(rows[52].frame, 150.25);
+  for (const Row& row : rows) {
+    EXPECT_NEAR(row.seconds - rows.front().seconds, (row.frame - 100) / 24, 1e-6);
+  }
+}
+
 TEST(CueOutputs, TheReportTellsHowManyPulsesAreInTheLogAndWhatWentWrongWithThem) {
   const TemporaryFolder folder;
   const ProgramRun run = run_program({"run", slide_and_pan, "--rig", slider_rig, "--sim", "--fast", "--yes",
@@ -119,7 +139,7 @@ TEST(CueOutputs, ARigWithoutOutputsHasNoneToLog) {
 class Ticked : public testing::Test {
  protected:
   Ticked() : plan_(plan_of(slide_and_pan, slider_rig)) {
-    cues_ = CueOutputs::open(plan_.move(), *plan_.rig(), 0, 288, hardware_);
+    cues_ = CueOutputs::open(plan_.move(), *plan_.rig(), {0, 288}, {0, 288}, hardware_);
   }
   static PlayheadPlace<double> at(double frame, double rate) {
     return {.time = moved_by({0, 0.0}, frame), .rate = rate, .rate_change = 0};

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "host_tools/plan/solved_track.hpp"
@@ -26,12 +27,13 @@ SolvedTrack<Real> solved(const PathSpec<Real>& path, const std::vector<Real>& sp
 }
 
 template <Precise Real>
-std::vector<AxisPeaks<Real>> peaks_of(const Track<Real>& track) {
+std::vector<AxisPeaks<Real>> peaks_of(const Track<Real>& track,
+                                      const std::optional<WholeFrames>& part = std::nullopt) {
   const auto axes = static_cast<std::size_t>(track.path().axis_count());
   std::vector<AxisTurn<Real>> turns(axes);
   const std::vector<PeakSlack<Real>> slack(axes);
   std::vector<AxisPeaks<Real>> peaks(axes);
-  EXPECT_TRUE(bound_motion<Real>(track, slack, {turns}, peaks).has_value());
+  EXPECT_TRUE(bound_motion<Real>(track, slack, {turns}, peaks, part).has_value());
   return peaks;
 }
 
@@ -53,6 +55,38 @@ TEST(MotionBounds, AStraightLineWithAStraightSpeedCurveIsKnownByHand) {
   EXPECT_EQ(peaks.velocity.frame, 48);
   expect_bound(peaks.acceleration.value, 25);
   EXPECT_LE(peaks.jerk.value, 1e-9);
+}
+
+TEST(MotionBounds, APartIsBoundedByItselfAlone) {
+  // The speed rises from 25 to 75 mm/s in 48 frames: from 12 to 36 it goes from 37.5 to 62.5.
+  const std::vector<double> keys{0, 100};
+  const auto move = solved<double>({.axis_count = 1, .keys = keys}, {10, 30}, 48);
+  const AxisPeaks<double> peaks = peaks_of(move.track(), WholeFrames{12, 36})[0];
+  expect_bound(peaks.velocity.value, 62.5);
+  EXPECT_EQ(peaks.velocity.frame, 36);
+  expect_bound(peaks.acceleration.value, 25);
+  EXPECT_NEAR(peaks.lowest.value, 25.0 * 0.5 + 25.0 * 0.5 * 0.5 / 2, 1e-9);
+  EXPECT_NEAR(peaks.lowest.frame, 12, 1e-12);
+  EXPECT_NEAR(peaks.highest.value, 25.0 * 1.5 + 25.0 * 1.5 * 1.5 / 2, 1e-9);
+  EXPECT_EQ(peaks.highest.frame, 36);
+}
+
+TEST(MotionBounds, AKeyOnTheFirstOrLastFrameOfAPartHasOneSide) {
+  // An axis each before and behind the corner, which is met on frame 24 as exactly as a lock is.
+  const std::vector<double> keys{0, 0, 100, 0, 100, 60};
+  for (const bool breaks : {false, true}) {
+    const auto move = solved<double>({.spline = Spline::linear, .axis_count = 2, .keys = keys}, {10, 14, 10},
+                                     48, {{.key = 1, .frame = 24, .breaks = breaks}});
+    for (const WholeFrames& part : {WholeFrames{0, 24}, {5, 24}}) {
+      EXPECT_GT(peaks_of(move.track(), part)[0].velocity.value, 60);
+      EXPECT_EQ(peaks_of(move.track(), part)[1].velocity.value, 0) << part.first;
+    }
+    for (const WholeFrames& part : {WholeFrames{24, 48}, {24, 30}}) {
+      EXPECT_EQ(peaks_of(move.track(), part)[0].velocity.value, 0) << part.last;
+      EXPECT_GT(peaks_of(move.track(), part)[1].velocity.value, 30);
+    }
+    EXPECT_GT(peaks_of(move.track(), WholeFrames{0, 25})[1].velocity.value, 30);
+  }
 }
 
 TEST(MotionBounds, AnAxisThatTurnsInsideASegmentIsBoundedBeyondItsKeys) {

@@ -65,6 +65,7 @@ PlotMove empty_move(std::int32_t frames) {
   move.frame_rate = "24";
   move.frames_per_second = 24;
   move.frames = frames;
+  move.part = {0, frames};
   move.last_frame = frames;
   return move;
 }

@@ -63,8 +63,9 @@ struct Session {
 
   explicit Session(const std::vector<std::pair<int, std::string>>& typed, Repeat repeat = Repeat::none)
       : Session(typed, RunOptions{.repeat = repeat}) {}
-  Session(const std::vector<std::pair<int, std::string>>& typed, const RunOptions& options) {
-    const Plan plan(read_move_file(reveal), read_rig_file(camera_rig), {});
+  Session(const std::vector<std::pair<int, std::string>>& typed, const RunOptions& options,
+          const FrameRange& frames = {}) {
+    const Plan plan(read_move_file(reveal), read_rig_file(camera_rig), {.frames = frames});
     int tick = 0;
     std::size_t next = 0;
     report = run(plan,
@@ -121,6 +122,32 @@ TEST(Transport, HomeGoesBackAlongThePathAndRestsThere) {
   }
   const Session latched({{1000, "\x1b"}, {1200, "\x1b[H"}, {6000, "q"}});
   EXPECT_GT(latched.report.axes[0].last_actual, 61) << "not before the stop is acknowledged";
+}
+
+TEST(Transport, APartOfAMoveBeginsAtItsOwnPreRollGoesHomeThereAndReversedPausesThere) {
+  const Plan part(read_move_file(reveal), read_rig_file(camera_rig), {.frames = {80, 120}});
+  const double start = part.played().rolls().before[0].rest_position();
+  const double end = part.played().rolls().after[0].rest_position();
+  constexpr double count = 0.001;
+  ASSERT_GT(start, 200);
+  ASSERT_LT(end, 1600);
+  const auto play = [](const std::vector<std::pair<int, std::string>>& typed) {
+    return Session(typed, RunOptions{}, {80, 120}).report;
+  };
+  const RunReport played = play({});
+  EXPECT_EQ(played.ending, Ending::finished);
+  EXPECT_EQ(played.reason, "frames 80..120 of 192 were played");
+  EXPECT_NEAR(played.axes[0].last_actual, end, count);
+  const std::int64_t ticks = part.played().last_tick_at(250) + 1;
+  EXPECT_EQ(played.ticks, ticks);
+
+  const RunReport home = play({{250, "\x1b[H"}, {6000, "q"}});
+  EXPECT_NEAR(home.axes[0].last_actual, start, count);
+  EXPECT_GE(home.ticks, 6000) << "it does not play on by itself";
+  const RunReport back = play({{250, "r"}, {3000, "q"}});
+  EXPECT_NEAR(back.axes[0].last_actual, start, count);
+  EXPECT_GE(back.ticks, 3000);
+  EXPECT_NEAR(play({{250, "\x1b"}, {800, "a"}, {900, "\r"}}).axes[0].last_actual, end, count);
 }
 
 struct Takes {

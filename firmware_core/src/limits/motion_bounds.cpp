@@ -27,12 +27,13 @@ template <Precise Real>
 class MotionBounds {
  public:
   MotionBounds(const Track<Real>& track, std::span<const PeakSlack<Real>> slack,
-               std::span<AxisTurn<Real>> turns, std::span<AxisPeaks<Real>> out)
+               std::span<AxisTurn<Real>> turns, std::span<AxisPeaks<Real>> out, const WholeFrames& part)
       : track_(track),
+        part_(part),
         axes_(static_cast<std::size_t>(track.path().axis_count())),
         slack_(slack),
         out_(out.first(axes_)),
-        walk_(track),
+        walk_(track, part),
         enclosure_(track, turns) {}
 
   void run() {
@@ -87,10 +88,11 @@ class MotionBounds {
     AxisPeaks<Real>& axis = out_[d];
     axis = {};
     const Path<Real>& path = track_.path();
-    PathPoint<Real> lowest;
-    PathPoint<Real> highest;
-    const Real start = path.segment(0)[d].c0;
-    axis.lowest.value = axis.highest.value = start;
+    const PathPoint<Real> start = part_.first > 0 ? track_.locate({part_.first, 0}) : PathPoint<Real>{};
+    const PathPoint<Real> end = track_.locate({part_.last, 0});
+    PathPoint<Real> lowest = start;
+    PathPoint<Real> highest = start;
+    axis.lowest.value = axis.highest.value = path.segment(start.segment)[d].value(start.t);
     const auto take = [&](Real value, const PathPoint<Real>& point) {
       if (value < axis.lowest.value) {
         axis.lowest.value = value;
@@ -101,13 +103,16 @@ class MotionBounds {
         highest = point;
       }
     };
-    for (std::int32_t i = 0; i < path.segment_count(); ++i) {
+    for (std::int32_t i = start.segment; i <= std::min(end.segment, path.segment_count() - 1); ++i) {
       const Cubic<Real>& cubic = path.segment(i)[d];
+      const Real first = i == start.segment ? start.t : Real(0);
+      const Real last = i == end.segment ? end.t : Real(1);
       for (const Real t : turning_points(cubic)) {
-        if (t > 0 && t < 1) take(cubic.value(t), {i, t});
+        if (t > first && t < last) take(cubic.value(t), {i, t});
       }
-      take(path.segment(i + 1)[d].c0, {i + 1, 0});
+      if (i < end.segment) take(path.segment(i + 1)[d].c0, {i + 1, 0});
     }
+    take(path.segment(end.segment)[d].value(end.t), end);
     axis.lowest.frame = frame_of(lowest);
     axis.highest.frame = frame_of(highest);
   }
@@ -127,7 +132,8 @@ class MotionBounds {
       const PathPoint<Real> here = track_.locate({whole, frame - static_cast<Real>(whole)});
       return here.segment < point.segment || (here.segment == point.segment && here.t < point.t);
     };
-    return bisected<Real>({0, static_cast<Real>(track_.frames())}, std::numeric_limits<Real>::digits,
+    const auto last = static_cast<Real>(part_.last);
+    return bisected<Real>({static_cast<Real>(part_.first), last}, std::numeric_limits<Real>::digits,
                           is_before)
         .high;
   }
@@ -138,13 +144,13 @@ class MotionBounds {
     enclosure_.show(stretch.path);
     take_reversal(stretch);
     for (int i = 0; i <= samples_per_stretch; ++i) {
-      const Real x = static_cast<Real>(i) / samples_per_stretch * stretch.end;
+      const Real x = stretch.from + static_cast<Real>(i) / samples_per_stretch * (stretch.to - stretch.from);
       const MotionSurroundings<Real> point = enclosure_.at(stretch, x, walk_.tau_at(stretch, x));
       for (std::size_t d = 0; d < axes_; ++d) raise(d, enclosure_.here(d, point), stretch.time.frame(x));
     }
   }
   void take_reversal(const Stretch<Real>& stretch) {
-    if (!enclosure_.turns_back(stretch)) return;
+    if (stretch.from > 0 || !enclosure_.turns_back(stretch)) return;
     for (std::size_t d = 0; d < axes_; ++d) {
       if (!enclosure_.steps_where_it_turns_back(d)) continue;
       const Real unbounded = std::numeric_limits<Real>::infinity();
@@ -158,11 +164,12 @@ class MotionBounds {
   void prove(const Stretch<Real>& stretch) {
     enclosure_.show(stretch.path);
     const MotionBox<Real> whole{
-        .begin = 0, .end = stretch.end, .tau_begin = stretch.tau_begin, .tau_end = stretch.tau_end};
+        .begin = stretch.from, .end = stretch.to, .tau_begin = stretch.tau_from, .tau_end = stretch.tau_to};
     branch_and_bound<stretch_halvings>(enclosure_, walk_, stretch, whole, axes_, *this);
   }
 
   const Track<Real>& track_;
+  WholeFrames part_;
   std::size_t axes_;
   std::span<const PeakSlack<Real>> slack_;
   std::span<AxisPeaks<Real>> out_;
@@ -175,7 +182,8 @@ class MotionBounds {
 
 template <Precise Real>
 Status bound_motion(const Track<Real>& track, std::span<const PeakSlack<Real>> slack,
-                    const MotionBoundsMemory<Real>& memory, std::span<AxisPeaks<Real>> out) {
+                    const MotionBoundsMemory<Real>& memory, std::span<AxisPeaks<Real>> out,
+                    const std::optional<WholeFrames>& part) {
   const auto axes = static_cast<std::size_t>(track.path().axis_count());
   if (axes > max_bounded_axes || memory.turns.size() < axes || slack.size() < axes || out.size() < axes) {
     return Error{.code = ErrorCode::capacity,
@@ -183,13 +191,15 @@ Status bound_motion(const Track<Real>& track, std::span<const PeakSlack<Real>> s
                  .remedy = "give it a larger capacity; 64 axes at most",
                  .needed = static_cast<std::int64_t>(axes)};
   }
-  MotionBounds<Real>(track, slack, memory.turns, out).run();
+  MotionBounds<Real>(track, slack, memory.turns, out, part.value_or(WholeFrames{0, track.frames()})).run();
   return Done{};
 }
 
 template Status bound_motion(const Track<double>&, std::span<const PeakSlack<double>>,
-                             const MotionBoundsMemory<double>&, std::span<AxisPeaks<double>>);
+                             const MotionBoundsMemory<double>&, std::span<AxisPeaks<double>>,
+                             const std::optional<WholeFrames>&);
 template Status bound_motion(const Track<float>&, std::span<const PeakSlack<float>>,
-                             const MotionBoundsMemory<float>&, std::span<AxisPeaks<float>>);
+                             const MotionBoundsMemory<float>&, std::span<AxisPeaks<float>>,
+                             const std::optional<WholeFrames>&);
 
 }  // namespace inbetween

@@ -44,7 +44,7 @@ class TrackCells {
         cell_frames_(static_cast<Real>(move.last_frame() - move.first_frame()) /
                      static_cast<Real>(out.cells)),
         out_(out),
-        walk_(track),
+        walk_(track, move.part()),
         enclosure_(track, turns) {}
 
   void run() {
@@ -84,14 +84,14 @@ class TrackCells {
   /// The peaks of the axes, so far as three points of every stretch show them.
   void sample(const Stretch<Real>& stretch) {
     enclosure_.show(stretch.path);
-    for (const Real x : {Real(0), stretch.end / 2, stretch.end}) {
+    for (const Real x : {stretch.from, stretch.from + (stretch.to - stretch.from) / 2, stretch.to}) {
       const MotionSurroundings<Real> point = enclosure_.at(stretch, x, walk_.tau_at(stretch, x));
       for (std::size_t d = 0; d < axes_; ++d) raise_magnitude(peaks_[d], enclosure_.here(d, point));
     }
   }
 
   void take_reversal(const Stretch<Real>& stretch) {
-    if (!enclosure_.turns_back(stretch)) return;
+    if (stretch.from > 0 || !enclosure_.turns_back(stretch)) return;
     const std::size_t cell = cell_of(stretch.time.frame(0));
     for (std::size_t d = 0; d < axes_; ++d) {
       if (!enclosure_.steps_where_it_turns_back(d)) continue;
@@ -103,13 +103,13 @@ class TrackCells {
   template <class Visit>
   void each_part(const Stretch<Real>& stretch, const Visit& visit) {
     const TimePiece<Real>& time = stretch.time;
-    const std::size_t last = cell_of(time.frame(stretch.end));
+    const std::size_t last = cell_of(time.frame(stretch.to));
     const bool forward = time.frames > 0;
-    MotionBox<Real> part{.begin = 0, .end = 0, .tau_begin = stretch.tau_begin};
-    for (std::size_t cell = cell_of(time.frame(0));; forward ? ++cell : --cell) {
+    MotionBox<Real> part{.begin = stretch.from, .end = stretch.from, .tau_begin = stretch.tau_from};
+    for (std::size_t cell = cell_of(time.frame(stretch.from));; forward ? ++cell : --cell) {
       const auto border = static_cast<Real>(forward ? cell + 1 : cell);
       const Real x = (first_frame_ + border * cell_frames_ - time.first_frame) / time.frames;
-      part.end = cell == last ? stretch.end : std::clamp(x, part.begin, stretch.end);
+      part.end = cell == last ? stretch.to : std::clamp(x, part.begin, stretch.to);
       part.tau_end = walk_.tau_at(stretch, part.end);
       if (part.end > part.begin || stretch.end == 0) visit(part, cell);
       if (cell == last) return;

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "base/scaled_norm.hpp"
 #include "inbetween/base/bisection.hpp"
@@ -227,6 +228,80 @@ Real add_key_of_curve(const Track<Real>& track, std::int32_t key, std::span<Axis
   return frame;
 }
 
+/// The interval on that side of a frame, and where in it.
+template <Precise Real>
+std::pair<std::int32_t, Real> interval_beside(const Track<Real>& track, std::int32_t frame, bool arriving) {
+  const std::span<const KeyInterval<Real>> intervals = track.key_intervals();
+  std::size_t i = intervals.size() - 1;
+  while (i > 0 && intervals[i].u({frame, 0}) < 0) --i;
+  const Real u = intervals[i].u({frame, 0});
+  if (u == 0 && arriving && i > 0) return {static_cast<std::int32_t>(i) - 1, Real(1)};
+  return {static_cast<std::int32_t>(i), u};
+}
+
+/// The sum, and 0 where it is no more than rounding.
+template <Precise Real>
+Real sum_without_rounding(Real a, Real b, Real c) {
+  const Real sum = a + b + c;
+  const Real size = std::fabs(a) + std::fabs(b) + std::fabs(c);
+  return std::fabs(sum) <= 16 * std::numeric_limits<Real>::epsilon() * size ? Real(0) : sum;
+}
+
+template <Precise Real>
+void add_motion_of_frames(const Track<Real>& track, std::int32_t frame, bool arriving,
+                          std::span<AxisMotion<Real>> out) {
+  const auto [segment, u] = interval_beside(track, frame, arriving);
+  const KeyInterval<Real>& interval = track.key_intervals()[static_cast<std::size_t>(segment)];
+  const ParameterRates<Real> rates = interval.rates(u, track.frame_rate());
+  const Real t = u * (interval.c1 + u * (interval.c2 + u * interval.c3));
+  const std::span<const Cubic<Real>> cubics = track.path().segment(segment);
+  for (std::size_t d = 0; d < out.size(); ++d) {
+    const Cubic<Real>& cubic = cubics[d];
+    const Real slope = sum_without_rounding(cubic.c1, 2 * cubic.c2 * t, 3 * cubic.c3 * t * t);
+    const Real bend = sum_without_rounding(2 * cubic.c2, 6 * cubic.c3 * t, Real(0));
+    out[d].velocity = slope * rates.first;
+    out[d].acceleration = bend * rates.first * rates.first + slope * rates.second;
+  }
+}
+
+/// The segment on that side of a key that is met on a frame; -1 where none is met there.
+template <Precise Real>
+std::int32_t segment_beside(const Track<Real>& track, std::int32_t frame, bool arriving) {
+  const TwoSum<Real> distance = track.distance({frame, 0});
+  const Real margin = lock_share<Real> * track.arc_length().total();
+  const std::int32_t last = track.path().segment_count();
+  const std::int32_t here = track.locate({frame, 0}).segment;
+  for (std::int32_t key = here; key <= std::min(here + 1, last); ++key) {
+    if (!(std::fabs(distance.minus(track.arc_length().segment_begin(key))) <= margin)) continue;
+    std::int32_t segment = arriving ? key - 1 : key;
+    while (segment >= 0 && segment < last && !has_length(track, segment)) segment += arriving ? -1 : 1;
+    return segment < last ? segment : -1;
+  }
+  return -1;
+}
+
+template <Precise Real>
+void add_motion_of_curve(const Track<Real>& track, std::int32_t frame, bool arriving,
+                         std::span<AxisMotion<Real>> out) {
+  const CurvePlace<Real> place = track.place({frame, 0});
+  const bool rests = track.profile().span(place.span).value(place.t) == 0;
+  const std::int32_t segment = segment_beside(track, frame, arriving);
+  if (!rests && segment < 0) return;
+  for (AxisMotion<Real>& axis : out) axis = {.position = axis.position};
+  if (rests) return;
+  Real constant = track.constant();
+  for (const Portion<Real>& portion : track.portions()) {
+    if (portion.begin_frame < frame || (portion.begin_frame == frame && !arriving))
+      constant = portion.constant;
+  }
+  const Side<Real> side{segment, Real(arriving ? 1 : 0), arriving, pace_at(track, place, constant)};
+  const SidedMotion<Real> motion(track, side);
+  for (std::size_t d = 0; d < out.size(); ++d) {
+    out[d].velocity = motion.axis(d).velocity;
+    out[d].acceleration = motion.axis(d).acceleration;
+  }
+}
+
 template <Precise Real>
 void make_magnitudes(std::span<AxisStep<Real>> axes) {
   for (AxisStep<Real>& axis : axes) {
@@ -246,6 +321,20 @@ Real steps_at_key(const Track<Real>& track, std::int32_t key, std::span<AxisStep
       track.has_profile() ? add_key_of_curve(track, key, axes) : add_key_of_frames(track, key, axes);
   make_magnitudes(axes);
   return frame;
+}
+
+template <Precise Real>
+void motion_beside(const Track<Real>& track, std::int32_t frame, bool arriving,
+                   std::span<AxisMotion<Real>> out) {
+  const std::span<AxisMotion<Real>> axes = out.first(static_cast<std::size_t>(track.path().axis_count()));
+  track.motion({frame, 0}, axes);
+  for (AxisMotion<Real>& axis : axes) axis.jerk = 0;
+  if (track.path().segment_count() == 0) return;
+  if (track.has_profile()) {
+    add_motion_of_curve(track, frame, arriving, axes);
+  } else {
+    add_motion_of_frames(track, frame, arriving, axes);
+  }
 }
 
 template <Precise Real>
@@ -278,6 +367,8 @@ Real steps_at_standstill(const Track<Real>& track, const PathPoint<Real>& point,
 
 template double steps_at_key(const Track<double>&, std::int32_t, std::span<AxisStep<double>>);
 template float steps_at_key(const Track<float>&, std::int32_t, std::span<AxisStep<float>>);
+template void motion_beside(const Track<double>&, std::int32_t, bool, std::span<AxisMotion<double>>);
+template void motion_beside(const Track<float>&, std::int32_t, bool, std::span<AxisMotion<float>>);
 template Standstills<double> standstills_within(const Track<double>&, std::int32_t);
 template Standstills<float> standstills_within(const Track<float>&, std::int32_t);
 template double steps_at_standstill(const Track<double>&, const PathPoint<double>&,

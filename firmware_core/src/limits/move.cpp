@@ -2,12 +2,14 @@
 
 #include <algorithm>
 
+#include "inbetween/limits/motion_steps.hpp"
+
 namespace inbetween {
 namespace {
 
 template <Precise Real>
-Status check_rolls(std::span<const RollAxis<Real>> rolls, RollEnd end, const Track<Real>& track,
-                   std::size_t axes) {
+Status check_rolls(std::span<const RollAxis<Real>> rolls, RollEnd end, const WholeFrames& part,
+                   const FrameRate& fps, std::size_t axes) {
   if (rolls.empty()) return Done{};
   if (rolls.size() != axes) {
     return Error{.code = ErrorCode::wrong_count,
@@ -15,18 +17,21 @@ Status check_rolls(std::span<const RollAxis<Real>> rolls, RollEnd end, const Tra
                  .remedy = "give it one for each axis of all tracks",
                  .needed = static_cast<std::int64_t>(axes)};
   }
-  const std::int32_t joint_frame = end == RollEnd::before ? 0 : track.frames();
+  const std::int32_t joint_frame = end == RollEnd::before ? part.first : part.last;
   for (std::size_t d = 0; d < rolls.size(); ++d) {
     const RollSpan& span = rolls[d].span();
     if (span.end == end && span.joint_frame == joint_frame && span.frames == rolls.front().span().frames &&
-        span.fps == track.frame_rate()) {
+        span.fps == fps) {
       continue;
     }
-    return Error{.code = ErrorCode::out_of_range,
-                 .what = "a roll does not join the move",
-                 .remedy = "give all axes one number of frames, the frame rate of the move and frame 0 or N",
-                 .axis = static_cast<std::int32_t>(d),
-                 .frame = joint_frame};
+    return Error{
+        .code = ErrorCode::out_of_range,
+        .what = "a roll does not join the move",
+        .remedy =
+            "give all axes one number of frames, the frame rate of the move, and the first or last frame "
+            "that is played",
+        .axis = static_cast<std::int32_t>(d),
+        .frame = joint_frame};
   }
   return Done{};
 }
@@ -50,14 +55,21 @@ bool is_moving(const Track<Real>& track, RollEnd end) {
 }
 
 template <Precise Real>
-bool joints_of(std::span<const Track<Real>> tracks, RollEnd end, std::span<AxisMotion<Real>> out) {
+bool joints_of(std::span<const Track<Real>> tracks, RollEnd end, std::span<AxisMotion<Real>> out,
+               const std::optional<WholeFrames>& part) {
   bool moves = false;
   for (const Track<Real>& track : tracks) {
     const auto axes = static_cast<std::size_t>(track.path().axis_count());
     const std::span<AxisMotion<Real>> joints = out.first(axes);
     out = out.subspan(axes);
-    track.motion({end == RollEnd::before ? 0 : track.frames(), 0}, joints);
-    const bool rests = !is_moving(track, end);
+    const std::int32_t outermost = end == RollEnd::before ? 0 : track.frames();
+    const std::int32_t frame = !part ? outermost : end == RollEnd::before ? part->first : part->last;
+    if (frame == outermost) {
+      track.motion({frame, 0}, joints);
+    } else {
+      motion_beside(track, frame, end == RollEnd::after, joints);
+    }
+    const bool rests = frame == outermost && !is_moving(track, end);
     for (AxisMotion<Real>& joint : joints) {
       if (rests) joint = {.position = joint.position};
       moves = moves || joint.velocity != 0 || joint.acceleration != 0;
@@ -67,11 +79,19 @@ bool joints_of(std::span<const Track<Real>> tracks, RollEnd end, std::span<AxisM
 }
 
 template <Precise Real>
-Result<Move<Real>> Move<Real>::make(std::span<const Track<Real>> tracks, const MoveRolls<Real>& rolls) {
+Result<Move<Real>> Move<Real>::make(std::span<const Track<Real>> tracks, const MoveRolls<Real>& rolls,
+                                    const std::optional<WholeFrames>& part) {
   if (tracks.empty()) {
     return Error{.code = ErrorCode::wrong_count, .what = "a move has no track", .remedy = "give it one"};
   }
-  Move move(tracks, rolls);
+  const std::int32_t frames = tracks.front().frames();
+  Move move(tracks, rolls, part.value_or(WholeFrames{0, frames}));
+  if (move.part_.first < 0 || move.part_.first >= move.part_.last || move.part_.last > frames) {
+    return Error{.code = ErrorCode::out_of_range,
+                 .what = "a part of a move is not one of its frames to a later one",
+                 .remedy = "give it a first and a later last frame of 0..N",
+                 .needed = frames};
+  }
   for (const Track<Real>& track : tracks) {
     if (track.frames() != move.frames() || track.frame_rate() != move.frame_rate()) {
       return Error{.code = ErrorCode::out_of_range,
@@ -82,11 +102,9 @@ Result<Move<Real>> Move<Real>::make(std::span<const Track<Real>> tracks, const M
   }
   for (const RollEnd end : {RollEnd::before, RollEnd::after}) {
     const std::span<const RollAxis<Real>> of_end = end == RollEnd::before ? rolls.before : rolls.after;
-    const Status valid = check_rolls(of_end, end, tracks.front(), move.axis_count_);
+    const Status valid = check_rolls(of_end, end, move.part_, move.frame_rate(), move.axis_count_);
     if (!valid) return valid.error();
   }
-  move.first_frame_ = rolls.before.empty() ? 0 : -rolls.before.front().span().frames;
-  move.last_frame_ = move.frames() + (rolls.after.empty() ? 0 : rolls.after.front().span().frames);
   return move;
 }
 
@@ -97,7 +115,7 @@ void Move<Real>::positions(const FrameTime<Real>& time, std::span<Real> out) con
   if (!rolls.empty()) return;
   for (const Track<Real>& track : tracks_) {
     const auto axes = static_cast<std::size_t>(track.path().axis_count());
-    track.positions(time, out.first(axes));
+    track.positions(within_part(time), out.first(axes));
     out = out.subspan(axes);
   }
 }
@@ -108,9 +126,16 @@ Derivatives Move<Real>::motion(const FrameTime<Real>& time, std::span<AxisMotion
   for (std::size_t d = 0; d < rolls.size(); ++d) out[d] = rolls[d].motion(time);
   Derivatives worst = Derivatives::exact;
   if (!rolls.empty()) return worst;
+  const bool rests = is_before(time) || is_behind(time);
   for (const Track<Real>& track : tracks_) {
     const auto axes = static_cast<std::size_t>(track.path().axis_count());
-    worst = std::max(worst, track.motion(time, out.first(axes)));
+    const std::span<AxisMotion<Real>> axes_of_track = out.first(axes);
+    const Derivatives told = track.motion(within_part(time), axes_of_track);
+    if (rests) {
+      for (AxisMotion<Real>& axis : axes_of_track) axis = {.position = axis.position};
+    } else {
+      worst = std::max(worst, told);
+    }
     out = out.subspan(axes);
   }
   return worst;
@@ -118,8 +143,10 @@ Derivatives Move<Real>::motion(const FrameTime<Real>& time, std::span<AxisMotion
 
 template bool is_moving(const Track<double>&, RollEnd);
 template bool is_moving(const Track<float>&, RollEnd);
-template bool joints_of(std::span<const Track<double>>, RollEnd, std::span<AxisMotion<double>>);
-template bool joints_of(std::span<const Track<float>>, RollEnd, std::span<AxisMotion<float>>);
+template bool joints_of(std::span<const Track<double>>, RollEnd, std::span<AxisMotion<double>>,
+                        const std::optional<WholeFrames>&);
+template bool joints_of(std::span<const Track<float>>, RollEnd, std::span<AxisMotion<float>>,
+                        const std::optional<WholeFrames>&);
 template class Move<double>;
 template class Move<float>;
 

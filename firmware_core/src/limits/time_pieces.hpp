@@ -74,15 +74,21 @@ struct Stretch {
   Real tau_end = 0;
   TwoSum<Real> distance = {};  ///< at x = 0
   bool is_anchored = false;
+  /// The part of it on the frames that are asked for, from `from` to `to`.
+  Real from = 0, to = 0;
+  Real tau_from = 0, tau_to = 0;
 
   /// The best place to divide a part of it: what happens beside an anchor may last very short.
-  [[nodiscard]] Real divide(Real from, Real to) const {
-    return is_anchored && from <= 0 ? to / 16 : from + (to - from) / 2;
+  [[nodiscard]] Real divide(Real low, Real high) const {
+    return is_anchored && low <= 0 ? high / 16 : low + (high - low) / 2;
   }
 };
 
-/// Calls visit(Stretch) for the stretches of a track in order of time, from frame 0 to N. What does not move
-/// is left out.
+/// Calls visit(Stretch) for the stretches of a track in order of time that have a part on the frames
+/// `frames`. What does not move is left out.
+///
+/// A key that lies on the first or the last of these frames within what a lock promises is met there: the
+/// way beside it that belongs to the other side of the key is left out.
 ///
 /// A key or a place inside a segment where the path stands still is met at rest where the curve comes to rest
 /// at it, and a portion ends at its key, though the distances are a rounding or a lock's tolerance apart:
@@ -91,8 +97,9 @@ struct Stretch {
 template <Precise Real>
 class StretchWalk {
  public:
-  explicit StretchWalk(const Track<Real>& track)
+  StretchWalk(const Track<Real>& track, const WholeFrames& frames)
       : track_(track),
+        frames_(frames),
         frame_seconds_(static_cast<Real>(track.frame_rate().denominator) /
                        static_cast<Real>(track.frame_rate().numerator)) {}
 
@@ -107,7 +114,7 @@ class StretchWalk {
     }
     for (const KeyInterval<Real>& interval : track_.key_intervals()) {
       const TimePiece<Real> time = piece_of(interval);
-      visit(Stretch<Real>{time, path_, Real(1), Real(0), Real(1)});
+      visit_part(Stretch<Real>{time, path_, Real(1), Real(0), Real(1)}, visit);
       next_segment();
     }
   }
@@ -288,8 +295,10 @@ class StretchWalk {
     const TwoSum<Real> distance = backward      ? end_distance_
                                   : is_entered_ ? begin_distance_
                                                 : distance_at(part, begin);
-    visit(Stretch<Real>{time, path_, end - begin, from, backward ? entry : exit, distance,
-                        from_border && from <= 0 && path_.interval.speed_squared.q[0] < slow_share<Real>});
+    visit_part(
+        Stretch<Real>{time, path_, end - begin, from, backward ? entry : exit, distance,
+                      from_border && from <= 0 && path_.interval.speed_squared.q[0] < slow_share<Real>},
+        visit);
     is_entered_ = false;
   }
 
@@ -300,7 +309,48 @@ class StretchWalk {
     const TimePiece<Real> time = part.seen_from(part.end, false);
     if (time.speed[0] == 0) return;
     const Real entry = is_entered_ ? path_.tau_entry() : tau_of(path_, distance_at(part, part.end));
-    visit(Stretch<Real>{time, path_, Real(0), path_.tau_exit(), entry, end_distance_});
+    visit_part(Stretch<Real>{time, path_, Real(0), path_.tau_exit(), entry, end_distance_}, visit);
+  }
+
+  /// Visits a stretch if it has a part on the frames that are asked for.
+  template <class Visit>
+  void visit_part(Stretch<Real> stretch, const Visit& visit) const {
+    stretch.to = stretch.end;
+    if (frames_.first > 0) cut(stretch, frames_.first, true);
+    if (frames_.last < track_.frames()) cut(stretch, frames_.last, false);
+    const bool is_behind = stretch.end == 0 && frames_.last < track_.frames();
+    if (is_behind || (stretch.end > 0 && stretch.to <= stretch.from) || is_beside_key(stretch)) return;
+    stretch.tau_from = stretch.from > 0 ? tau_at(stretch, stretch.from) : stretch.tau_begin;
+    stretch.tau_to = stretch.to < stretch.end ? tau_at(stretch, stretch.to) : stretch.tau_end;
+    visit(stretch);
+  }
+  /// The x of a frame, which may be outside.
+  [[nodiscard]] static Real x_of(const Stretch<Real>& stretch, std::int32_t frame) {
+    return (static_cast<Real>(frame) - stretch.time.first_frame) / stretch.time.frames;
+  }
+  /// Keeps of a part what is later than a frame, or what is earlier.
+  static void cut(Stretch<Real>& stretch, std::int32_t frame, bool keeps_later) {
+    const Real x = std::clamp(x_of(stretch, frame), Real(0), stretch.end);
+    if (keeps_later == (stretch.time.frames > 0)) {
+      stretch.from = std::max(stretch.from, x);
+    } else {
+      stretch.to = std::min(stretch.to, x);
+    }
+  }
+  /// A part between a key and the frame of a cut that is no longer than what a lock may be off by: they are
+  /// one.
+  [[nodiscard]] bool is_beside_key(const Stretch<Real>& stretch) const {
+    if (!track_.has_profile()) return false;
+    const auto is_at = [&](std::int32_t frame) {
+      const Real x = x_of(stretch, frame);
+      const Real outside = std::fabs((x - std::clamp(x, Real(0), stretch.end)) * stretch.time.frames);
+      return outside <= lock_share<Real> * static_cast<Real>(track_.frames());
+    };
+    const bool is_at_cut = (frames_.first > 0 && is_at(frames_.first)) ||
+                           (frames_.last < track_.frames() && is_at(frames_.last));
+    if (!is_at_cut) return false;
+    const Real way = stretch.time.distance(stretch.to) - stretch.time.distance(stretch.from);
+    return way <= lock_share<Real> * track_.arc_length().total();
   }
 
   [[nodiscard]] TimePiece<Real> piece_of(const KeyInterval<Real>& interval) const {
@@ -376,6 +426,7 @@ class StretchWalk {
   }
 
   const Track<Real>& track_;
+  WholeFrames frames_;
   Real frame_seconds_;
   std::int32_t segment_ = -1;
   PathPiece<Real> path_;

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "inbetween/base/result.hpp"
@@ -22,9 +23,9 @@ struct Peak {
   Real frame = 0;
 };
 
-/// One axis over the whole move, in axis units and seconds. Velocity, acceleration and jerk are suprema of
-/// the magnitude over the open stretches between keys and knots of the speed curve, and of their one-sided
-/// limits: what steps at a key is listed apart. Infinity where there is no bound.
+/// One axis over a move or a part of it, in axis units and seconds. Velocity, acceleration and jerk are
+/// suprema of the magnitude over the open stretches between keys and knots of the speed curve, and of their
+/// one-sided limits: what steps at a key is listed apart. Infinity where there is no bound.
 template <Precise Real>
 struct AxisPeaks {
   Peak<Real> lowest, highest;  ///< position
@@ -62,8 +63,8 @@ struct MotionBoundsMemory {
   std::span<AxisTurn<Real>> turns;  ///< axes
 };
 
-/// Bounds of every axis of one track: true <= peak <= 1.01 true + slack (lowest and highest: within 1e-6 of
-/// the range).
+/// Bounds of every axis of one track on the frames `part`, of the whole move where none are given: true <=
+/// peak <= 1.01 true + slack (lowest and highest: within 1e-6 of the range).
 ///
 /// Method: velocity, acceleration and jerk are T w, T' w^2 + T w', T'' w^3 + 3 T' w w' + T w'' with T = dP/dL
 /// and its derivatives by distance as rational functions on one segment, w the speed along the path as a
@@ -83,10 +84,11 @@ struct MotionBoundsMemory {
 /// A bound that cannot be closed to 1 % because rounding hides the truth (a peak that lasts less than 1e-10
 /// of the move in double, beside a near-cusp) is given as it is: too high, never too low.
 ///
-/// Errors: capacity (axes). No allocation. Cost: about 0.2 ms for three axes on a desktop machine, growing
-/// with the number of peaks, not with the number of frames.
+/// Domain: 0 <= part.first < part.last <= N. Errors: capacity (axes). No allocation. Cost: about 0.2 ms for
+/// three axes on a desktop machine, growing with the number of peaks, not with the number of frames.
 template <Precise Real>
 Status bound_motion(const Track<Real>& track, std::span<const PeakSlack<Real>> slack,
-                    const MotionBoundsMemory<Real>& memory, std::span<AxisPeaks<Real>> out);
+                    const MotionBoundsMemory<Real>& memory, std::span<AxisPeaks<Real>> out,
+                    const std::optional<WholeFrames>& part = std::nullopt);
 
 }  // namespace inbetween

@@ -34,6 +34,14 @@ struct AxisStep {
 template <Precise Real>
 Real steps_at_key(const Track<Real>& track, std::int32_t key, std::span<AxisStep<Real>> out);
 
+/// The motion of every axis with which a track leaves a frame or, `arriving`, comes to it: position, velocity
+/// and acceleration; no jerk. The two differ where a key on which the motion steps is met on that frame,
+/// within what a lock promises. Of frame 0 and N the inner side. A track that rests there has no velocity and
+/// no acceleration. `out` has an entry for every axis. O(axes), no allocation.
+template <Precise Real>
+void motion_beside(const Track<Real>& track, std::int32_t frame, bool arriving,
+                   std::span<AxisMotion<Real>> out);
+
 /// The standstills of the path, P' = 0, between the keys of a segment: there a drawn speed turns its
 /// direction round. At most two. None in a move timed by frames, whose parameter passes such a point
 /// smoothly.

@@ -13,6 +13,7 @@
 #include "inbetween/timing/track.hpp"
 
 /// Pre-roll and post-roll: from rest into a move that starts moving, and from one that ends moving to rest.
+/// They join the first and the last of the frames that are played, A and B: 0 and N of a whole move.
 
 namespace inbetween {
 
@@ -22,8 +23,8 @@ namespace inbetween {
 inline constexpr std::int32_t max_roll_frames = 10'000;
 
 enum class RollEnd : std::uint8_t {
-  before,  ///< pre-roll: frames joint_frame - frames .. joint_frame, where joint_frame is 0
-  after,   ///< post-roll: frames joint_frame .. joint_frame + frames, where joint_frame is N
+  before,  ///< pre-roll: frames joint_frame - frames .. joint_frame, where joint_frame is A
+  after,   ///< post-roll: frames joint_frame .. joint_frame + frames, where joint_frame is B
 };
 
 /// The frames of a roll: one number for all axes of all tracks. The joint is where roll and move meet.
@@ -51,7 +52,7 @@ class RollAxis {
   /// An axis that rests at 0: room for one that is made later.
   RollAxis() = default;
 
-  /// `joint` is what Track::motion says of frame 0 or N, one-sided; its jerk is not used.
+  /// `joint` is what joints_of (move.hpp) says of frame A or B; its jerk is not used.
   /// Errors: not_finite; out_of_range (frames, fps, or numbers whose bounds are beyond the range of Real).
   /// O(1).
   static Result<RollAxis> make(const RollSpan& span, const AxisMotion<Real>& joint);
@@ -63,7 +64,7 @@ class RollAxis {
   /// The position in which the axis rests before the pre-roll or after the post-roll.
   [[nodiscard]] Real rest_position() const { return at_share(-1, 0).position; }
 
-  /// At a frame of the roll, in the numbers of the move: negative on a pre-roll, above N on a post-roll. The
+  /// At a frame of the roll, in the numbers of the move: below A on a pre-roll, above B on a post-roll. The
   /// jerk at either end is that inside the roll. Beyond the end at rest: resting there. Domain: not on the
   /// move's side of the joint. O(1), no allocation.
   [[nodiscard]] AxisMotion<Real> motion(const FrameTime<Real>& time) const;
@@ -120,9 +121,9 @@ struct RollBreach {
 template <Precise Real>
 struct RollRequest {
   RollEnd end = RollEnd::before;
-  std::int32_t joint_frame = 0;  ///< 0 before, N after
+  std::int32_t joint_frame = 0;  ///< A before, B after
   FrameRate fps;
-  std::span<const AxisMotion<Real>> joints;  ///< of frame 0 or N, one-sided
+  std::span<const AxisMotion<Real>> joints;  ///< of frame A or B, one-sided
   std::span<const AxisLimits<Real>> limits;
 };
 

@@ -18,6 +18,14 @@ struct FrameRate {
   friend constexpr bool operator==(const FrameRate&, const FrameRate&) = default;
 };
 
+/// Frames `first` to `last`, both included.
+struct WholeFrames {
+  std::int32_t first = 0;
+  std::int32_t last = 0;
+
+  friend constexpr bool operator==(const WholeFrames&, const WholeFrames&) = default;
+};
+
 /// A place on the time line of a move: whole frames and a part of a frame in [0, 1). Two numbers,
 /// so that the part keeps its digits late in a long move, in single precision too.
 template <Precise Real>

@@ -1,4 +1,4 @@
-#include "host_tools/motions/frame_range.hpp"
+#include "host_tools/files/frame_range.hpp"
 
 #include <fmt/format.h>
 
@@ -41,6 +41,21 @@ WholeFrames frames_of(const FrameRange& range, const WholeFrames& all, const Pla
                            all.first, all.last));
   }
   return frames;
+}
+
+WholeFrames played_frames_of(const FrameRange& range, std::int32_t frames, const Place& place) {
+  const WholeFrames part = frames_of(range, {0, frames}, place);
+  if (part.first < part.last) return part;
+  throw InputError(place,
+                   fmt::format("--frames names frame {} alone, and a move goes from one frame to a later "
+                               "one; name two, for example {}..{}",
+                               part.first, part.first < frames ? part.first : part.first - 1,
+                               part.first < frames ? part.first + 1 : part.first));
+}
+
+std::string frames_in_words(const WholeFrames& part, std::int32_t frames) {
+  if (part == WholeFrames{0, frames}) return counted(frames, "frame");
+  return fmt::format("frames {}..{} of {}", part.first, part.last, frames);
 }
 
 }  // namespace inbetween
