@@ -81,19 +81,20 @@ int doctor_command(const DoctorArguments& arguments) {
 void describe(CLI::App& app, DoctorArguments& arguments) {
   app.add_option("--rig", arguments.rig, "the rig: its buses and lines are looked at, and its rate counts");
   app.add_flag("--drives", arguments.visits_drives,
-               "set up every CiA 402 drive of the rig without power, and let it go; each starts its "
+               "set up every CiA 402 drive of the rig without power, and let it go; each starts its\n"
                "communication anew, so no other program may use them");
   constexpr double longest_s = 86'400;
   app.add_option("--seconds", arguments.seconds, "how long wake-ups are measured; 0: not at all")
       ->check(CLI::Range(0.0, longest_s))
       ->capture_default_str();
-  app.add_option("--json", arguments.json, "writes the findings; - is the standard output");
+  app.add_option("--json", arguments.json, "write the findings (- is standard output)");
   app.footer(
       R"(Looks whether this machine can run in real time: kernel, clock, frequency of the processors, the rights of
 a real-time thread, how late it wakes up; then the CAN interfaces and the GPIO lines of the rig. Each line is
 one finding: fine, note (it runs, but could be better) or problem (run refuses it), and behind the semicolon
 what to do. Nothing moves, and without --drives nothing is sent.
-Exit status 4 if there is a problem.
+
+Exit status: 0 no problem; 1 bad input; 4 there is a problem.
 
 Examples:
   inbetween doctor

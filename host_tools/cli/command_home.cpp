@@ -22,12 +22,12 @@ struct HomeArguments {
 };
 
 void print_outside(const RigFile& rig, const std::vector<std::size_t>& axes,
-                   const std::vector<double>& positions) {
+                   const std::vector<double>& positions, const std::string& as_arguments) {
   for (const std::size_t a : axes) {
     const RigAxis& axis = rig.axes[a];
     if (positions[a] >= axis.min && positions[a] <= axis.max) continue;
     fmt::print("  {} is outside its limits {}; {}\n", axis.name, range_in_words(axis),
-               way_back_inside(rig, a, positions[a]));
+               way_back_inside(rig, a, positions[a], as_arguments));
   }
 }
 
@@ -54,7 +54,7 @@ int home_command(const HomeArguments& arguments) {
   release_lost_terminal();
   fmt::print("{}: {}\n", rig.name, end.reason);
   if (!end.positions.empty()) print_positions(rig, reference, axes, end.positions);
-  if (end.is_done) print_outside(rig, axes, end.positions);
+  if (end.is_done) print_outside(rig, axes, end.positions, options.as_arguments);
   return end.is_done ? 0 : exit_fault;
 }
 

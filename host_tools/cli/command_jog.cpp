@@ -2,7 +2,6 @@
 #include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <numeric>
 #include <optional>
 #include <string>
@@ -15,8 +14,7 @@
 #include "host_tools/cli/held_keys.hpp"
 #include "host_tools/cli/run_screen.hpp"
 #include "host_tools/cli/setup_arguments.hpp"
-#include "host_tools/files/output_file.hpp"
-#include "host_tools/files/taught_move.hpp"
+#include "host_tools/cli/taught_keys.hpp"
 #include "host_tools/loop/jitter.hpp"
 #include "host_tools/motions/jog.hpp"
 #include "host_tools/reference/axis_positions.hpp"
@@ -45,51 +43,6 @@ void print_steps(const RigFile& rig, const RigReference& reference) {
   }
 }
 
-/// The move that is taught, and what its keys do.
-class Teaching {
- public:
-  Teaching(const JogArguments& arguments, const RigFile& rig, const RigReference& reference)
-      : rig_(rig),
-        reference_(reference),
-        move_(system_files(), *arguments.teach, rig, axes(arguments, rig)) {}
-
-  void press(TransportKey key, std::size_t axis, const std::vector<double>& positions) {
-    StandingAxes standing(positions.size());
-    for (std::size_t a = 0; a < positions.size(); ++a) {
-      if (reference_.is_referenced(a)) standing[a] = positions[a];
-    }
-    if (key == TransportKey::teach_next) move_.choose(axis, 1);
-    if (key == TransportKey::teach_previous) move_.choose(axis, -1);
-    if (key == TransportKey::teach_insert) move_.insert(axis, standing);
-    if (key == TransportKey::teach_replace) move_.replace(axis, standing);
-    if (key == TransportKey::start) move_.append(axis, standing);
-    if (key == TransportKey::teach_undo) move_.undo();
-  }
-  [[nodiscard]] std::vector<std::string> shown(const char* axis) const {
-    constexpr std::size_t rows = 5;
-    std::vector<std::string> lines = move_.shown(axis_named(rig_, axis), rows);
-    lines.emplace_back("n p choose a key, i inserts before it, t replaces it, Enter appends, u undoes");
-    std::rotate(lines.begin() + 1, lines.end() - 1, lines.end());
-    return lines;
-  }
-  [[nodiscard]] std::size_t stored() const { return move_.stored(); }
-
- private:
-  static std::vector<std::size_t> axes(const JogArguments& arguments, const RigFile& rig) {
-    check_output(*arguments.teach);
-    std::vector<std::size_t> axes(rig.axes.size());
-    std::iota(axes.begin(), axes.end(), std::size_t{0});
-    if (arguments.axes_of_new.empty()) return axes;
-    axes.clear();
-    for (const std::string& name : arguments.axes_of_new) axes.push_back(axis_named(rig, name));
-    return axes;
-  }
-
-  const RigFile& rig_;
-  const RigReference& reference_;
-  TaughtMove move_;
-};
-
 int jog_command(const JogArguments& arguments) {
   check_setup_usage(arguments.setup);
   if (!KeyTerminal::is_there()) throw UsageError("jog needs somebody at a terminal; use goto in a script");
@@ -106,8 +59,8 @@ int jog_command(const JogArguments& arguments) {
   const RigFile rig = read_rig(arguments.setup.rig);
   const std::size_t selected = axis_named(rig, arguments.axis);
   RigReference reference = reference_of(rig, arguments.setup.positions, arguments.setup.simulated);
-  std::optional<Teaching> teaching;
-  if (arguments.teach) teaching.emplace(arguments, rig, reference);
+  std::optional<TaughtKeys> teaching;
+  if (arguments.teach) teaching.emplace(*arguments.teach, arguments.axes_of_new, rig, reference);
   print_steps(rig, reference);
   const InterruptWatch interrupts;
   JogOptions options{.share = arguments.share, .session = session_options_of(arguments.setup)};
@@ -140,10 +93,7 @@ int jog_command(const JogArguments& arguments) {
   std::vector<std::size_t> all(end.positions.size());
   std::iota(all.begin(), all.end(), std::size_t{0});
   print_positions(rig, reference, all, end.positions);
-  if (teaching) {
-    fmt::print("{}: {} stored\n", *arguments.teach,
-               counted(static_cast<std::int64_t>(teaching->stored()), "key"));
-  }
+  if (teaching) fmt::print("{}\n", teaching->summary());
   return end.is_done ? 0 : exit_fault;
 }
 
@@ -166,7 +116,8 @@ void describe(CLI::App& app, JogArguments& arguments) {
                  "the move whose keys are stored where the rig stands; the first key makes a new one");
   app.add_option("--axes", arguments.axes_of_new,
                  "with --teach and a new move: its axes; all of the rig unless said otherwise")
-      ->delimiter(',');
+      ->delimiter(',')
+      ->allow_extra_args(false);
   app.footer(
       R"(Left and right, or - and +, move the axis by one step; 1 to 5 choose how long it is, from fine to a
 hundredth of the way between its limits at most. Up and down choose the axis, any other key stops it; q, Esc

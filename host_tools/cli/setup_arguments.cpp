@@ -22,7 +22,7 @@ void add_setup_options(CLI::App& command, SetupArguments& arguments, bool can_be
       ->expected(1)
       ->take_all();
   command.add_option("--positions", arguments.positions,
-                     "where the positions of the axes are kept (on a rig: a file of its own under "
+                     "where the positions of the axes are kept (on a rig: a file of its own under\n"
                      "$XDG_STATE_HOME, in a simulation: nowhere)");
   command.add_flag("--allow-jitter", arguments.allow_jitter,
                    "move a real rig without real-time rights, at a tenth of its limits at most");
@@ -41,10 +41,12 @@ void check_setup_usage(const SetupArguments& arguments) {
 }
 
 SessionOptions session_options_of(const SetupArguments& arguments) {
+  const std::string positions = arguments.positions ? " --positions " + *arguments.positions : "";
   return {.simulated = arguments.simulated,
           .fast = arguments.fast,
           .allow_jitter = arguments.allow_jitter,
-          .standing = positions_of(arguments.from)};
+          .standing = positions_of(arguments.from),
+          .as_arguments = (arguments.simulated ? " --sim" : "") + positions};
 }
 
 void print_positions(const RigFile& rig, const RigReference& reference, const std::vector<std::size_t>& axes,

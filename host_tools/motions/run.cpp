@@ -111,8 +111,8 @@ class Run {
   }
 
   bool go_to_start() {
-    const std::vector<GoTarget> away =
-        away_from_start(staged_.plan(), session_.positions(), staged_.playhead().time());
+    const std::vector<GoTarget> away = away_from_start(
+        staged_.plan(), session_.positions(), staged_.playhead().time(), session_.options().as_arguments);
     if (away.empty()) return true;
     refuse_unagreed_way(staged_.plan(), away.front().axis, static_cast<bool>(audience_.confirm));
     SlowWay& way = way_.emplace(session_.rig(), away, session_.positions(), slow_share);

@@ -61,7 +61,8 @@ std::unique_ptr<StagedMove> checked_move(const Plan& plan, double top_rate, Repe
 }
 
 std::vector<GoTarget> away_from_start(const Plan& plan, std::span<const double> actual,
-                                      const std::optional<FrameTime<double>>& start) {
+                                      const std::optional<FrameTime<double>>& start,
+                                      const std::string& as_arguments) {
   const RigFile& rig = *plan.rig();
   std::vector<double> first(plan.played().axis_count());
   plan.played().positions(start.value_or(FrameTime<double>{plan.played().first_frame(), 0}), first);
@@ -73,9 +74,10 @@ std::vector<GoTarget> away_from_start(const Plan& plan, std::span<const double> 
     const double tolerance = start_tolerance(axis.max_acceleration, 1.0 / rig.rate_hz, count_of(axis.drive));
     if (std::fabs(target - actual[a]) <= tolerance) continue;
     if (actual[a] < axis.min || actual[a] > axis.max) {
-      throw InputError(axis.place, fmt::format("{} stands at {:.10g} {}, outside its limits {}; {}",
-                                               named(axis), actual[a], to_string(axis.unit),
-                                               range_in_words(axis), way_back_inside(rig, a, actual[a])));
+      throw InputError(axis.place,
+                       fmt::format("{} stands at {:.10g} {}, outside its limits {}; {}", named(axis),
+                                   actual[a], to_string(axis.unit), range_in_words(axis),
+                                   way_back_inside(rig, a, actual[a], as_arguments)));
     }
     away.push_back({.axis = a, .position = target});
   }

@@ -20,9 +20,11 @@ std::unique_ptr<StagedMove> checked_move(const Plan& plan, double top_rate, Repe
 
 /// The axes that do not stand where the rig is to start, within start_tolerance (MotionLoop::begin), and
 /// where they are to be. `actual` is a position for every axis of the rig; `start` is the beginning of the
-/// time line unless said otherwise. Throws InputError at one that stands outside its limits.
+/// time line unless said otherwise; `as_arguments` are those of SessionOptions. Throws InputError at one that
+/// stands outside its limits.
 std::vector<GoTarget> away_from_start(const Plan& plan, std::span<const double> actual,
-                                      const std::optional<FrameTime<double>>& start = {});
+                                      const std::optional<FrameTime<double>>& start = {},
+                                      const std::string& as_arguments = "");
 
 /// Throws InputError where the axis has to go to the start of the move and nobody can agree to it.
 void refuse_unagreed_way(const Plan& plan, std::size_t axis, bool can_be_agreed);

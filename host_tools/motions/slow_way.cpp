@@ -36,9 +36,10 @@ FreeAxis<double> way_along(const RigFile& rig, std::span<const GoTarget> targets
 
 }  // namespace
 
-std::string way_back_inside(const RigFile& rig, std::size_t axis, double position) {
+std::string way_back_inside(const RigFile& rig, std::size_t axis, double position,
+                            const std::string& as_arguments) {
   const RigAxis& of = rig.axes[axis];
-  return fmt::format("bring it in with inbetween goto --rig {} {}={:.15g}", rig.path, of.name,
+  return fmt::format("bring it in with inbetween goto --rig {}{} {}={:.15g}", rig.path, as_arguments, of.name,
                      position < of.min ? of.min : of.max);
 }
 

@@ -14,8 +14,10 @@
 
 namespace inbetween {
 
-/// "bring it in with inbetween goto --rig RIG AXIS=LIMIT", of an axis that stands beyond one of its limits.
-std::string way_back_inside(const RigFile& rig, std::size_t axis, double position);
+/// "bring it in with inbetween goto --rig RIG AXIS=LIMIT", of an axis that stands beyond one of its limits;
+/// SessionOptions::as_arguments stand behind RIG.
+std::string way_back_inside(const RigFile& rig, std::size_t axis, double position,
+                            const std::string& as_arguments);
 
 /// The usual share of the limits of velocity, acceleration and jerk that a slow way may use.
 inline constexpr double slow_share = 0.1;

@@ -199,7 +199,9 @@ std::vector<InputError> unavailable_lines(const RigFile& rig) {
     try {
       refuse_unavailable_line(line, known);
     } catch (const InputError& error) {
-      errors.push_back(error);
+      // Lines in one table have one place, and often one reason.
+      const bool is_told = !errors.empty() && std::string_view(errors.back().what()) == error.what();
+      if (!is_told) errors.push_back(error);
     }
   }
   return errors;

@@ -51,6 +51,17 @@ void expect_help(const std::vector<std::string>& arguments, std::initializer_lis
   for (const char* word : words) EXPECT_THAT(run.out, HasSubstr(word));
 }
 
+TEST(CommandLine, EveryCommandSaysInTheSameWordsWhatItWritesAsJson) {
+  for (const char* command : {"plan", "check", "run", "doctor"}) {
+    const std::string help = run_program({command, "--help"}).out;
+    const std::size_t option = help.find("\n  --json TEXT"), end = help.find("\n  -", option + 1);
+    ASSERT_NE(option, std::string::npos) << command;
+    const std::string words = help.substr(option, end - option);
+    EXPECT_THAT(words, HasSubstr(" write ")) << command;
+    EXPECT_THAT(words, HasSubstr("(- is standard output)")) << command;
+  }
+}
+
 TEST(CommandLine, ItsHelpNamesEveryCommandAndEveryExitStatus) {
   expect_help({"--help"}, {"\n  plan ", "\n  check ", "\n  run ", "\n  goto ", "\n  home ", "\n  jog ",
                            "\n  sim-drives ", "--version", "--help", "0 done", "1 bad input", "2 wrong usage",

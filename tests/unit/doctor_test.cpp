@@ -13,6 +13,7 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -324,6 +325,10 @@ TEST(DoctorCommand, LooksAtBusesAndLinesOfARigAndNothingElse) {
   EXPECT_THAT(run.out, AllOf(HasSubstr("fine     rig: "), HasSubstr("\nproblem  "),
                              HasSubstr("examples/mixed_rig.toml:11:12: there is no GPIO chip labelled")));
   EXPECT_THAT(run.out, testing::Not(HasSubstr("wake-up")));
+  std::istringstream text(run.out);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(text, line);) lines.push_back(line);
+  EXPECT_EQ(std::ranges::adjacent_find(lines), lines.end()) << "the three lines of a drive have one place";
   EXPECT_EQ(run_program({"doctor", "--drives"}).status, 2);
 }
 

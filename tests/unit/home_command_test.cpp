@@ -343,6 +343,9 @@ TEST(HomeCommand, HomesASimulatedRigAndKeepsWhereItStands) {
   EXPECT_NEAR(*kept.position(0), -5, 3) << "it rests a little behind the edge";
   EXPECT_NEAR(*kept.position(2), 92, 3);
   EXPECT_FALSE(kept.is_referenced(1)) << "it has no switch";
+  EXPECT_THAT(run.out,
+              HasSubstr("goto --rig " + stage.path + " --sim --positions " + stage.positions + " slide=0"))
+      << "of the simulated rig, and of no real one";
 }
 
 }  // namespace home_command_test
