@@ -152,4 +152,24 @@ EditRequest parse_edit_request(std::string_view text) {
   return edit;
 }
 
+SampledMotion parse_drawn_motion(std::string_view text) {
+  const json parsed = parse(text);
+  const Members drawn(parsed, "the motion",
+                      {"times", "positions", "tolerances", "weights", "frames_per_second"});
+  SampledMotion sampled{.times = drawn.numbers("times", max_motion_samples),
+                        .positions = drawn.numbers("positions", max_motion_samples * max_track_axes),
+                        .tolerances = {},
+                        .weights = drawn.numbers("weights", max_track_axes),
+                        .frames_per_second = drawn.number("frames_per_second")};
+  for (const json& tolerance : drawn.list("tolerances", max_track_axes)) {
+    if (!tolerance.is_null() && !tolerance.is_number()) refuse("motion.tolerances", "has no number");
+    sampled.tolerances.push_back(tolerance.is_null() ? std::numeric_limits<double>::infinity()
+                                                     : tolerance.get<double>());
+  }
+  if (sampled.positions.size() != sampled.times.size() * sampled.tolerances.size() ||
+      sampled.weights.size() != sampled.tolerances.size())
+    refuse("the motion", "has not every axis at every time");
+  return sampled;
+}
+
 }  // namespace inbetween

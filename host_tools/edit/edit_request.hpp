@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "host_tools/files/move_rewrite.hpp"
+#include "host_tools/fit/motion_fit.hpp"
 
 namespace inbetween {
 
@@ -29,5 +30,10 @@ struct EditRequest {
 /// Reads one request. Strict: every unknown, missing or ill-typed member is refused by its name. Throws
 /// RequestError.
 EditRequest parse_edit_request(std::string_view text);
+
+/// Reads a motion that was drawn with a pointer, as strictly: "times" in seconds, "positions" time after
+/// time, "tolerances" (null: the axis does not count) and "weights" by axis, "frames_per_second". Whether it
+/// is a motion, fit_motion says.
+SampledMotion parse_drawn_motion(std::string_view text);
 
 }  // namespace inbetween

@@ -3,16 +3,22 @@
 #include <fmt/format.h>
 #include <httplib.h>
 #include <sys/random.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <array>
 #include <atomic>
 #include <chrono>
+#include <optional>
 #include <stdexcept>
+#include <string_view>
 #include <thread>
 #include <utility>
 #include <vector>
 
 #include "host_tools/edit/connection_threads.hpp"
+#include "host_tools/edit/edit_knock.hpp"
+#include "host_tools/edit/timed_stream.hpp"
 
 namespace inbetween {
 namespace {
@@ -31,18 +37,37 @@ std::string random_token() {
   return token;
 }
 
-/// Takes as long for a wrong token as for the right one.
-bool is_same(const std::string& a, const std::string& b) {
-  if (a.size() != b.size()) return false;
-  unsigned difference = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) difference |= static_cast<unsigned>(a[i] ^ b[i]);
-  return difference == 0;
-}
-
 void refuse(Response& response, int status, const char* why) {
   response.status = status;
   response.set_content(fmt::format("{{\"error\":\"{}\"}}", why), "application/json");
 }
+
+/// Each connection through a TimedStream: one request, and its answer.
+class TimedServer : public httplib::Server {
+ public:
+  explicit TimedServer(const TimedStream::Patience& patience) : patience_(patience) {}
+
+ private:
+  bool process_and_close_socket(socket_t socket) override {
+    TimedStream stream(socket, patience_);
+    bool is_closed = false;
+    const bool is_answered = answer(*this, stream, is_closed);
+    ::shutdown(socket, SHUT_RDWR);
+    ::close(socket);
+    return is_answered;
+  }
+  /// Since version 0.16 the library wants to be told the addresses.
+  template <class Server>
+  static bool answer(Server& server, TimedStream& stream, bool& is_closed) {
+    if constexpr (requires { server.process_request(stream, true, is_closed, nullptr); }) {
+      return server.process_request(stream, true, is_closed, nullptr);
+    } else {
+      return server.process_request(stream, "127.0.0.1", 0, "127.0.0.1", 0, true, is_closed, nullptr);
+    }
+  }
+
+  TimedStream::Patience patience_;
+};
 
 constexpr const char* policy =
     "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; img-src 'self' data: blob:; "
@@ -52,14 +77,13 @@ constexpr const char* policy =
 
 class EditServer::Door {
  public:
-  Door(EditSession& session, PageFiles page, int port)
-      : session_(session), page_(std::move(page)), token_(random_token()) {
+  Door(EditSession& session, PageFiles page, int port, const Patience& patience)
+      : session_(session),
+        page_(std::move(page)),
+        token_(random_token()),
+        server_({patience.silence, patience.total}) {
     server_.new_task_queue = [] { return new ConnectionThreads(max_connections); };
     server_.set_payload_max_length(max_request_bytes);
-    server_.set_read_timeout(max_silence_seconds);
-    server_.set_write_timeout(max_silence_seconds);
-    server_.set_keep_alive_max_count(1);
-    server_.set_keep_alive_timeout(max_silence_seconds);  // to the first byte of a request
     server_.set_default_headers({{"Content-Security-Policy", policy},
                                  {"X-Content-Type-Options", "nosniff"},
                                  {"Referrer-Policy", "no-referrer"},
@@ -107,10 +131,6 @@ class EditServer::Door {
         "inbetween: error: port {} cannot be listened on; name another with --port, or leave it out", port));
   }
 
-  [[nodiscard]] bool is_ours(const std::string& host) const {
-    return host == fmt::format("127.0.0.1:{}", port_) || host == fmt::format("localhost:{}", port_);
-  }
-
   /// Before the body is read. Header values that come twice are refused: another reader might take the other
   /// one.
   Outcome admit(const Request& request, Response& response) {
@@ -118,25 +138,21 @@ class EditServer::Door {
       refuse(response, status, why);
       return Outcome::Handled;
     };
+    const auto header = [&](const char* name) -> std::optional<std::string_view> {
+      const auto found = request.headers.find(name);
+      return found == request.headers.end() ? std::nullopt : std::optional<std::string_view>(found->second);
+    };
     for (const char* name : {"Host", "Origin", "X-Inbetween-Token", "Content-Type", "Content-Length"}) {
       if (request.get_header_value_count(name) > 1) return refused(400, "a header comes twice");
     }
-    if (!is_ours(request.get_header_value("Host"))) return refused(403, "this server has another name");
-    const std::string origin = request.get_header_value("Origin");
-    const bool is_own_origin = origin.rfind("http://", 0) == 0 && is_ours(origin.substr(7));
-    if (request.has_header("Origin") && !is_own_origin) return refused(403, "that page is not this server's");
-    const bool is_post = request.method == "POST";
-    if (!is_post && request.method != "GET") return refused(405, "only GET and POST are known");
-    if (request.path.rfind("/api/", 0) != 0) {
-      return is_post ? refused(405, "the files of the page are only read") : Outcome::Unhandled;
-    }
-    if (!is_same(request.get_header_value("X-Inbetween-Token"), token_))
-      return refused(403, "the token is not that of this launch; open the address that the program printed");
-    if (!is_post) return Outcome::Unhandled;
-    if (!is_own_origin) return refused(403, "a change must come from this server's page");
-    if (request.get_header_value("Content-Type") != "application/json")
-      return refused(415, "a change is sent as application/json");
-    return Outcome::Unhandled;
+    const auto refusal = refusal_of({.method = request.method,
+                                     .path = request.path,
+                                     .host = header("Host"),
+                                     .origin = header("Origin"),
+                                     .token = header("X-Inbetween-Token"),
+                                     .type = header("Content-Type")},
+                                    port_, token_);
+    return refusal ? refused(refusal->status, refusal->why) : Outcome::Unhandled;
   }
 
   void answer(Response& response, const EditAnswer& answer) {
@@ -150,26 +166,33 @@ class EditServer::Door {
     server_.Post(path,
                  [](const Request&, Response& response) { refuse(response, 405, "this is only read"); });
   }
-  void add_post(const char* path, EditAnswer (EditSession::*ask)(const EditRequest&)) {
+  /// `ask` answers what `read` makes of the body.
+  template <class Read, class Ask>
+  void add_post(const char* path, const Read& read, const Ask& ask) {
     server_.Get(path,
                 [](const Request&, Response& response) { refuse(response, 405, "ask for this with POST"); });
-    server_.Post(path, [this, ask](const Request& request, Response& response) {
+    server_.Post(path, [this, read, ask](const Request& request, Response& response) {
       try {
-        answer(response, (session_.*ask)(parse_edit_request(request.body)));
+        answer(response, ask(read(request.body)));
       } catch (const RequestError& error) {
         refuse(response, 400, error.what());
       }
     });
   }
+  void add_edit(const char* path, EditAnswer (EditSession::*ask)(const EditRequest&)) {
+    add_post(path, parse_edit_request,
+             [this, ask](const EditRequest& edit) { return (session_.*ask)(edit); });
+  }
 
   void add_answers() {
     add_get("/api/move", &EditSession::open);
     add_get("/api/revision", &EditSession::revision);
-    add_post("/api/resolve", &EditSession::resolve);
-    add_post("/api/fit", &EditSession::fit);
-    add_post("/api/fewest", &EditSession::fewest);
-    add_post("/api/save", &EditSession::save);
-    add_post("/api/keep", &EditSession::keep);
+    add_edit("/api/resolve", &EditSession::resolve);
+    add_edit("/api/fit", &EditSession::fit);
+    add_edit("/api/fewest", &EditSession::fewest);
+    add_post("/api/draw", parse_drawn_motion, answer_to_drawn);
+    add_edit("/api/save", &EditSession::save);
+    add_edit("/api/keep", &EditSession::keep);
     server_.Get(".*", [this](const Request& request, Response& response) {
       const auto found = page_.find(request.path == "/" ? "/index.html" : request.path);
       if (found == page_.end()) return refuse(response, 404, "there is no such file");
@@ -186,11 +209,11 @@ class EditServer::Door {
   std::string token_;
   int port_ = 0;
   std::atomic<bool> has_ended_ = false;
-  httplib::Server server_;
+  TimedServer server_;
 };
 
-EditServer::EditServer(EditSession& session, PageFiles page, int port)
-    : door_(std::make_unique<Door>(session, std::move(page), port)) {}
+EditServer::EditServer(EditSession& session, PageFiles page, int port, const Patience& patience)
+    : door_(std::make_unique<Door>(session, std::move(page), port, patience)) {}
 EditServer::~EditServer() = default;
 
 int EditServer::port() const {

@@ -1,9 +1,11 @@
 // HTTP around an editing session, for the page in a browser on this machine and for nobody else.
 #pragma once
 
+#include <chrono>
 #include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "host_tools/edit/edit_session.hpp"
 #include "host_tools/edit/page_files.hpp"
@@ -17,15 +19,20 @@ namespace inbetween {
 /// in X-Inbetween-Token. Only POST changes anything, and a POST has Origin and the type application/json.
 /// Everything else is refused before its body is read: 403 for a wrong Host, Origin or token, 405 for another
 /// method, 415 for another type, 404 for another path, 413 for more than max_request_bytes. A client that
-/// says nothing for max_silence_seconds is left; a connection carries one request; max_connections are served
-/// at a time, and the others wait. Nothing here moves a rig.
+/// says nothing for Patience::silence is left, and so is one whose request takes longer than Patience::total
+/// to come, or its answer to go; a connection carries one request; max_connections are served at a time, and
+/// the others wait. Nothing here moves a rig.
 class EditServer {
  public:
-  static constexpr int max_silence_seconds = 2;
+  struct Patience {
+    std::chrono::milliseconds silence{2000}, total{10'000};
+  };
   static constexpr int max_connections = 256;
 
   /// `port` 0: any that is free. Throws std::runtime_error, one line, where it cannot be listened on.
-  EditServer(EditSession& session, PageFiles page, int port);
+  EditServer(EditSession& session, PageFiles page, int port, const Patience& patience);
+  EditServer(EditSession& session, PageFiles page, int port)
+      : EditServer(session, std::move(page), port, {}) {}
   ~EditServer();
   EditServer(const EditServer&) = delete;
   EditServer& operator=(const EditServer&) = delete;

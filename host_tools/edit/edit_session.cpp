@@ -187,4 +187,19 @@ EditAnswer EditSession::keep(const EditRequest& request) {
   });
 }
 
+EditAnswer answer_to_drawn(const SampledMotion& sampled) {
+  try {
+    const MotionFit fit = fit_motion(sampled);
+    return {200, nlohmann::json{{"frames", fit.frames},
+                                {"keys", fit.keys},
+                                {"speed", fit.speed},
+                                {"noise", fit.noise},
+                                {"deviation", fit.deviation},
+                                {"lag", fit.lag}}
+                     .dump()};
+  } catch (const std::invalid_argument& error) {
+    return {422, error_json(error.what())};
+  }
+}
+
 }  // namespace inbetween

@@ -71,6 +71,10 @@ class EditSession {
   std::vector<std::string> order_;            ///< of revisions, the oldest first
 };
 
+/// The keys and the speed curve of a motion that was drawn (fit_motion): {"frames", "keys", "speed", "noise",
+/// "deviation", "lag"}. 422 with the reason where it is no motion.
+EditAnswer answer_to_drawn(const SampledMotion& sampled);
+
 /// The revision of a text: its size and a hash of its bytes.
 std::string revision_of(std::string_view text);
 

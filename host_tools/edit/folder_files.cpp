@@ -74,6 +74,12 @@ FileLayer files_beneath(const std::string& folder) {
   files.create = [opened](const std::string& name, int& descriptor) {
     return opened->open(name, O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW, 0644, descriptor);
   };
+  files.inherit = [opened](const std::string& name, int descriptor) {
+    struct stat status = {};
+    if (::fstatat(opened->descriptor(), name.c_str(), &status, AT_SYMLINK_NOFOLLOW) != 0)
+      return errno == ENOENT ? 0 : errno;
+    return inherit_from(status, descriptor);
+  };
   files.rename = [opened](const std::string& from, const std::string& to) {
     if (!is_plain(from) || !is_plain(to)) return EXDEV;
     return errno_of(::renameat(opened->descriptor(), from.c_str(), opened->descriptor(), to.c_str()));

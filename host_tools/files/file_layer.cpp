@@ -86,12 +86,24 @@ int read_open_file(int descriptor, std::size_t max_bytes, std::string& bytes) {
   }
 }
 
+int inherit_from(const struct stat& status, int descriptor) {
+  // Another's file that this user may replace stays another's only if the kernel allows it.
+  if (::fchown(descriptor, status.st_uid, status.st_gid) != 0 && errno != EPERM) return errno;
+  return errno_of(::fchmod(descriptor, status.st_mode & 0777U));
+}
+
 FileLayer system_files() {
   return {.read = read_file,
           .create =
               [](const std::string& path, int& descriptor) {
                 return open_again_if_interrupted(
                     path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0644, descriptor);
+              },
+          .inherit =
+              [](const std::string& path, int descriptor) {
+                struct stat status = {};
+                if (::stat(path.c_str(), &status) != 0) return errno == ENOENT ? 0 : errno;
+                return inherit_from(status, descriptor);
               },
           .write = write_some,
           .sync = [](int descriptor) { return errno_of(::fsync(descriptor)); },
@@ -106,6 +118,11 @@ FileFailure replace_durably(const FileLayer& files, const std::string& path, std
   const std::string part = path + ".part";
   int descriptor = -1;
   if (const int error = files.create(part, descriptor)) return {"cannot be written", part, error};
+  // Before its first byte: what nobody may read stays so.
+  if (const int error = files.inherit(path, descriptor)) {
+    files.close(descriptor);
+    return {"cannot be given the permissions of the old file", part, error};
+  }
   const int not_written = write_all(files, descriptor, bytes);
   const int not_closed = files.close(descriptor);
   if (not_written != 0) return {"could not be written completely", part, not_written};

@@ -2,6 +2,8 @@
 // one.
 #pragma once
 
+#include <sys/stat.h>
+
 #include <cstddef>
 #include <functional>
 #include <string>
@@ -15,6 +17,9 @@ struct FileLayer {
   std::function<int(const std::string& path, std::size_t max_bytes, std::string& bytes)> read;
   /// Creates the file, or empties it.
   std::function<int(const std::string& path, int& descriptor)> create;
+  /// Gives an open file the permissions of the file at `path`, and its owner and group as far as the kernel
+  /// lets this user. Does nothing where no file is there.
+  std::function<int(const std::string& path, int descriptor)> inherit;
   /// Writes at least one byte, maybe fewer than all.
   std::function<int(int descriptor, std::string_view bytes, std::size_t& written)> write;
   std::function<int(int descriptor)> sync;
@@ -27,6 +32,9 @@ struct FileLayer {
 
 /// The operations of Linux.
 FileLayer system_files();
+
+/// Gives an open file the permissions, and as far as it may, the owner and the group that stat() has told.
+int inherit_from(const struct stat& status, int descriptor);
 /// What a call of Linux returned, 0 or -1 and errno, as such an errno.
 int errno_of(int result);
 /// FileLayer::read from where an open file stands to its end; `bytes` is empty before.
@@ -41,7 +49,8 @@ struct FileFailure {
 };
 
 /// Replaces `path` by a file of `bytes`. After a power cut at any moment the old file or the new one is
-/// there, whole: this writes PATH.part, syncs it, renames it, and syncs the folder. If it returns no failure,
+/// there, whole: this writes PATH.part, which inherits from the old file, syncs it, renames it, and syncs the
+/// folder. If it returns no failure,
 /// the new file survives every power cut. After a failure either file may be there.
 FileFailure replace_durably(const FileLayer& files, const std::string& path, std::string_view bytes);
 

@@ -228,6 +228,49 @@ test("a press, a choice and a word being typed in the side panel outlast the pic
   await editor.end();
 });
 
+/** A stroke of the pointer through the path view, eased along an arch, in so many steps. */
+async function stroke(page, to, steps = 40) {
+  const box = await page.locator("#plan svg").boundingBox();
+  for (let i = 0; i <= steps; ++i) {
+    const share = (i / steps) ** 2 * (3 - (2 * i) / steps);
+    await to(i, [box.x + box.width * (0.15 + 0.7 * share), box.y + box.height * (0.8 - 0.6 * Math.sin(Math.PI * share * 0.6))]);
+    await page.evaluate(() => new Promise((done) => requestAnimationFrame(done)));
+  }
+}
+
+test("a motion is drawn by hand, becomes keys and a curve, and is taken back in one step", async () => {
+  const editor = await reveal();
+  const text = editor.read();
+  await afterwards(editor, async (page) => {
+    const first = await editor.shown();
+    await page.keyboard.press("d");
+    await page.locator("#tolerance").fill("3");
+    await stroke(page, async (i, [x, y]) => {
+      await page.mouse.move(x, y);
+      if (i === 0) await page.mouse.down();
+    });
+    assert.notEqual(await page.locator("#plan .trace").getAttribute("points"), null);
+    await editor.picture("drawing");
+    await page.mouse.up();
+    await until(page, () => document.getElementById("said").textContent.startsWith("Drawn"));
+    assert.match(await page.locator("#said").textContent(), /keys within \d\.\d of 3 px/);
+    await editor.settled();
+    assert.notEqual(await editor.shown(), first);
+    assert.equal(await page.locator("#draw").getAttribute("aria-pressed"), "false");
+    const move = await page.evaluate(() => window.inbetween.store.move);
+    assert.ok(move.tracks[0].keys.length >= 2 && move.tracks[0].keys.length < 12, `${move.tracks[0].keys.length} keys`);
+    assert.equal(await page.evaluate(() => document.querySelectorAll("#plan .key").length), move.tracks[0].keys.length);
+    await page.locator("body").click({ position: { x: 3, y: 3 } });
+    await page.keyboard.press("Control+z");
+    await editor.settled();
+    assert.equal(await editor.shown(), first, "undone in one step");
+    await page.keyboard.press("Control+Shift+z");
+  });
+  assert.notEqual(editor.read(), text);
+  await editor.picture("drawn");
+  await editor.end();
+});
+
 test("limits that are exceeded are red, and fit and fewest frames cure them", async () => {
   const editor = await reveal();
   await afterwards(editor, async (page) => {
@@ -390,6 +433,12 @@ test("by touch on a tablet", async () => {
   await editor.settled();
   assert.equal(await editor.page.locator("#speed .value.selected").count(), 1);
   await editor.picture("tablet");
+  const cdp = await editor.page.context().newCDPSession(editor.page);
+  const touch = (type, points) => cdp.send("Input.dispatchTouchEvent", { type, touchPoints: points });
+  await editor.page.touchscreen.tap(...(await centre(editor.page.locator("#draw"))));
+  await stroke(editor.page, (i, [x, y]) => touch(i === 0 ? "touchStart" : "touchMove", [{ x, y }]));
+  await touch("touchEnd", []);
+  await until(editor.page, () => document.getElementById("said").textContent.startsWith("Drawn"));
   await editor.end();
 });
 

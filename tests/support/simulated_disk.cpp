@@ -53,6 +53,7 @@ FileLayer SimulatedDisk::layer() {
     descriptor = static_cast<int>(found->second);
     return 0;
   };
+  layer.inherit = [this](const std::string& /*path*/, int /*descriptor*/) { return step(); };
   layer.write = [this](int descriptor, std::string_view bytes, std::size_t& written) {
     File& file = files_.at(static_cast<std::size_t>(descriptor));
     if (const int error = step()) return error;

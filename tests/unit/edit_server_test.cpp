@@ -7,9 +7,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <netinet/in.h>
+#include <poll.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <array>
+#include <chrono>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <thread>
@@ -55,6 +59,16 @@ class Client {
       all.append(block.data(), static_cast<std::size_t>(count));
     }
     return all;
+  }
+
+  /// Whether the server has not closed within that time; what it says is added to `said`.
+  [[nodiscard]] bool is_open(std::chrono::milliseconds time, std::string& said) const {
+    pollfd waited{.fd = socket_, .events = POLLIN, .revents = 0};
+    if (::poll(&waited, 1, static_cast<int>(time.count())) == 0) return true;
+    std::array<char, 4096> block{};
+    const ssize_t count = ::recv(socket_, block.data(), block.size(), 0);
+    if (count > 0) said.append(block.data(), static_cast<std::size_t>(count));
+    return count > 0;
   }
 
  private:
@@ -210,6 +224,49 @@ TEST_F(EditServerTest, SilentClientsAreLeftAndKeepNobodyOut) {
   half.send("POST /api/save HTTP/1.1\r\nHost: " + own() + "\r\n" + page_headers() +
             "Content-Length: 100\r\n\r\n{");
   EXPECT_THAT(half.receive(), Not(HasSubstr("200")));
+  expect_untouched();
+}
+
+TEST_F(EditServerTest, AClientThatSendsAByteAtATimeIsLeftInTheEnd) {
+  // It says something before each silence ends, and would stay for ever.
+  EditServer hasty(session_, {}, 0, {std::chrono::milliseconds(400), std::chrono::milliseconds(1200)});
+  std::thread runner([&] { hasty.run(); });
+  const Client slow(hasty.port());
+  slow.send("GET / HTTP/1.1\r\nHost: ");
+  std::string answer;
+  int bytes = 0;
+  while (bytes < 600 && slow.is_open(std::chrono::milliseconds(100), answer)) {
+    slow.send("x");
+    ++bytes;
+  }
+  EXPECT_GT(bytes, 4) << "not for its silence";
+  EXPECT_LT(bytes, 600);
+  EXPECT_THAT(answer, Not(HasSubstr("200 OK")));
+  hasty.stop();
+  runner.join();
+  expect_untouched();
+}
+
+TEST_F(EditServerTest, ADrawnMotionComesBackAsKeysAndASpeedCurve) {
+  std::string times;
+  std::string positions;
+  for (int i = 0; i <= 60; ++i) {
+    const double share = i / 60.0;
+    times += fmt::format("{}{}", i > 0 ? "," : "", i / 30.0);
+    positions += fmt::format("{}{},{}", i > 0 ? "," : "", 100 * share * share * (3 - 2 * share), 5);
+  }
+  const std::string body = fmt::format(
+      R"({{"times":[{}],"positions":[{}],"tolerances":[1,null],"weights":[1,1],"frames_per_second":24}})",
+      times, positions);
+  const std::string answer = ask("POST /api/draw", page_headers(), body);
+  EXPECT_THAT(answer, HasSubstr("200 OK"));
+  EXPECT_THAT(answer, HasSubstr("\"frames\":48"));
+  EXPECT_THAT(answer, HasSubstr("\"keys\":[["));
+  EXPECT_EQ(status("POST /api/draw", page_headers(), R"({"times":[0]})"), 400);
+  EXPECT_EQ(status("POST /api/draw", page_headers(),
+                   R"({"times":[],"positions":[],"tolerances":[1],"weights":[1],"frames_per_second":24})"),
+            422);
+  EXPECT_EQ(status("POST /api/draw", token() + json_type(), body), 403);
   expect_untouched();
 }
 

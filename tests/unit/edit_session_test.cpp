@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <cerrno>
 #include <nlohmann/json.hpp>
@@ -201,6 +203,27 @@ TEST(FolderFiles, NothingOutsideTheFolderIsReachedByAnyName) {
     EXPECT_NE(files.rename("own", name == "link" ? "./link" : name), 0) << name;
   }
   EXPECT_EQ(file_contents(secret), "x");
+}
+
+TEST(FolderFiles, ASavedFileKeepsThePermissionsOfTheOldOne) {
+  TemporaryFolder folder;
+  const std::filesystem::path path = folder.path() / "move.toml";
+  const FileLayer files = files_beneath(folder.path().string());
+  ASSERT_FALSE(replace_durably(files, "move.toml", "new"));
+  for (const auto mode :
+       {std::filesystem::perms{0600}, std::filesystem::perms{0664}, std::filesystem::perms{0444}}) {
+    std::filesystem::permissions(path, mode);
+    ASSERT_FALSE(replace_durably(files, "move.toml", "saved"));
+    EXPECT_EQ(std::filesystem::status(path).permissions(), mode);
+    EXPECT_EQ(file_contents(path.string()), "saved");
+  }
+  if (::geteuid() != 0) return;  // whoever else it belongs to
+  ASSERT_EQ(::chown(path.c_str(), 12, 34), 0);
+  ASSERT_FALSE(replace_durably(files, "move.toml", "saved"));
+  struct stat status = {};
+  ASSERT_EQ(::stat(path.c_str(), &status), 0);
+  EXPECT_EQ(status.st_uid, 12U);
+  EXPECT_EQ(status.st_gid, 34U);
 }
 
 }  // namespace edit_session_test

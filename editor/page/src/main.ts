@@ -3,6 +3,7 @@ import { AxisGraphs, KeyTable } from "./side";
 import { Bar } from "./bar";
 import { button, byId, html, say } from "./dom";
 import { copyKeys, insertOnPath, insertValue, removeKeys, removeValues, setValues, shiftKeys } from "./edits";
+import { Hand } from "./hand";
 import type { Move } from "./move";
 import { PlanView, planPanel } from "./plan_view";
 import { Preview } from "./preview";
@@ -43,7 +44,7 @@ function tabs(label: string, panels: { name: string; id: string; panel: HTMLElem
   return row;
 }
 
-function pathSection(store: Store): void {
+function pathSection(store: Store, hand: Hand): void {
   const place = byId("path");
   const plan = planPanel();
   const space = html("div", { id: "space", class: "fill" });
@@ -70,7 +71,7 @@ function pathSection(store: Store): void {
   const up = axisChoice("Axis up", "up", 1, (axis) => (view().vertical = axis));
   const head = html("div", { class: "head" });
   place.append(head, views);
-  const planView = new PlanView(store, plan);
+  const planView = new PlanView(store, plan, hand);
   const spaceView = new SpaceView(store, space);
   const show = (axis: number) => () => {
     const axes = store.move.tracks[store.selection.track].axes.length;
@@ -82,7 +83,7 @@ function pathSection(store: Store): void {
     { name: "Plan", id: "plan", panel: plan, show: show(1) },
     { name: "Elevation", id: "elevation", panel: plan, show: show(2) },
     { name: "3-D", id: "space", panel: space, show: () => void spaceView.show().catch((error) => say(String(error), true)) },
-  ]), html("span", { class: "spring" }), html("label", {}, "across ", across), html("label", {}, "up ", up));
+  ]), html("span", { class: "spring" }), hand.tools, html("label", {}, "across ", across), html("label", {}, "up ", up));
 }
 
 function sideSection(store: Store): void {
@@ -117,7 +118,7 @@ function speedSection(store: Store): void {
   new SpeedView(store, place);
 }
 
-function shortcuts(store: Store, bar: Bar, preview: Preview): void {
+function shortcuts(store: Store, bar: Bar, preview: Preview, hand: Hand): void {
   document.addEventListener("keydown", (event) => {
     const target = event.target as HTMLElement;
     const control = event.ctrlKey || event.metaKey;
@@ -136,6 +137,8 @@ function shortcuts(store: Store, bar: Bar, preview: Preview): void {
       preview.play(1);
     } else if (event.key.toLowerCase() === "r") {
       preview.play(-1);
+    } else if (event.key.toLowerCase() === "d" || (event.key === "Escape" && hand.isOn)) {
+      hand.toggle();
     } else if (event.key === ".") {
       preview.step(1);
     } else if (event.key === ",") {
@@ -161,12 +164,13 @@ function begin(solver: Solver, move: Move, server: Server | null): void {
   document.title = `${move.name} – inbetween`;
   for (const id of ["bar", "path", "side", "speed", "time", "preview"]) byId(id).replaceChildren();
   const bar = new Bar(store, server);
-  pathSection(store);
+  const hand = new Hand(store, server);
+  pathSection(store, hand);
   sideSection(store);
   speedSection(store);
   new TimeBar(store, byId("time"));
   const preview = new Preview(store, byId("preview"));
-  shortcuts(store, bar, preview);
+  shortcuts(store, bar, preview, hand);
   store.setFrame(0);
   Object.assign(window, { inbetween: { store } }); // for tests of the page
 }

@@ -1,5 +1,6 @@
 // The path in plan or elevation: two axes of a track against each other, keys as handles, frames as ticks.
 import { attributes, byId, follow, html, say, svg, ticks } from "./dom";
+import type { Hand } from "./hand";
 import { insertOnPath, moveKeys, removeKeys } from "./edits";
 import { stepFor } from "./move";
 import type { Store } from "./store";
@@ -17,6 +18,7 @@ export class PlanView {
   private readonly ground = new Strokes(); // the grid and the path
   private readonly strokes = new Strokes(); // the frames
   private readonly rig = svg("circle", { class: "playhead-dot", r: 6, "aria-hidden": "true" });
+  private readonly trace = svg("polyline", { class: "trace", "aria-hidden": "true" }); // of a hand
   private readonly handles = svg("g", { role: "listbox", "aria-label": "Keys", "aria-multiselectable": "true" });
   private readonly keys: SVGGElement[] = [];
   private box: Box = { x0: 0, x1: 1, y0: 0, y1: 1 };
@@ -26,16 +28,24 @@ export class PlanView {
   horizontal = 0;
   vertical = 1;
 
-  constructor(private readonly store: Store, place: HTMLElement) {
-    this.root.append(this.hit, this.handles, this.rig);
+  constructor(private readonly store: Store, place: HTMLElement, private readonly hand: Hand) {
+    this.root.append(this.hit, this.handles, this.rig, this.trace);
     place.append(this.ground.element, this.strokes.element, this.root);
     this.size = watchSize(place, () => this.draw());
     store.onChange(() => this.draw());
     store.onFrame(() => this.drawFrame());
     this.hit.addEventListener("dblclick", (event) => this.insertAt(event));
     this.root.addEventListener("pointerdown", (event) => {
-      if (event.target === this.root) store.select({ keys: new Set() });
+      if (hand.isOn) this.drawMotion(event);
+    }, true);
+    this.root.addEventListener("pointerdown", (event) => {
+      if (event.target === this.root && !hand.isOn) store.select({ keys: new Set() });
     });
+    const marked = hand.onSwitch;
+    hand.onSwitch = () => {
+      marked();
+      this.root.classList.toggle("drawing", hand.isOn);
+    };
   }
 
   get shown(): boolean {
@@ -243,6 +253,29 @@ export class PlanView {
     const frame = Math.min(Math.max(Math.round(store.frame), 0), solved.table.length / solved.stride - 1);
     const [x, y] = this.place(here, 0, solved.table[frame * solved.stride]);
     attributes(this.rig, { cx: this.x(x), cy: this.y(y) });
+  }
+
+  /** From the press on; the trace is drawn as it comes. */
+  private drawMotion(event: PointerEvent): void {
+    event.preventDefault();
+    event.stopPropagation();
+    const { hand } = this;
+    const { axes } = this.one;
+    const { left, top } = this.root.getBoundingClientRect();
+    const { x0, y0 } = this.box;
+    const [px, py] = this.perPixel();
+    const bottom = this.size.height - margin.bottom;
+    const toAxes = (x: number, y: number): [number, number] =>
+      [x0 + (x - left - margin.left) * px, y0 + (bottom - (y - top)) * py];
+    hand.press(event);
+    follow(event, (e) => {
+      const samples = hand.move(e);
+      attributes(this.trace, { points: samples.map(({ x, y }) => `${(x - left).toFixed(1)},${(y - top).toFixed(1)}`).join(" ") });
+    }, (cancelled) => {
+      this.trace.removeAttribute("points");
+      const shown: [number, number] = axes === 1 ? [-1, 0] : [Math.min(this.horizontal, axes - 1), Math.min(this.vertical, axes - 1)];
+      if (!cancelled) void hand.release(shown, toAxes, [px, py]);
+    });
   }
 
   private press(event: PointerEvent, k: number): void {

@@ -1,6 +1,22 @@
 // The program behind the page: it reads and writes the file, and does what takes a heap or longer.
 import { editsOf, type Move } from "./move";
 
+/** A motion as a pointer drew it, position after position; a tolerance of null: the axis does not count. */
+export interface DrawnMotion {
+  readonly times: readonly number[]; // s
+  readonly positions: readonly number[];
+  readonly tolerances: readonly (number | null)[];
+  readonly weights: readonly number[];
+  readonly frames_per_second: number;
+}
+
+export interface MotionFit {
+  readonly frames: number;
+  readonly keys: readonly (readonly number[])[];
+  readonly speed: readonly number[];
+  readonly deviation: number; // in tolerances
+}
+
 /** What the program refuses, in its words. */
 export class Refusal extends Error {
   constructor(readonly status: number, message: string, readonly revision: string | null) {
@@ -36,6 +52,9 @@ export class Server {
   }
   save(move: Move, expects: string): Promise<{ revision: string; kept: string | null }> {
     return this.ask("POST", "save", { ...editsOf(move), expects }) as Promise<{ revision: string; kept: string | null }>;
+  }
+  draw(motion: DrawnMotion): Promise<MotionFit> {
+    return this.ask("POST", "draw", motion) as Promise<MotionFit>;
   }
   async keep(move: Move): Promise<string> {
     return ((await this.ask("POST", "keep", editsOf(move))) as { kept: string }).kept;
