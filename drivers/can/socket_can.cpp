@@ -85,9 +85,10 @@ bool set_option(int socket, int level, int option, const Value& value) {
 bool set_filters(int socket, std::span<const CanFilter> filters) {
   std::vector<can_filter> raw;
   for (const CanFilter& filter : filters) {
-    raw.push_back({.can_id = filter.id | (filter.is_extended ? CAN_EFF_FLAG : 0U) |
-                             (filter.is_remote ? CAN_RTR_FLAG : 0U),
-                   .can_mask = flags_and_id | (filter.is_extended ? CAN_EFF_MASK : CAN_SFF_MASK)});
+    raw.push_back(
+        {.can_id =
+             filter.id | (filter.is_extended ? CAN_EFF_FLAG : 0U) | (filter.is_remote ? CAN_RTR_FLAG : 0U),
+         .can_mask = flags_and_id | ((filter.is_extended ? CAN_EFF_MASK : CAN_SFF_MASK) & ~filter.any_bits)});
   }
   return ::setsockopt(socket, SOL_CAN_RAW, CAN_RAW_FILTER, raw.data(),
                       static_cast<socklen_t>(raw.size() * sizeof(can_filter))) == 0;

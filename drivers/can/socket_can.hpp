@@ -46,11 +46,12 @@ struct CanCounters {
   std::uint64_t restarts = 0;
 };
 
-/// Which frames come in: data frames of one identifier, or remote frames.
+/// Which frames come in: data frames of one identifier, or of a block of them, or remote frames.
 struct CanFilter {
   std::uint32_t id = 0;
   bool is_extended = false;
   bool is_remote = false;
+  std::uint32_t any_bits = 0;  ///< these bits of the identifier may be anything
 };
 
 /// Classic CAN through SocketCAN (CAN_RAW), for a real-time loop. After `open` nothing is allocated, nothing

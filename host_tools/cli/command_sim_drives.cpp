@@ -51,7 +51,7 @@ void describe(CLI::App& app, SimDrivesArguments& arguments) {
       ->take_all();
   app.add_option("--faults", arguments.faults, "a script of what goes wrong with them, and when");
   app.add_option("--record", arguments.record,
-                 "the targets that the drives apply: axis, nanoseconds, counts");
+                 "the targets that the drives apply: axis, nanoseconds, counts or turns");
   app.footer(
       R"(Runs until Ctrl-C. Each drive boots, is set up, enabled and watched over as a real one is: it stops
 by itself when the program that moves it falls silent.
@@ -67,7 +67,7 @@ Where the kernel has no vcan, sim/bench/run gives a kernel that has; docs/bench.
 
 void add_sim_drives_command(CLI::App& program, Command& chosen) {
   add_command(program, chosen,
-              {"sim-drives", "Simulate the CiA 402 drives of a rig as a process that speaks on its buses"},
+              {"sim-drives", "Simulate the CAN drives of a rig as a process that speaks on its buses"},
               describe, sim_drives_command);
 }
 

@@ -30,6 +30,7 @@ struct FaultKind {
   bool lasts = false;      ///< for
   bool counts = false;     ///< count, instead of for
   bool of_object = false;  ///< object and sub
+  bool of_cia402 = false;  ///< other drives cannot have it
   std::string_view own{};  ///< the field that it has alone
 };
 
@@ -37,26 +38,40 @@ constexpr std::array fault_kinds{
     FaultKind{
         .word = "lose-frames", .kind = Kind::lose_sent, .lasts = true, .counts = true, .own = "direction"},
     FaultKind{.word = "short-frames", .kind = Kind::shorten, .lasts = true, .counts = true},
-    FaultKind{.word = "duplicate-frames", .kind = Kind::duplicate, .lasts = true, .counts = true},
+    FaultKind{.word = "duplicate-frames",
+              .kind = Kind::duplicate,
+              .lasts = true,
+              .counts = true,
+              .of_cia402 = true},
     FaultKind{.word = "lose-heartbeat", .kind = Kind::lose_heartbeat, .lasts = true},
     FaultKind{.word = "emergency", .kind = Kind::emergency, .lasts = true, .own = "code"},
     FaultKind{.word = "stick", .kind = Kind::stick, .lasts = true},
     FaultKind{.word = "reboot", .kind = Kind::reboot},
     FaultKind{.word = "move-by-hand", .kind = Kind::move_by_hand, .own = "to"},
     FaultKind{.word = "ignore-target", .kind = Kind::ignore_target, .lasts = true},
-    FaultKind{.word = "wrong-mode", .kind = Kind::wrong_mode, .lasts = true, .own = "mode"},
+    FaultKind{
+        .word = "wrong-mode", .kind = Kind::wrong_mode, .lasts = true, .of_cia402 = true, .own = "mode"},
     FaultKind{.word = "foreign-sender", .kind = Kind::foreign_sender},
     FaultKind{.word = "flood", .kind = Kind::flood, .lasts = true, .own = "frames_per_s"},
     FaultKind{.word = "stay-on", .kind = Kind::stay_on, .lasts = true},
-    FaultKind{.word = "no-window", .kind = Kind::no_window, .has_time = false},
+    FaultKind{.word = "no-window", .kind = Kind::no_window, .has_time = false, .of_cia402 = true},
     FaultKind{.word = "no-watchdog", .kind = Kind::no_watchdog, .has_time = false},
-    FaultKind{.word = "no-object", .kind = Kind::no_object, .has_time = false, .of_object = true},
+    FaultKind{.word = "no-object",
+              .kind = Kind::no_object,
+              .has_time = false,
+              .of_object = true,
+              .of_cia402 = true},
     FaultKind{.word = "fixed-object",
               .kind = Kind::fixed_object,
               .has_time = false,
               .of_object = true,
+              .of_cia402 = true,
               .own = "value"},
-    FaultKind{.word = "silent-object", .kind = Kind::silent_object, .has_time = false, .of_object = true},
+    FaultKind{.word = "silent-object",
+              .kind = Kind::silent_object,
+              .has_time = false,
+              .of_object = true,
+              .of_cia402 = true},
 };
 
 const FaultKind& read_kind(const TomlTable& table) {
@@ -83,7 +98,7 @@ void refuse_foreign_fields(const TomlTable& table, const FaultKind& kind) {
   }
 }
 
-std::size_t read_fault_axis(const TomlTable& table, const RigFile& rig) {
+std::size_t read_fault_axis(const TomlTable& table, const FaultKind& kind, const RigFile& rig) {
   const TomlValue value = table.required("axis", "the name of an axis of the rig");
   const std::string name = value.text();
   const auto axis = std::ranges::find(rig.axes, name, &RigAxis::name);
@@ -93,11 +108,11 @@ std::size_t read_fault_axis(const TomlTable& table, const RigFile& rig) {
     value.refuse(fmt::format("is {}, which the rig does not have; its axes are {}", in_quotes(name),
                              comma_separated(names)));
   }
-  if (!std::holds_alternative<Cia402Drive>(axis->drive)) {
+  const bool is_cia402 = std::holds_alternative<Cia402Drive>(axis->drive);
+  if (!is_cia402 && (kind.of_cia402 || !std::holds_alternative<OdriveDrive>(axis->drive))) {
     value.refuse(
-        fmt::format("is {}, which has no CiA 402 drive; write one that has, this version simulates no "
-                    "faults of others",
-                    in_quotes(name)));
+        fmt::format("is {}, whose drive is not simulated with this fault; write an axis with a {} drive",
+                    in_quotes(name), kind.of_cia402 ? "CiA 402" : "CiA 402 or ODrive"));
   }
   return static_cast<std::size_t>(axis - rig.axes.begin());
 }
@@ -130,14 +145,18 @@ void read_extent(const TomlTable& table, ScriptedFault& fault) {
   if (count) fault.trouble.frames = static_cast<std::int32_t>(count->integer(1, 1'000'000));
 }
 
-std::int32_t read_counts(const TomlValue& value, const RigAxis& axis) {
+/// In units of the drive.
+double read_place(const TomlValue& value, const RigAxis& axis) {
+  if (const auto* const odrive = std::get_if<OdriveDrive>(&axis.drive)) {
+    return value.number(-max_turns, max_turns) * odrive->turns_per_unit;
+  }
   const double counts = std::round(value.number() * std::get<Cia402Drive>(axis.drive).counts_per_unit);
   const double max = std::numeric_limits<std::int32_t>::max();
   if (std::fabs(counts) > max) {
     value.refuse(
         fmt::format("is {:.15g} counts of the drive; write a position within {:.15g} counts", counts, max));
   }
-  return static_cast<std::int32_t>(counts);
+  return counts;
 }
 
 /// An object that the simulated drive has. `value` must fit into it.
@@ -173,11 +192,15 @@ void read_own(const TomlTable& table, const FaultKind& kind, const RigFile& rig,
       }
       return;
     case Kind::emergency:
-      return whole(table.required("code", "the code of the EMCY, code = 0x2310"), 1, 0xFFFF);
+      return whole(table.required("code", "the code of the EMCY, code = 0x2310, or the error of an ODrive"),
+                   1,
+                   std::holds_alternative<Cia402Drive>(rig.axes[fault.axis].drive)
+                       ? 0xFFFF
+                       : std::numeric_limits<std::int32_t>::max());
     case Kind::move_by_hand:
       trouble.kind = Kind::put_by_hand;
-      trouble.place = read_counts(table.required("to", "the position that it is moved to, to = 0.0"),
-                                  rig.axes[fault.axis]);
+      trouble.place = read_place(table.required("to", "the position that it is moved to, to = 0.0"),
+                                 rig.axes[fault.axis]);
       return;
     case Kind::wrong_mode:
       return whole(table.required("mode", "the mode that the drive shows, mode = 1"), -128, 127);
@@ -197,7 +220,7 @@ ScriptedFault read_fault(const TomlValue& value, const RigFile& rig) {
   const FaultKind& kind = read_kind(table);
   refuse_foreign_fields(table, kind);
   ScriptedFault fault;
-  fault.axis = read_fault_axis(table, rig);
+  fault.axis = read_fault_axis(table, kind, rig);
   fault.what = kind.word;
   fault.trouble.kind = kind.kind;
   if (kind.has_time) read_time(table, fault);

@@ -24,7 +24,7 @@ inline constexpr double max_fault_seconds = 86'400;
 inline constexpr std::int64_t max_flood_per_s = 100'000;
 
 struct ScriptedFault {
-  std::size_t axis = 0;  ///< index of an axis of the rig; it has a CiA 402 drive
+  std::size_t axis = 0;  ///< index of an axis of the rig; its drive is on a CAN bus
   std::string what;      ///< the word in the file
   /// Its `at_ns` counts from power-on, or from the first motion of the rig.
   DriveTrouble trouble;

@@ -20,6 +20,8 @@ constexpr std::array<std::string_view, 10> cia402_fields = {
     "type",  "bus",      "node", "counts_per_unit",        "deceleration_per_unit", "enable_timeout_s",
     "reset", "watchdog", "eds",  "watches_following_error"};
 constexpr std::array<std::string_view, 4> turns_fields = {"type", "bus", "node", "turns_per_unit"};
+constexpr std::array<std::string_view, 6> odrive_fields = {
+    "type", "bus", "node", "turns_per_unit", "firmware", "max_following_error"};
 constexpr std::array<std::string_view, 13> step_dir_fields = {
     "type",     "chip",     "step",         "dir",         "enable",        "steps_per_unit", "max_step_rate",
     "pulse_us", "pause_us", "dir_setup_us", "dir_hold_us", "enable_active", "latest_us"};
@@ -175,6 +177,24 @@ StepDirDrive read_step_dir(const TomlTable& table, const RigAxis& axis, TakenLin
   return drive;
 }
 
+OdriveDrive read_odrive(const TomlTable& table, OdriveDrive drive, const RigAxis& axis) {
+  const double turns_per_s = axis.max_velocity * std::abs(drive.turns_per_unit);
+  if (turns_per_s > max_odrive_turns_per_s) {
+    table.optional("turns_per_unit")
+        ->refuse(
+            fmt::format("is {}, so that max_velocity = {} {}/s is {:.15g} turns/s, and the feed-forward of "
+                        "an ODrive goes to {}; lower max_velocity or the scale",
+                        drive.turns_per_unit, axis.max_velocity, to_string(axis.unit), turns_per_s,
+                        max_odrive_turns_per_s));
+  }
+  const TomlValue firmware = table.required("firmware", R"(the firmware of the drive, firmware = "0.6")");
+  drive.firmware = static_cast<OdriveFirmware>(firmware.choice({"0.5", "0.6"}));
+  const auto error = table.optional("max_following_error");
+  constexpr double usual_s = 0.1;
+  drive.max_following_error = error ? error->positive_number() : usual_s * axis.max_velocity;
+  return drive;
+}
+
 /// The counts of both ends of the axis must be those of the servo.
 void refuse_pipe_range(const TomlTable& table, const PipeDrive& drive, const RigAxis& axis) {
   for (const std::string_view field : {"min_count", "max_count"}) {
@@ -238,9 +258,9 @@ Drive read_drive(const TomlValue& value, const RigAxis& axis, const RigContext& 
       return drive;
     }
     case 1: {
-      const TomlTable table(fields, "an odrive drive", turns_fields);
-      const auto [bus, node] = read_can_address(table, {0, 63}, rig);
-      return OdriveDrive{bus, node, read_scale(table, "turns_per_unit", axis, max_turns)};
+      const TomlTable table(fields, "an odrive drive", odrive_fields);
+      const auto [bus, node] = read_can_address(table, {0, 62}, rig);
+      return read_odrive(table, {bus, node, read_scale(table, "turns_per_unit", axis, max_turns)}, axis);
     }
     case 2: {
       const TomlTable table(fields, "a moteus drive", turns_fields);

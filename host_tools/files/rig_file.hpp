@@ -28,6 +28,8 @@ inline constexpr std::size_t max_step_dir_drives_of_chip = 32;
 inline constexpr std::int32_t max_step_rate = 1'000'000;  // steps/s
 /// ODrive and moteus take positions as float32 turns. Up to here they are at most 1/1024 turn apart.
 inline constexpr double max_turns = 16'384;
+/// The 16 bits of an ODrive's velocity feed-forward hold no more.
+inline constexpr double max_odrive_turns_per_s = 32.767;
 
 enum class AxisUnit { mm, m, deg, rad, turn, unit };
 std::string_view to_string(AxisUnit unit);
@@ -51,10 +53,13 @@ struct Cia402Drive {
   double enable_timeout_s = 5;
   std::string eds = {};  // path of its data sheet; empty: none
 };
+enum class OdriveFirmware { v0_5, v0_6 };
 struct OdriveDrive {
   std::string bus;
-  int node = 0;  // 0..63
+  int node = 0;  // 0..62
   double turns_per_unit = 0;
+  OdriveFirmware firmware = OdriveFirmware::v0_6;
+  double max_following_error = 0;  // unit, above 0
 };
 struct MoteusDrive {
   std::string bus;

@@ -80,7 +80,7 @@ void write_end(const std::deque<BusOfDrives>& buses, const FaultSchedule& faults
   }
   for (const BusOfDrives& bus : buses) {
     for (const DriveOnBus& one : bus.drives) {
-      fmt::print(file, "{},end,{},{:.3f},{:.3f},{}\n", one.axis, one.drive->state_name(),
+      fmt::print(file, "{},end,{},{:.6f},{:.6f},{}\n", one.axis, one.drive->state_name(),
                  one.drive->position(), one.drive->velocity(),
                  one.drive->misses_something() ? "misses something" : "misses nothing");
     }

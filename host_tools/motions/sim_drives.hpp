@@ -20,14 +20,15 @@ struct SimDrivesOptions {
   std::function<void()> ready = {};
   /// Their faults, for the same rig.
   FaultScript faults = {};
-  /// Receives a line per target that a drive applied: axis, nanoseconds of the monotonic clock, counts; one
-  /// per state of CiA 402 that it entered, with its velocity at that moment; one per emergency that it sent;
-  /// one per fault that has begun; and one per axis with what it does at the end. May be null.
+  /// Receives a line per target that a drive applied: axis, nanoseconds of the monotonic clock, units of the
+  /// drive; one per state of its protocol that it entered, with its velocity at that moment; one per
+  /// emergency that it sent; one per fault that has begun; and one per axis with what it does at the end. May
+  /// be null.
   std::FILE* record = nullptr;
 };
 
 /// Until it is interrupted. Axes on STEP and DIR lines are left out: nothing at those answers. Throws
-/// InputError at the place of a bus that is not there, or of an axis with another drive than CiA 402 or
+/// InputError at the place of a bus that is not there, or of an axis whose drive is on no CAN bus or
 /// unknown; and where no axis is left. Looks at its buses a thousand times a second.
 void run_sim_drives(const RigFile& rig, const SimDrivesOptions& options);
 

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
+#include <type_traits>
 
 #include "drivers/can/socket_can.hpp"
 #include "host_tools/files/diagnostics.hpp"
@@ -19,6 +21,45 @@ void refuse_long_ticks(const Bus& bus, const BusShare& share) {
                                           "once; spread them over more buses",
                                           counted(share.drives, "drive"), in_quotes(bus.name), share.because,
                                           share.frames, sent_at_once));
+}
+
+bool meet(const can::CanFilter& one, const can::CanFilter& other) {
+  return one.is_extended == other.is_extended &&
+         ((one.id ^ other.id) & ~(one.any_bits | other.any_bits)) == 0;
+}
+
+template <class Kind>
+std::vector<can::CanFilter> identifiers_of(const RigAxis& axis) {
+  std::vector<can::CanFilter> all = Kind::heard_by_host(axis);
+  std::ranges::copy(Kind::heard_by_drive(axis), std::back_inserter(all));
+  return all;
+}
+
+/// Within a protocol, different nodes have different identifiers.
+template <class Kind, class Other>
+void refuse_common_identifiers(const RigFile& rig, const Bus& bus) {
+  for (const std::size_t a : axes_of_kind<Kind>(rig, bus.name)) {
+    for (const std::size_t b : axes_of_kind<Other>(rig, bus.name)) {
+      for (const can::CanFilter& one : identifiers_of<Kind>(rig.axes[a])) {
+        for (const can::CanFilter& other : identifiers_of<Other>(rig.axes[b])) {
+          if (!meet(one, other)) continue;
+          throw InputError(
+              rig.axes[b].place,
+              fmt::format("{}: its drive and that of {} would both use identifier {:X}h on bus {}; "
+                          "give it another node, or another bus",
+                          named(rig.axes[b]), named(rig.axes[a]), one.id | other.id, in_quotes(bus.name)));
+        }
+      }
+    }
+  }
+}
+
+void refuse_common_identifiers(const RigFile& rig, const Bus& bus) {
+  for_each_bus_kind([&]<class Kind>() {
+    for_each_bus_kind([&]<class Other>() {
+      if constexpr (!std::is_same_v<Kind, Other>) refuse_common_identifiers<Kind, Other>(rig, bus);
+    });
+  });
 }
 
 }  // namespace
@@ -41,6 +82,7 @@ BusShare share_of_bus(const RigFile& rig, const Bus& bus) {
 void refuse_overloaded_buses(const RigFile& rig) {
   for (const Bus& bus : rig.buses) {
     const BusShare share = share_of_bus(rig, bus);
+    refuse_common_identifiers(rig, bus);
     refuse_long_ticks(bus, share);
     const std::int64_t bits_per_s = share.bits * rig.rate_hz;
     if (100 * bits_per_s <= can::bus_load_limit_percent * bus.bitrate) continue;

@@ -8,6 +8,7 @@
 
 #include "host_tools/files/rig_file.hpp"
 #include "host_tools/rig/cia402_kind.hpp"
+#include "host_tools/rig/odrive_kind.hpp"
 
 namespace inbetween {
 
@@ -16,6 +17,7 @@ namespace inbetween {
 template <class Look>
 void for_each_bus_kind(Look&& look) {
   look.template operator()<Cia402Kind>();
+  look.template operator()<OdriveKind>();
 }
 
 /// Whether the drive of an axis speaks the protocol.
@@ -44,7 +46,8 @@ void with_kind_of(const RigAxis& axis, Use&& use) {
 /// The frames of the drives on a bus in a tick, and at worst their bits on the wire.
 BusShare share_of_bus(const RigFile& rig, const Bus& bus);
 /// Throws InputError at the place of a bus whose load would be above bus_load_limit_percent, or that has more
-/// frames in a tick than are sent at once.
+/// frames in a tick than are sent at once; and at an axis whose drive has an identifier in common with one of
+/// another protocol.
 void refuse_overloaded_buses(const RigFile& rig);
 
 }  // namespace inbetween

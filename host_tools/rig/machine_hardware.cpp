@@ -296,13 +296,12 @@ std::vector<RigHardware::OpenedInputs> MachineHardware::open_inputs(std::span<co
 
 void refuse_simulated_types(const RigFile& rig) {
   for (const RigAxis& axis : rig.axes) {
-    const bool is_simulated_only =
-        std::holds_alternative<OdriveDrive>(axis.drive) || std::holds_alternative<MoteusDrive>(axis.drive);
-    if (!is_simulated_only) continue;
-    throw InputError(axis.place,
-                     fmt::format("{}: this version moves CiA 402, step-dir and pipe drives; simulate the "
-                                 "rig with --sim",
-                                 named(axis)));
+    if (!std::holds_alternative<MoteusDrive>(axis.drive)) continue;
+    throw InputError(
+        axis.place,
+        fmt::format("{}: this version moves CiA 402, ODrive, step-dir and pipe drives; simulate the "
+                    "rig with --sim",
+                    named(axis)));
   }
 }
 

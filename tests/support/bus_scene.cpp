@@ -57,14 +57,16 @@ std::string BusScene::rig() {
 std::string BusScene::move() {
   return in_checkout("examples/reveal.toml");
 }
-std::string BusScene::run_command() {
-  return "inbetween run '" + move() + "' --rig '" + rig() + "'";
+std::string BusScene::run_command(const std::string& rig) {
+  return "inbetween run '" + move() + "' --rig '" + rig + "'";
 }
 
 BusScene::BusScene(const BusSceneOptions& options) {
   const std::string record = (folder_.path() / "record.csv").string();
   const std::string err = (folder_.path() / "drives.txt").string();
-  std::string drives_command = "inbetween sim-drives --rig '" + rig() + "'";
+  const std::string rig = options.rig.empty() ? BusScene::rig() : options.rig;
+  const std::string drives_rig = options.rig_of_drives.empty() ? rig : options.rig_of_drives;
+  std::string drives_command = "inbetween sim-drives --rig '" + drives_rig + "'";
   for (const auto& [axis, position] : options.standing) {
     drives_command += fmt::format(" --from {}={}", axis, position);
   }
@@ -78,7 +80,7 @@ BusScene::BusScene(const BusSceneOptions& options) {
   run = script_in_bench(bench, "echo -1 >/proc/sys/kernel/sched_rt_runtime_us\n" + drives_command +
                                    " --record " + record + " 2>" + err +
                                    " & drives=$!\nuntil_true grep -q power " + err + "\n" + options.who +
-                                   run_command() + " & run=$!\n" + options.during +
+                                   run_command(rig) + " & run=$!\n" + options.during +
                                    "\nstatus=0; wait $run || status=$?\nsleep 3\nkill -TERM $drives; wait "
                                    "$drives; exit $status");
   drives = file_contents(record);
@@ -199,6 +201,12 @@ std::vector<double> column_of(const std::string& csv, int column) {
   while (std::getline(lines, line))
     values.push_back(std::stod(cells_of(line).at(static_cast<std::size_t>(column))));
   return values;
+}
+
+std::vector<double> planned_positions(const std::string& axis) {
+  std::vector<double> positions = planned_counts(axis);
+  for (double& position : positions) position /= axes_of_rig.at(axis).counts_per_unit;
+  return positions;
 }
 
 const std::vector<double>& planned_counts(const std::string& axis) {

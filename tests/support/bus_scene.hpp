@@ -18,11 +18,13 @@ struct BusSceneOptions {
   std::string who = "";  ///< stands before `run`: who it is
   std::string faults = "";
   std::map<std::string, double> standing = {{"slide", 60}, {"pan", -62}, {"tilt", -4}};
+  std::string rig = "";            ///< camera_rig.toml
+  std::string rig_of_drives = "";  ///< the rig as the drives have it: the same
 };
 
-/// The move reveal.toml on camera_rig.toml. The drives stand at its start; `during` happens beside it, and
-/// three seconds after `run` the drives are ended. The clock of the kernel jumps, so that nothing depends on
-/// how loaded this machine is.
+/// The move reveal.toml on camera_rig.toml, or on another rig with the same axes. The drives stand at its
+/// start; `during` happens beside it, and three seconds after `run` the drives are ended. The clock of the
+/// kernel jumps, so that nothing depends on how loaded this machine is.
 struct BusScene {
   ProgramRun run;
   std::string drives;  ///< what they recorded, as it is written
@@ -35,7 +37,7 @@ struct BusScene {
   static std::string rig();
   static std::string move();
   /// run with the move and the rig, for `during`.
-  static std::string run_command();
+  static std::string run_command(const std::string& rig = BusScene::rig());
 
   struct Target {
     std::int64_t at_ns = 0;
@@ -78,7 +80,8 @@ struct BusScene {
 
 /// Column `column` of CSV text without its first line.
 std::vector<double> column_of(const std::string& csv, int column);
-/// The positions of an axis of the scene at every tick of the plan, in counts of its drive.
+/// The positions of an axis of the scene at every tick of the plan, and in counts of its drive.
+std::vector<double> planned_positions(const std::string& axis);
 const std::vector<double>& planned_counts(const std::string& axis);
 
 }  // namespace inbetween

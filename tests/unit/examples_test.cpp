@@ -27,10 +27,10 @@ const fs::path examples = in_checkout("examples");
 struct ForARig {
   std::string move, rig;
 };
-const std::vector<ForARig> for_rigs = {{"reveal", "camera_rig"},         {"nod", "puppet_head"},
-                                       {"nod_once", "puppet_head"},      {"blink", "puppet_head"},
-                                       {"jaw", "puppet_head"},           {"slide_and_pan", "slider_rig"},
-                                       {"track_and_focus", "mixed_rig"}, {"turntable", "turntable_rig"}};
+const std::vector<ForARig> for_rigs = {
+    {"reveal", "camera_rig"},        {"reveal", "odrive_rig"},         {"nod", "puppet_head"},
+    {"nod_once", "puppet_head"},     {"blink", "puppet_head"},         {"jaw", "puppet_head"},
+    {"slide_and_pan", "slider_rig"}, {"track_and_focus", "mixed_rig"}, {"turntable", "turntable_rig"}};
 
 fs::path file(const std::string& name) {
   return examples / (name + ".toml");

@@ -130,8 +130,9 @@ TEST(FaultScript, AnAxisThatTheRigDoesNotHave) {
   expect_refused(parse, "@" + stick, {"a fault has no axis"});
 }
 
-TEST(FaultScript, AnAxisWithoutACia402Drive) {
-  expect_refused(parse, "[[fault]]\nwhat = \"stick\"\nat = 1\naxis = @\"lamp\"", {"no CiA 402 drive"});
+TEST(FaultScript, AnAxisWhoseDriveIsNotSimulatedWithIt) {
+  expect_refused(parse, "[[fault]]\nwhat = \"stick\"\nat = 1\naxis = @\"lamp\"",
+                 {"axis is \"lamp\", whose drive is not simulated", "with a CiA 402 or ODrive drive"});
 }
 
 TEST(FaultScript, NoTime) {

@@ -253,11 +253,11 @@ TEST(PipeDrives, TheMachineOpensThemAndRefusesWhatItOnlySimulates) {
   const RigFile other = rig_of("[bus.can0]\nbitrate = 1_000_000\n" + axis("jaw", fifo.path) +
                                "[[axis]]\nname = \"arm\"\nunit = \"turn\"\nmin = 0\nmax = 1\nmax_velocity = "
                                "1\nmax_acceleration = 1\ndrive = { "
-                               "type = \"odrive\", bus = \"can0\", node = 1, turns_per_unit = 1 }\n");
+                               "type = \"moteus\", bus = \"can0\", node = 1, turns_per_unit = 1 }\n");
   MachineHardware another(other, false);
   EXPECT_THAT([&] { const RigDrives refused(other, another); },
               ThrowsMessage<InputError>(
-                  HasSubstr("axis \"arm\": this version moves CiA 402, step-dir and pipe drives")));
+                  HasSubstr("axis \"arm\": this version moves CiA 402, ODrive, step-dir and pipe drives")));
 }
 
 }  // namespace pipe_drives_test

@@ -104,7 +104,7 @@ const std::string one_of_each =
                .max_velocity = 60,
                .max_acceleration = 100,
                .more = R"(reference = "operator")",
-               .drive = R"(type = "odrive", bus = "can0", node = 2, turns_per_unit = 0.1)"},
+               .drive = R"(type = "odrive", bus = "can0", node = 2, turns_per_unit = 0.1, firmware = "0.6")"},
               {.name = "pipe",
                .unit = "deg",
                .min = -30,
@@ -130,8 +130,8 @@ TEST(RigDrives, EveryKindOfDriveTakesWhereItsAxisStandsAndGoesFromThere) {
     drives.read(states, now_ns += 4'000'000);
     if (std::ranges::all_of(states, is_on) && ++ticks_on == 1) {
       for (std::size_t a = 0; a < 4; ++a) {
-        EXPECT_EQ(states[a].actual, 20 + static_cast<double>(a)) << a;
-        EXPECT_EQ(hardware.true_position(a), truly[a]) << a;
+        EXPECT_NEAR(states[a].actual, 20 + static_cast<double>(a), 1e-9) << a;
+        EXPECT_NEAR(hardware.true_position(a), truly[a], 1e-6) << a;
         setpoints.push_back({.position = states[a].actual});
       }
     }
@@ -146,9 +146,10 @@ TEST(RigDrives, EveryKindOfDriveTakesWhereItsAxisStandsAndGoesFromThere) {
     EXPECT_NEAR(hardware.true_position(a), truly[a] + 0.125, 1e-3) << a;
   }
   const Counters counts = drives.counts();
-  ASSERT_EQ(counts.drives.size(), 2U);
+  ASSERT_EQ(counts.drives.size(), 3U);
   EXPECT_EQ(counts.drives[0].of, "can");
-  EXPECT_EQ(counts.drives[1].of, "steps");
+  EXPECT_EQ(counts.drives[1].of, "odrive");
+  EXPECT_EQ(counts.drives[2].of, "steps");
 }
 
 TEST(RigDrives, APlaceThatADriveCannotCountToIsRefusedAtItsAxis) {

@@ -61,7 +61,7 @@ max_jerk = 3
 max_acceleration_step = 4
 stop_acceleration = 5
 stop_jerk = 6
-drive = { type = "odrive", bus = "can0", node = 0, turns_per_unit = 12.5 }
+drive = { type = "odrive", bus = "can0", node = 0, turns_per_unit = 12.5, firmware = "0.5" }
 [[axis]]
 name = "b"
 unit = "turn"
@@ -165,6 +165,8 @@ TEST(RigFile, ReadsEveryLimitAndEveryKindOfDrive) {
   EXPECT_EQ(std::get<OdriveDrive>(rig.axes[0].drive).bus, "can0");
   EXPECT_EQ(std::get<OdriveDrive>(rig.axes[0].drive).node, 0);
   EXPECT_EQ(std::get<OdriveDrive>(rig.axes[0].drive).turns_per_unit, 12.5);
+  EXPECT_EQ(std::get<OdriveDrive>(rig.axes[0].drive).firmware, OdriveFirmware::v0_5);
+  EXPECT_EQ(std::get<OdriveDrive>(rig.axes[0].drive).max_following_error, 0.1) << "a tenth of a second";
 
   EXPECT_EQ(rig.axes[1].unit, AxisUnit::turn);
   EXPECT_EQ(std::get<MoteusDrive>(rig.axes[1].drive).bus, "can1");
@@ -402,16 +404,30 @@ TEST(RigFile, CountsFitInto32Bits) {
   EXPECT_EQ(parse_rig(with(mixed, "300 }", "-2147483647.4 }"), "r").axes.size(), 4U);
 }
 
+TEST(RigFile, AnOdriveSaysItsFirmwareAndCanBeToldEveryVelocity) {
+  expect_mixed_change_refused(
+      R"({ type = "odrive", bus = "can0", node = 0, turns_per_unit = 12.5, firmware = "0.5" })",
+      R"(@{ type = "odrive", bus = "can0", node = 0, turns_per_unit = 12.5 })",
+      {"an odrive drive has no firmware; add"});
+  expect_mixed_change_refused(R"(firmware = "0.5")", R"(firmware = @"0.4")",
+                              {R"(firmware is "0.4"; write "0.5" or "0.6")"});
+  expect_mixed_change_refused(R"(firmware = "0.5")", R"(firmware = "0.5", max_following_error = @0)",
+                              {"max_following_error is 0"});
+  // In 16 bits the feed-forward of a velocity would go round.
+  expect_mixed_change_refused("turns_per_unit = 12.5", "turns_per_unit = @-32.768",
+                              {"max_velocity = 1 m/s is 32.768 turns/s", "goes to 32.767"});
+}
+
 TEST(RigFile, TurnsKeepAThousandthInSinglePrecision) {
   expect_mixed_change_refused("12.5", "@16385", {"-1 m is -16385 turns, beyond 16384"});
   expect_mixed_change_refused("turns_per_unit = 1 ", "turns_per_unit = @-1e9 ", {"beyond 16384"});
-  EXPECT_EQ(parse_rig(with(mixed, "12.5", "-16384"), "r").axes.size(), 4U);
+  EXPECT_EQ(parse_rig(with(mixed, "turns_per_unit = 1 ", "turns_per_unit = -16384 "), "r").axes.size(), 4U);
 }
 
 TEST(RigFile, NodesAreInTheRangeOfTheirProtocol) {
   expect_change_refused("node = 1", "node = @0", {"node is 0; write a whole number from 1 to 127"});
   expect_change_refused("node = 1", "node = @128", {"node is 128"});
-  expect_mixed_change_refused("node = 0", "node = @64", {"node is 64; write a whole number from 0 to 63"});
+  expect_mixed_change_refused("node = 0", "node = @63", {"node is 63; write a whole number from 0 to 62"});
   expect_mixed_change_refused("node = 127", "node = @0", {"node is 0; write a whole number from 1 to 127"});
 }
 

@@ -60,6 +60,16 @@ constexpr std::array table{
         {.what = "the drive would run on if this program died",
          .remedy = "set its heartbeat consumer (1016) or its setpoint timeout (1400:5), or write watchdog = "
                    "\"life-guarding\" in the drive of the axis if it has objects 100C and 100D"}},
+    Row{DriveFinding::unheard,
+        {.what = "the drive does not tell how and where it is",
+         .remedy = "look at its supply, node number and bitrate, and that it sends its heartbeat and its "
+                   "estimates"}},
+    Row{DriveFinding::wrong_firmware,
+        {.what = "the drive has another firmware than the rig says",
+         .remedy = "correct firmware in the drive of the axis"}},
+    Row{DriveFinding::watchdog_unproven,
+        {.what = "the drive did not notice that this program was silent: it would run on if the program died",
+         .remedy = "switch its watchdog on, with a timeout of 0.1 s or so, and save that in the drive"}},
     Row{DriveFinding::first_heartbeat_missing,
         {.what = "the first heartbeat of the drive never came", .remedy = "look at its object 1017"}},
     Row{DriveFinding::not_operational,

@@ -110,8 +110,11 @@ void require_drive(const RigAxis& axis) {
     fuzz_require(cia402->node >= 1 && cia402->node <= 127, "a CiA 402 node is in 1..127");
     require_scale(axis, cia402->counts_per_unit, max_counts);
   } else if (const auto* odrive = std::get_if<OdriveDrive>(&axis.drive)) {
-    fuzz_require(odrive->node >= 0 && odrive->node <= 63, "an ODrive node is in 0..63");
+    fuzz_require(odrive->node >= 0 && odrive->node <= 62, "an ODrive node is in 0..62");
     require_scale(axis, odrive->turns_per_unit, max_turns);
+    fuzz_require(std::fabs(odrive->turns_per_unit) * axis.max_velocity <= max_odrive_turns_per_s,
+                 "an ODrive can be told every velocity");
+    fuzz_require(odrive->max_following_error > 0, "an ODrive has a window for its following error");
   } else if (const auto* moteus = std::get_if<MoteusDrive>(&axis.drive)) {
     fuzz_require(moteus->node >= 1 && moteus->node <= 127, "a moteus node is in 1..127");
     require_scale(axis, moteus->turns_per_unit, max_turns);

@@ -11,6 +11,7 @@
 #include "inbetween/can/canopen_id.hpp"
 #include "inbetween/can/cia402.hpp"
 #include "inbetween/can/cia402_setup.hpp"
+#include "inbetween/can/drive_counters.hpp"
 #include "inbetween/can/drive_exit.hpp"
 #include "inbetween/can/drive_finding.hpp"
 #include "inbetween/can/drive_phase.hpp"
@@ -57,21 +58,6 @@ struct Cia402Settings {
   /// and stopped where it does not show the right mode within ignore_grace_ns.
   std::int64_t mode_wait_ns = 200'000'000;
   std::int64_t heartbeat_timeout_ns = 150'000'000;
-};
-
-/// The operator may see these counters. They only grow.
-///
-/// Process data carry no number, and one identifier stays in order on CAN. If a driver did swap two frames of
-/// a drive, that would not be seen as such: the feedback of one tick would be that of the tick before, or one
-/// of them would count as a duplicate.
-struct DriveCounters {
-  std::uint32_t feedback = 0;        ///< frames of process data taken
-  std::uint32_t missed = 0;          ///< ticks without
-  std::uint32_t bad_frames = 0;      ///< short, long, or not to be understood
-  std::uint32_t duplicates = 0;      ///< process data that no SYNC asked for, once it has been started
-  std::uint32_t stray_answers = 0;   ///< SDO answers that nobody waited for
-  std::uint32_t emergencies = 0;     ///< EMCY with a code
-  std::uint32_t foreign_frames = 0;  ///< frames that only the host sends, from somebody else
 };
 
 /// The order in a tick k, with tick() of every drive first (Cia402Bus does it for a bus):

@@ -24,6 +24,9 @@ enum class DriveFinding : std::uint8_t {
   window_unsaid,
   counts_round,
   watchdog_unset,
+  unheard,
+  wrong_firmware,
+  watchdog_unproven,
   first_heartbeat_missing,
   not_operational,
   // while it is switched on
@@ -54,7 +57,7 @@ enum class DriveFinding : std::uint8_t {
   moves_while_off,
   watchdog_stays,
 };
-inline constexpr std::size_t drive_findings = 41;
+inline constexpr std::size_t drive_findings = 44;
 
 /// The reaction of the loop with the whole rig (a drive decides nothing for the others).
 enum class DriveReaction : std::uint8_t {

@@ -9,8 +9,8 @@ namespace inbetween::can {
 
 enum class DrivePhase : std::uint8_t {
   off,          ///< nobody has asked for this drive
-  booting,      ///< its communication has been reset, its boot-up message is awaited
-  configuring,  ///< objects are checked and written
+  booting,      ///< a sign of life is awaited, after a reset where the protocol has one
+  configuring,  ///< it is checked, and set up where the protocol can
   starting,     ///< it has been told to be Operational; its heartbeat and process data are awaited
   idle,         ///< process data flow, no power; its target is where it is
   clearing,     ///< a fault is being reset

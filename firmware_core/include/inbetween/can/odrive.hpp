@@ -1,0 +1,165 @@
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include "inbetween/base/result.hpp"
+#include "inbetween/can/frame.hpp"
+#include "inbetween/can/servo_report.hpp"
+
+/// CANSimple, the protocol of ODrive: 11-bit identifiers, little-endian, IEEE float32, positions in turns.
+/// Sources: the firmware 0.5.x (communication/can/can_simple.cpp, MotorControl/axis.cpp), which is open, and
+/// for 0.6.x the messages of ODrive's own ROS node. The two families give several numbers another meaning.
+///
+/// There is no SYNC and no object dictionary: a position acts when it arrives, and the drive reports by
+/// itself in its own rhythm.
+
+namespace inbetween::can {
+
+enum class OdriveFamily : std::uint8_t {
+  firmware_05,  ///< boards v3.x
+  firmware_06,  ///< Pro, S1, Micro
+};
+
+/// The number of an ODrive on its bus, 0 to 62; 63 is that of drives that have none yet.
+class OdriveNode {
+ public:
+  /// Errors: out_of_range.
+  static constexpr Result<OdriveNode> make(std::int64_t number) {
+    if (number < 0 || number > 62) {
+      return Error{.code = ErrorCode::out_of_range,
+                   .what = "a node of CANSimple is not a number from 0 to 62",
+                   .remedy = "give the number that is set in the drive"};
+    }
+    return OdriveNode(static_cast<std::uint8_t>(number));
+  }
+  [[nodiscard]] constexpr std::uint8_t value() const { return value_; }
+  friend constexpr bool operator==(OdriveNode, OdriveNode) = default;
+
+ private:
+  constexpr explicit OdriveNode(std::uint8_t value) : value_(value) {}
+  std::uint8_t value_;
+};
+
+/// The messages that are used here. They mean the same in both families but for the two that say so.
+enum class OdriveMessage : std::uint8_t {
+  version = 0x00,  ///< 0.6 only
+  heartbeat = 0x01,
+  emergency_stop = 0x02,
+  error = 0x03,  ///< as read here 0.6 only
+  axis_state = 0x07,
+  estimates = 0x09,
+  controller_mode = 0x0B,
+  input_position = 0x0C,
+  input_velocity = 0x0D,
+  input_torque = 0x0E,
+  limits = 0x0F,
+  clear_errors = 0x18,
+};
+/// The bits of an identifier that are the message.
+inline constexpr std::uint32_t odrive_message_bits = 0x1F;
+constexpr std::uint32_t odrive_id(OdriveNode node, OdriveMessage message) {
+  return std::uint32_t{node.value()} << 5 | static_cast<std::uint32_t>(message);
+}
+
+inline constexpr std::uint8_t odrive_idle = 1;
+inline constexpr std::uint8_t odrive_closed_loop = 8;
+
+// --- from the host
+
+struct OdrivePosition {
+  float turns = 0;
+  double turns_per_s = 0;  ///< feed-forward, in steps of 0.001
+  double torque_nm = 0;    ///< feed-forward, in steps of 0.001
+};
+/// The largest feed-forward that the 16 bits of its field hold.
+inline constexpr double odrive_max_feed_forward = 32.767;
+/// Nothing where a feed-forward is beyond 16 bits, which would turn it round, or where the position is no
+/// number.
+std::optional<Frame> odrive_position_frame(OdriveNode node, const OdrivePosition& position);
+std::optional<OdrivePosition> read_odrive_position(const Frame& frame, OdriveNode node);
+Frame odrive_state_frame(OdriveNode node, std::uint8_t state);
+/// Position control by what input_position says (3 and 1).
+Frame odrive_position_mode_frame(OdriveNode node);
+Frame odrive_limits_frame(OdriveNode node, float turns_per_s, float amperes);
+Frame odrive_clear_frame(OdriveNode node, OdriveFamily family);
+/// Errors, no power, and the motor coasts.
+Frame odrive_emergency_stop_frame(OdriveNode node);
+/// A question for one of the messages of the drive.
+Frame odrive_question(OdriveNode node, OdriveMessage message);
+
+// --- from the drive
+
+struct OdriveHeartbeat {
+  std::uint32_t errors = 0;
+  std::uint8_t state = 0;
+  std::uint8_t result = 0;      ///< 0.6: of the last procedure; 1 while it lasts
+  std::uint8_t sub_errors = 0;  ///< 0.5: 1 motor, 2 encoder, 4 controller
+  bool is_trajectory_done = false;
+  friend bool operator==(const OdriveHeartbeat&, const OdriveHeartbeat&) = default;
+};
+/// Nothing where the frame is no such message of `node` with eight bytes; so with the others.
+std::optional<OdriveHeartbeat> read_odrive_heartbeat(const Frame& frame, OdriveNode node,
+                                                     OdriveFamily family);
+Frame odrive_heartbeat_frame(OdriveNode node, OdriveFamily family, const OdriveHeartbeat& heartbeat);
+
+/// Nothing also where a number is none.
+std::optional<ServoPlace> read_odrive_estimates(const Frame& frame, OdriveNode node);
+Frame odrive_estimates_frame(OdriveNode node, float turns, float turns_per_s);
+
+struct OdriveVersion {
+  std::uint8_t protocol = 0;
+  std::array<std::uint8_t, 3> hardware{};
+  std::array<std::uint8_t, 3> firmware{};
+  bool is_unreleased = false;
+  friend bool operator==(const OdriveVersion&, const OdriveVersion&) = default;
+};
+std::optional<OdriveVersion> read_odrive_version(const Frame& frame, OdriveNode node);
+Frame odrive_version_frame(OdriveNode node, const OdriveVersion& version);
+
+struct OdriveError {
+  std::uint32_t active = 0;
+  std::uint32_t disarm_reason = 0;
+  friend bool operator==(const OdriveError&, const OdriveError&) = default;
+};
+std::optional<OdriveError> read_odrive_error(const Frame& frame, OdriveNode node);
+Frame odrive_error_frame(OdriveNode node, const OdriveError& error);
+
+/// The error bit that says that nobody has spoken to the drive for longer than its watchdog allows.
+constexpr std::uint32_t odrive_watchdog_error(OdriveFamily family) {
+  return family == OdriveFamily::firmware_05 ? 0x800U : 0x100'0000U;
+}
+/// One bit of the errors in words: "its watchdog has expired".
+const char* words_of_odrive_error(OdriveFamily family, std::uint32_t bit);
+
+/// An ODrive for ServoDrive: how it is told, and what its frames say.
+class Odrive {
+ public:
+  Odrive(OdriveNode node, OdriveFamily family) : node_(node), family_(family) {}
+
+  /// Whether it tells what it is when it is asked. One of the other family does what this one does not.
+  [[nodiscard]] bool tells_identity() const { return family_ == OdriveFamily::firmware_06; }
+  [[nodiscard]] bool is_concerned(const Frame& frame) const {
+    return !frame.is_extended && (frame.id & ~odrive_message_bits) == std::uint32_t{node_.value()} << 5;
+  }
+  [[nodiscard]] ServoReport read(const Frame& frame) const;
+  /// Nothing where the drive needs no such order.
+  [[nodiscard]] std::optional<Frame> order(ServoOrder order) const;
+  /// A position that acts at once. It feeds the watchdog.
+  [[nodiscard]] std::optional<Frame> command(const ServoTarget& target) const;
+  static bool fits(const ServoTarget& target) {
+    return std::fabs(target.turns_per_s) <= odrive_max_feed_forward;
+  }
+
+  [[nodiscard]] OdriveNode node() const { return node_; }
+  [[nodiscard]] OdriveFamily family() const { return family_; }
+
+ private:
+  OdriveNode node_;
+  OdriveFamily family_;
+};
+
+}  // namespace inbetween::can

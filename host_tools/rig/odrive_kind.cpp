@@ -1,0 +1,115 @@
+#include "host_tools/rig/odrive_kind.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "host_tools/files/diagnostics.hpp"
+#include "inbetween/can/bus_load.hpp"
+#include "inbetween/loop/tick_time.hpp"
+#include "sim/odrive_drive.hpp"
+
+namespace inbetween {
+namespace {
+
+can::OdriveNode odrive_node_of(const RigAxis& axis) {
+  return value_or_refuse(can::OdriveNode::make(std::get<OdriveDrive>(axis.drive).node), axis.place,
+                         named(axis));
+}
+
+can::OdriveFamily family_of(const RigAxis& axis) {
+  const bool is_old = std::get<OdriveDrive>(axis.drive).firmware == OdriveFirmware::v0_5;
+  return is_old ? can::OdriveFamily::firmware_05 : can::OdriveFamily::firmware_06;
+}
+
+}  // namespace
+
+can::ServoSettings servo_settings_of(const RigAxis& axis, double turns_per_unit, double max_following_error,
+                                     std::int32_t rate_hz) {
+  const double scale = std::fabs(turns_per_unit);
+  const double max_turns_per_s = scale * axis.max_velocity;
+  const double tick_s = 1.0 / rate_hz;
+  can::ServoSettings settings;
+  // The rates above the drawn one are certified within this share.
+  constexpr double step_share = 1.2;
+  settings.max_turns_per_s = step_share * max_turns_per_s;
+  settings.max_step_turns = settings.max_turns_per_s * tick_s;
+  // Float32 turns and the noise of an encoder; what the axis covers at max_velocity in two milliseconds is a
+  // place that it holds.
+  constexpr double noise_turns = 0.005;
+  constexpr double hold_s = 0.002;
+  settings.hold_tolerance_turns = std::max(noise_turns, hold_s * max_turns_per_s);
+  settings.first_step_turns = std::max(1e-4, 0.5 * scale * axis.max_acceleration * tick_s * tick_s);
+  settings.max_following_error_turns = scale * max_following_error;
+  // A hundredth of max_velocity is rest: the estimates of velocity are not used.
+  const double rest_s = static_cast<double>(settings.rest_ns) / static_cast<double>(ns_per_s);
+  settings.rest_turns = std::max(noise_turns, 0.01 * max_turns_per_s * rest_s);
+  settings.disable_timeout_ns += static_cast<std::int64_t>(2 * axis.max_velocity / axis.max_acceleration *
+                                                           static_cast<double>(ns_per_s));
+  settings.place_timeout_ns = std::max(settings.place_timeout_ns, 3 * ns_per_s / rate_hz);
+  return settings;
+}
+
+OdriveKind::Bus::Drive OdriveKind::host_of(const RigAxis& axis, std::int32_t rate_hz) {
+  const OdriveDrive& drive = std::get<OdriveDrive>(axis.drive);
+  return value_or_refuse(
+      Bus::Drive::make(can::Odrive(odrive_node_of(axis), family_of(axis)),
+                       servo_settings_of(axis, drive.turns_per_unit, drive.max_following_error, rate_hz)),
+      axis.place, named(axis));
+}
+
+OdriveKind::Bus OdriveKind::bus_of(std::span<Bus::Drive> hosts, std::int32_t /*rate_hz*/,
+                                   const RigAxis& first) {
+  return value_or_refuse(Bus::make(hosts), first.place, named(first));
+}
+
+std::string OdriveKind::detail_of(const Bus::Drive& host, can::DriveFinding /*finding*/) {
+  const std::uint32_t errors = host.last_errors();
+  if (errors == 0) return "";
+  std::string words;
+  for (unsigned bit = 0; bit < 32; ++bit) {
+    if ((errors >> bit & 1U) == 0) continue;
+    words += fmt::format("{}{}", words.empty() ? "" : ", ",
+                         can::words_of_odrive_error(host.protocol().family(), 1U << bit));
+  }
+  return fmt::format(" (error {:X}h: {})", errors, words);
+}
+
+std::string OdriveKind::fitness_of(const Bus::Drive& host, std::int32_t /*rate_hz*/) {
+  const bool is_old = host.protocol().family() == can::OdriveFamily::firmware_05;
+  return fmt::format("node {} has firmware {} and told within {} ms that nobody spoke to it",
+                     host.protocol().node().value(), is_old ? "0.5" : "0.6",
+                     host.proven_watchdog_ns() / 1'000'000);
+}
+
+std::vector<can::CanFilter> OdriveKind::heard_by_host(const RigAxis& axis) {
+  return {{.id = std::uint32_t{odrive_node_of(axis).value()} << 5, .any_bits = can::odrive_message_bits}};
+}
+
+std::vector<can::CanFilter> OdriveKind::heard_by_drive(const RigAxis& axis) {
+  const std::uint32_t id = std::uint32_t{odrive_node_of(axis).value()} << 5;
+  return {{.id = id, .any_bits = can::odrive_message_bits},
+          {.id = id, .is_remote = true, .any_bits = can::odrive_message_bits}};
+}
+
+/// A position and an estimate for each; a drive reports in its own rhythm, which is not faster than ours.
+BusShare OdriveKind::share_of(const RigFile& /*rig*/, std::span<const std::size_t> axes) {
+  const auto drives = static_cast<std::int64_t>(axes.size());
+  return {.drives = drives,
+          .frames = static_cast<std::int64_t>(Bus::frames_per_tick(axes.size())),
+          .bits = 2 * drives * can::worst_case_bits(8, false)};
+}
+
+std::unique_ptr<SimulatedCanDrive> OdriveKind::simulate(const RigAxis& axis, const SimulatedPower& power) {
+  const double scale = scale_of(axis);
+  SimulatedOdriveSettings settings{.node = odrive_node_of(axis),
+                                   .family = family_of(axis),
+                                   .turns = power.position * scale,
+                                   .keeps_record = power.keeps_record};
+  settings.motor.max_acceleration =
+      std::max(settings.motor.max_acceleration, 4 * std::fabs(scale) * axis.max_acceleration);
+  return std::make_unique<SimulatedOdrive>(settings, power.now_ns);
+}
+
+}  // namespace inbetween

@@ -1,0 +1,231 @@
+#include "sim/odrive_drive.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace inbetween {
+namespace {
+
+using can::OdriveFamily;
+using can::OdriveMessage;
+
+/// The motor is integrated in steps that are short against the 30 Hz of the position controller.
+constexpr std::int64_t step_ns = 250'000;
+constexpr std::int64_t boot_delay_ns = 50'000'000;
+constexpr std::uint8_t busy = 1;
+constexpr std::uint8_t disarmed = 3;
+
+constexpr std::uint32_t velocity_error(OdriveFamily family) {
+  return family == OdriveFamily::firmware_05 ? 0x200U : 0x8000U;
+}
+constexpr std::uint32_t stopped_error(OdriveFamily family) {
+  return family == OdriveFamily::firmware_05 ? 0x4000U : 0x200'0000U;
+}
+
+}  // namespace
+
+SimulatedOdrive::SimulatedOdrive(const SimulatedOdriveSettings& settings, std::int64_t now_ns)
+    : settings_(settings),
+      motor_(settings.motor, settings.turns),
+      now_ns_(now_ns),
+      boot_ns_(now_ns + boot_delay_ns),
+      heartbeat_ns_(boot_ns_),
+      // Two drives have their own rhythms.
+      estimates_ns_(boot_ns_ + settings.node.value() * std::int64_t{700'000}),
+      fed_ns_(boot_ns_) {}
+
+void SimulatedOdrive::send(const can::Frame& frame) {
+  if (!troubles_.takes_frame(Kind::lose_sent, now_ns_)) frames_.push_back(frame);
+}
+
+std::vector<can::Frame> SimulatedOdrive::take_frames() {
+  return std::exchange(frames_, {});
+}
+
+DriveRecord SimulatedOdrive::take_record() {
+  return std::exchange(record_, {});
+}
+
+const char* SimulatedOdrive::state_name() const {
+  if (is_on()) return "closed loop";
+  return (errors_ & ~can::odrive_watchdog_error(settings_.family)) != 0 ? "fault" : "idle";
+}
+
+void SimulatedOdrive::advance(std::int64_t now_ns) {
+  while (now_ns_ < now_ns) {
+    const std::int64_t ns = std::min(step_ns, now_ns - now_ns_);
+    now_ns_ += ns;
+    while (const std::optional<DriveTrouble> trouble = troubles_.begin_next(now_ns_)) meet(*trouble);
+    if (on_ns_ && now_ns_ >= *on_ns_) enter(can::odrive_closed_loop);
+    step(static_cast<double>(ns) * 1e-9);
+    if (now_ns_ < boot_ns_) continue;
+    const bool is_watched = settings_.watchdog_ns > 0;
+    if (is_watched && now_ns_ - fed_ns_ > settings_.watchdog_ns) {
+      fail(can::odrive_watchdog_error(settings_.family));
+    }
+    report();
+  }
+}
+
+void SimulatedOdrive::step(double seconds) {
+  motor_.hold(has_trouble(Kind::stick));
+  if (!is_on()) {
+    motor_.coast(seconds);
+    if (has_trouble(Kind::sink)) {
+      motor_.put(motor_.position() + troubles_.value(Kind::sink, now_ns_) * seconds);
+    }
+    return;
+  }
+  motor_.follow({.position = static_cast<double>(input_.turns) + zero_, .velocity = input_.turns_per_s},
+                seconds);
+  if (std::fabs(motor_.velocity()) > settings_.velocity_limit) fail(velocity_error(settings_.family));
+}
+
+void SimulatedOdrive::report() {
+  if (now_ns_ >= heartbeat_ns_) {
+    heartbeat_ns_ += settings_.heartbeat_period_ns;
+    if (!has_trouble(Kind::lose_heartbeat)) send(heartbeat());
+  }
+  if (now_ns_ >= estimates_ns_) {
+    estimates_ns_ += settings_.estimates_period_ns;
+    if (!has_trouble(Kind::lose_feedback)) {
+      can::Frame frame = estimates();
+      if (troubles_.takes_frame(Kind::shorten, now_ns_)) --frame.length;
+      send(frame);
+    }
+  }
+  for (std::int64_t due = troubles_.flood(now_ns_); due > 0; --due) {
+    send(can::odrive_error_frame(settings_.node, {.active = errors_}));
+  }
+}
+
+can::Frame SimulatedOdrive::heartbeat() const {
+  can::OdriveHeartbeat told{.errors = errors_, .state = state_};
+  if (settings_.family == OdriveFamily::firmware_06) {
+    told.result = on_ns_ ? busy : errors_ != 0 ? disarmed : std::uint8_t{0};
+  } else if ((errors_ & velocity_error(settings_.family)) != 0) {
+    told.sub_errors = 4;
+  }
+  return can::odrive_heartbeat_frame(settings_.node, settings_.family, told);
+}
+
+can::Frame SimulatedOdrive::estimates() const {
+  return can::odrive_estimates_frame(settings_.node, static_cast<float>(motor_.position() - zero_),
+                                     static_cast<float>(motor_.velocity()));
+}
+
+void SimulatedOdrive::enter(std::uint8_t state) {
+  on_ns_.reset();
+  if (state == state_) return;
+  state_ = state;
+  if (is_on()) input_.turns = static_cast<float>(motor_.position() - zero_);
+  if (settings_.keeps_record) record_.entered.push_back({now_ns_, state_name(), motor_.velocity()});
+}
+
+void SimulatedOdrive::fail(std::uint32_t errors) {
+  if ((errors_ & errors) == errors) return;
+  errors_ |= errors;
+  const bool is_of_silence = errors == can::odrive_watchdog_error(settings_.family);
+  // A drive without power that nobody speaks to complains of nothing that anybody waits for.
+  if (settings_.keeps_record && (is_on() || !is_of_silence)) record_.reported.push_back({now_ns_, errors});
+  enter(can::odrive_idle);
+}
+
+/// As after power-on: an incremental encoder calls 0 where it is.
+void SimulatedOdrive::start_anew() {
+  zero_ = motor_.position();
+  errors_ = 0;
+  input_ = {};
+  enter(can::odrive_idle);
+  boot_ns_ = heartbeat_ns_ = estimates_ns_ = fed_ns_ = now_ns_ + boot_delay_ns;
+}
+
+void SimulatedOdrive::meet(const DriveTrouble& trouble) {
+  switch (trouble.kind) {
+    case Kind::emergency:
+      return fail(static_cast<std::uint32_t>(trouble.value));
+    case Kind::put_by_hand:
+      return motor_.put(trouble.place);
+    case Kind::reboot:
+      return start_anew();
+    case Kind::no_watchdog:
+      settings_.watchdog_ns = 0;
+      return;
+    case Kind::foreign_sender: {
+      const auto here = static_cast<float>(motor_.position() - zero_);
+      const can::Frame frame = *can::odrive_position_frame(settings_.node, {.turns = here});
+      send(frame);
+      return receive(frame);
+    }
+    default:
+      return;  // while it lasts, something else is done where it would be
+  }
+}
+
+void SimulatedOdrive::receive(const can::Frame& frame) {
+  const bool is_meant = !frame.is_extended && frame.id >> 5 == settings_.node.value();
+  if (!is_meant || now_ns_ < boot_ns_ || troubles_.takes_frame(Kind::lose_heard, now_ns_)) return;
+  fed_ns_ = now_ns_;
+  if (frame.is_remote) return answer(frame);
+  switch (static_cast<OdriveMessage>(frame.id & can::odrive_message_bits)) {
+    case OdriveMessage::emergency_stop:
+      if (!has_trouble(Kind::stay_on)) fail(stopped_error(settings_.family));
+      return;
+    case OdriveMessage::axis_state:
+      return obey_state(std::uint32_t{frame.data[0]});
+    case OdriveMessage::controller_mode:
+      input_.turns = static_cast<float>(motor_.position() - zero_);
+      return;
+    case OdriveMessage::input_position:
+      if (const auto position = can::read_odrive_position(frame, settings_.node)) take_position(*position);
+      return;
+    case OdriveMessage::clear_errors:
+      if (!has_trouble(Kind::emergency)) errors_ = 0;
+      return;
+    default:
+      return;
+  }
+}
+
+void SimulatedOdrive::obey_state(std::uint32_t state) {
+  if (state == can::odrive_idle && !has_trouble(Kind::stay_on)) enter(can::odrive_idle);
+  if (state != can::odrive_closed_loop || errors_ != 0) return;
+  if (is_on()) enter(can::odrive_idle);  // it leaves the loop for a moment
+  on_ns_ = now_ns_ + settings_.enable_delay_ns;
+}
+
+void SimulatedOdrive::take_position(const can::OdrivePosition& position) {
+  if (!has_trouble(Kind::ignore_target)) input_ = position;
+  if (!is_on()) return;
+  if (!first_target_) first_target_ = position.turns;
+  constexpr float of_noise =
+      1e-4F;  // it is told where it is, by its own estimate, until it is known to be on
+  has_been_moved_ = has_been_moved_ || std::fabs(position.turns - *first_target_) > of_noise;
+  if (settings_.keeps_record) {
+    record_.applied.push_back({now_ns_, static_cast<double>(position.turns)});
+  }
+}
+
+void SimulatedOdrive::answer(const can::Frame& question) {
+  const bool is_06 = settings_.family == OdriveFamily::firmware_06;
+  switch (static_cast<OdriveMessage>(question.id & can::odrive_message_bits)) {
+    case OdriveMessage::version:
+      if (is_06) {
+        send(can::odrive_version_frame(settings_.node,
+                                       {.protocol = 2, .hardware = {5, 2, 0}, .firmware = {0, 6, 8}}));
+      }
+      return;
+    case OdriveMessage::heartbeat:
+      return send(heartbeat());
+    case OdriveMessage::estimates:
+      return send(estimates());
+    case OdriveMessage::error:
+      if (is_06) send(can::odrive_error_frame(settings_.node, {.active = errors_}));
+      return;
+    default:
+      return;
+  }
+}
+
+}  // namespace inbetween

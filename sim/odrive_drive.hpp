@@ -1,0 +1,86 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "inbetween/can/odrive.hpp"
+#include "sim/drive_trouble.hpp"
+#include "sim/simulated_can_drive.hpp"
+#include "sim/simulated_motor.hpp"
+
+namespace inbetween {
+
+struct SimulatedOdriveSettings {
+  can::OdriveNode node;
+  can::OdriveFamily family = can::OdriveFamily::firmware_06;
+  double turns = 0;                                ///< at power-on
+  std::int64_t watchdog_ns = 100'000'000;          ///< 0: it has none
+  std::int64_t enable_delay_ns = 100'000'000;      ///< from the order until it holds
+  std::int64_t heartbeat_period_ns = 100'000'000;  ///< free-running
+  std::int64_t estimates_period_ns = 10'000'000;   ///< free-running
+  double velocity_limit = 1e9;                     ///< turns/s; faster is an error
+  /// That of a motor with 8192 counts a turn.
+  SimulatedMotor::Settings motor{.max_acceleration = 600, .friction = 0.25, .coasting_friction = 24};
+  bool keeps_record = false;
+};
+
+/// An ODrive with its motor, frame in and frame out, of either family: heartbeat and estimates in its own
+/// rhythm, answers to remote frames, idle and closed loop, position control by passthrough, errors and a
+/// watchdog that every frame to it feeds. When it is switched on it takes for its position the one that it
+/// has; it does not forget an old feed-forward by that. Without power its motor coasts.
+class SimulatedOdrive final : public SimulatedCanDrive {
+ public:
+  /// Powered on at `now_ns`.
+  SimulatedOdrive(const SimulatedOdriveSettings& settings, std::int64_t now_ns);
+
+  void advance(std::int64_t now_ns) override;
+  void receive(const can::Frame& frame) override;
+  std::vector<can::Frame> take_frames() override;
+  void add_trouble(const DriveTrouble& trouble) override { troubles_.add(trouble); }
+  [[nodiscard]] bool has_been_moved() const override { return has_been_moved_; }
+  [[nodiscard]] double position() const override { return motor_.position(); }
+  [[nodiscard]] double velocity() const override { return motor_.velocity(); }
+  [[nodiscard]] const char* state_name() const override;
+  [[nodiscard]] bool misses_something() const override { return false; }  // it misses whoever is silent
+  DriveRecord take_record() override;
+
+  [[nodiscard]] bool is_on() const { return state_ == can::odrive_closed_loop; }
+  [[nodiscard]] std::uint32_t errors() const { return errors_; }
+
+ private:
+  using Kind = DriveTrouble::Kind;
+  void send(const can::Frame& frame);
+  void start_anew();
+  void step(double seconds);
+  void report();
+  void meet(const DriveTrouble& trouble);
+  void enter(std::uint8_t state);
+  void fail(std::uint32_t errors);
+  void obey_state(std::uint32_t state);
+  void take_position(const can::OdrivePosition& position);
+  void answer(const can::Frame& question);
+  [[nodiscard]] can::Frame heartbeat() const;
+  [[nodiscard]] can::Frame estimates() const;
+  [[nodiscard]] bool has_trouble(Kind kind) const { return troubles_.has(kind, now_ns_); }
+
+  SimulatedOdriveSettings settings_;
+  SimulatedMotor motor_;
+  std::int64_t now_ns_;
+  std::int64_t boot_ns_;
+  std::int64_t heartbeat_ns_;
+  std::int64_t estimates_ns_;
+  std::int64_t fed_ns_;
+  std::uint8_t state_ = can::odrive_idle;
+  std::optional<std::int64_t> on_ns_;  ///< when it will be switched on
+  std::uint32_t errors_ = 0;
+  double zero_ = 0;  ///< where its encoder counts from
+  can::OdrivePosition input_;
+  std::optional<float> first_target_;
+  bool has_been_moved_ = false;
+  std::vector<can::Frame> frames_;
+  DriveRecord record_;
+  DriveTroubles troubles_;
+};
+
+}  // namespace inbetween

@@ -1,0 +1,171 @@
+// A whole move over the kernel's CAN on ODrives of both families: `run` on one side, `sim-drives` on the
+// other.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "tests/support/bench.hpp"
+#include "tests/support/bus_scene.hpp"
+#include "tests/support/places.hpp"
+#include "tests/support/temporary_file.hpp"
+
+namespace inbetween {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+struct OdriveAxis {
+  const char* name;
+  double turns_per_unit;
+};
+constexpr OdriveAxis axes[] = {{"slide", 0.04}, {"pan", -0.125}, {"tilt", 0.125}};
+
+std::string odrive_rig() {
+  return in_checkout("examples/odrive_rig.toml");
+}
+BusScene odrive_scene(const BusSceneOptions& options = {}) {
+  BusSceneOptions all = options;
+  all.rig = odrive_rig();
+  return BusScene(all);
+}
+std::string fault_of(const std::string& axis, const std::string& what) {
+  return fmt::format("[[fault]]\naxis = \"{}\"\nwhat = {}\n", axis, what);
+}
+void expect_at_rest_without_power(const BusScene& scene) {
+  for (const OdriveAxis& axis : axes) {
+    EXPECT_THAT(scene.last_state(axis.name), testing::AnyOf("idle", "fault")) << axis.name;
+    EXPECT_NEAR(scene.last_velocity(axis.name), 0, 1e-3) << axis.name;
+  }
+}
+/// The rig was on its way, and did not go on to its end.
+void expect_stopped_with(const BusScene& scene, const std::string& words) {
+  EXPECT_EQ(scene.run.status, 4) << scene.run.err;
+  EXPECT_THAT(scene.run.out, HasSubstr(words));
+  expect_at_rest_without_power(scene);
+  const std::vector<double> planned = planned_positions("slide");
+  const std::vector<double> applied = scene.applied("slide");
+  ASSERT_FALSE(applied.empty());
+  const double part = (applied.back() - applied.front()) / 0.04 / (planned.back() - planned.front());
+  EXPECT_GT(part, 0.1);
+  EXPECT_LT(part, 0.95);
+}
+
+TEST(OdriveRun, TheDrivesOwnRecordOfTheirTargetsIsThePlanAtEveryTick) {
+  const BusScene scene = odrive_scene();
+  ASSERT_EQ(scene.run.status, 0) << scene.run.err << scene.run.out;
+  expect_at_rest_without_power(scene);
+  for (const OdriveAxis& axis : axes) {
+    SCOPED_TRACE(axis.name);
+    const std::vector<double> planned = planned_positions(axis.name);
+    const std::vector<double> applied = scene.applied(axis.name);
+    ASSERT_GT(applied.size(), planned.size());
+    EXPECT_THAT(scene.emergencies(axis.name), testing::IsEmpty());
+    // It holds its place before the move: aligned by where both have gone a hundredth of the way.
+    const double far = 0.01 * std::fabs(planned.back() - planned.front());
+    std::size_t first = 0, first_planned = 0;
+    while (std::fabs(applied[first] - applied.front()) < far * std::fabs(axis.turns_per_unit)) ++first;
+    while (std::fabs(planned[first_planned] - planned.front()) < far) ++first_planned;
+    ASSERT_GE(first, first_planned);
+    // Float32 turns, of up to 72 turns of the slide.
+    const double resolution = 4e-6 / std::fabs(axis.turns_per_unit);
+    for (std::size_t tick = 0; tick < planned.size(); ++tick) {
+      ASSERT_NEAR(applied.at(first - first_planned + tick) / axis.turns_per_unit, planned[tick], resolution)
+          << "tick " << tick;
+    }
+  }
+}
+
+// docs/faults.md 29
+TEST(OdriveRun, KilledInMotionTheDrivesStopByTheirOwnWatchdogs) {
+  const BusScene scene = odrive_scene({.during = "sleep 7; kill -KILL $run"});
+  EXPECT_EQ(scene.run.status, 128 + 9);
+  expect_at_rest_without_power(scene);
+  EXPECT_THAT(scene.emergencies("slide"), testing::Contains("1000000"));
+  EXPECT_THAT(scene.emergencies("tilt"), testing::Contains("0800"));
+}
+
+// docs/faults.md 29
+TEST(OdriveFault, ADriveWithoutAWatchdogIsRefusedAndNothingIsSwitchedOn) {
+  const BusScene scene = odrive_scene({.faults = fault_of("pan", "\"no-watchdog\"")});
+  EXPECT_EQ(scene.run.status, 4) << scene.run.err;
+  EXPECT_THAT(scene.run.out,
+              AllOf(HasSubstr("axis \"pan\": the drive did not notice that this program was silent"),
+                    HasSubstr("switch its watchdog on")));
+  for (const OdriveAxis& axis : axes) EXPECT_TRUE(scene.targets(axis.name).empty()) << axis.name;
+}
+
+TEST(OdriveFault, ADriveOfTheOtherFamilyIsRefusedAndNothingIsSwitchedOn) {
+  const TemporaryFolder folder;
+  for (const char* axis : {"slide", "tilt"}) {
+    std::string text = file_contents(odrive_rig());
+    const bool is_06 = axis == std::string("slide");
+    const std::string said = is_06 ? "0.04, firmware = \"0.6\"" : "firmware = \"0.5\"";
+    const std::string is = is_06 ? "0.04, firmware = \"0.5\"" : "firmware = \"0.6\"";
+    text.replace(text.find(said), said.size(), is);
+    const std::string rig = (folder.path() / "rig.toml").string();
+    std::ofstream(rig) << text;
+    const BusScene scene = odrive_scene({.rig_of_drives = rig});
+    EXPECT_EQ(scene.run.status, 4) << scene.run.err;
+    EXPECT_THAT(scene.run.out, HasSubstr(fmt::format(
+                                   "axis \"{}\": the drive has another firmware than the rig says", axis)));
+    for (const OdriveAxis& of : axes) EXPECT_TRUE(scene.targets(of.name).empty()) << of.name;
+  }
+}
+
+// docs/faults.md 17, 20, 21, 23, 24, 25
+TEST(OdriveFault, WhatIsWrongWithADriveInMotionStopsAllAndIsSaidInWords) {
+  struct Row {
+    const char* what;
+    const char* words;
+  };
+  for (const Row& row :
+       {Row{"\"lose-frames\"\ndirection = \"from-drive\"", "the drive has stopped telling where it is"},
+        Row{"\"lose-heartbeat\"", "the heartbeat of the drive has stopped"},
+        Row{"\"emergency\"\ncode = 0x4000",
+            "the drive is in fault (error 4000h: its power stage is too hot)"},
+        Row{"\"reboot\"", "the drive has started anew"},
+        Row{"\"stick\"", "the axis is too far from its target"},
+        Row{"\"foreign-sender\"", "somebody else sends what only this program may send"}}) {
+    SCOPED_TRACE(row.what);
+    const BusScene scene = odrive_scene({.faults = fault_of("pan", row.what) + "after_motion = 4\n"});
+    expect_stopped_with(scene, std::string("axis \"pan\": ") + row.words);
+  }
+}
+
+// docs/faults.md 16
+TEST(OdriveFault, ALinkThatGoesDownEndsTheRunAndTheDrivesStop) {
+  const BusScene scene = odrive_scene({.during = "sleep 7; ip link set can0 down"});
+  expect_stopped_with(scene, "bus \"can0\" is down or off");
+}
+
+TEST(OdriveRun, CtrlCEndsWithTheDrivesOff) {
+  const BusScene scene = odrive_scene({.during = "sleep 7; kill -INT $run"});
+  EXPECT_EQ(scene.run.status, 4) << scene.run.err;
+  expect_at_rest_without_power(scene);
+  for (const OdriveAxis& axis : axes) EXPECT_THAT(scene.emergencies(axis.name), testing::IsEmpty());
+}
+
+TEST(OdriveRun, TheDoctorTriesEveryDriveAndNamesWhatIsWrong) {
+  const TemporaryFolder folder;
+  std::ofstream(folder.path() / "faults.toml") << fault_of("tilt", "\"no-watchdog\"");
+  const ProgramRun run = script_in_bench(
+      {"--vcan", "can0", "--virtual-time", "--timeout", "60"},
+      "cd '" + folder.path().string() + "'\necho -1 >/proc/sys/kernel/sched_rt_runtime_us\n" +
+          "inbetween sim-drives --rig '" + odrive_rig() +
+          "' --faults faults.toml 2>drives.txt & drives=$!\n" +
+          "until_true grep -q power drives.txt\nstatus=0\ninbetween doctor --rig '" + odrive_rig() +
+          "' --drives --seconds 0.2 || status=$?\nkill -TERM $drives; wait $drives; exit $status");
+  EXPECT_EQ(run.status, 4) << run.err;
+  EXPECT_THAT(run.out, AllOf(HasSubstr("fine     axis \"slide\": node 1 has firmware 0.6 and told within"),
+                             HasSubstr("fine     axis \"pan\": node 2 has firmware 0.6"),
+                             HasSubstr("problem  axis \"tilt\": the drive did not notice")));
+}
+
+}  // namespace
+}  // namespace inbetween

@@ -1,0 +1,84 @@
+// The frames of CANSimple that are known byte for byte, written and read.
+#include <gtest/gtest.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "inbetween/can/odrive.hpp"
+#include "tests/support/places.hpp"
+
+namespace inbetween::can {
+namespace odrive_frames_test {
+
+const OdriveNode node = *OdriveNode::make(3);
+constexpr auto v05 = OdriveFamily::firmware_05;
+constexpr auto v06 = OdriveFamily::firmware_06;
+
+Frame frame_of(const nlohmann::json& entry) {
+  const std::string bytes = entry.at("data_hex");
+  Frame frame{
+      .id = static_cast<std::uint32_t>(std::stoul(entry.at("id_hex").get<std::string>(), nullptr, 16)),
+      .is_remote = entry.value("rtr", false),
+      .length = static_cast<std::uint8_t>(bytes.size() / 2)};
+  for (std::size_t i = 0; i < frame.length; ++i) {
+    frame.data.at(i) = static_cast<std::uint8_t>(std::stoul(bytes.substr(2 * i, 2), nullptr, 16));
+  }
+  return frame;
+}
+
+std::map<std::string, Frame> golden_frames() {
+  std::ifstream file(in_checkout("tests/golden/odrive_frames.json"));
+  std::map<std::string, Frame> frames;
+  for (const nlohmann::json& entry : nlohmann::json::parse(file)) frames[entry.at("name")] = frame_of(entry);
+  return frames;
+}
+
+TEST(OdriveFrames, WhatTheHostSendsIsByteForByteAsItShallBe) {
+  const auto golden = golden_frames();
+  EXPECT_EQ(odrive_state_frame(node, odrive_closed_loop), golden.at("set_axis_state_closed_loop"));
+  EXPECT_EQ(odrive_state_frame(node, odrive_idle), golden.at("set_axis_state_idle"));
+  EXPECT_EQ(odrive_position_mode_frame(node), golden.at("set_controller_mode_pos_passthrough"));
+  EXPECT_EQ(odrive_position_frame(node, {.turns = 1.5F, .turns_per_s = 0.25, .torque_nm = -0.1}),
+            golden.at("set_input_pos_1p5"));
+  EXPECT_EQ(odrive_limits_frame(node, 10, 20), golden.at("set_limits"));
+  EXPECT_EQ(odrive_emergency_stop_frame(node), golden.at("estop"));
+  EXPECT_EQ(odrive_clear_frame(node, v06), golden.at("clear_errors_06"));
+  EXPECT_EQ(odrive_question(node, OdriveMessage::estimates), golden.at("encoder_estimates_request_rtr"));
+}
+
+TEST(OdriveFrames, HeartbeatsOfBothFamiliesAreReadAndWrittenAgain) {
+  struct Row {
+    const char* name;
+    OdriveFamily family;
+    OdriveHeartbeat means;
+  };
+  const auto golden = golden_frames();
+  for (const Row& row : {Row{"heartbeat_06_closed_loop", v06, {.state = 8, .is_trajectory_done = true}},
+                         Row{"heartbeat_06_busy", v06, {.state = 1, .result = 1}},
+                         Row{"heartbeat_05_closed_loop", v05, {.state = 8, .is_trajectory_done = true}},
+                         Row{"heartbeat_05_watchdog", v05, {.errors = 0x800, .state = 1}}}) {
+    SCOPED_TRACE(row.name);
+    EXPECT_EQ(read_odrive_heartbeat(golden.at(row.name), node, row.family), row.means);
+    EXPECT_EQ(odrive_heartbeat_frame(node, row.family, row.means), golden.at(row.name));
+  }
+}
+
+TEST(OdriveFrames, WhatADriveTellsIsReadAndWrittenAgain) {
+  const auto golden = golden_frames();
+  const auto place = read_odrive_estimates(golden.at("encoder_estimates"), node);
+  ASSERT_TRUE(place);
+  EXPECT_EQ(place->turns, 1.5);
+  EXPECT_EQ(place->turns_per_s, -0.25);
+  EXPECT_EQ(odrive_estimates_frame(node, 1.5F, -0.25F), golden.at("encoder_estimates"));
+  const OdriveError watchdog{.disarm_reason = odrive_watchdog_error(v06)};
+  EXPECT_EQ(read_odrive_error(golden.at("get_error_watchdog_06"), node), watchdog);
+  EXPECT_EQ(odrive_error_frame(node, watchdog), golden.at("get_error_watchdog_06"));
+}
+
+}  // namespace odrive_frames_test
+}  // namespace inbetween::can

@@ -1,0 +1,125 @@
+// One axis with its drive on a simulated bus, of any protocol, under the port that the motion loop has.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host_tools/rig/bus_kind.hpp"
+#include "inbetween/can/bus_port.hpp"
+#include "sim/can_bus.hpp"
+#include "sim/simulated_link.hpp"
+#include "tests/support/rig_text.hpp"
+
+namespace inbetween {
+
+/// The drive of the axis in the rig file, on node 3 of can0. `resolution` is that of its own record, in units
+/// of the axis.
+template <class Kind>
+struct DriveInRig;
+template <>
+struct DriveInRig<Cia402Kind> {
+  static std::string text() { return cia402_text(3, 1000); }
+  static constexpr double resolution = 0.0005;
+  static constexpr const char* on = "operation enabled";
+};
+template <>
+struct DriveInRig<OdriveKind> {
+  static std::string text() {
+    return R"(type = "odrive", bus = "can0", node = 3, turns_per_unit = -0.25, firmware = "0.6")";
+  }
+  static constexpr double resolution = 1e-5;
+  static constexpr const char* on = "closed loop";
+};
+
+template <class Kind>
+class BusAxis {
+ public:
+  using Bus = typename Kind::Bus;
+  using Port = can::BusPort<Bus, double, SimulatedLink>;
+  static constexpr std::int64_t tick_ns = 4'000'000;
+  static constexpr double stands_at = 20;
+
+  explicit BusAxis(const std::string& drive_text = DriveInRig<Kind>::text())
+      : rig(parse_rig(rig_text({{.name = "pan",
+                                 .unit = "deg",
+                                 .min = -90,
+                                 .max = 90,
+                                 .max_velocity = 40,
+                                 .max_acceleration = 400,
+                                 .drive = drive_text}},
+                               {.rate_hz = 250, .more = bus_can0}),
+                      "rig.toml")),
+        drive(Kind::simulate(axis(), {.position = stands_at, .keeps_record = true})) {
+    wire.attach(*drive);
+    hosts.push_back(Kind::host_of(axis(), rig.rate_hz));
+    bus.emplace(Kind::bus_of(hosts, rig.rate_hz, axis()));
+    lanes.push_back({&*bus, &link, targets, known, frames});
+    port.emplace(*Port::make(lanes, axes));
+  }
+  BusAxis(const BusAxis&) = delete;
+  BusAxis& operator=(const BusAxis&) = delete;
+
+  [[nodiscard]] const RigAxis& axis() const { return rig.axes[0]; }
+  [[nodiscard]] const typename Bus::Drive& host() const { return hosts[0]; }
+  /// Where the motor is, in units of the axis.
+  [[nodiscard]] double truly() const { return drive->position() / Kind::scale_of(axis()); }
+  [[nodiscard]] bool has_power() const { return drive->state_name() == std::string(DriveInRig<Kind>::on); }
+
+  /// One tick; no setpoint: none is written.
+  void tick(const std::optional<Setpoint<double>>& setpoint = {}) {
+    now_ns += tick_ns;
+    port->read({&state, 1}, now_ns);
+    if (state.condition > worst) worst = state.condition;
+    if (setpoint) {
+      port->write({&*setpoint, 1}, now_ns);
+    } else {
+      port->write({}, now_ns);
+    }
+  }
+  void ticks(int count, const std::optional<Setpoint<double>>& setpoint = {}) {
+    for (int i = 0; i < count; ++i) tick(setpoint);
+  }
+  bool tick_until(const std::function<bool()>& holds, int most = 3000) {
+    for (int i = 0; i < most && !holds(); ++i) tick();
+    return holds();
+  }
+  /// Set up and switched on.
+  bool switch_on() {
+    port->enable();
+    return tick_until([&] { return state.is_on || worst != DriveCondition::fine; }) && state.is_on;
+  }
+  /// A tick in a motion with its velocity, `s` seconds after it began: there and back, at rest at both ends.
+  [[nodiscard]] Setpoint<double> swing(double s) const {
+    constexpr double way = 5;
+    constexpr double pi = 3.14159265358979323846;
+    const double omega = 2 * pi / swing_s;
+    return {.position = from + way * (1 - std::cos(omega * s)),
+            .velocity = way * omega * std::sin(omega * s)};
+  }
+  static constexpr double swing_s = 2;
+
+  RigFile rig;
+  std::unique_ptr<SimulatedCanDrive> drive;
+  SimulatedCanBus wire;
+  SimulatedLink link{wire};
+  std::vector<typename Bus::Drive> hosts;
+  std::optional<Bus> bus;
+  std::array<typename Bus::Drive::Target, 1> targets{};
+  std::array<can::PortDrive, 1> known{};
+  std::array<can::Frame, can::frames_per_read(1)> frames{};
+  std::vector<typename Port::Lane> lanes;
+  std::array<typename Port::Axis, 1> axes{{{0, 0, Kind::scale_of(axis())}}};
+  std::optional<Port> port;
+  DriveState<double> state{};
+  DriveCondition worst = DriveCondition::fine;
+  double from = stands_at;
+  std::int64_t now_ns = 0;
+};
+
+}  // namespace inbetween

@@ -1,0 +1,118 @@
+// What CANSimple cannot say is not sent, and what is no frame of it is not read.
+#include "inbetween/can/odrive.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <random>
+#include <string>
+
+#include "inbetween/can/servo_drive.hpp"
+
+namespace inbetween::can {
+namespace odrive_test {
+
+const OdriveNode node = *OdriveNode::make(3);
+constexpr auto v05 = OdriveFamily::firmware_05;
+constexpr auto v06 = OdriveFamily::firmware_06;
+
+TEST(OdriveNode, IsANumberThatADriveCanHave) {
+  EXPECT_TRUE(OdriveNode::make(0));
+  EXPECT_TRUE(OdriveNode::make(62));
+  EXPECT_FALSE(OdriveNode::make(63)) << "that of drives without a number";
+  EXPECT_FALSE(OdriveNode::make(-1));
+}
+
+// An int16 that went round has made a motor run away.
+TEST(OdrivePosition, AFeedForwardThatDoesNotFitIsNotSent) {
+  const auto frame = [](double turns_per_s) {
+    return odrive_position_frame(node, {.turns = 1, .turns_per_s = turns_per_s});
+  };
+  ASSERT_TRUE(frame(32.767));
+  EXPECT_EQ(read_odrive_position(*frame(32.767), node)->turns_per_s, 32.767);
+  EXPECT_EQ(read_odrive_position(*frame(-32.767), node)->turns_per_s, -32.767);
+  EXPECT_FALSE(frame(32.768));
+  EXPECT_FALSE(frame(-40));
+  EXPECT_FALSE(frame(std::numeric_limits<double>::quiet_NaN()));
+  EXPECT_FALSE(odrive_position_frame(node, {.turns = std::numeric_limits<float>::infinity()}));
+  EXPECT_FALSE(odrive_position_frame(node, {.turns = 1, .torque_nm = 33}));
+}
+
+TEST(OdrivePosition, ATargetBeyondWhatItCanBeToldIsNone) {
+  using Drive = ServoDrive<Odrive>;
+  EXPECT_TRUE(Drive::target_of(1.0, 32.0, 0.5));
+  EXPECT_EQ(Drive::target_of(1.0, 32.0, 0.5)->turns, 1.5);
+  EXPECT_FALSE(Drive::target_of(1.0, 33.0, 0.0));
+  EXPECT_FALSE(Drive::target_of(std::numeric_limits<double>::infinity(), 0.0, 0.0));
+  EXPECT_FALSE(Drive::target_of(1.0, std::numeric_limits<double>::quiet_NaN(), 0.0));
+}
+
+TEST(OdriveError, IsSaidInWordsByItsFamily) {
+  EXPECT_STREQ(words_of_odrive_error(v05, 0x800), "its watchdog has expired");
+  EXPECT_STREQ(words_of_odrive_error(v06, 0x1000000), "its watchdog has expired");
+  EXPECT_STREQ(words_of_odrive_error(v05, 0x100), "its encoder has failed");
+  EXPECT_STREQ(words_of_odrive_error(v06, 0x100), "its supply voltage is too high");
+  EXPECT_STREQ(words_of_odrive_error(v06, 0x80000000), "an error that this program does not know");
+}
+
+TEST(OdriveReport, AnEstimateThatIsNoNumberIsABadFrame) {
+  const Odrive odrive(node, v06);
+  EXPECT_FALSE(odrive.read(odrive_estimates_frame(node, 1, 2)).is_bad);
+  EXPECT_TRUE(odrive.read(odrive_estimates_frame(node, std::nanf(""), 0)).is_bad);
+  Frame shortened = odrive_estimates_frame(node, 1, 2);
+  shortened.length = 7;
+  EXPECT_TRUE(odrive.read(shortened).is_bad);
+}
+
+TEST(OdriveReport, WhileItIsBusyItIsNeitherOnNorOff) {
+  const Odrive odrive(node, v06);
+  const auto status = [&](std::uint8_t state, std::uint8_t result) {
+    return odrive.read(odrive_heartbeat_frame(node, v06, {.state = state, .result = result})).status.value();
+  };
+  EXPECT_TRUE(status(8, 0).is_on);
+  EXPECT_FALSE(status(8, 1).is_on);
+  EXPECT_TRUE(status(1, 0).is_off);
+  EXPECT_FALSE(status(1, 1).is_off);
+  EXPECT_FALSE(status(3, 0).is_on || status(3, 0).is_off) << "it calibrates";
+}
+
+// Whatever arrives: what has been understood means the same when it is written again.
+TEST(OdriveReport, AnyFramesAreUnderstoodOrRefused) {
+  constexpr std::uint32_t seed = 20250311;
+  SCOPED_TRACE("seed " + std::to_string(seed));
+  std::mt19937 random(seed);
+  int understood = 0;
+  for (int i = 0; i < 200'000; ++i) {
+    Frame frame{.id = static_cast<std::uint32_t>(3U << 5 | (random() & 0x1FU))};
+    frame.is_remote = random() % 16 == 0;
+    frame.is_extended = random() % 16 == 0;
+    frame.length = static_cast<std::uint8_t>(random() % 4 == 0 ? random() % 9 : 8);
+    for (std::uint8_t& byte : frame.data) byte = static_cast<std::uint8_t>(random());
+    for (const OdriveFamily family : {v05, v06}) {
+      const Odrive odrive(node, family);
+      if (!odrive.is_concerned(frame)) continue;
+      const ServoReport report = odrive.read(frame);
+      if (report.place) {
+        ++understood;
+        ASSERT_EQ(odrive_estimates_frame(node, static_cast<float>(report.place->turns),
+                                         static_cast<float>(report.place->turns_per_s)),
+                  frame);
+      }
+      ASSERT_FALSE(report.status && report.status->is_on && report.status->is_off);
+      ASSERT_FALSE(frame.is_remote && (report.place || report.status || report.is_of_a_host));
+    }
+    if (const auto position = read_odrive_position(frame, node); position && std::isfinite(position->turns)) {
+      const bool is_symmetric = position->turns_per_s >= -32.767 && position->torque_nm >= -32.767;
+      ASSERT_TRUE(!is_symmetric || odrive_position_frame(node, *position) == frame);
+    }
+    if (const auto version = read_odrive_version(frame, node); version && frame.data[7] <= 1) {
+      ASSERT_EQ(odrive_version_frame(node, *version), frame);
+    }
+  }
+  EXPECT_GT(understood, 1000);
+}
+
+}  // namespace odrive_test
+}  // namespace inbetween::can
