@@ -64,7 +64,10 @@ struct Bench {
   int keeps = 0;
   std::function<void(int)> look = [](int) {};
 
-  explicit Bench(const std::vector<double>& at = {100, 0}, bool is_referenced = true) : hardware(rig, at) {
+  std::vector<TransportKey> taught = {};
+
+  explicit Bench(const std::vector<double>& at = {100, 0}, bool is_referenced = true, bool teaches = false)
+      : hardware(rig, at) {
     loop.emplace(drives, lines, room.memory());
     std::vector<FreeAxis<double>> axes;
     std::vector<JogAxis> jogged;
@@ -84,7 +87,7 @@ struct Bench {
                                  .drive_of = drive_of,
                                  .limits = limits,
                                  .tick_seconds = tick_s},
-                *free, jogged, 0);
+                *free, jogged, 0, teaches);
     audience.keys = [this] {
       path.push_back({loop->setpoints().begin(), loop->setpoints().end()});
       const int tick = static_cast<int>(path.size());
@@ -110,6 +113,9 @@ struct Bench {
       if (jog->asks() == Jog::Ask::mark) {
         marks.push_back(jog->selected());
         jog->marked();
+      } else if (jog->asks() == Jog::Ask::teach) {
+        taught.push_back(jog->taught());
+        jog->has_taught();
       } else {
         ++keeps;
         jog->kept();
@@ -323,6 +329,29 @@ TEST(Jog, APressFromBeforeASlowDiskMovesNothing) {
   EXPECT_EQ(bench.loop->state(), SupervisorState::running);
   EXPECT_EQ(bench.loop->setpoints()[0].position, 100);
   EXPECT_THAT(bench.jog->snapshot().words, HasSubstr("press again"));
+}
+
+TEST(Jog, AKeyIsStoredWhereTheRigRestsAndNeverWhileItMoves) {
+  Bench bench({100, 0}, true, true);
+  bench.free->axes()[0] = *FreeAxis<double>::make(free_limits_of(bench.rig.axes[0], 0.05), 100, tick_s);
+  std::string words;
+  bench.typed = {{10, "5"}, {20, right}, {100, "t"}, {900, "n"}, {910, "\r"}};
+  bench.look = [&](int tick) {
+    if (tick == 110) words = bench.jog->snapshot().words;
+  };
+  bench.run(1000);
+  EXPECT_THAT(words, HasSubstr("it still moves"));
+  EXPECT_THAT(bench.taught, testing::ElementsAre(TransportKey::teach_next, TransportKey::start));
+  EXPECT_EQ(bench.at(1000), 105) << "and the step went on";
+}
+
+TEST(Jog, WithoutAMoveToTeachItsKeysStopLikeOthers) {
+  Bench bench;
+  bench.free->axes()[0] = *FreeAxis<double>::make(free_limits_of(bench.rig.axes[0], 0.05), 100, tick_s);
+  bench.typed = {{10, "5"}, {20, right}, {100, "t"}};
+  bench.run(900);
+  EXPECT_TRUE(bench.taught.empty());
+  EXPECT_LT(bench.at(900), 104.9);
 }
 
 TEST(Jog, AnEmergencyStopIsTheEndAndNotTheOperators) {
