@@ -71,6 +71,7 @@ void command(Playhead<double>& playhead, const Move<double>& move, std::optional
 
 struct Tried {
   int played = 0;
+  int parts = 0;
   int with_rolls = 0;
   int refused = 0;
   int exposures = 0;
@@ -117,7 +118,7 @@ void play_at_random(const Plan& plan, const PlannedStops& stops, const CheckRepo
 TEST(PlayheadProperty, AnyCommandsAtAnyTimeKeepTheStopLimits) {
   Tried tried;
   check_property(many_sequences, [&] {
-    const std::optional<FittingMove> fitting = fitting_move(160);
+    const std::optional<FittingMove> fitting = fitting_move(160, true);
     if (!fitting) return;
     const auto& [plan, report] = *fitting;
     const double rate = *rc::gen::arbitrary<bool>() ? std::clamp(report.highest_rate, 1.0, 1.3) : 1.0;
@@ -129,15 +130,18 @@ TEST(PlayheadProperty, AnyCommandsAtAnyTimeKeepTheStopLimits) {
       return;
     }
     ++tried.played;
-    if (plan.played().first_frame() < 0) ++tried.with_rolls;
+    if (!plan.is_whole()) ++tried.parts;
+    if (plan.played().first_frame() < plan.part().first) ++tried.with_rolls;
     if (rate > 1) ++tried.faster;
     play_at_random(plan, stops, report, tried);
   });
-  std::cout << tried.played << " moves played, " << tried.with_rolls << " of them from a pre-roll, "
-            << tried.faster << " faster than drawn; " << tried.refused << " refused; " << tried.exposures
-            << " exposures in motion; " << tried.excused << " ticks across a step that was listed\n";
+  std::cout << tried.played << " moves played, " << tried.parts << " of them parts, " << tried.with_rolls
+            << " of them from a pre-roll, " << tried.faster << " faster than drawn; " << tried.refused
+            << " refused; " << tried.exposures << " exposures in motion; " << tried.excused
+            << " ticks across a step that was listed\n";
   if (!counts_mean_something()) return;
   EXPECT_GT(tried.played, many_sequences / 10);
+  EXPECT_GT(tried.parts, tried.played / 5);
   EXPECT_GT(tried.exposures, 0);
   EXPECT_LE(tried.refused, tried.played / 5);
 }
@@ -220,7 +224,7 @@ void play_gently(StagedMove& staged, const Plan& held_to, const CheckReport& rep
 TEST(PlayheadProperty, WhatIsNoStopKeepsTheMotionLimits) {
   Gentle tried;
   check_property(many_sequences, [&] {
-    const std::optional<FittingMove> fitting = fitting_move(300);
+    const std::optional<FittingMove> fitting = fitting_move(300, true);
     if (!fitting) return;
     const auto& [plan, report] = *fitting;
     const double rate = *rc::gen::arbitrary<bool>() ? std::clamp(report.highest_rate, 1.0, 1.3) : 1.0;

@@ -9,7 +9,7 @@
 
 namespace inbetween {
 
-std::optional<FittingMove> fitting_move(int max_percent) {
+std::optional<FittingMove> fitting_move(int max_percent, bool with_parts) {
   const std::optional<MoveFile> move = for_a_rig(*regular_move());
   if (!move) return std::nullopt;
   const std::optional<RigFile> rig =
@@ -18,7 +18,15 @@ std::optional<FittingMove> fitting_move(int max_percent) {
                        .allows_steps = *rc::gen::arbitrary<bool>(),
                        .rate_hz = *rc::gen::element(100, 250, 1000)});
   if (!rig) return std::nullopt;
-  Plan plan(*move, rig, {});
+  FrameRange frames;
+  if (with_parts && move->frames > 1 && *rc::gen::arbitrary<bool>()) {
+    const auto frame = [](int from, int below) {
+      return *rc::gen::resize(rc::kNominalSize, rc::gen::inRange(from, below));
+    };
+    frames.first = frame(0, move->frames);
+    frames.last = frame(*frames.first + 1, move->frames + 1);
+  }
+  Plan plan(*move, rig, {.frames = frames});
   CheckReport report = check(plan);
   if (!report.fits()) return std::nullopt;
   return FittingMove{std::move(plan), std::move(report)};
@@ -30,7 +38,7 @@ Plan without_stop_limits(const Plan& plan) {
     axis.stop_acceleration = axis.max_acceleration;
     axis.stop_jerk = axis.max_jerk;
   }
-  return {plan.move(), rig, {}};
+  return {plan.move(), rig, {.frames = {plan.part().first, plan.part().last}}};
 }
 
 }  // namespace inbetween

@@ -14,11 +14,12 @@ struct FittingMove {
 };
 
 /// A regular move and a rig near it, each of whose limits is 102 to max_percent % of the peak. Nothing where
-/// the move is beyond a rig or does not fit.
-std::optional<FittingMove> fitting_move(int max_percent);
+/// the move is beyond a rig or does not fit. With parts, half of them are any part of a move, which fits with
+/// its rolls.
+std::optional<FittingMove> fitting_move(int max_percent, bool with_parts = false);
 
-/// The same move on the same rig, but a stop may use no more than the motion: what is no stop is held to
-/// that.
+/// The same move, or part of it, on the same rig, but a stop may use no more than the motion: what is no stop
+/// is held to that.
 Plan without_stop_limits(const Plan& plan);
 
 }  // namespace inbetween

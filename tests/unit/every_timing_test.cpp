@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <string>
@@ -50,8 +51,8 @@ Sampled sampled(const Plan& plan, std::size_t axis, std::int32_t first_frame, st
 
 class EveryTiming : public testing::TestWithParam<TimingKind> {
  protected:
-  /// On a rig whose limits are `share` of what the move takes between its ends.
-  [[nodiscard]] static Plan plan(double share) {
+  /// On a rig whose limits are `share` of what the move takes between its ends; all of it, or some frames.
+  [[nodiscard]] static Plan plan(double share, const FrameRange& frames = {}) {
     const MoveFile move = move_of(GetParam());
     const Plan free(move, std::nullopt, {});
     std::vector<AxisText> axes{{.name = "x"}, {.name = "y"}};
@@ -62,16 +63,14 @@ class EveryTiming : public testing::TestWithParam<TimingKind> {
       axes[d].max_velocity = share * peaks.velocity;
       axes[d].max_acceleration = share * std::max(peaks.acceleration, peaks.velocity);
     }
-    return {move, parse_rig(rig_text(axes, {.rate_hz = 480}), "r.toml"), {}};
+    return {move, parse_rig(rig_text(axes, {.rate_hz = 480}), "r.toml"), {.frames = frames}};
   }
 };
 
-TEST_P(EveryTiming, IsCertifiedForWhatItDoesWithItsRolls) {
-  const Plan plan = this->plan(2.5);
+void expect_certified(const Plan& plan) {
   const CheckReport report = check(plan);
   ASSERT_TRUE(report.fits()) << report.refusals.front().message;
   const Move<double>& move = plan.played();
-  EXPECT_EQ(move.first_frame() < 0, GetParam().rolls);
   for (const std::size_t d : {0U, 1U}) {
     const Sampled found = sampled(plan, d, move.first_frame(), move.last_frame());
     const CheckedAxis& axis = report.axes[d];
@@ -84,8 +83,35 @@ TEST_P(EveryTiming, IsCertifiedForWhatItDoesWithItsRolls) {
   }
 }
 
-TEST_P(EveryTiming, StopsFromAnywhereWithinItsStopLimitsWhenItWasForetold) {
-  const Plan plan = this->plan(1.5);
+TEST_P(EveryTiming, IsCertifiedForWhatItDoesWithItsRolls) {
+  const Plan plan = this->plan(2.5);
+  expect_certified(plan);
+  EXPECT_EQ(plan.played().first_frame() < 0, GetParam().rolls);
+}
+
+/// Some of them begin or end on keys, in holds, or where a hold begins or ends.
+constexpr std::array<WholeFrames, 7> parts{
+    {{5, 20}, {13, 30}, {14, 33}, {17, 48}, {0, 14}, {20, 41}, {30, 48}}};
+
+TEST_P(EveryTiming, APartOfItIsCertifiedForWhatItDoesWithRollsOfItsOwn) {
+  const Plan whole = plan(3);
+  std::vector<double> of_part(2), of_whole(2);
+  for (const auto& [first, last] : parts) {
+    SCOPED_TRACE(testing::Message() << first << ".." << last);
+    const Plan part = plan(3, {first, last});
+    expect_certified(part);
+    for (std::int32_t frame = first; frame <= last; ++frame) {
+      for (const double fraction : {0.0, 0.37}) {
+        if (frame == last && fraction > 0) continue;
+        part.played().positions({frame, fraction}, of_part);
+        whole.played().positions({frame, fraction}, of_whole);
+        EXPECT_EQ(of_part, of_whole) << "to the last bit on frame " << frame + fraction;
+      }
+    }
+  }
+}
+
+void expect_foretold_stops(const Plan& plan) {
   const CheckReport report = check(plan);
   ASSERT_TRUE(report.fits()) << report.refusals.front().message;
   const PlannedStops stops(plan);
@@ -112,6 +138,11 @@ TEST_P(EveryTiming, StopsFromAnywhereWithinItsStopLimitsWhenItWasForetold) {
   }
   EXPECT_EQ(record.complaint(), "");
   EXPECT_GT(record.acceleration_share(), 0.3) << "nothing was asked of it";
+}
+
+TEST_P(EveryTiming, StopsFromAnywhereWithinItsStopLimitsWhenItWasForetold) {
+  expect_foretold_stops(plan(1.5));
+  expect_foretold_stops(plan(1.5, {5, 20}));
 }
 
 TEST_P(EveryTiming, IsFittedWhereItHasADrawnSpeedAndElseTellsWhyNot) {

@@ -36,6 +36,16 @@ TEST(StatusLine, TellsStateFrameAndRateAndWhatToPress) {
   EXPECT_THAT(status_line(now), HasSubstr("remove the cause"));
 }
 
+TEST(StatusLine, OfAPartOfAMoveItsRollsAreOutsideOfItsFrames) {
+  RunSnapshot now{
+      .state = SupervisorState::running, .frame = 30, .frames = 48, .part = WholeFrames{20, 40}, .rate = 1};
+  EXPECT_EQ(state_line(now), "playing  frame 30.0 of 20..40  rate +1.00 of 1.00");
+  now.frame = 19.5;
+  EXPECT_EQ(phase_of(now), "pre-roll");
+  now.frame = 41;
+  EXPECT_EQ(phase_of(now), "post-roll");
+}
+
 TEST(StatusLine, WhyAKeyDidNothingComesFirst) {
   const RunSnapshot now{
       .state = SupervisorState::running, .frames = 48, .words = "slower than this is a pause"};

@@ -338,6 +338,7 @@ void Playhead<Real>::follow_to(Real target, const StopBounds<Real>& within) {
   const StopBound<Real> bound = within.min_between(is_forward ? time_ : ahead, is_forward ? ahead : time_);
   // Each bound holds within a cell of its place, so on both sides of a border that this tick may cross.
   const Real jerk = std::max(within.rate_jerk(time_), within.rate_jerk(ahead));
+  if (is_steady(target)) return settle_on(target);
   if (lands_within_tick(target, jerk)) return land(target);
   const Real side = gap != 0 ? std::copysign(Real{1}, gap) : std::copysign(Real{1}, -change_);
   const Real change = side * change_;
@@ -349,6 +350,20 @@ void Playhead<Real>::follow_to(Real target, const StopBounds<Real>& within) {
   next = std::min(next, bound.rate_change);
   next = std::clamp(next, change - step, change + step);
   move_on(side * (next - change) / tick_s_, tick_s_);
+}
+
+/// Whether nothing but rounding is left of a change to a rate. A rounding of the rate change would turn into
+/// its opposite from tick to tick, for ever, and a stop would never be over.
+template <Precise Real>
+bool Playhead<Real>::is_steady(Real target) const {
+  const Real rounding = 8 * std::numeric_limits<Real>::epsilon() * bounds_->rate();
+  return std::fabs(target - rate_) <= rounding && std::fabs(change_) * tick_s_ <= rounding;
+}
+template <Precise Real>
+void Playhead<Real>::settle_on(Real target) {
+  rate_ = target;
+  change_ = 0;
+  advance_by(target * tick_s_);
 }
 
 /// Whether rate and rate change can arrive together before the tick is over.

@@ -172,6 +172,8 @@ class Playhead {
   [[nodiscard]] const StopBounds<Real>* rung_from(Real target) const;
   void release();
   void follow_to(Real target, const StopBounds<Real>& within);
+  [[nodiscard]] bool is_steady(Real target) const;
+  void settle_on(Real target);
   [[nodiscard]] bool lands_within_tick(Real target, Real jerk) const;
   void land(Real target);
   void move_on(Real jerk, Real seconds);
