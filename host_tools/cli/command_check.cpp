@@ -170,7 +170,7 @@ void describe(CLI::App& app, CheckArguments& arguments) {
   app.add_option("--rig", arguments.rig, "the rig: gives the axes their limits")->required();
   add_turns(app, arguments.turns);
   add_frames(app, arguments.frames,
-             "check the frames 20..80 of the move alone, or 20.. or ..80, with their own rolls");
+             "check a part of the move, 20..80 or 20.. or ..80, with rolls of its own");
   app.add_option("--json", arguments.json, "write everything that was found (- is standard output)");
   app.add_option("--plot", arguments.plot,
                  "draw velocity, acceleration and jerk of every axis with its limits (.svg, .png or .pdf)");

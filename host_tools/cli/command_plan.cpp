@@ -111,7 +111,7 @@ void describe(CLI::App& app, PlanArguments& arguments) {
   app.add_option("--rig", arguments.rig, "the rig: gives the axes their units, and ticks their rate");
   add_turns(app, arguments.turns);
   add_frames(app, arguments.frames,
-             "the frames 20..80 of the move alone, or 20.. or ..80, on a rig with their own rolls");
+             "a part of the move, 20..80 or 20.. or ..80, on a rig with rolls of its own");
   app.add_option("--per", arguments.per, "rows of the CSV and of the JSON's axes")
       ->check(CLI::IsMember({"frame", "tick"}))
       ->capture_default_str();

@@ -357,6 +357,19 @@ Examples:
   inbetween run move.toml --rig rig.toml --sim --fast --cue-log cues.csv)");
 }
 
+/// The help shows the options in these groups; those of a shoot have one of their own.
+void group_options(CLI::App& app) {
+  const std::vector<std::pair<const char*, std::vector<const char*>>> groups{
+      {"The rig, or one that is simulated",
+       {"--rig", "--sim", "--fast", "--from", "--positions", "--allow-jitter", "--faults", "--yes"}},
+      {"What is played, and how fast",
+       {"--frames", "--turns", "--loop", "--ping-pong", "--takes", "--rate", "--top-rate"}},
+      {"What is written", {"--json", "--record", "--plot", "--style", "--cue-log", "--latency"}}};
+  for (const auto& [group, names] : groups) {
+    for (const char* name : names) app.get_option(name)->group(group);
+  }
+}
+
 void describe(CLI::App& app, RunArguments& arguments) {
   app.add_option("MOVE", arguments.move, "the move: a TOML file with keys, a speed curve and a frame count")
       ->required();
@@ -365,13 +378,12 @@ void describe(CLI::App& app, RunArguments& arguments) {
       "AXIS=POSITION, where a simulated axis stands before (the start of the move)");
   app.get_option("--allow-jitter")
       ->description("move a real rig without real-time rights, at a tenth of the drawn speed at most");
+  add_frames(app, arguments.frames,
+             "play a part of the move, 20..80 or 20.. or ..80, with rolls of its own; with --step or\n"
+             "--shutter shoot it");
   CLI::Option* loop = app.add_flag("--loop", arguments.loop, "begin again at the end, until stopped");
   app.add_flag("--ping-pong", arguments.ping_pong, "play to and fro, until stopped")->excludes(loop);
   add_turns(app, arguments.turns);
-  add_frames(
-      app, arguments.frames,
-      "play the frames 20..80 of the move alone, or 20.. or ..80, with their own rolls; with --step or\n"
-      "--shutter shoot them");
   app.add_option("--top-rate", arguments.top_rate, "let + go up to so many times the drawn speed (1 to 10)")
       ->check(CLI::Range(1.0, 10.0))
       ->capture_default_str();
@@ -381,7 +393,6 @@ void describe(CLI::App& app, RunArguments& arguments) {
   app.add_flag("--yes", arguments.yes, "agree that the rig goes slowly to the start of the move");
   app.add_option("--faults", arguments.faults,
                  "a script of what goes wrong with simulated CiA 402 drives, and when");
-  app.add_flag("--latency", arguments.latency, "at the end show how late the loop woke up, by octaves");
   app.add_option("--json", arguments.json, "write a report (- is standard output)");
   app.add_flag("--takes", arguments.takes,
                "stay after the end: Home goes back to the start, Enter begins the next take");
@@ -396,7 +407,9 @@ void describe(CLI::App& app, RunArguments& arguments) {
   app.add_option("--cue-log", arguments.cue_log,
                  "write when which pulse began on the outputs of the rig, a line a pulse (CSV; - is standard "
                  "output)");
+  app.add_flag("--latency", arguments.latency, "at the end show how late the loop woke up, by octaves");
   add_shoot_options(app, arguments);
+  group_options(app);
   explain(app);
 }
 

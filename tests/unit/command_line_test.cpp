@@ -74,6 +74,22 @@ TEST(CommandLine, TheHelpOfPlanNamesEveryOption) {
                "closed-form", "runge-kutta", "svg", "png", "pdf"});
 }
 
+TEST(CommandLine, TheHelpOfRunShowsEveryOptionInAGroup) {
+  const std::string help = run_program({"run", "--help"}).out;
+  const std::size_t options = help.find("\nOptions:\n");
+  const std::size_t first_group = help.find("\nThe rig, or one that is simulated:\n");
+  ASSERT_LT(options, first_group);
+  EXPECT_THAT(help.substr(options, first_group - options), HasSubstr("--help"));
+  EXPECT_EQ(help.substr(options, first_group - options).find("\n  --"), std::string::npos)
+      << "an option without a group";
+  const std::size_t played = help.find("\nWhat is played, and how fast:\n");
+  const std::size_t written = help.find("\nWhat is written:\n");
+  EXPECT_LT(first_group, played);
+  EXPECT_LT(played, help.find("\n  --frames "));
+  EXPECT_LT(help.find("\n  --frames "), written);
+  EXPECT_LT(written, help.find("\nStop motion and go-motion:\n"));
+}
+
 TEST(CommandLine, TheHelpOfRunNamesEveryOption) {
   expect_help({"run", "--help"}, {"MOVE", "--rig ", "--sim ", "--fast ", "--json ", "--help", "--cue-log ",
                                   "start = \"trigger\"", "[start_trigger]", "[camera]", "[output.NAME]"});

@@ -143,6 +143,34 @@ TEST(FrameRange, APartMayFitWhereTheWholeDoesNotAndTheOtherWayRound) {
   }
 }
 
+TEST(FrameRange, AStepCountsWhereItIsPassedAndNotWhereAPartBeginsOrEnds) {
+  const TemporaryFile corner(
+      "corner.toml",
+      "name = \"corner\"\nfps = 24\nframes = 96\n[[track]]\naxes = [\"pan\", \"tilt\"]\n"
+      "spline = \"linear\"\nkeys = [{ at = [0, 0] }, { at = [30, 0], frame = 48 }, { at = [30, "
+      "20] }]\nspeed = [0, 0, 10, 10, 10, 0, 0]\n");
+  const std::string remedy = "let the speed touch 0 there with ease = true";
+  for (const char* frames : {"0..96", "20..60", "47..", "..49"}) {
+    const ProgramRun run = program("check", {"--frames", frames}, corner.path());
+    EXPECT_EQ(run.status, 3) << frames;
+    EXPECT_THAT(run.err, HasSubstr(remedy));
+  }
+  for (const char* frames : {"..48", "48..", "10..48", "48..50"}) {
+    const ProgramRun run = program("check", {"--frames", frames}, corner.path());
+    EXPECT_EQ(run.status, 0) << frames << run.err;
+    EXPECT_THAT(run.out, HasSubstr("no step of velocity or acceleration"));
+  }
+}
+
+TEST(FrameRange, InAPipeItsPhasesAreThoseOfThePart) {
+  const ProgramRun run = program("run", {"--sim", "--frames", "100..103"});
+  EXPECT_EQ(run.status, 0) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("pre-roll  frame "));
+  EXPECT_THAT(run.err, HasSubstr("\nplaying  frame 10"));
+  EXPECT_THAT(run.err, HasSubstr("\npost-roll  frame 10"));
+  EXPECT_THAT(run.err, HasSubstr(" of 100..103  rate +1.00"));
+}
+
 TEST(FrameRange, CheckFewestHasItsFormerSpellingNamed) {
   const ProgramRun run = program("check", {"--fit", "-", "--frames", "fewest"});
   EXPECT_EQ(run.status, 2);
@@ -229,6 +257,9 @@ TEST(FrameRange, EveryExampleCanBePlayedFromTheMiddle) {
                             {"turntable.toml", "turntable_rig.toml"},
                             {"turntable.toml", "turntable_rig.toml", {"--turns", "2"}},
                             {"nod.toml", "puppet_head.toml"},
+                            {"arm/reach_over.toml", "arm/rig.toml"},
+                            {"crane/over_the_table.toml", "crane/rig.toml"},
+                            {"crane/round_the_puppet.toml", "crane/rig.toml"},
                             {"blink.toml", "puppet_head.toml"}}) {
     const std::string move = in_checkout(std::string("examples/") + example.move);
     const std::string rig = in_checkout(std::string("examples/") + example.rig);
