@@ -85,6 +85,18 @@ export async function edit(move, rig, { text, viewport = { width: 1280, height: 
   };
 }
 
+/** The page in one file, opened from its folder without a program behind it. */
+export async function alone() {
+  const file = process.env.INBETWEEN_ALONE ?? join(root, "build/release/editor/alone/inbetween.html");
+  const context = await browser.newContext({ viewport: { width: 1280, height: 720 }, acceptDownloads: true });
+  const page = await context.newPage();
+  await page.goto(`file://${file}`);
+  return { page, end: () => context.close() };
+}
+export const example = (name) => join(root, "examples", name);
+export const hashes = (move, rig) => JSON.parse(execFileSync(program, ["plan", move, "--rig", rig, "--json", "-"],
+  { stdio: ["ignore", "pipe", "ignore"] })).tracks.map((track) => track.hash ?? track.provenance?.hash).join(" ");
+
 /** A move of a hundred keys on three axes, with a curve of forty control values. */
 export function hundredKeys() {
   const keys = [];

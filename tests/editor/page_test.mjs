@@ -3,11 +3,12 @@
 //
 //   INBETWEEN=build/release/inbetween node --test tests/editor/page_test.mjs
 import assert from "node:assert/strict";
-import { existsSync, writeFileSync } from "node:fs";
+import { existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { connect } from "node:net";
-import { join } from "node:path";
+import { tmpdir } from "node:os";
+import { basename, join } from "node:path";
 import { after, before, test } from "node:test";
-import { edit, hundredKeys, startBrowser, stopBrowser, until } from "./editor.mjs";
+import { alone, edit, example, hashes, hundredKeys, pictures, startBrowser, stopBrowser, until } from "./editor.mjs";
 
 before(startBrowser);
 after(stopBrowser);
@@ -404,6 +405,43 @@ test("other kinds of move open with the hash of the command line", async () => {
     assert.deepEqual(editor.complaints, [], move);
     await editor.end();
   }
+});
+
+test("without the program a move and a rig are dropped, edited and downloaded", async () => {
+  const { page, end } = await alone();
+  const drop = (...files) => page.evaluate((dropped) => {
+    const dataTransfer = new DataTransfer();
+    for (const { name, text } of dropped) dataTransfer.items.add(new File([text], name));
+    document.dispatchEvent(new DragEvent("drop", { dataTransfer, cancelable: true }));
+  }, files.map((file) => ({ name: basename(file), text: readFileSync(file, "utf8") })));
+  await page.waitForSelector("#files");
+  await drop(example("crane/rig.toml"));
+  await until(page, () => document.querySelector("[role=alert]").textContent.includes("drop the move as well"));
+  await drop(example("crane/round_the_puppet.toml"));
+  await until(page, () => document.querySelector("[role=alert]").textContent.includes("open the file with inbetween edit"));
+  await drop(example("reveal.toml"), example("camera_rig.toml"));
+  await page.waitForSelector("#frames");
+  const shown = () => page.locator("#verdict").getAttribute("data-hash");
+  assert.equal(await shown(), hashes(example("reveal.toml"), example("camera_rig.toml")));
+  assert.match(await page.locator("#verdict").textContent(), /within the limits/);
+  for (const id of ["fit", "fewest", "draw"]) {
+    assert.ok(await page.locator(`#${id}`).isDisabled());
+    assert.match(await page.locator(`#${id}`).getAttribute("title"), /needs the program/);
+  }
+  await pick(page, value(page, 4));
+  await page.keyboard.press("ArrowDown");
+  await pick(page, key(page, 2));
+  await page.keyboard.press("]");
+  const [taken] = await Promise.all([page.waitForEvent("download"), page.keyboard.press("Control+s")]);
+  const folder = mkdtempSync(join(tmpdir(), "inbetween-alone-"));
+  const path = join(folder, taken.suggestedFilename());
+  await taken.saveAs(path);
+  await until(page, () => window.inbetween.store.canUndo);
+  assert.equal(hashes(path, example("camera_rig.toml")), await shown());
+  assert.notEqual(await shown(), hashes(example("reveal.toml"), example("camera_rig.toml")));
+  await page.screenshot({ path: join(pictures, "alone.png") });
+  rmSync(folder, { recursive: true });
+  await end();
 });
 
 test("a thousand silent connections keep nobody out, and are left", async () => {

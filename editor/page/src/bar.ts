@@ -28,7 +28,7 @@ export class Bar {
     const name = html("h1", {}, store.move.name);
     const tools: Node[] = [name, this.track, html("label", {}, "Frames ", this.frames), html("label", {}, "fps ", this.fps),
       this.undo, this.redo];
-    if (server && store.move.rig) {
+    if (store.move.rig) {
       tools.push(button("Fit", "Change the speed curve as little as can be, so that it keeps the limits", () => void this.ask("fit"), "fit"),
         button("Fewest frames", "The fewest frames in which this curve keeps the limits", () => void this.ask("fewest"), "fewest"));
     }
@@ -41,6 +41,12 @@ export class Bar {
       });
       tools.push(html("label", { title: "Save a second after every change" }, this.auto, " Autosave"), this.saved,
         button("Save", "Save (Ctrl+S)", () => void this.save(), "save"));
+    } else {
+      tools.push(button("Download", "Download the move as a file (Ctrl+S)", () => void this.save(), "save"));
+      for (const tool of tools) {
+        if (!(tool instanceof HTMLButtonElement) || !["fit", "fewest"].includes(tool.id)) continue;
+        attributes(tool, { disabled: true, title: `${tool.textContent} needs the program: start inbetween edit` });
+      }
     }
     byId("bar").append(...tools);
     this.frames.addEventListener("change", () => {
@@ -106,7 +112,7 @@ export class Bar {
     attributes(this.verdict, { title: words, class: state });
     this.verdict.dataset.hash = store.solution.tracks.map((track) => track.hash).join(" ");
     const saved = this.conflict ? "changed outside" : this.isChanged ? "not saved" : "saved";
-    if (this.saved.textContent !== saved) this.saved.textContent = saved;
+    if (this.server && this.saved.textContent !== saved) this.saved.textContent = saved;
     this.saved.className = this.conflict ? "bad" : this.isChanged ? "" : "good";
   }
 
@@ -170,7 +176,7 @@ export class Bar {
 
   /** Edits go on counting from the text that was loaded, however often they are saved: undo reaches back over it. */
   async save(): Promise<void> {
-    if (!this.server) return;
+    if (!this.server) return (await import("./alone")).download(this.store.move);
     if (this.saving) return this.later();
     const saved = this.store.move;
     clearTimeout(this.timer);

@@ -176,7 +176,10 @@ function begin(solver: Solver, move: Move, server: Server | null): void {
 }
 
 async function start(): Promise<void> {
-  const solver = await Solver.load(await fetch("solver.wasm"));
+  const inlined = document.getElementById("solver"); // of the page in one file
+  const solver = await Solver.load(inlined ? await (await fetch(`data:application/wasm;base64,${inlined.textContent!.trim()}`)).arrayBuffer()
+    : await fetch("solver.wasm"));
+  if (inlined) return (await import("./alone")).askForFiles((move) => begin(solver, move, null));
   const server = Server.find();
   if (!server) {
     byId("path").append(html("p", { class: "empty" }, "Open the address that “inbetween edit” printed: it has the key of this launch."));
