@@ -2,10 +2,12 @@
 // in the two arrays of Exchange; a function answers 1, or 0 after an error, which ib_error then tells.
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string_view>
 
 #include "editor/solver/session.hpp"
 #include "inbetween/base/hash.hpp"
+#include "inbetween/joints/joint_tree.hpp"
 #include "inbetween/limits/motion_steps.hpp"
 
 namespace inbetween::editor {
@@ -14,6 +16,13 @@ namespace {
 // They hold one move at a time, and a page has one thread.
 Session session;
 Exchange exchange;
+
+/// As many links as a URDF file may have.
+constexpr std::size_t max_joints = 256;
+/// ib_poses reads from the second half of the numbers and writes into the first.
+constexpr std::size_t pose_numbers = max_numbers / 2;
+JointStorage<double, max_joints> joint_memory;
+std::optional<JointTree<double>> tree;
 
 std::int32_t answer(const Status& status) {
   if (status) return 1;
@@ -268,6 +277,59 @@ std::int32_t ib_motion(double first, double step, std::int32_t samples) {
     }
   }
   return samples;
+}
+
+/// The joints of the rig, of which ib_poses knows from then on. Integers: kind, parent and coordinate of each
+/// joint. Numbers of each joint: factor, offset, place and three axes of its origin, its own axis.
+std::int32_t ib_joints(std::int32_t joint_count, std::int32_t coordinate_count) {
+  std::array<Joint<double>, max_joints> joints;
+  if (joint_count < 0 || static_cast<std::size_t>(joint_count) > max_joints) return 0;
+  Reader in(exchange);
+  const auto vector = [&] {
+    const double x = in.number();
+    const double y = in.number();
+    return Vector3<double>{x, y, in.number()};
+  };
+  for (Joint<double>& joint : std::span(joints).first(static_cast<std::size_t>(joint_count))) {
+    joint.kind = static_cast<JointKind>(std::clamp(in.integer(), 0, 2));
+    joint.parent = in.integer();
+    joint.coordinate = in.integer();
+    joint.factor = in.number();
+    joint.offset = in.number();
+    joint.origin.position = vector();
+    joint.origin.rotation.x = vector();
+    joint.origin.rotation.y = vector();
+    joint.origin.rotation.z = vector();
+    joint.axis = vector();
+  }
+  const auto made = JointTree<double>::make(std::span(joints).first(static_cast<std::size_t>(joint_count)),
+                                            coordinate_count, joint_memory);
+  tree = made ? std::optional(*made) : std::nullopt;
+  return made ? 1 : answer(made.error());
+}
+
+/// Numbers in: the coordinates of `count` moments, one after the other. Numbers out: where each link is then,
+/// x y z in metres.
+std::int32_t ib_poses(std::int32_t count) {
+  if (!tree) return 0;
+  const std::size_t coordinates = tree->coordinate_count();
+  std::array<double, max_move_axes> at;
+  std::array<Pose<double>, max_joints> poses;
+  const std::span<Pose<double>> links = std::span(poses).first(tree->joints().size());
+  if (count < 0 || coordinates > at.size() ||
+      static_cast<std::size_t>(count) * std::max(3 * links.size(), coordinates) > pose_numbers)
+    return 0;
+  const std::span<const double> in = std::span(exchange.numbers).last(pose_numbers);
+  Writer out(exchange);
+  for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
+    std::ranges::copy(in.subspan(i * coordinates, coordinates), at.begin());
+    if (const Status status = tree->poses(std::span(at).first(coordinates), links); !status)
+      return answer(status);
+    for (const Pose<double>& pose : links) {
+      for (const double number : {pose.position.x, pose.position.y, pose.position.z}) out.number(number);
+    }
+  }
+  return 1;
 }
 
 }  // extern "C"

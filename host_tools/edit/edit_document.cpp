@@ -133,6 +133,47 @@ void write_axis(JsonWriter& json, const Plan& plan, std::size_t move_axis) {
   json.end_object();
 }
 
+std::array<double, 3> numbers_of(const Vector3<double>& vector) {
+  return {vector.x, vector.y, vector.z};
+}
+
+/// The joints of the rig, each with its link, as JointTree takes them; and of each coordinate the axis of the
+/// move that is it, or else where it stays: at 0, or as near as it can.
+void write_joints(JsonWriter& json, const Plan& plan) {
+  const Kinematics& kinematics = *plan.kinematics();
+  json.array("joints", [&] {
+    for (std::size_t j = 0; j < kinematics.links().size(); ++j) {
+      const Joint<double>& joint = kinematics.tree().joints()[j];
+      json.line();
+      json.begin_object();
+      json.member("link", kinematics.links()[j]);
+      json.member("kind", static_cast<int>(joint.kind));
+      json.member("parent", joint.parent);
+      json.member("coordinate", joint.coordinate);
+      std::vector<double> numbers = {joint.factor, joint.offset};
+      const Rotation3<double>& turned = joint.origin.rotation;
+      for (const Vector3<double>& vector :
+           {joint.origin.position, turned.x, turned.y, turned.z, joint.axis}) {
+        for (const double number : numbers_of(vector)) numbers.push_back(number);
+      }
+      json.member("numbers", numbers);
+      json.end_object();
+    }
+  });
+  json.array("coordinates", [&] {
+    for (std::size_t i = 0; i < plan.rig()->axes.size(); ++i) {
+      const PlanAxis& axis = plan.axes()[i];
+      const RigAxis& limits = plan.rig()->axes[i];
+      json.begin_object();
+      json.member("axis", axis.track ? std::optional(axis.move_axis) : std::nullopt);
+      json.member("stays_at", std::clamp(0.0, limits.min, limits.max));
+      json.end_object();
+    }
+  });
+  json.member("tip",
+              kinematics.tips().empty() ? std::nullopt : std::optional(kinematics.tips().front().link));
+}
+
 /// What `write` writes, as text.
 template <class Write>
 std::string json_text(const Write& write) {
@@ -173,6 +214,7 @@ std::string document_of(const Plan& plan, const DocumentSource& source) {
       json.begin_object();
       json.member("name", plan.rig()->name);
       json.member("rate_hz", plan.rig()->rate_hz);
+      if (plan.kinematics()) write_joints(json, plan);
       json.end_object();
     } else {
       json.null();

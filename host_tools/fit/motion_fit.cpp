@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -35,6 +36,9 @@ constexpr double finest = 1e-3;
 /// Control values are tried in steps of a quarter more, up to one for three samples and no more than this.
 constexpr std::size_t max_spans = 160;
 constexpr double largest_value = 10;
+/// A hand that is slower than this share of the peak at an end stands there. Its curve rests, because a speed
+/// of 0 that rises at once would step the acceleration.
+constexpr double slow_end = 0.05;
 /// The motion without its noise is looked at in so many places between two control values.
 constexpr std::size_t per_span = 8;
 
@@ -310,13 +314,14 @@ struct Pace {
 
 Pace fitted_pace(const Recording& recording, std::span<const double> distances, double total,
                  double tolerance) {
-  Pace best;
-  double least = std::numeric_limits<double>::infinity();
+  std::array<Pace, 4> found;  // by the ends that rest: 1 the first, 2 the last
+  std::array<double, 4> least{};
+  least.fill(std::numeric_limits<double>::infinity());
   for (const std::size_t spans : span_counts(distances.size())) {
     const CurveSamples samples(recording.moments, spans);
-    for (int ends = 0; ends < 4; ++ends) {
+    for (std::size_t ends = 0; ends < found.size(); ++ends) {
       const CurveBounds bounds{
-          .total = total, .rests_at_start = (ends & 1) != 0, .rests_at_end = (ends & 2) != 0};
+          .total = total, .rests_at_start = (ends & 1U) != 0, .rests_at_end = (ends & 2U) != 0};
       const auto values = samples.fit(distances, bounds);
       if (!values) continue;
       const ControlCurve curve(*values);
@@ -330,10 +335,15 @@ Pace fitted_pace(const Recording& recording, std::span<const double> distances, 
       const double floor = finest * tolerance;
       const std::size_t rests = 2 * static_cast<std::size_t>(bounds.rests_at_start + bounds.rests_at_end);
       const double score = information(square + floor * floor, distances.size(), spans - rests);
-      if (score < least) least = score, best = {*values, std::sqrt(square) / total};
+      if (score < least[ends]) least[ends] = score, found[ends] = {*values, std::sqrt(square) / total};
     }
   }
-  if (best.values.empty()) refuse("no speed curve follows the motion; draw it again");
+  auto ends = static_cast<std::size_t>(std::ranges::min_element(least) - least.begin());
+  if (found[ends].values.empty()) refuse("no speed curve follows the motion; draw it again");
+  const double standing = slow_end * *std::ranges::max_element(found[ends].values);
+  if (found[ends].values.front() < standing && !found[ends | 1U].values.empty()) ends |= 1U;
+  if (found[ends].values.back() < standing && !found[ends | 2U].values.empty()) ends |= 2U;
+  Pace best = found[ends];
   const double scale = largest_value / *std::ranges::max_element(best.values);
   for (double& value : best.values) value = std::round(value * scale * 1e4) / 1e4;
   return best;

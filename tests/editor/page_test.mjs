@@ -353,6 +353,28 @@ test("elevation, space and the axes over time", async () => {
   await editor.end();
 });
 
+test("a rig with joints is shown as it stands, and its tip is where the command line has it", async () => {
+  const editor = await edit("crane/over_the_table.toml", "crane/rig.toml");
+  const { page } = editor;
+  await page.locator("#tab-space").click();
+  await page.waitForSelector("#space canvas");
+  assert.equal(await page.locator("#space").getAttribute("data-shows"), "rig");
+  await page.evaluate(() => window.inbetween.store.setFrame(100));
+  await editor.settled();
+  await editor.picture("rig");
+  const tip = editor.plan().tips[0];
+  for (const frame of [0, 100, 191]) {
+    const place = await page.evaluate((at) => {
+      const { move, solver } = window.inbetween.store;
+      const places = solver.places(move.rig, move.axes.length, at, 0, 1);
+      return Array.from(places.slice(3 * move.rig.tip, 3 * move.rig.tip + 3));
+    }, frame);
+    for (const [axis, name] of ["x", "y", "z"].entries()) assert.ok(Math.abs(place[axis] - tip.position[frame][axis]) < 1e-9, `${name} at frame ${frame}`);
+  }
+  assert.deepEqual(editor.complaints, []);
+  await editor.end();
+});
+
 test("an outside change is offered, and both versions are kept", async () => {
   const editor = await reveal();
   const { page } = editor;

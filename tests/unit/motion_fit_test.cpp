@@ -75,6 +75,24 @@ TEST(MotionFit, AnAxisThatDoesNotCountAsksForNoKeys) {
   EXPECT_GT(fit_motion(sampled).keys.size(), 20U);
 }
 
+TEST(MotionFit, AHandThatStartsAndStopsAtOnceStillRestsAtItsEnds) {
+  SampledMotion sampled{
+      .times = {}, .positions = {}, .tolerances = {2, 2}, .weights = {1, 1}, .frames_per_second = 24};
+  for (int i = 0; i <= 120; ++i) {
+    const double share = i / 120.0;
+    const double way = share * share * (3 - 2 * share);  // its acceleration steps at both ends
+    sampled.times.push_back(i / 60.0);
+    sampled.positions.insert(sampled.positions.end(), {600 * way, 200 * way * way});
+  }
+  const MotionFit fit = fit_motion(sampled);
+  ASSERT_GE(fit.speed.size(), 5U);
+  EXPECT_EQ(fit.speed[0], 0);
+  EXPECT_EQ(fit.speed[1], 0);
+  EXPECT_EQ(fit.speed[fit.speed.size() - 1], 0);
+  EXPECT_EQ(fit.speed[fit.speed.size() - 2], 0);
+  EXPECT_LT(fit.lag, 0.01);
+}
+
 TEST(MotionFit, WhatIsNoMotionIsRefusedInOneLine) {
   SampledMotion sampled = there_and_back();
   sampled.positions.assign(sampled.positions.size(), 7);

@@ -66,13 +66,30 @@ export interface FrameRate {
   readonly denominator: number;
 }
 
+export interface Joint {
+  readonly link: string;
+  readonly kind: number;
+  readonly parent: number;
+  readonly coordinate: number;
+  readonly numbers: readonly number[]; // factor, offset, place, three axes, its own axis
+}
+
+export interface Rig {
+  readonly name: string;
+  readonly rate_hz: number;
+  /** Of a rig with kinematics. */
+  readonly joints?: readonly Joint[];
+  readonly coordinates?: readonly { readonly axis: number | null; readonly stays_at: number }[];
+  readonly tip?: number | null;
+}
+
 export interface Move {
   readonly file: string;
   readonly revision: string;
   readonly name: string;
   readonly fps: FrameRate;
   readonly frames: number;
-  readonly rig: { readonly name: string; readonly rate_hz: number } | null;
+  readonly rig: Rig | null;
   readonly axes: readonly Axis[];
   readonly tracks: readonly Track[];
 }

@@ -1,5 +1,5 @@
 // The core, as WebAssembly. editor/solver/abi.cpp is the other side and says what each function reads and writes.
-import { perSecond, type Move, type Track } from "./move";
+import { perSecond, type Move, type Rig, type Track } from "./move";
 
 interface Abi {
   memory: WebAssembly.Memory;
@@ -19,6 +19,8 @@ interface Abi {
   ib_key_frames(track: number): number;
   ib_at(track: number, s: number): number;
   ib_certificate(): number;
+  ib_joints(joints: number, coordinates: number): number;
+  ib_poses(count: number): number;
   ib_motion(first: number, step: number, samples: number): number;
 }
 
@@ -138,6 +140,30 @@ export class Solver {
     return this.out(samples * axes * 4).slice();
   }
 
+  /** Where every link of the rig is at `samples` frames, x y z in metres; null where the rig has no joints. */
+  places(rig: Rig, axes: number, first: number, step: number, samples: number): Float64Array | null {
+    const { joints, coordinates } = rig;
+    if (!joints || !coordinates) return null;
+    if (rig !== this.rig) {
+      const { numbers, integers } = this.view();
+      joints.forEach((joint, j) => {
+        integers.set([joint.kind, joint.parent, joint.coordinate], 3 * j);
+        numbers.set(joint.numbers, joint.numbers.length * j);
+      });
+      if (!this.abi.ib_joints(joints.length, coordinates.length)) return null;
+      this.rig = rig;
+    }
+    const motion = this.motion(first, step, samples, axes);
+    const half = this.view().numbers.subarray(1 << 18);
+    for (let i = 0; i < samples; ++i) {
+      coordinates.forEach(({ axis, stays_at }, c) => {
+        half[i * coordinates.length + c] = axis === null ? stays_at : motion[(i * axes + axis) * 4];
+      });
+    }
+    return this.abi.ib_poses(samples) ? this.out(samples * joints.length * 3).slice() : null;
+  }
+
+  private rig: Rig | null = null; // whose joints the solver has
   private view(): { numbers: Float64Array; integers: Int32Array } {
     return {
       numbers: new Float64Array(this.abi.memory.buffer, this.numbers, 1 << 19),
@@ -291,7 +317,7 @@ function whyNot(move: Move, peaks: Certificate["peaks"], steps: Certificate["ste
     const l = axis.limits!;
     const p = peaks[a];
     const over = (name: string, value: number, limit: number, unit: string, frame: number): string =>
-      `${axis.name}: ${name} ${value.toPrecision(3)} ${unit} at frame ${frame.toFixed(0)}, and ${limit} is allowed`;
+      `${axis.name}: ${name} ${Number(value.toPrecision(3))} ${unit} at frame ${frame.toFixed(0)}, and ${limit} is allowed`;
     if (p.lowest.value < l.min) return over("position", p.lowest.value, l.min, axis.unit, p.lowest.frame);
     if (p.highest.value > l.max) return over("position", p.highest.value, l.max, axis.unit, p.highest.frame);
     if (!(p.velocity.value <= l.max_velocity))

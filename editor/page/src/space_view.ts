@@ -1,5 +1,6 @@
 // The path in space, by three.js. It is loaded when it is first asked for.
 import type * as Three from "three";
+import { RigFigure } from "./rig_figure";
 import type { Store } from "./store";
 
 export class SpaceView {
@@ -8,8 +9,10 @@ export class SpaceView {
   private scene!: Three.Scene;
   private camera!: Three.PerspectiveCamera;
   private content!: Three.Group;
+  private ground!: Three.GridHelper;
   private marker!: Three.Mesh;
-  private turn = { azimuth: -0.9, elevation: 0.5, distance: 4 };
+  private figure: RigFigure | null = null;
+  private turn = { azimuth: -0.9, elevation: 0.5, distance: 3.4 };
   axes: [number, number, number] = [0, 1, 2];
 
   constructor(private readonly store: Store, private readonly place: HTMLElement) {
@@ -28,11 +31,10 @@ export class SpaceView {
       this.camera = new three.PerspectiveCamera(38, 1, 0.01, 100);
       this.camera.up.set(0, 0, 1);
       this.content = new three.Group();
-      const grid = new three.GridHelper(2, 10, 0x4a5160, 0x2b303a);
-      grid.rotateX(Math.PI / 2);
-      grid.position.z = -1;
+      this.ground = new three.GridHelper(2, 10, 0x4a5160, 0x2b303a);
+      this.ground.rotateX(Math.PI / 2);
       this.marker = new three.Mesh(new three.SphereGeometry(0.035, 20, 14), new three.MeshBasicMaterial({ color: 0xffffff }));
-      this.scene.add(grid, this.content, this.marker);
+      this.scene.add(this.ground, this.content, this.marker);
       this.place.append(this.renderer.domElement);
       this.listen();
     }
@@ -71,10 +73,17 @@ export class SpaceView {
     this.render();
   }
 
+  private late = 0;
+  /** While something is dragged, every third picture will do: to build it all anew takes long. */
+  private isLate(): boolean {
+    this.late = this.store.isDragging ? (this.late + 1) % 3 : 0;
+    return this.late !== 0;
+  }
+
   private scale: (values: ArrayLike<number>, offset: number) => [number, number, number] = () => [0, 0, 0];
 
   draw(): void {
-    if (!this.three || this.place.hidden || this.place.clientWidth === 0) return;
+    if (!this.three || this.place.hidden || this.place.clientWidth === 0 || this.isLate()) return;
     const three = this.three;
     const { store } = this;
     const track = store.move.tracks[store.selection.track];
@@ -97,6 +106,11 @@ export class SpaceView {
     }) as [number, number, number];
     for (const child of this.content.children as (Three.Line | Three.Mesh)[]) child.geometry.dispose();
     this.content.clear();
+    this.figure = store.move.rig?.joints ? new RigFigure(three, store, this.content) : null;
+    if (this.figure && !this.figure.build()) this.figure = null;
+    this.ground.position.z = this.figure?.ground ?? -1;
+    this.place.dataset.shows = this.figure ? "rig" : "axes";
+    if (this.figure) return this.drawFrame();
     const points = Array.from({ length: solved.path.length / axes }, (_, i) => new three.Vector3(...this.scale(solved.path, i * axes)));
     this.content.add(new three.Line(new three.BufferGeometry().setFromPoints(points), new three.LineBasicMaterial({ color: 0x6ab0ff })));
     const ticks: Three.Vector3[] = [];
@@ -119,6 +133,11 @@ export class SpaceView {
   private drawFrame(): void {
     if (!this.three || this.place.hidden) return;
     const { store } = this;
+    const tip = this.figure?.pose(store.frame);
+    if (tip) {
+      this.marker.position.copy(tip);
+      return this.render();
+    }
     const first = store.move.tracks.slice(0, store.selection.track).reduce((sum, track) => sum + track.axes.length, 0);
     const motion = store.solver.motion(store.frame, 1, 1, store.move.axes.length);
     const here = store.move.tracks[store.selection.track].axes.map((_, a) => motion[(first + a) * 4]);
@@ -132,7 +151,7 @@ export class SpaceView {
     const { azimuth, elevation, distance } = this.turn;
     this.camera.aspect = width / height;
     this.camera.position.set(distance * Math.cos(elevation) * Math.cos(azimuth), distance * Math.cos(elevation) * Math.sin(azimuth), distance * Math.sin(elevation));
-    this.camera.lookAt(0, 0, -0.1);
+    this.camera.lookAt(0, 0, this.figure ? 0 : -0.1);
     this.camera.updateProjectionMatrix();
     this.renderer.setSize(width, height, false);
     this.renderer.render(this.scene, this.camera);
