@@ -115,7 +115,8 @@ void describe(CLI::App& app, JogArguments& arguments) {
   app.add_option("--teach", arguments.teach,
                  "the move whose keys are stored where the rig stands; the first key makes a new one");
   app.add_option("--axes", arguments.axes_of_new,
-                 "with --teach and a new move: its axes; all of the rig unless said otherwise")
+                 "with --teach and a new move: its axes, with commas between; all of the rig unless said\n"
+                 "otherwise")
       ->delimiter(',')
       ->allow_extra_args(false);
   app.footer(

@@ -45,6 +45,10 @@ RunSnapshot LoopTrace::shown(const LoopTask& act) const {
   RunSnapshot snapshot = act.snapshot();
   snapshot.axis_count = std::min(axes_.size(), snapshot.axes.size());
   std::copy_n(axes_.begin(), snapshot.axis_count, snapshot.axes.begin());
+  for (std::size_t i = 0; commanded_ && i < snapshot.axis_count; ++i) {
+    AxisPlace& axis = snapshot.axes[i];
+    axis.commanded = axis.actual + axis.following_error;
+  }
   return snapshot;
 }
 

@@ -58,7 +58,7 @@ class LoopTrace {
   /// From now on every tick goes there, or nowhere. The loop's thread calls it.
   void record_to(RunRecord* record) { record_ = record; }
   [[nodiscard]] const std::vector<AxisTrace>& axes() const { return axes_; }
-  /// What the act shows, and the axes.
+  /// What the act shows, and the axes: the setpoint of each that its drive has answered, one tick old.
   [[nodiscard]] RunSnapshot shown(const LoopTask& act) const;
 
  private:

@@ -97,6 +97,16 @@ TEST(DeviceScene, OfAKeyThatIsLetGoTheAxisRestsAsSoonAsItsLimitsAllow) {
       << "Enter, which was held, was let go for all; what came then was for this program alone";
 }
 
+TEST(DeviceScene, ThatAnotherProgramHasForItselfIsRefusedInOneLine) {
+  const DeviceScene scene("0:grab", "1");
+  EXPECT_EQ(scene.run.status, 1) << scene.run.err << scene.run.out;
+  EXPECT_TRUE(scene.counts.empty());
+  EXPECT_THAT(
+      file_contents((scene.folder.path() / "record").string()),
+      HasSubstr("/dev/input/event0: error: the device cannot be used: Device or resource busy; another "
+                "program has it for itself; end that"));
+}
+
 TEST(DeviceScene, UnpluggedTheAxisRestsAsIfItWereLetGo) {
   const DeviceScene scene("500:press 600:unplug 800:q", "1");
   ASSERT_EQ(scene.run.status, 0) << scene.run.err << scene.run.out;

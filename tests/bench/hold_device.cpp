@@ -5,9 +5,10 @@
 //
 // ACTION is press, release (of right), turn (the wheel by a detent), unplug, or a character, which is typed
 // at the terminal. One with the line 0 is done before the command starts: enter, which is let go once the
-// command asks for that. A word DEVICE of the command becomes the path of the device; its terminal is a
-// pseudo-terminal. RECORD gets the lines, "# ACTION" between them, and at the end how many keys somebody else
-// heard on the device while the command had it, and afterwards. The exit status is the command's.
+// command asks for that, or grab, by which somebody else has the device alone. A word DEVICE of the command
+// becomes the path of the device; its terminal is a pseudo-terminal. RECORD gets the lines, "# ACTION"
+// between them, and at the end how many keys somebody else heard on the device while the command had it, and
+// afterwards. The exit status is the command's.
 #include <fcntl.h>
 #include <linux/input.h>
 #include <linux/uinput.h>
@@ -69,6 +70,7 @@ class Listener {
  public:
   explicit Listener(const std::string& path)
       : file_(::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC)) {}
+  void have_alone() const { ::ioctl(file_, EVIOCGRAB, 1); }
   [[nodiscard]] int keys() const {
     int count = 0;
     input_event event{};
@@ -130,7 +132,9 @@ int main(int count, char** arguments) {
   }
   bool unplugs = false;
   for (const auto& [number, action] : actions) unplugs = unplugs || action == "unplug";
-  const bool holds_enter = actions.erase(0) > 0;
+  const bool holds_enter = actions.contains(0) && actions.find(0)->second == "enter";
+  if (actions.contains(0) && !holds_enter) other.have_alone();
+  actions.erase(0);
   if (holds_enter) device.tell(EV_KEY, KEY_ENTER, 1);
   Terminal terminal(command);
   const Hand hand{device, terminal, record};

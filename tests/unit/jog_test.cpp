@@ -331,6 +331,21 @@ TEST(Jog, APressFromBeforeASlowDiskMovesNothing) {
   EXPECT_THAT(bench.jog->snapshot().words, HasSubstr("press again"));
 }
 
+TEST(Jog, TheScreenComparesWithAnActualPositionTheSetpointThatItAnswers) {
+  Bench bench;
+  bench.typed = {{10, "5"}, {20, right}};
+  double furthest = 0;
+  bench.look = [&](int tick) {
+    if (tick < 2) return;
+    const AxisPlace axis = bench.trace.shown(*bench.jog).axes[0];
+    EXPECT_NEAR(axis.commanded - axis.actual, axis.following_error, 1e-12) << tick;
+    EXPECT_LE(std::fabs(axis.following_error), 1.0 / 40) << "a stepper is where its last steps took it";
+    if (tick > 2) furthest = std::max(furthest, bench.at(tick) - bench.at(tick - 1));
+  };
+  bench.run(400);
+  EXPECT_GT(furthest, 0.1) << "though it goes further in a tick";
+}
+
 TEST(Jog, AKeyIsStoredWhereTheRigRestsAndNeverWhileItMoves) {
   Bench bench({100, 0}, true, true);
   bench.free->axes()[0] = *FreeAxis<double>::make(free_limits_of(bench.rig.axes[0], 0.05), 100, tick_s);
