@@ -103,7 +103,8 @@ class MotionBounds {
         highest = point;
       }
     };
-    for (std::int32_t i = start.segment; i <= std::min(end.segment, path.segment_count() - 1); ++i) {
+    for (std::int32_t i = start.segment; i <= std::min<std::int32_t>(end.segment, path.segment_count() - 1);
+         ++i) {
       const Cubic<Real>& cubic = path.segment(i)[d];
       const Real first = i == start.segment ? start.t : Real(0);
       const Real last = i == end.segment ? end.t : Real(1);
