@@ -138,6 +138,9 @@ TYPED_TEST(EveryProtocol, WhatIsWrongInMotionIsFoundWhileTheDriveIsStillTold) {
     this->add(axis, kind, 0x2310);
     ASSERT_TRUE(this->goes_on_until_it_is_found(axis));
     EXPECT_EQ(axis.worst, DriveCondition::cannot_follow) << this->words(axis);
+    if (kind == Trouble::lose_feedback) {
+      EXPECT_EQ(axis.host().first_finding(), DriveFinding::feedback_missing) << this->words(axis);
+    }
     axis.ticks(100, axis.swing(1));
     EXPECT_EQ(can::loses_reference(axis.host().findings()), kind == Trouble::reboot);
   }
@@ -181,7 +184,7 @@ TYPED_TEST(EveryProtocol, ASetpointThatJumpsIsNotSent) {
 TYPED_TEST(EveryProtocol, AFirstSetpointThatIsNotWhereTheAxisIsIsNotSent) {
   BusAxis<TypeParam> axis;
   ASSERT_TRUE(axis.switch_on());
-  axis.ticks(3, Setpoint<double>{.position = axis.state.actual + 1});
+  axis.ticks(3, Setpoint<double>{.position = axis.state.actual + 0.1});
   EXPECT_TRUE(axis.host().findings().has(DriveFinding::moved_while_enabling));
   EXPECT_NEAR(axis.truly(), 20, 0.001);
 }
@@ -273,7 +276,8 @@ TEST(TwoProtocols, WithAnIdentifierInCommonOnABusAreRefused) {
         << node;
     EXPECT_NO_THROW(refuse_overloaded_buses(rig(node, "can1"))) << node;
   }
-  for (const int node : {1, 2, 8, 20, 43, 62}) EXPECT_NO_THROW(refuse_overloaded_buses(rig(node, "can0")));
+  for (const int node : {1, 2, 8, 11, 20, 43, 52, 55, 60, 62})
+    EXPECT_NO_THROW(refuse_overloaded_buses(rig(node, "can0")));
 }
 
 }  // namespace bus_kind_test

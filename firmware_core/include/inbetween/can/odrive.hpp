@@ -104,7 +104,7 @@ struct OdriveHeartbeat {
 /// Nothing where the frame is no such message of `node` with eight bytes; so with the others.
 std::optional<OdriveHeartbeat> read_odrive_heartbeat(const Frame& frame, OdriveNode node,
                                                      OdriveFamily family);
-Frame odrive_heartbeat_frame(OdriveNode node, OdriveFamily family, const OdriveHeartbeat& heartbeat);
+Frame odrive_heartbeat_frame(OdriveNode node, OdriveFamily family, const OdriveHeartbeat& told);
 
 /// Nothing also where a number is none.
 std::optional<ServoPlace> read_odrive_estimates(const Frame& frame, OdriveNode node);
@@ -118,7 +118,7 @@ struct OdriveVersion {
   friend bool operator==(const OdriveVersion&, const OdriveVersion&) = default;
 };
 std::optional<OdriveVersion> read_odrive_version(const Frame& frame, OdriveNode node);
-Frame odrive_version_frame(OdriveNode node, const OdriveVersion& version);
+Frame odrive_version_frame(OdriveNode node, const OdriveVersion& told);
 
 struct OdriveError {
   std::uint32_t active = 0;
@@ -126,7 +126,7 @@ struct OdriveError {
   friend bool operator==(const OdriveError&, const OdriveError&) = default;
 };
 std::optional<OdriveError> read_odrive_error(const Frame& frame, OdriveNode node);
-Frame odrive_error_frame(OdriveNode node, const OdriveError& error);
+Frame odrive_error_frame(OdriveNode node, const OdriveError& told);
 
 /// The error bit that says that nobody has spoken to the drive for longer than its watchdog allows.
 constexpr std::uint32_t odrive_watchdog_error(OdriveFamily family) {
