@@ -244,7 +244,9 @@ test("a motion is drawn by hand, becomes keys and a curve, and is taken back in 
   const text = editor.read();
   await afterwards(editor, async (page) => {
     const first = await editor.shown();
-    await page.keyboard.press("d");
+    await page.locator("#tab-space").click();
+    await page.waitForSelector("#space canvas");
+    await page.keyboard.press("d"); // which brings the plan back
     await page.locator("#tolerance").fill("3");
     await stroke(page, async (i, [x, y]) => {
       await page.mouse.move(x, y);
@@ -502,6 +504,38 @@ test("by touch on a tablet", async () => {
   await editor.end();
 });
 
+test("who has never seen it slows down the middle and saves, by what the page says", async () => {
+  const editor = await reveal();
+  const { page } = editor;
+  const middle = () => editor.plan().tracks[0].table[96].speed;
+  const before = middle();
+  assert.match(await page.locator("#speed").innerText(), /Speed curve[^]*drag a square up for faster, down for slower/);
+  const squares = await page.locator("#speed .value .knob").all();
+  const places = await Promise.all(squares.map(centre));
+  const nearest = places.reduce((best, [x], i) => (Math.abs(x - 640) < Math.abs(places[best][0] - 640) ? i : best), 0);
+  await drag(page, squares[nearest], 0, 60);
+  await page.getByText("Save", { exact: true }).click();
+  await editor.saved();
+  assert.ok(middle() < 0.9 * before, `${middle()} after ${before}`);
+  await editor.end();
+});
+
+test("in high contrast and in the colours of the system every area is drawn in them", async () => {
+  const editor = await reveal();
+  const { page } = editor;
+  const cdp = await page.context().newCDPSession(page);
+  const first = await page.locator("#plan canvas").first().evaluate((canvas) => canvas.toDataURL());
+  for (const [name, value] of [["prefers-contrast", "more"], ["forced-colors", "active"]]) {
+    await cdp.send("Emulation.setEmulatedMedia", { features: [{ name, value }] });
+    await until(page, (old) => document.querySelector("#plan canvas").toDataURL() !== old, first);
+    await editor.picture(name);
+    await cdp.send("Emulation.setEmulatedMedia", { features: [] });
+    await until(page, (old) => document.querySelector("#plan canvas").toDataURL() === old, first);
+  }
+  assert.deepEqual(editor.complaints, []);
+  await editor.end();
+});
+
 test("dragging a control value of a hundred keys keeps up with the screen", async () => {
   const editor = await edit("reveal.toml", "camera_rig.toml", { text: hundredKeys() });
   const { page } = editor;
@@ -533,7 +567,7 @@ test("dragging a control value of a hundred keys keeps up with the screen", asyn
       for (const { addedNodes } of changes) for (const node of addedNodes) window.took.made += Number(node.nodeType === Node.ELEMENT_NODE);
     }).observe(document.body, { subtree: true, childList: true });
   });
-  for (let i = 0; i < 120; ++i) {
+  for (let i = 0; i < 80; ++i) {
     await page.mouse.move(x, y - 30 * Math.sin(i / 6));
     await page.evaluate(() => new Promise((done) => requestAnimationFrame(done)));
   }

@@ -73,6 +73,11 @@ function pathSection(store: Store, hand: Hand): void {
   place.append(head, views);
   const planView = new PlanView(store, plan, hand);
   const spaceView = new SpaceView(store, space);
+  const switched = hand.onSwitch;
+  hand.onSwitch = () => {
+    switched();
+    if (hand.isOn && plan.hidden) byId("tab-plan").click(); // a pointer draws in a plane
+  };
   const show = (axis: number) => () => {
     const axes = store.move.tracks[store.selection.track].axes.length;
     planView.vertical = Math.min(axis, axes - 1);
@@ -105,7 +110,8 @@ function speedSection(store: Store): void {
     store.edit(setValues(store.move, track, (value, i) => (values.has(i) ? value + by : value)));
   };
   byId("speed").append(
-    html("div", { class: "head" }, html("h2", {}, "Speed curve"), html("span", { class: "spring" }),
+    html("div", { class: "head" }, html("h2", {}, "Speed curve"),
+      html("small", { class: "hint" }, "drag a square up for faster, down for slower"), html("span", { class: "spring" }),
       button("Insert", "Insert a control value behind the selected one (I; or double-click the curve)", () => {
         const { values } = store.selection;
         if (values.size === 0) return say("Select a control value first.");

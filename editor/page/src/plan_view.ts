@@ -4,7 +4,7 @@ import type { Hand } from "./hand";
 import { insertOnPath, moveKeys, removeKeys } from "./edits";
 import { stepFor } from "./move";
 import type { Store } from "./store";
-import { type Size, Strokes, watchSize } from "./strokes";
+import { colorChanges, type Size, Strokes, watchSize } from "./strokes";
 
 const margin = { left: 46, right: 16, top: 16, bottom: 26 };
 
@@ -113,7 +113,7 @@ export class PlanView {
     const solved = store.solution.tracks[index];
     // What the keys alone decide is drawn anew when they change, and not with every picture of a dragged speed curve.
     const from = [track.keys, track.spline, track.closed, track.path, store.selection.keys, width, height, this.horizontal, this.vertical,
-      this.held];
+      this.held, colorChanges];
     if (from.some((one, i) => one !== this.drawnFrom[i])) {
       this.drawnFrom = from;
       const count = solved.path.length / axes;

@@ -7,6 +7,8 @@ export interface Size {
   height: number;
 }
 
+const draws: (() => void)[] = [];
+
 /** The size of `place`, which asks for no layout, and `draw` when it changes. */
 export function watchSize(place: Element, draw: () => void): Readonly<Size> {
   const size = { width: 0, height: 0 };
@@ -15,12 +17,19 @@ export function watchSize(place: Element, draw: () => void): Readonly<Size> {
     size.height = Math.floor(contentRect.height);
     draw();
   }).observe(place);
+  draws.push(draw);
   return size;
 }
 
+/** Counts the times that they have changed. */
+export let colorChanges = 0;
 const colors = new Map<string, string>();
 for (const wish of ["(prefers-contrast: more)", "(forced-colors: active)"]) {
-  matchMedia(wish).addEventListener("change", () => colors.clear());
+  matchMedia(wish).addEventListener("change", () => {
+    colors.clear();
+    ++colorChanges;
+    for (const draw of draws) draw();
+  });
 }
 /** A colour of style.css. */
 export function color(name: string): string {
