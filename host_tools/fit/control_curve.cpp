@@ -1,76 +1,10 @@
 #include "host_tools/fit/control_curve.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
-#include <optional>
 
 namespace inbetween {
-namespace {
-
-using Ordinates = std::array<double, 4>;
-
-/// How the Bezier ordinates of a span depend on the control values around it. Those beyond an end have no
-/// influence, or are those at the other end of a periodic curve.
-class SpanWeights {
- public:
-  SpanWeights(std::size_t span, std::size_t span_count, CurveEnds ends)
-      : span_(span), span_count_(span_count), ends_(ends) {
-    const bool is_periodic = ends == CurveEnds::periodic;
-    weights_[0] = span == 0 && !is_periodic ? Ordinates{0, 1, 0, 0} : Ordinates{1.0 / 6, 4.0 / 6, 1.0 / 6, 0};
-    weights_[1] = {0, 2.0 / 3, 1.0 / 3, 0};
-    weights_[2] = {0, 1.0 / 3, 2.0 / 3, 0};
-    weights_[3] = span + 1 == span_count && !is_periodic ? Ordinates{0, 0, 1, 0}
-                                                         : Ordinates{0, 1.0 / 6, 4.0 / 6, 1.0 / 6};
-  }
-
-  /// Of the ordinate, on the control value at `i`, 0..3.
-  [[nodiscard]] double operator()(std::size_t ordinate, std::size_t i) const { return weights_[ordinate][i]; }
-  /// The index of the control value at `i`, 0..3: span - 1 .. span + 2. Nothing beyond an end.
-  [[nodiscard]] std::optional<std::size_t> index(std::size_t i) const {
-    const std::size_t one_more = span_ + i;
-    const bool is_beyond = one_more < 1 || one_more > span_count_ + 1;
-    if (!is_beyond) return one_more - 1;
-    if (ends_ == CurveEnds::natural) return std::nullopt;
-    return one_more < 1 ? span_count_ - 1 : 1;
-  }
-
- private:
-  std::size_t span_, span_count_;
-  CurveEnds ends_;
-  std::array<Ordinates, 4> weights_{};
-};
-
-/// Adds a linear function of the ordinates of one span.
-void add_ordinates(const Ordinates& factors, std::size_t span, CurveEnds ends, std::span<double> row) {
-  const SpanWeights weights(span, row.size() - 1, ends);
-  for (std::size_t i = 0; i < 4; ++i) {
-    const std::optional<std::size_t> index = weights.index(i);
-    for (std::size_t k = 0; index && k < 4; ++k) row[*index] += factors[k] * weights(k, i);
-  }
-}
-
-SpeedSpan<double> span_of(const Ordinates& b) {
-  return {b[0], b[1], b[2], b[3]};
-}
-
-/// The functions of a span at t as factors of its ordinates. Each factor is the function of a span whose one
-/// ordinate is 1 and whose others are 0.
-Ordinates factors_at(double t, const CurveWeights& weights) {
-  Ordinates factors{};
-  for (std::size_t k = 0; k < 4; ++k) {
-    Ordinates unit{};
-    unit[k] = 1;
-    const SpeedSpan<double> span = span_of(unit);
-    factors[k] = weights.area * span.integral(t) + weights.value * span.value(t) +
-                 weights.first * span.derivative(t) + weights.second * span.second(t);
-  }
-  return factors;
-}
-
-}  // namespace
-
 ControlCurve::ControlCurve(std::span<const double> values, CurveEnds ends) {
   TwoSum<double> area;
   areas_.push_back(0);
@@ -141,49 +75,13 @@ CurvePlace<double> place_at(double a, std::size_t span_count) {
   return {static_cast<std::int32_t>(span), std::clamp(a - span, 0.0, 1.0)};
 }
 
-void add_row(const CurvePlace<double>& place, const CurveWeights& weights, std::span<double> row,
-             CurveEnds ends) {
-  const auto index = static_cast<std::size_t>(place.span);
-  add_ordinates(factors_at(place.t, weights), index, ends, row);
-  if (weights.area == 0) return;
-  const double quarter = weights.area / 4;
-  for (std::size_t i = 0; i < index; ++i) add_ordinates({quarter, quarter, quarter, quarter}, i, ends, row);
-}
-
-std::vector<double> gram_matrix(std::size_t count, CurveEnds ends) {
-  constexpr std::array<double, 4> binomial3 = {1, 3, 3, 1};
-  constexpr std::array<double, 7> binomial6 = {1, 6, 15, 20, 15, 6, 1};
-  std::vector<double> matrix(count * count);
-  for (std::size_t span = 0; span + 1 < count; ++span) {
-    const SpanWeights weights(span, count - 1, ends);
-    for (std::size_t k = 0; k < 4; ++k) {
-      for (std::size_t l = 0; l < 4; ++l) {
-        const double product = binomial3[k] * binomial3[l] / (7 * binomial6[k + l]);
-        for (std::size_t i = 0; i < 4; ++i) {
-          for (std::size_t j = 0; j < 4; ++j) {
-            const std::optional<std::size_t> row = weights.index(i);
-            const std::optional<std::size_t> column = weights.index(j);
-            if (row && column) matrix[*row * count + *column] += product * weights(k, i) * weights(l, j);
-          }
-        }
-      }
-    }
-  }
-  return matrix;
-}
-
 double mean_square(std::span<const double> values, CurveEnds ends) {
   const ControlCurve curve(values, ends);
-  // phi^2 is of degree 6 on a span: Gauss and Legendre's rule with 4 points is exact.
-  constexpr std::array<double, 2> places = {0.8611363115940526, 0.3399810435848563};
-  constexpr std::array<double, 2> weights = {0.3478548451374538, 0.6521451548625461};
   double sum = 0;
   for (std::size_t i = 0; i < curve.span_count(); ++i) {
-    for (std::size_t k = 0; k < places.size(); ++k) {
-      for (const double side : {-1.0, 1.0}) {
-        const double value = curve.at({static_cast<std::int32_t>(i), (1 + side * places[k]) / 2}).value;
-        sum += weights[k] / 2 * value * value;
-      }
+    for (const auto& [place, weight] : gauss_points) {  // exact: phi^2 is of degree 6 on a span
+      const double value = curve.at({static_cast<std::int32_t>(i), place}).value;
+      sum += weight * value * value;
     }
   }
   return sum / static_cast<double>(curve.span_count());

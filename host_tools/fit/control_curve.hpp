@@ -1,6 +1,7 @@
 // The speed curve as a linear function of its control values. The fit of a speed curve is built on it.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -51,14 +52,14 @@ class ControlCurve {
 /// a = span + t, the end of the last span for a = f.
 CurvePlace<double> place_at(double a, std::size_t span_count);
 
-/// Adds to `row`, one number per control value, how the linear function depends on each of them. O(f).
-void add_row(const CurvePlace<double>& place, const CurveWeights& weights, std::span<double> row,
-             CurveEnds ends = CurveEnds::natural);
-
-/// The matrix G, row after row, with x^T G x = integral of phi^2 over a, for f + 1 = `count` control values.
-/// Entries further than 3 from the diagonal are 0, but for the corners of a periodic curve; it is positive
-/// definite.
-std::vector<double> gram_matrix(std::size_t count, CurveEnds ends = CurveEnds::natural);
+/// Gauss and Legendre's rule on 0..1: places and weights. It is exact up to degree 7.
+struct GaussPoint {
+  double place = 0, weight = 0;
+};
+inline constexpr std::array<GaussPoint, 4> gauss_points{{{0.0694318442029737, 0.1739274225687269},
+                                                         {0.3300094782075719, 0.3260725774312731},
+                                                         {0.6699905217924281, 0.3260725774312731},
+                                                         {0.9305681557970263, 0.1739274225687269}}};
 
 /// The mean of phi^2 over a.
 double mean_square(std::span<const double> values, CurveEnds ends = CurveEnds::natural);

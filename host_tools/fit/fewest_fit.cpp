@@ -12,6 +12,7 @@ namespace inbetween {
 namespace {
 
 constexpr std::size_t quick_control_values = 32;
+constexpr std::size_t quick_key_positions = 200;
 
 std::optional<FewestFit> fit_in(const Plan& plan, std::int32_t frames, FitStart start, int refinements) {
   FewestFit found{.move = with_frames(plan.move(), frames), .fit = {}};
@@ -81,7 +82,10 @@ bool is_quick_to_fit(const Plan& plan) {
   const bool is_drawn =
       std::ranges::any_of(tracks, [](const MoveTrack& track) { return track.timing == Timing::speed; });
   return is_drawn && std::ranges::all_of(plan.tracks(), [](const SolvedTrack<double>& track) {
-           return track.control_values().size() <= quick_control_values;
+           const Path<double>& path = track.track().path();
+           const auto positions =
+               static_cast<std::size_t>(path.segment_count()) * static_cast<std::size_t>(path.axis_count());
+           return track.control_values().size() <= quick_control_values && positions <= quick_key_positions;
          });
 }
 

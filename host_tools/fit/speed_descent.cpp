@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <utility>
 
@@ -20,79 +21,45 @@ constexpr int max_steps = 80;
 constexpr double first_radius = 0.5;  // in means of the wanted curve
 constexpr double min_radius = 1e-7;
 /// The last step is one that gains less than this share of the cost.
-constexpr double min_gain = 1e-5;
+constexpr double min_gain = 1e-4;
 /// This is added to the cost, so that the search ends at once for a curve that need not change.
 constexpr double smallest_cost = 1e-6;
 /// Rounding of the linear conditions.
 constexpr double condition_tolerance = 1e-10;
-/// One program looks for conditions at most this often; it needs about as many as there are free values.
-constexpr int max_searches = 400;
+/// At first a step looks only at limits of which so much is used, and then at those that it broke: of
+/// thousands few are active.
+constexpr double looked_at_share = 0.8;
+constexpr int max_looks = 30;
 
-/// One step of the descent: the program in which every limit is linear, about `here`.
-class Programme {
+/// One step of the descent: the limits as linear conditions, about the curve at which the samples are
+/// evaluated.
+class LinearLimits {
  public:
-  struct Region {
-    double unit = 1, radius = 1;
-  };
-
-  Programme(QuadraticProgram start, const MotionSamples& samples, std::span<const Allowance> allowances,
-            std::span<const double> here, const Region& region)
-      : programme_(std::move(start)),
-        samples_(samples),
+  LinearLimits(const MotionSamples& samples, std::span<const Allowance> allowances, const CurveSums& sums,
+               std::span<const double> here, double unit)
+      : samples_(samples),
         allowances_(allowances),
+        sums_(sums),
         here_(here),
-        region_(region),
-        row_(here.size() + 1) {}
+        unit_(unit),
+        taken_(2 * samples.values().size()) {}
 
-  /// False if rounding leaves no solution.
-  bool solve() {
-    row_.back() = 1;
-    if (!programme_.add(row_, 0)) return false;
-    // There are thousands of limits, of which few are active. Each round adds only those that are broken
-    // most.
-    for (int i = 0; i < max_searches; ++i) {
-      bool added = false;
-      if (!add_box(added) || !add_limits(added)) return false;
-      if (!added) break;
-    }
-    return true;
+  /// Adds those of which a large share is used.
+  void add_tight(BandProgram& program) {
+    const std::vector<double> none(here_.size());
+    add(none, looked_at_share - 1, program);
   }
-  [[nodiscard]] std::span<const double> values() const { return programme_.x().first(here_.size()); }
-  [[nodiscard]] double slack() const { return std::max(programme_.x().back(), 0.0); }
+  /// Adds those that `values` would break by more than `slack`. Whether there are any.
+  bool add_broken(std::span<const double> values, double slack, BandProgram& program) {
+    std::vector<double> difference;
+    for (std::size_t i = 0; i < here_.size(); ++i) difference.push_back(values[i] - here_[i]);
+    return add(difference, slack + condition_tolerance, program);
+  }
 
  private:
-  struct Breach {
-    double size = condition_tolerance;
-    const Moment* moment = nullptr;
-    const LimitedValue* value = nullptr;
-    double sign = 1;
-  };
-
-  /// The control values stay in 0..100 and in the trust region.
-  bool add_box(bool& added) {
-    for (std::size_t i = 0; i < here_.size(); ++i) {
-      const double here = here_[i] / region_.unit;
-      const double low = std::max(0.0, here - region_.radius);
-      const double high = std::min(largest_control_value / region_.unit, here + region_.radius);
-      const double x = programme_.x()[i];
-      const bool is_low = x < low - condition_tolerance;
-      if (!is_low && !(x > high + condition_tolerance)) continue;
-      std::ranges::fill(row_, 0.0);
-      row_[i] = is_low ? 1 : -1;
-      if (!programme_.add(row_, is_low ? low : -high)) return false;
-      added = true;
-    }
-    return true;
-  }
-
-  /// Adds, for every limit, the moment at which it is exceeded most.
-  bool add_limits(bool& added) {
-    std::vector<double> difference;
-    for (std::size_t i = 0; i < here_.size(); ++i) {
-      difference.push_back(programme_.x()[i] * region_.unit - here_[i]);
-    }
+  bool add(std::span<const double> difference, double excess, BandProgram& program) {
     const ControlCurve change(difference, samples_.ends());
-    std::vector<Breach> worst(allowances_.size() * limited_quantities);
+    bool added = false;
     for (const Moment& moment : samples_.moments()) {
       if (!moment.is_linearized_here) continue;
       const CurveValues by = change.at(moment.place);
@@ -101,125 +68,119 @@ class Programme {
         const CurveWeights& w = value.weights;
         const double share =
             value.share + w.area * by.area + w.value * by.value + w.first * by.first + w.second * by.second;
-        const auto quantity = static_cast<std::size_t>(value.quantity);
-        const double size = std::fabs(share) / allowances_[value.axis][quantity] - 1 - slack();
-        Breach& breach = worst[value.axis * limited_quantities + quantity];
-        if (size > breach.size) breach = {size, &moment, &value, share > 0 ? 1.0 : -1.0};
+        const double allowance = allowances_[value.axis][static_cast<std::size_t>(value.quantity)];
+        const bool is_above = share > 0;
+        const std::size_t limit = 2 * k + (is_above ? 1 : 0);
+        if (!(std::fabs(share) / allowance - 1 > excess) || taken_[limit]) continue;
+        taken_[limit] = true;
+        add(moment, value, (is_above ? -1 : 1) / allowance, program);
+        added = true;
       }
     }
-    for (const Breach& breach : worst) {
-      if (breach.moment == nullptr) continue;
-      added = true;
-      if (!add(breach)) return false;
-    }
-    return true;
+    return added;
   }
 
-  bool add(const Breach& breach) {
-    const LimitedValue& value = *breach.value;
-    const double allowance = allowances_[value.axis][static_cast<std::size_t>(value.quantity)];
-    const double scale = -breach.sign * region_.unit / allowance;
-    const CurveWeights weights{value.weights.area * scale, value.weights.value * scale,
-                               value.weights.first * scale, value.weights.second * scale};
-    std::ranges::fill(row_, 0.0);
-    const std::span<double> row = std::span(row_).first(here_.size());
-    add_row(breach.moment->place, weights, row, samples_.ends());
-    double at_here = 0;
-    for (std::size_t i = 0; i < here_.size(); ++i) at_here += row[i] * here_[i] / region_.unit;
-    row_.back() = 1;
-    return programme_.add(row_, breach.sign * value.share / allowance - 1 + at_here);
+  /// The share at the new curve, times `scale`, is to be -1 or more.
+  void add(const Moment& moment, const LimitedValue& value, double scale, BandProgram& program) const {
+    const CurveWeights& w = value.weights;
+    const CurveSums::Terms terms = sums_.at(
+        moment.place,
+        {w.area * scale * unit_, w.value * scale * unit_, w.first * scale * unit_, w.second * scale * unit_});
+    const CurveValues at = here_curve_.at(moment.place);
+    const double at_here = w.area * at.area + w.value * at.value + w.first * at.first + w.second * at.second;
+    program.demand_at_least(terms, -1 - scale * (value.share - at_here), true);
   }
 
-  QuadraticProgram programme_;
   const MotionSamples& samples_;
   std::span<const Allowance> allowances_;
+  const CurveSums& sums_;
   std::span<const double> here_;
-  Region region_;
-  std::vector<double> row_;
+  ControlCurve here_curve_{here_, samples_.ends()};
+  double unit_;
+  std::vector<bool> taken_;  ///< whether the lower and the upper limit of every value is a condition
 };
+
+/// The control values stay in 0..100, and within `radius` of `here`.
+void demand_box(const CurveSums& sums, std::span<const double> here, double unit, double radius,
+                BandProgram& program) {
+  for (std::size_t i = 0; i < here.size(); ++i) {
+    CurveSums::Terms value = sums.value(i);
+    if (value.empty()) continue;
+    program.demand_at_least(value, std::max(0.0, here[i] / unit - radius));
+    for (Term& term : value) term.weight = -term.weight;
+    program.demand_at_least(value, -std::min(largest_control_value / unit, here[i] / unit + radius));
+  }
+}
 
 }  // namespace
 
 SpeedDescent::SpeedDescent(const CurveFrame& frame)
-    : frame_(frame), unit_(ControlCurve(frame.wanted, frame.ends).mean()) {
-  static_cast<void>(programme(frame_.wanted, first_price));
+    : frame_(frame),
+      sums_(frame.rests, frame.ends),
+      unit_(ControlCurve(frame.wanted, frame.ends).mean()),
+      distance_(programme(frame_.wanted)) {}
+
+BandProgram SpeedDescent::programme(std::span<const double> target) const {
+  BandProgram program(sums_.unknown_count());
+  const std::size_t spans = frame_.wanted.size() - 1;
+  sums_.add_distance(in_units(target), 2 / static_cast<double>(spans), program);
+  sums_.demand_ends(program);
+  const ControlCurve wanted(frame_.wanted, frame_.ends);
+  CurveSums::Terms before = sums_.at({}, {.area = 1});
+  double area_before = 0;
+  for (const double a : frame_.fixed_areas) {
+    const CurvePlace<double> place = place_at(a, spans);
+    const CurveSums::Terms terms = sums_.at(place, {.area = 1});
+    const double area = wanted.at(place).area / unit_;
+    // Between the two the curve rests: the area is the same.
+    const bool is_same = std::ranges::equal(terms, before, [](const Term& one, const Term& other) {
+      return one.unknown == other.unknown && one.weight == other.weight;
+    });
+    if (!is_same) {
+      program.demand(terms, area);
+    } else if (std::fabs(area - area_before) > condition_tolerance * (1 + area)) {
+      throw std::invalid_argument("the areas of the speed curve contradict its rests");
+    }
+    before = terms;
+    area_before = area;
+  }
+  return program;
 }
 
-QuadraticProgram SpeedDescent::programme(std::span<const double> target, double price) const {
-  const std::size_t count = frame_.wanted.size();
-  const std::size_t n = count + 1;
-  const std::vector<double> gram = gram_matrix(count, frame_.ends);
-  std::vector<double> matrix(n * n);
-  for (std::size_t i = 0; i < count; ++i) {
-    for (std::size_t k = 0; k < count; ++k) {
-      matrix[i * n + k] = gram[i * count + k] / static_cast<double>(count - 1);
-    }
-  }
-  // The last variable is the slack, the excess that the penalty allows.
-  matrix.back() = quadratic_share * price;
-  std::vector<double> goal;
-  for (const double value : target) goal.push_back(value / unit_);
-  goal.push_back(-1 / (2 * quadratic_share));
-  QuadraticProgram programme(matrix, goal);
-  std::vector<double> row(n);
-  const auto demand = [&](double bound) {
-    if (!programme.add_equality(row, bound))
-      throw std::invalid_argument("the areas of the speed curve contradict its rests");
-    std::ranges::fill(row, 0.0);
-  };
-  for (std::size_t i = 0; i < count; ++i) {
-    if (!frame_.rests[i]) continue;
-    row[i] = 1;
-    demand(0);
-  }
-  if (frame_.ends == CurveEnds::periodic) {
-    row[0] = 1;
-    row[count - 1] = -1;
-    demand(0);
-  }
-  const ControlCurve wanted(frame_.wanted, frame_.ends);
-  CurvePlace<double> before;
-  // Differences of neighbouring areas are independent of each other; the areas themselves would nearly not
-  // be.
-  for (const double a : frame_.fixed_areas) {
-    const CurvePlace<double> place = place_at(a, count - 1);
-    add_row(place, {.area = 1}, std::span(row).first(count), frame_.ends);
-    add_row(before, {.area = -1}, std::span(row).first(count), frame_.ends);
-    demand((wanted.at(place).area - wanted.at(before).area) / unit_);
-    before = place;
-  }
-  return programme;
+std::vector<double> SpeedDescent::in_units(std::span<const double> values) const {
+  std::vector<double> result;
+  for (const double value : values) result.push_back(value / unit_);
+  return result;
 }
 
 /// Removes the rounding from control values: rests are 0 again, no value leaves 0..100, and a periodic curve
 /// ends on its first value.
-std::vector<double> SpeedDescent::valid(std::span<const double> x) const {
+std::vector<double> SpeedDescent::values_of(const BandProgram& program) const {
   std::vector<double> values;
   for (std::size_t i = 0; i < frame_.wanted.size(); ++i) {
-    const double value = frame_.rests[i] || x[i] < condition_tolerance ? 0 : x[i] * unit_;
-    values.push_back(std::min<double>(value, largest_control_value));
+    const double x = program.value(sums_.value(i));
+    values.push_back(x < condition_tolerance ? 0 : std::min<double>(x * unit_, largest_control_value));
   }
   if (frame_.ends == CurveEnds::periodic) values.back() = values.front();
   return values;
 }
 
 std::vector<double> SpeedDescent::nearest(std::span<const double> values) const {
-  const std::size_t count = values.size();
-  QuadraticProgram nearest = programme(values, first_price);
-  std::vector<double> row(count + 1);
-  const double high = largest_control_value / unit_;
-  for (bool added = true; added;) {
-    added = false;
-    for (std::size_t i = 0; i < count; ++i) {
-      const double x = nearest.x()[i];
-      if (frame_.rests[i] || (x >= -condition_tolerance && x <= high + condition_tolerance)) continue;
-      std::ranges::fill(row, 0.0);
-      row[i] = x < 0 ? 1 : -1;
-      if (!nearest.add(row, x < 0 ? 0 : -high)) throw std::invalid_argument("no speed curve from 0 to 100");
-      added = true;
-    }
+  BandProgram program = programme(values);
+  demand_box(sums_, values, unit_, std::numeric_limits<double>::infinity(), program);
+  if (!program.solve(sums_.unknowns(in_units(values)))) {
+    throw std::invalid_argument("no speed curve from 0 to 100");
   }
-  return valid(nearest.x());
+  return values_of(program);
+}
+
+/// The largest difference of two control values, in units.
+double SpeedDescent::distance_of(std::span<const double> one, std::span<const double> other) const {
+  double distance = 0;
+  for (std::size_t i = 0; i < one.size(); ++i) {
+    distance = std::max(distance, std::fabs(one[i] - other[i]) / unit_);
+  }
+  return distance;
 }
 
 double SpeedDescent::change_squared(std::span<const double> values) const {
@@ -229,47 +190,78 @@ double SpeedDescent::change_squared(std::span<const double> values) const {
   return mean_square(difference, frame_.ends);
 }
 
+std::optional<SpeedDescent::Step> SpeedDescent::step_from(const Descent& here, const MotionSamples& samples,
+                                                          const Region& region) const {
+  BandProgram program = distance_;
+  program.allow_ease(region.price, 2 * quadratic_share * region.price);
+  demand_box(sums_, here.values, unit_, region.radius, program);
+  LinearLimits limits(samples, region.allowances, sums_, here.values, unit_);
+  limits.add_tight(program);
+  const std::vector<double> start = sums_.unknowns(in_units(here.values));
+  for (int look = 0; look < max_looks; ++look) {
+    if (!program.solve(start)) return std::nullopt;
+    Step step{values_of(program), program.ease()};
+    if (!limits.add_broken(step.values, step.ease, program)) return step;
+  }
+  return std::nullopt;
+}
+
 Descent SpeedDescent::run(std::span<const double> start, MotionSamples& samples,
                           std::span<const Allowance> allowances) const {
-  double price = first_price;
-  double radius = first_radius;
-  QuadraticProgram prototype = programme(frame_.wanted, price);
+  Region region{.allowances = allowances, .price = first_price, .radius = first_radius};
   Descent here = at({start.begin(), start.end()}, samples, allowances);
-  const auto cost = [&](const Descent& descent) {
-    return descent.change * descent.change + price * std::max(descent.excess.share, 0.0);
+  // An excess that nobody minds costs nothing: with the price it would hide what a step gains.
+  const auto priced = [&](double excess) {
+    return region.price * std::max(excess - descent_tolerance / 2, 0.0);
   };
-  for (int step = 0; step < max_steps && radius > min_radius; ++step) {
-    Programme linear(prototype, samples, allowances, here.values, {unit_, radius});
-    if (!linear.solve()) {
-      radius /= 4;
-      continue;
-    }
-    std::vector<double> values = valid(linear.values());
-    const double promised = cost(here) - change_squared(values) - price * linear.slack();
-    // Nothing is left to gain at this price. If a limit is still exceeded, the price was too low.
-    if (promised <= min_gain * (cost(here) + smallest_cost)) {
-      if (here.excess.share <= descent_tolerance || price >= highest_price) break;
-      price *= price_factor;
-      radius = std::max(radius, first_radius / 10);
-      prototype = programme(frame_.wanted, price);
-      continue;
-    }
-    double length = 0;
-    for (std::size_t i = 0; i < values.size(); ++i) {
-      length = std::max(length, std::fabs(values[i] - here.values[i]) / unit_);
-    }
-    Descent next = at(std::move(values), samples, allowances);
-    const double gained = cost(here) - cost(next);
-    // The usual rule of trust regions: shrink after a poor step, grow after a good one.
-    if (gained < promised / 4) radius = std::min(radius, length) / 3;
-    if (gained > 3 * promised / 4) radius = std::max(radius, 2 * length);
-    if (gained > promised / 100) {
-      here = std::move(next);
+  const auto cost = [&](const Descent& descent) {
+    return descent.change * descent.change + priced(descent.excess.share);
+  };
+  // The limits are curved, and a step along their tangent leaves them. The step from there leads back to
+  // them, and so a poor step is judged with the next one (Chamberlain et al. 1982, The watchdog technique).
+  struct Trial {
+    Descent from, fallback;
+    double promised = 0;
+  };
+  std::optional<Trial> trial;
+  const auto give_trial_up = [&] {
+    here = std::move(trial->fallback);
+    trial.reset();
+    samples.evaluate(ControlCurve(here.values, frame_.ends));
+  };
+  for (int i = 0; i < max_steps && region.radius > min_radius; ++i) {
+    std::optional<Step> step = step_from(here, samples, region);
+    const double promised = step ? cost(here) - change_squared(step->values) - priced(step->ease) : 0;
+    const bool is_at_end = promised <= min_gain * (cost(here) + smallest_cost);
+    if (trial && is_at_end) {
+      give_trial_up();
+    } else if (!step) {
+      region.radius /= 4;
+    } else if (is_at_end) {
+      // Nothing is left to gain at this price. If a limit is still exceeded, the price was too low.
+      if (here.excess.share <= descent_tolerance || region.price >= highest_price) break;
+      region.price *= price_factor;
+      region.radius = std::max(region.radius, first_radius / 10);
     } else {
-      // The step is rejected, so the samples must go back to the curve that stays.
-      samples.evaluate(ControlCurve(here.values, frame_.ends));
+      const double length = distance_of(step->values, here.values);
+      Descent next = at(std::move(step->values), samples, allowances);
+      const double gained = cost(trial ? trial->from : here) - cost(next);
+      const double wanted = trial ? trial->promised : promised;
+      if (gained > wanted / 4) {
+        // The usual rule of trust regions: grow after a good step, shrink after a poor one.
+        if (!trial && gained > 3 * wanted / 4) region.radius = std::max(region.radius, 2 * length);
+        here = std::move(next);
+        trial.reset();
+      } else if (!trial) {
+        region.radius = std::min(region.radius, length) / 3;
+        trial = Trial{.from = here, .fallback = gained > wanted / 100 ? next : here, .promised = promised};
+        here = std::move(next);
+      } else {
+        give_trial_up();
+      }
     }
   }
+  if (trial) give_trial_up();
   return here;
 }
 

@@ -25,7 +25,7 @@ constexpr double first_margin = 0.006;
 constexpr double spare_margin = 2e-5;
 /// The margins are measured and tried again this often.
 constexpr int max_trials = 8;
-/// Refinement ends with so many control values: the work grows with the third power of their number.
+/// Refinement ends with so many control values: more are beyond what a person draws.
 constexpr std::size_t max_refined_values = 600;
 /// Each doubling of the control values gains this share of the gain before, unless the levels show more.
 constexpr double usual_gain_ratio = 0.5;

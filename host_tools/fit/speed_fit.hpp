@@ -60,8 +60,8 @@ struct SpeedFit {
 /// search does not begin if slowing cures nothing (CheckRefusal::slower_helps), if a track has timing =
 /// "frames", or if the move has fewer frames than `fewest`.
 ///
-/// `report` is that of the plan. `progress` gets the share of the work that is done, roughly. Cost: about 0.1
-/// s for a track of 10 control values, up to minutes for hundreds of them.
+/// `report` is that of the plan. `progress` gets the share of the work that is done, roughly. Cost: linear in
+/// control values, keys and axes: about 0.05 s for 10 control values, 3 s for 2000.
 SpeedFit fit_speed(const Plan& plan, const CheckReport& report, FitStart start,
                    const std::function<void(double share)>& progress, int refinements = max_refinements);
 

@@ -19,6 +19,13 @@ class BandMatrix {
   [[nodiscard]] std::size_t size() const { return size_; }
   void add(std::size_t row, std::size_t column, double value) { at(row, column) += value; }
 
+  /// right -= matrix * by. Before factor().
+  void subtract_product(const std::vector<double>& by, std::vector<double>& right) const {
+    for (std::size_t i = 0; i < size_; ++i) {
+      const std::size_t last = std::min(size_ - 1, i + band_);
+      for (std::size_t j = i > band_ ? i - band_ : 0; j <= last; ++j) right[i] -= at(i, j) * by[j];
+    }
+  }
   /// Gaussian elimination with exchange of rows; once, before solve(). A matrix that is singular gives
   /// numbers that are not finite.
   void factor() {

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "host_tools/files/speed_rewrite.hpp"
+#include "host_tools/fit/fewest_fit.hpp"
 #include "tests/support/refused_text.hpp"
 #include "tests/support/rig_text.hpp"
 
@@ -235,6 +236,31 @@ TEST(SpeedFit, WhereNoneIsFoundTheNearestTellsWhatIsInTheWay) {
   ASSERT_LE(fit.fewest.frames, 72) << "the bound alone does not refuse it";
   EXPECT_THAT(fit.reason,
               AllOf(HasSubstr("no speed curve was found"), HasSubstr("and max_acceleration is 182")));
+}
+
+TEST(SpeedFit, IsTakenForQuickByItsValuesAndByItsKeysAndAxes) {
+  EXPECT_TRUE(is_quick_to_fit(plan_of(move_of(bends + peaked), {})));
+  std::string many_keys = "keys = [";
+  for (int i = 0; i < 150; ++i) many_keys += fmt::format(" {{ at = [{}, {}] }},", i, i % 3);
+  EXPECT_FALSE(is_quick_to_fit(plan_of(move_of(many_keys + "]\n" + peaked), {})));
+  std::string many_values = "speed = [0, 0";
+  for (int i = 0; i < 40; ++i) many_values += ", 5";
+  EXPECT_FALSE(is_quick_to_fit(plan_of(move_of(bends + many_values + ", 0, 0]\n"), {})));
+}
+
+TEST(SpeedFit, OfHundredsOfValuesIsFound) {
+  std::string speed = "speed = [0, 0";
+  for (int i = 0; i < 400; ++i) speed += fmt::format(", {}", 6 + i * 7 % 5 + (i / 50 % 2) * 6);
+  const std::string move = move_of(bends + speed + ", 0, 0]\n", 3000);
+  const CheckReport loose = check(plan_of(move, {.velocity = 1e4, .acceleration = 1e5}));
+  const Limits tight{.velocity = 0.8 * loose.axes[0].velocity.value,
+                     .acceleration = 0.7 * loose.axes[0].acceleration.value};
+  const Plan plan = plan_of(move, tight);
+  ASSERT_FALSE(check(plan).fits());
+  const SpeedFit fit = fit_of(plan);
+  ASSERT_TRUE(fit.found) << fit.reason;
+  EXPECT_EQ(fit.tracks.front().refinements, 0);
+  EXPECT_TRUE(check(written(move, fit, tight)).fits());
 }
 
 TEST(SpeedFit, OnlyTheTrackThatBreaksALimitChanges) {
