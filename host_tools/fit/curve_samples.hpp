@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "host_tools/fit/control_curve.hpp"
+#include "host_tools/fit/curve_sums.hpp"
 
 namespace inbetween {
 
@@ -16,8 +16,8 @@ struct CurveBounds {
   bool rests_at_start = false, rests_at_end = false;
 };
 
-/// Samples at moments of [0, 1], and curves of `spans` spans that are to follow them: the normal equations,
-/// made once. O(samples * spans^2).
+/// Samples at moments of [0, 1], and curves of `spans` spans that are to follow them. A fit costs the number
+/// of samples and spans.
 class CurveSamples {
  public:
   CurveSamples(std::span<const double> moments, std::size_t spans);
@@ -37,12 +37,12 @@ class CurveSamples {
                                                        const CurveBounds& bounds) const;
 
  private:
-  [[nodiscard]] std::vector<double> products(std::span<const double> samples) const;
+  /// Curves near the samples; values and areas are counted in shares of `unit`.
+  [[nodiscard]] BandProgram programme(const CurveSums& sums, std::span<const double> samples,
+                                      double unit) const;
 
   std::size_t spans_;
   std::vector<CurvePlace<double>> places_;
-  std::vector<double> rows_;  ///< moment after moment: 1, then one number per control value
-  std::vector<double> gram_;  ///< rows^T rows, with what keeps it definite
 };
 
 /// Schwarz' criterion, up to what is common to all: the less the better. `square` is the mean square of what

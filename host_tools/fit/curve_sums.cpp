@@ -122,7 +122,10 @@ void CurveSums::demand_ends(BandProgram& program) const {
     demand(Values{{{0, 1}, {1, -2}, {2, 1}}});
     demand(Values{{{f_, 1}, {f_ + 1, -2}, {f_ + 2, 1}}});
   }
-  program.demand(at({0, 0}, {.area = 1}), 0);
+}
+
+void CurveSums::demand_start(BandProgram& program) const {
+  program.demand(at({}, {.area = 1}), 0);
 }
 
 void CurveSums::add_distance(std::span<const double> wanted, double factor, BandProgram& program) const {

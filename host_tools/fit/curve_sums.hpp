@@ -34,8 +34,10 @@ class CurveSums {
   /// The linear function of the curve at a place.
   [[nodiscard]] Terms at(const CurvePlace<double>& place, const CurveWeights& weights) const;
 
-  /// Demands what the ends say of the values beside them, and that the area begins with 0.
+  /// Demands what the ends say of the values beside them.
   void demand_ends(BandProgram& program) const;
+  /// Demands that the area begins with 0. Without it, it begins anywhere.
+  void demand_start(BandProgram& program) const;
   /// Adds factor * (integral of (phi - wanted)^2 over a) / 2 to the cost, but for what does not change.
   void add_distance(std::span<const double> wanted, double factor, BandProgram& program) const;
 

@@ -125,6 +125,7 @@ BandProgram SpeedDescent::programme(std::span<const double> target) const {
   const std::size_t spans = frame_.wanted.size() - 1;
   sums_.add_distance(in_units(target), 2 / static_cast<double>(spans), program);
   sums_.demand_ends(program);
+  sums_.demand_start(program);
   const ControlCurve wanted(frame_.wanted, frame_.ends);
   CurveSums::Terms before = sums_.at({}, {.area = 1});
   double area_before = 0;

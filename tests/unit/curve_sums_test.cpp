@@ -62,6 +62,7 @@ TEST(CurveSums, TheNearestCurveIsTheOneThatIsWanted) {
     BandProgram program(sums.unknown_count());
     sums.add_distance(curve.values, 1, program);
     sums.demand_ends(program);
+    sums.demand_start(program);
     ASSERT_TRUE(program.solve(std::vector<double>(sums.unknown_count())));
     for (std::size_t i = 0; i < curve.values.size(); ++i) {
       EXPECT_NEAR(program.value(sums.value(i)), curve.values[i], 1e-10);
@@ -77,6 +78,7 @@ TEST(CurveSums, WhereOneValueIsGivenTheOthersMakeTheDistanceLeast) {
     BandProgram program(sums.unknown_count());
     sums.add_distance(curve.values, 1, program);
     sums.demand_ends(program);
+    sums.demand_start(program);
     program.demand(sums.value(1), curve.values[1] + 2);
     ASSERT_TRUE(program.solve(std::vector<double>(sums.unknown_count())));
     std::vector<double> change;
