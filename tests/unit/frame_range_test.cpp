@@ -162,15 +162,6 @@ TEST(FrameRange, AStepCountsWhereItIsPassedAndNotWhereAPartBeginsOrEnds) {
   }
 }
 
-TEST(FrameRange, InAPipeItsPhasesAreThoseOfThePart) {
-  const ProgramRun run = program("run", {"--sim", "--frames", "100..103"});
-  EXPECT_EQ(run.status, 0) << run.err;
-  EXPECT_THAT(run.err, HasSubstr("pre-roll  frame "));
-  EXPECT_THAT(run.err, HasSubstr("\nplaying  frame 10"));
-  EXPECT_THAT(run.err, HasSubstr("\npost-roll  frame 10"));
-  EXPECT_THAT(run.err, HasSubstr(" of 100..103  rate +1.00"));
-}
-
 TEST(FrameRange, CheckFewestHasItsFormerSpellingNamed) {
   const ProgramRun run = program("check", {"--fit", "-", "--frames", "fewest"});
   EXPECT_EQ(run.status, 2);
@@ -234,6 +225,14 @@ TEST(FrameRange, TheWayToThePartIsAgreedToOrTheRigStays) {
   const ProgramRun run = program("run", agreed);
   EXPECT_EQ(run.status, 0) << run.err;
   EXPECT_THAT(run.err, HasSubstr("the rig is not where the move starts:"));
+}
+
+TEST(FrameRange, AShootGoesToSingleFramesOfTheWholeMove) {
+  const ProgramRun run = program("run", {"--sim", "--fast", "--step", "--frames", "20..20", "--json", "-"});
+  EXPECT_EQ(run.status, 0) << run.err;
+  const Json report = Json::parse(run.out);
+  EXPECT_EQ(report["exposures"], 1);
+  EXPECT_FALSE(report.contains("first")) << "nothing of it is played";
 }
 
 TEST(FrameRange, GoingRoundAPartIsRefusedUnlessItComesBack) {

@@ -3,12 +3,15 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
 #include <vector>
 
 #include "host_tools/plan/solved_track.hpp"
+#include "inbetween/limits/motion_cells.hpp"
+#include "inbetween/limits/move.hpp"
 #include "tests/support/random_move.hpp"
 #include "tests/support/solved_move.hpp"
 
@@ -69,6 +72,24 @@ TEST(MotionBounds, APartIsBoundedByItselfAlone) {
   EXPECT_NEAR(peaks.lowest.frame, 12, 1e-12);
   EXPECT_NEAR(peaks.highest.value, 25.0 * 1.5 + 25.0 * 1.5 * 1.5 / 2, 1e-9);
   EXPECT_EQ(peaks.highest.frame, 36);
+}
+
+TEST(MotionBounds, TheCellsOfAPartKnowNothingOfTheRest) {
+  const std::vector<double> keys{0, 100};
+  const auto move = solved<double>({.axis_count = 1, .keys = keys}, {10, 30}, 48);
+  const std::array tracks{move.track()};
+  const auto part = Move<double>::make(tracks, {}, WholeFrames{12, 36});
+  ASSERT_TRUE(part);
+  constexpr std::size_t cells = 8;
+  std::vector<MotionTriple<double>> suprema(cells);
+  std::vector<AxisTurn<double>> turns(1);
+  const std::vector<PeakSlack<double>> slack(1);
+  bound_cells<double>(*part, turns, {.cells = cells, .slack = slack, .suprema = suprema});
+  for (std::size_t cell = 0; cell < cells; ++cell) {
+    const double fastest = 37.5 + 25.0 * static_cast<double>(cell + 1) / cells;
+    EXPECT_GE(suprema[cell][0], fastest * (1 - 1e-12)) << cell;
+    EXPECT_LE(suprema[cell][0], 1.02 * fastest) << cell;
+  }
 }
 
 TEST(MotionBounds, AKeyOnTheFirstOrLastFrameOfAPartHasOneSide) {

@@ -324,34 +324,74 @@ TEST(Transport, ALoopThatWouldStepIsRefusedWithItsAxis) {
 }
 
 /// A line that has told once, before anybody waited.
+/// A simulated rig with its loop, on a clock of the test's, standing where a plan begins.
+class TickedRig {
+ public:
+  explicit TickedRig(const Plan& plan)
+      : rig_(*plan.rig()),
+        hardware_(rig_, standing_at_start(plan)),
+        lines_(rig_, hardware_),
+        drives_(rig_, hardware_),
+        room_(rig_.axes.size(), rig_.axes.size()),
+        loop(drives_, lines_, room_.memory()) {
+    EXPECT_TRUE(loop.post(SupervisorEvent::arm));
+    for (int i = 0; i < 5000 && loop.state() != SupervisorState::ready; ++i) tick(loop, 1);
+  }
+  void tick(auto& of, int count) {
+    for (int i = 0; i < count; ++i) of.tick(1, now_ns_ += 1'000'000'000 / rig_.rate_hz);
+  }
+
+ private:
+  static std::vector<double> standing_at_start(const Plan& plan) {
+    std::vector<double> start(plan.played().axis_count());
+    plan.played().positions({plan.played().first_frame(), 0}, start);
+    std::vector<double> standing(plan.rig()->axes.size());
+    for (std::size_t d = 0; d < start.size(); ++d) standing[plan.axis_of(d)] = start[d];
+    return standing;
+  }
+
+  const RigFile& rig_;
+  SimulatedHardware hardware_;
+  RigInputs lines_;
+  RigDrives drives_;
+  LoopStorage room_;
+  std::int64_t now_ns_ = 0;
+
+ public:
+  RunLoop loop;
+};
+
 TEST(Transport, ATriggerThatCameBeforeAnybodyWaitedStartsNothing) {
-  const RigFile rig = read_rig_file(camera_rig);
-  const Plan plan(read_move_file(reveal), rig, {});
-  std::vector<double> start(plan.played().axis_count());
-  plan.played().positions({plan.played().first_frame(), 0}, start);
-  std::vector<double> standing(rig.axes.size());
-  for (std::size_t d = 0; d < start.size(); ++d) standing[plan.axis_of(d)] = start[d];
-  SimulatedHardware hardware(rig, standing);
-  RigInputs lines(rig, hardware);
-  RigDrives drives(rig, hardware);
-  LoopStorage room(rig.axes.size(), rig.axes.size());
-  RunLoop loop(drives, lines, room.memory());
+  const Plan plan(read_move_file(reveal), read_rig_file(camera_rig), {});
+  TickedRig rig(plan);
   StagedMove staged(plan);
   bool has_told = true;
   const auto trigger = [&](std::int64_t) { return std::exchange(has_told, false); };
-  Transport transport(loop, staged, true, {.start = trigger});
-  std::int64_t now_ns = 0;
-  const auto tick = [&](auto& of, int count) {
-    for (int i = 0; i < count; ++i) of.tick(1, now_ns += 1'000'000'000 / rig.rate_hz);
-  };
-  ASSERT_TRUE(loop.post(SupervisorEvent::arm));
-  for (int i = 0; i < 5000 && loop.state() != SupervisorState::ready; ++i) tick(loop, 1);
+  Transport transport(rig.loop, staged, true, {.start = trigger});
   ASSERT_TRUE(transport.begin());
-  tick(transport, 100);
-  EXPECT_EQ(loop.state(), SupervisorState::ready) << "it waits";
+  rig.tick(transport, 100);
+  EXPECT_EQ(rig.loop.state(), SupervisorState::ready) << "it waits";
   has_told = true;
-  tick(transport, 2);
-  EXPECT_EQ(loop.state(), SupervisorState::running);
+  rig.tick(transport, 2);
+  EXPECT_EQ(rig.loop.state(), SupervisorState::running);
+}
+
+TEST(Transport, ThePhasesOfAPartAreThoseOfItsOwnFrames) {
+  const Plan plan(read_move_file(reveal), read_rig_file(camera_rig), {.frames = {80, 120}});
+  TickedRig rig(plan);
+  StagedMove staged(plan);
+  Transport transport(rig.loop, staged, true);
+  ASSERT_TRUE(transport.begin());
+  std::vector<std::string> phases;
+  std::string line;
+  for (int i = 0; i < 1000 && !transport.is_over(); ++i) {
+    rig.tick(transport, 1);
+    const std::string phase = phase_of(transport.snapshot());
+    if (phases.empty() || phases.back() != phase) phases.push_back(phase);
+    if (phase == "playing") line = state_line(transport.snapshot());
+  }
+  EXPECT_THAT(phases, ElementsAre("pre-roll", "playing", "post-roll", "ready"));
+  EXPECT_THAT(line, HasSubstr(" of 80..120  rate +1.00 of 1.00"));
 }
 
 }  // namespace transport_test
