@@ -28,7 +28,7 @@ class BandProgram {
  public:
   explicit BandProgram(std::size_t unknowns) : gains_(unknowns) {}
 
-  /// Adds factor * one * other to x^T H x / 2.
+  /// Adds factor * one * other / 2 to x^T H x / 2.
   void add_cost(std::span<const Term> one, std::span<const Term> other, double factor);
   /// Adds factor * sum to g^T x.
   void add_gain(std::span<const Term> sum, double factor);
