@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
 #include <stdexcept>
+#include <utility>
 
 #include "host_tools/fit/curve_samples.hpp"
 #include "host_tools/fit/key_fit.hpp"
@@ -312,41 +312,48 @@ struct Pace {
   double lag = 0;
 };
 
+/// The mean square of what a curve leaves of the distances.
+double square_left(std::span<const double> values, const Recording& recording,
+                   std::span<const double> distances) {
+  const ControlCurve curve(values);
+  const std::size_t spans = curve.span_count();
+  double square = 0;
+  for (std::size_t i = 0; i < distances.size(); ++i) {
+    const double a = recording.moments[i] * static_cast<double>(spans);
+    square += std::pow(curve.at(place_at(a, spans)).area - distances[i], 2);
+  }
+  return square / static_cast<double>(distances.size());
+}
+
 Pace fitted_pace(const Recording& recording, std::span<const double> distances, double total,
                  double tolerance) {
-  std::array<Pace, 4> found;  // by the ends that rest: 1 the first, 2 the last
-  std::array<double, 4> least{};
-  least.fill(std::numeric_limits<double>::infinity());
+  std::vector<double> best;
+  CurveBounds ends;
+  double least = std::numeric_limits<double>::infinity();
   for (const std::size_t spans : span_counts(distances.size())) {
     const CurveSamples samples(recording.moments, spans);
-    for (std::size_t ends = 0; ends < found.size(); ++ends) {
-      const CurveBounds bounds{
-          .total = total, .rests_at_start = (ends & 1U) != 0, .rests_at_end = (ends & 2U) != 0};
+    for (const auto& [start, end] : {std::pair(false, false), {true, false}, {false, true}, {true, true}}) {
+      const CurveBounds bounds{.total = total, .rests_at_start = start, .rests_at_end = end};
       const auto values = samples.fit(distances, bounds);
       if (!values) continue;
-      const ControlCurve curve(*values);
-      double square = 0;
-      for (std::size_t i = 0; i < distances.size(); ++i) {
-        const double a = recording.moments[i] * static_cast<double>(spans);
-        const double left = curve.at(place_at(a, spans)).area - distances[i];
-        square += left * left;
-      }
-      square /= static_cast<double>(distances.size());
       const double floor = finest * tolerance;
-      const std::size_t rests = 2 * static_cast<std::size_t>(bounds.rests_at_start + bounds.rests_at_end);
-      const double score = information(square + floor * floor, distances.size(), spans - rests);
-      if (score < least[ends]) least[ends] = score, found[ends] = {*values, std::sqrt(square) / total};
+      const std::size_t rests = 2 * (static_cast<std::size_t>(start) + static_cast<std::size_t>(end));
+      const double score = information(square_left(*values, recording, distances) + floor * floor,
+                                       distances.size(), spans - rests);
+      if (score < least) least = score, best = *values, ends = bounds;
     }
   }
-  auto ends = static_cast<std::size_t>(std::ranges::min_element(least) - least.begin());
-  if (found[ends].values.empty()) refuse("no speed curve follows the motion; draw it again");
-  const double standing = slow_end * *std::ranges::max_element(found[ends].values);
-  if (found[ends].values.front() < standing && !found[ends | 1U].values.empty()) ends |= 1U;
-  if (found[ends].values.back() < standing && !found[ends | 2U].values.empty()) ends |= 2U;
-  Pace best = found[ends];
-  const double scale = largest_value / *std::ranges::max_element(best.values);
-  for (double& value : best.values) value = std::round(value * scale * 1e4) / 1e4;
-  return best;
+  if (best.empty()) refuse("no speed curve follows the motion; draw it again");
+  // With as many control values: a curve that rests would be granted more of them, for the noise there.
+  const double standing = slow_end * *std::ranges::max_element(best);
+  ends.rests_at_start = ends.rests_at_start || best.front() < standing;
+  ends.rests_at_end = ends.rests_at_end || best.back() < standing;
+  if (auto resting = CurveSamples(recording.moments, best.size() - 1).fit(distances, ends))
+    best = std::move(*resting);
+  Pace pace{.values = best, .lag = std::sqrt(square_left(best, recording, distances)) / total};
+  const double scale = largest_value / *std::ranges::max_element(best);
+  for (double& value : pace.values) value = std::round(value * scale * 1e4) / 1e4;
+  return pace;
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <limits>
 #include <numbers>
 #include <random>
+#include <sstream>
 #include <vector>
 
 #include "host_tools/fit/motion_fit.hpp"
@@ -146,7 +147,10 @@ TEST(MotionFitProperty, AHandsMotionComesBackWithinItsToleranceAndTwoPercentOfIt
     const Truth truth(drawn);
     const MotionFit fit = fit_motion(recorded(drawn, truth));
     const Miss miss = miss_of(truth, Truth(fit));
-    RC_LOG() << "space " << miss.space << " px, speed " << miss.speed << " of the peak\n";
+    std::ostringstream drawn_text;
+    showValue(drawn, drawn_text);
+    RC_LOG() << drawn_text.str() << "\nspace " << miss.space << " px, speed " << miss.speed
+             << " of the peak, " << fit.keys.size() << " keys, " << fit.speed.size() << " control values\n";
     RC_ASSERT(fit.frames == drawn.frames);
     RC_ASSERT(miss.space <= tolerance);
     RC_ASSERT(miss.speed <= speed_share);
