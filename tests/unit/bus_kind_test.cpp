@@ -184,7 +184,7 @@ TYPED_TEST(EveryProtocol, ASetpointThatJumpsIsNotSent) {
 TYPED_TEST(EveryProtocol, AFirstSetpointThatIsNotWhereTheAxisIsIsNotSent) {
   BusAxis<TypeParam> axis;
   ASSERT_TRUE(axis.switch_on());
-  axis.ticks(3, Setpoint<double>{.position = axis.state.actual + 0.1});
+  axis.ticks(20, Setpoint<double>{.position = axis.state.actual + 0.1});
   EXPECT_TRUE(axis.host().findings().has(DriveFinding::moved_while_enabling));
   EXPECT_NEAR(axis.truly(), 20, 0.001);
 }
@@ -254,6 +254,37 @@ TYPED_TEST(EveryProtocol, AnAxisThatIsToldWhereItStandsGoesOnFromThere) {
   axis.ticks(50, Setpoint<double>{.position = axis.swing(1).position});
   EXPECT_NEAR(axis.state.actual, 13, 0.05);
   EXPECT_NEAR(axis.truly(), 30, 0.05);
+}
+
+// --- what a drive without SYNC does in its own way
+
+// docs/faults.md 19
+TEST(OdriveOnABus, TheNinthBadFrameAmongGoodOnesIsAFinding) {
+  BusAxis<OdriveKind> axis;
+  ASSERT_TRUE(axis.switch_on());
+  const can::OdriveNode node = *can::OdriveNode::make(3);
+  can::Frame shortened = can::odrive_estimates_frame(node, -5, 0);
+  shortened.length = 7;
+  for (int i = 1; i <= 9; ++i) {
+    EXPECT_FALSE(axis.host().first_finding()) << "after " << i - 1;
+    axis.wire.inject(shortened);
+    axis.ticks(2);
+  }
+  EXPECT_EQ(axis.host().first_finding(), DriveFinding::bad_frames);
+}
+
+TEST(OdriveOnABus, AfterAQuickStopItIsHeldWhereItWasToldToBeLast) {
+  BusAxis<OdriveKind> axis;
+  EveryProtocol<OdriveKind>::begin(axis);
+  axis.port->quick_stop();
+  axis.tick();
+  axis.drive->take_record();
+  axis.ticks(250);
+  EXPECT_TRUE(axis.has_power());
+  const std::vector<DriveRecord::Applied> applied = axis.drive->take_record().applied;
+  ASSERT_GT(applied.size(), 200U);
+  for (const DriveRecord::Applied& held : applied) ASSERT_EQ(held.target, applied.front().target);
+  EXPECT_NEAR(axis.truly(), applied.front().target / OdriveKind::scale_of(axis.axis()), 0.001);
 }
 
 // --- several protocols on a bus
