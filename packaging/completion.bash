@@ -4,7 +4,7 @@ _inbetween() {
   local -a command=()
   if ((COMP_CWORD > 1)); then command=("${COMP_WORDS[1]}"); fi
   if [[ $word == -* ]]; then
-    words=$("$program" "${command[@]}" --help 2>/dev/null | grep --only-matching --extended-regexp -- '^ +(-h,)?--[a-z-]+')
+    words=$("$program" "${command[@]}" --help 2>/dev/null | grep --only-matching --extended-regexp -- '^  (-h,)?--[a-z-]+')
     words=${words//-h,/}
   elif ((COMP_CWORD == 1)); then
     words=$("$program" --help 2>/dev/null | sed --quiet '/^Subcommands:/,/^$/s/^  \([a-z-]*\) .*/\1/p')

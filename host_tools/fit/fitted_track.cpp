@@ -15,7 +15,7 @@ constexpr double reading_rounding = 1e-7;
 constexpr double still_share = 1e-12;
 /// A control value influences the curve this far on either side. Reading a curve brings every value to rest
 /// that is nearer to a hold than `hold_reach`.
-constexpr double reach = 2;
+constexpr double value_reach = 2;
 constexpr double hold_reach = 3;
 
 Plan plan_of(const Plan& plan, std::size_t index) {
@@ -87,7 +87,7 @@ CurveFrame FittedTrack::frame_of(std::span<const double> baseline) const {
     if (area_at(a) - area_at(before) > still_share * curve.total()) {
       frame.fixed_areas.push_back(a);
     } else {
-      rest_between(before - reach, a + reach, frame);
+      rest_between(before - value_reach, a + value_reach, frame);
     }
     before = a;
   };
