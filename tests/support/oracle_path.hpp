@@ -21,6 +21,7 @@ class Path {
 
   int segments() const { return static_cast<int>(segments_.size()); }
   int axes() const { return static_cast<int>(weights_.size()); }
+  long double weight(int axis) const { return weights_.at(static_cast<std::size_t>(axis)); }
 
   // Every function below throws std::out_of_range for a segment or axis that does not exist and for a t
   // outside [0, 1] or NaN.
