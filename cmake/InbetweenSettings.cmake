@@ -10,8 +10,10 @@ endif()
 
 find_program(INBETWEEN_CCACHE ccache)
 if(INBETWEEN_CCACHE)
-  # Without the paths of this checkout in a command another checkout finds what was compiled here.
-  set(CMAKE_CXX_COMPILER_LAUNCHER "${CMAKE_COMMAND}" -E env "CCACHE_BASEDIR=${PROJECT_SOURCE_DIR}" "${INBETWEEN_CCACHE}")
+  # Without the paths of this checkout in a command another checkout finds what was compiled here. The compiler's list
+  # of headers saves a run of the preprocessor for each file.
+  set(CMAKE_CXX_COMPILER_LAUNCHER "${CMAKE_COMMAND}" -E env "CCACHE_BASEDIR=${PROJECT_SOURCE_DIR}" CCACHE_DEPEND=1
+    "${INBETWEEN_CCACHE}")
 endif()
 
 add_library(inbetween_settings INTERFACE)
@@ -30,6 +32,8 @@ target_compile_options(inbetween_settings INTERFACE
   -Wformat=2 -Wimplicit-fallthrough
   # GCC 12 takes any "literal" + std::string for an overlapping copy (its bug 105651).
   $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>
+  # In a batch (Batches.cmake) GCC takes the unnamed namespace of a source file for that of a header.
+  $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>
   # The same move gives the same bits on x86-64, arm64 and Cortex-M only if no compiler fuses a
   # multiplication with an addition on its own account.
   -ffp-contract=off)

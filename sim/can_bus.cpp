@@ -5,26 +5,29 @@
 
 namespace inbetween {
 
-void SimulatedCanBus::post(const Waiting& sent, std::int64_t now_ns) {
+template <class Frame>
+void SimulatedBus<Frame>::post(const Waiting& sent, std::int64_t now_ns) {
   const FrameFate fate = fate_ ? fate_(sent.frame, now_ns) : FrameFate{};
   for (int i = 0; i < fate.copies; ++i) {
     wire_.push_back({.frame = sent.frame, .sender = sent.sender, .due_ns = now_ns + fate.delay_ns});
   }
 }
 
-void SimulatedCanBus::collect(std::int64_t now_ns) {
+template <class Frame>
+void SimulatedBus<Frame>::collect(std::int64_t now_ns) {
   for (std::size_t i = 0; i < drives_.size(); ++i) {
-    for (const can::Frame& frame : drives_[i]->take_frames()) {
+    for (const Frame& frame : drives_[i]->take_frames()) {
       post({.frame = frame, .sender = static_cast<int>(i)}, now_ns);
     }
   }
 }
 
-std::vector<can::Frame> SimulatedCanBus::run(std::int64_t now_ns) {
-  for (SimulatedCanDrive* drive : drives_) drive->advance(now_ns);
+template <class Frame>
+std::vector<Frame> SimulatedBus<Frame>::run(std::int64_t now_ns) {
+  for (SimulatedDriveOn<Frame>* drive : drives_) drive->advance(now_ns);
   for (const Waiting& sent : outbox_) post(sent, now_ns);
   outbox_.clear();
-  std::vector<can::Frame> heard;
+  std::vector<Frame> heard;
   for (;;) {
     collect(now_ns);
     // The first of those with the lowest identifier: one sender's frames stay in order.
@@ -42,5 +45,8 @@ std::vector<can::Frame> SimulatedCanBus::run(std::int64_t now_ns) {
     if (delivered.sender != host) heard.push_back(delivered.frame);
   }
 }
+
+template class SimulatedBus<can::Frame>;
+template class SimulatedBus<can::FdFrame>;
 
 }  // namespace inbetween

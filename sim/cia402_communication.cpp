@@ -1,5 +1,6 @@
 // A simulated drive speaks and hears NMT, heartbeats, guarding, SYNC, EMCY and PDO.
 #include <algorithm>
+#include <cmath>
 
 #include "inbetween/can/pdo.hpp"
 #include "inbetween/can/sync.hpp"
@@ -14,8 +15,6 @@ using Kind = DriveTrouble::Kind;
 constexpr std::int64_t ms = 1'000'000;
 constexpr std::uint8_t error_of_communication = 0x11;
 constexpr std::uint16_t last_of_communication = 0x1FFF;
-
-constexpr std::size_t pdos = 4;
 
 unsigned bits_of(const std::vector<can::PdoEntry>& objects) {
   unsigned bits = 0;
@@ -39,6 +38,7 @@ void SimulatedCia402Drive::boot() {
 /// As after power-on: it is where it is, and calls that 0.
 void SimulatedCia402Drive::start_anew() {
   objects_ = defaults_;
+  settings_revision_.reset();
   zero_ = motor_.position();
   last_word_ = 0;
   is_limited_ = false;
@@ -132,13 +132,13 @@ void SimulatedCia402Drive::lose_communication(std::uint16_t code) {
 void SimulatedCia402Drive::receive(const can::Frame& frame) {
   const bool is_guard = frame.is_remote && !frame.is_extended && frame.id == can::heartbeat_id(node());
   if (is_booting_ || !(is_guard || can::is_canopen(frame))) return;
-  if (is_meant_for_it(frame) && takes_frame(Kind::lose_heard)) return;
+  if (troubles_.has_any() && is_meant_for_it(frame) && takes_frame(Kind::lose_heard)) return;
   if (is_guard) return hear_guard();
   if (const auto order = can::read_nmt(frame)) return obey(*order);
   hear_host(frame);
   if (nmt_ == NmtState::stopped) return;
   if (frame.id == can::sdo_request_id(node())) return serve(frame);
-  if (frame.id == (objects_.value(0x1005) & can::cob_id_number)) return hear_sync(frame);
+  if (frame.id == settings_now().sync_id) return hear_sync(frame);
   if (nmt_ == NmtState::operational) hear_pdo(frame);
 }
 
@@ -154,9 +154,8 @@ void SimulatedCia402Drive::hear_guard() {
 
 /// The drive supervises the host from its first heartbeat on, not from its boot-up message.
 void SimulatedCia402Drive::hear_host(const can::Frame& frame) {
-  const std::uint32_t entry = objects_.value(0x1016, 1);
-  const std::uint32_t host = entry >> 16;
-  const std::int64_t timeout_ns = (entry & 0xFFFF) * ms;
+  const std::uint32_t host = settings_now().host;
+  const std::int64_t timeout_ns = settings_now().host_timeout_ns;
   if (host == 0 || timeout_ns == 0 || frame.id != 0x700 + host || frame.length != 1) return;
   if (frame.data[0] != 0) {
     has_come(host_heartbeat);
@@ -214,7 +213,7 @@ std::optional<std::uint32_t> SimulatedCia402Drive::refuses_mapping(const Pdo& pd
   if (is_valid(pdo)) return can::abort_unsupported_access;
   if (sub != 0) {
     if (objects_.value(pdo.mapping) != 0) return can::abort_unsupported_access;
-    constexpr std::array received{0x60400010U, 0x607A0020U};
+    constexpr std::array received{0x60400010U, 0x607A0020U, 0x60C10120U};
     constexpr std::array sent{0x60410010U, 0x60640020U, 0x60610008U, 0x603F0010U, 0x606C0020U, 0x60F40020U};
     const bool can_be_mapped =
         is_sent ? std::ranges::count(sent, value) != 0 : std::ranges::count(received, value) != 0;
@@ -239,18 +238,46 @@ void SimulatedCia402Drive::note_written(can::ObjectAddress object) {
   if (object.index == 0x6040) obey_controlword(static_cast<std::uint16_t>(objects_.value(0x6040)));
 }
 
-void SimulatedCia402Drive::hear_pdo(const can::Frame& frame) {
+SimulatedCia402Drive::PdoSetting SimulatedCia402Drive::setting_of(const Pdo& pdo) const {
+  PdoSetting setting{
+      .is_valid = is_valid(pdo),
+      .id = objects_.value(pdo.communication, can::pdo_sub_cob_id) & can::cob_id_number,
+      .type = objects_.value(pdo.communication, can::pdo_sub_type),
+      .timer_ms = objects_.value(pdo.communication, can::pdo_sub_event_timer),
+      .objects = objects_in(pdo, objects_.value(pdo.mapping)),
+  };
+  setting.bits = bits_of(setting.objects);
+  return setting;
+}
+
+const SimulatedCia402Drive::Settings& SimulatedCia402Drive::settings_now() const {
+  if (settings_revision_ == objects_.revision()) return read_settings_;
   for (std::size_t n = 0; n < pdos; ++n) {
-    const Pdo heard = pdo(false, n);
-    const std::uint32_t id = objects_.value(heard.communication, can::pdo_sub_cob_id) & can::cob_id_number;
-    if (!is_valid(heard) || frame.id != id) continue;
-    const unsigned bits = bits_of(objects_in(heard, objects_.value(heard.mapping)));
-    if (8U * frame.length < bits) return raise_error(0x8210, error_of_communication);
-    if (8U * frame.length > bits) raise_error(0x8220, error_of_communication);
-    const std::int64_t timeout_ns = objects_.value(heard.communication, can::pdo_sub_event_timer) * ms;
+    read_settings_.received.at(n) = setting_of(pdo(false, n));
+    read_settings_.sent.at(n) = setting_of(pdo(true, n));
+  }
+  read_settings_.sync_id = objects_.value(0x1005) & can::cob_id_number;
+  read_settings_.sync_period_ns = std::int64_t{objects_.value(0x1006)} * 1000;
+  read_settings_.has_sync_counter = objects_.value(0x1019) != 0;
+  const std::uint32_t consumer = objects_.value(0x1016, 1);
+  read_settings_.host = consumer >> 16;
+  read_settings_.host_timeout_ns = (consumer & 0xFFFF) * ms;
+  const auto exponent = static_cast<std::int8_t>(objects_.value(0x60C2, 2));
+  read_settings_.interpolation_s = objects_.value(0x60C2, 1) * std::pow(10, exponent);
+  settings_revision_ = objects_.revision();
+  return read_settings_;
+}
+
+void SimulatedCia402Drive::hear_pdo(const can::Frame& frame) {
+  const std::array<PdoSetting, pdos>& received = settings_now().received;
+  for (std::size_t n = 0; n < pdos; ++n) {
+    const PdoSetting& heard = received.at(n);
+    if (!heard.is_valid || frame.id != heard.id) continue;
+    if (8U * frame.length < heard.bits) return raise_error(0x8210, error_of_communication);
+    if (8U * frame.length > heard.bits) raise_error(0x8220, error_of_communication);
     has_come(setpoints);
-    if (timeout_ns > 0) setpoint_deadline_ns_ = now_ns_ + timeout_ns;
-    const bool waits_for_sync = objects_.value(heard.communication, can::pdo_sub_type) <= 240;
+    if (heard.timer_ms > 0) setpoint_deadline_ns_ = now_ns_ + heard.timer_ms * ms;
+    const bool waits_for_sync = heard.type <= 240;
     if (waits_for_sync) {
       waiting_.at(n) = frame;
     } else {
@@ -260,10 +287,10 @@ void SimulatedCia402Drive::hear_pdo(const can::Frame& frame) {
   }
 }
 
-void SimulatedCia402Drive::apply_pdo(const Pdo& pdo, const can::Frame& frame) {
+void SimulatedCia402Drive::apply_pdo(const PdoSetting& pdo, const can::Frame& frame) {
   std::size_t offset = 0;
   bool has_controlword = false;
-  for (const can::PdoEntry& mapped : objects_in(pdo, objects_.value(pdo.mapping))) {
+  for (const can::PdoEntry& mapped : pdo.objects) {
     std::uint32_t value = 0;
     for (std::size_t i = 0; i < mapped.bits / 8U; ++i) {
       value |= std::uint32_t{frame.data.at(offset++)} << (8 * i);
@@ -275,9 +302,9 @@ void SimulatedCia402Drive::apply_pdo(const Pdo& pdo, const can::Frame& frame) {
 }
 
 void SimulatedCia402Drive::hear_sync(const can::Frame& frame) {
-  const bool has_counter = objects_.value(0x1019) != 0;
+  const bool has_counter = settings_now().has_sync_counter;
   if (frame.length != (has_counter ? 1 : 0)) return raise_error(0x8240, error_of_communication);
-  const std::int64_t period_ns = std::int64_t{objects_.value(0x1006)} * 1000;
+  const std::int64_t period_ns = settings_now().sync_period_ns;
   has_come(sync);
   if (period_ns > 0) sync_deadline_ns_ = now_ns_ + period_ns + period_ns / 2;
   if (nmt_ != NmtState::operational) return;
@@ -286,15 +313,18 @@ void SimulatedCia402Drive::hear_sync(const can::Frame& frame) {
   // Frames received before this SYNC act now; the drive tells the state at the time of the SYNC.
   for (std::size_t n = 0; n < pdos; ++n) {
     if (!waiting_.at(n)) continue;
-    apply_pdo(pdo(false, n), *waiting_.at(n));
+    apply_pdo(settings_now().received.at(n), *waiting_.at(n));
     waiting_.at(n).reset();
   }
   from_ = demand_;
   if (sync_ns_) sync_period_s_ = static_cast<double>(now_ns_ - *sync_ns_) * 1e-9;
   sync_ns_ = now_ns_;
   since_sync_s_ = 0;
-  if (is_in_operation()) {
-    const auto target = static_cast<std::int32_t>(objects_.value(0x607A));
+  take_set_point();
+  const bool is_interpolated = mode() == interpolated_position;
+  if (is_interpolated ? is_interpolating_ : is_in_operation()) {
+    const auto target =
+        static_cast<std::int32_t>(is_interpolated ? objects_.value(0x60C1, 1) : objects_.value(0x607A));
     if (!first_target_) first_target_ = target;
     has_been_moved_ = has_been_moved_ || target != *first_target_;
     if (settings_.keeps_record) applied_.push_back({.at_ns = now_ns_, .target = target});
@@ -304,12 +334,10 @@ void SimulatedCia402Drive::hear_sync(const can::Frame& frame) {
 
 void SimulatedCia402Drive::send_pdos() {
   if (has_trouble(Kind::lose_feedback)) return;
-  for (std::size_t n = 0; n < pdos; ++n) {
-    const Pdo told = pdo(true, n);
-    const std::uint32_t type = objects_.value(told.communication, can::pdo_sub_type);
-    if (!is_valid(told) || type == 0 || type > 240 || syncs_ % type != 0) continue;
-    can::Frame frame{.id = objects_.value(told.communication, can::pdo_sub_cob_id) & can::cob_id_number};
-    for (const can::PdoEntry& mapped : objects_in(told, objects_.value(told.mapping))) {
+  for (const PdoSetting& told : settings_now().sent) {
+    if (!told.is_valid || told.type == 0 || told.type > 240 || syncs_ % told.type != 0) continue;
+    can::Frame frame{.id = told.id};
+    for (const can::PdoEntry& mapped : told.objects) {
       const std::uint32_t value = objects_.value(mapped.object.index, mapped.object.sub);
       for (std::size_t i = 0; i < mapped.bits / 8U; ++i) {
         frame.data.at(frame.length++) = static_cast<std::uint8_t>(value >> (8 * i));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "sim/cia402_objects.hpp"
 
@@ -55,6 +56,8 @@ void SimulatedCia402Drive::change_access(can::ObjectAddress address, ObjectDicti
 
 void SimulatedCia402Drive::advance(std::int64_t now_ns) {
   while (now_ns_ < now_ns) {
+    run_motor_quietly(now_ns);
+    if (now_ns_ >= now_ns) break;
     const std::int64_t ns = std::min(step_ns, now_ns - now_ns_);
     now_ns_ += ns;
     meet_troubles();
@@ -72,12 +75,48 @@ std::vector<can::Frame> SimulatedCia402Drive::take_frames() {
   return frames;
 }
 
+/// As far as nothing but the motor moves, without asking in every step whether something is due.
+void SimulatedCia402Drive::run_motor_quietly(std::int64_t until_ns) {
+  const std::int64_t event_ns = next_event_ns();
+  const MotionObjects objects = motion_objects();
+  while (now_ns_ < until_ns && is_in_operation()) {
+    const std::int64_t ns = std::min(step_ns, until_ns - now_ns_);
+    if (now_ns_ + ns >= event_ns) return;
+    now_ns_ += ns;
+    const double seconds = static_cast<double>(ns) * 1e-9;
+    follow(objects, seconds);
+    watch_following_error(objects, seconds);
+  }
+}
+
+/// Now where something may happen in any step.
+std::int64_t SimulatedCia402Drive::next_event_ns() const {
+  if (troubles_.has_any() || is_booting_ || is_enabling_ || !is_in_operation()) return now_ns_;
+  std::int64_t next_ns = std::numeric_limits<std::int64_t>::max();
+  if (objects_.value(0x1017) > 0) next_ns = heartbeat_ns_;
+  for (const auto& deadline_ns :
+       {host_deadline_ns_, guard_deadline_ns_, setpoint_deadline_ns_, sync_deadline_ns_}) {
+    if (deadline_ns) next_ns = std::min(next_ns, *deadline_ns);
+  }
+  return next_ns;
+}
+
+SimulatedCia402Drive::MotionObjects SimulatedCia402Drive::motion_objects() const {
+  if (!is_in_operation()) return {};
+  return {.period_s = period_s(),
+          .min = as_signed(objects_.value(0x607D, 1)) + zero_,
+          .max = as_signed(objects_.value(0x607D, 2)) + zero_,
+          .target = target(),
+          .window = objects_.value(0x6065),
+          .window_ms = objects_.value(0x6066)};
+}
+
 void SimulatedCia402Drive::step(double seconds) {
   motor_.hold(has_trouble(Kind::stick));
   switch (state_) {
     case Cia402State::operation_enabled:
-      follow(seconds);
-      watch_following_error(seconds);
+      follow(motion_objects(), seconds);
+      watch_following_error(motion_objects(), seconds);
       break;
     case Cia402State::quick_stop_active:
     case Cia402State::fault_reaction_active:
@@ -92,22 +131,17 @@ void SimulatedCia402Drive::step(double seconds) {
 
 /// A drive without 60C2 goes by 1006, or by the SYNC that it hears.
 double SimulatedCia402Drive::period_s() const {
-  if (objects_.value(0x60C2, 1) == 0) {
-    const std::uint32_t sync_us = objects_.value(0x1006);
-    return std::max(sync_us > 0 ? sync_us * 1e-6 : sync_period_s_, static_cast<double>(step_ns) * 1e-9);
-  }
-  const auto index = static_cast<std::int8_t>(objects_.value(0x60C2, 2));
-  return objects_.value(0x60C2, 1) * std::pow(10, index);
+  if (settings_now().interpolation_s > 0) return settings_now().interpolation_s;
+  const std::uint32_t sync_us = objects_.value(0x1006);
+  return std::max(sync_us > 0 ? sync_us * 1e-6 : sync_period_s_, static_cast<double>(step_ns) * 1e-9);
 }
 
-void SimulatedCia402Drive::follow(double seconds) {
+void SimulatedCia402Drive::follow(const MotionObjects& objects, double seconds) {
   since_sync_s_ += seconds;
-  const double period = period_s();
-  const std::int32_t min = as_signed(objects_.value(0x607D, 1));
-  const std::int32_t max = as_signed(objects_.value(0x607D, 2));
-  double target = as_signed(objects_.value(0x607A)) + zero_;
-  if (min < max) {
-    const double clipped = std::clamp(target, min + zero_, max + zero_);
+  const double period = objects.period_s;
+  double target = objects.target.value_or(demand_);
+  if (objects.min < objects.max) {
+    const double clipped = std::clamp(target, objects.min, objects.max);
     is_limited_ = clipped != target;
     target = clipped;
   }
@@ -124,11 +158,28 @@ void SimulatedCia402Drive::follow(double seconds) {
   motor_.follow({.position = demand_, .velocity = demand_velocity_}, seconds);
 }
 
-void SimulatedCia402Drive::watch_following_error(double seconds) {
-  const std::uint32_t window = objects_.value(0x6065);
-  const bool is_beyond = window != 0xFFFFFFFF && std::fabs(demand_ - motor_.position()) > window;
+/// At SYNC. It needs the set-point after the one that it goes to, so that it is a period behind; without bit
+/// 4 of the controlword it stays where it is.
+void SimulatedCia402Drive::take_set_point() {
+  const bool is_wished =
+      mode() == interpolated_position && is_in_operation() && (last_word_ & can::control_interpolate) != 0;
+  const std::int32_t told = as_signed(objects_.value(0x60C1, 1));
+  set_point_ = is_interpolating_ ? next_set_point_ : told;
+  next_set_point_ = told;
+  is_interpolating_ = is_wished;
+}
+
+std::optional<double> SimulatedCia402Drive::target() const {
+  if (mode() != interpolated_position) return as_signed(objects_.value(0x607A)) + zero_;
+  if (is_interpolating_) return set_point_ + zero_;
+  return {};
+}
+
+void SimulatedCia402Drive::watch_following_error(const MotionObjects& objects, double seconds) {
+  const bool is_beyond =
+      objects.window != 0xFFFFFFFF && std::fabs(demand_ - motor_.position()) > objects.window;
   beyond_window_s_ = is_beyond ? beyond_window_s_ + seconds : 0;
-  is_following_error_ = is_beyond && beyond_window_s_ * 1000 >= objects_.value(0x6066);
+  is_following_error_ = is_beyond && beyond_window_s_ * 1000 >= objects.window_ms;
   if (is_following_error_) fail(0x8611);
 }
 
@@ -176,6 +227,7 @@ void SimulatedCia402Drive::enter(Cia402State state) {
   const bool slows_down =
       state == Cia402State::quick_stop_active || state == Cia402State::fault_reaction_active;
   is_enabling_ = false;
+  is_interpolating_ = false;
   if (state == Cia402State::operation_enabled) {
     demand_ = from_ = motor_.position();
     demand_velocity_ = 0;
@@ -246,7 +298,9 @@ void SimulatedCia402Drive::react_to_lost_communication() {
 }
 
 std::uint16_t SimulatedCia402Drive::statusword() const {
-  const bool follows = is_in_operation() && objects_.value(0x6060) == 8 && !has_trouble(Kind::ignore_target);
+  const bool takes_targets =
+      mode() == cyclic_position || (mode() == interpolated_position && is_interpolating_);
+  const bool follows = is_in_operation() && takes_targets && !has_trouble(Kind::ignore_target);
   unsigned word = state_bits.at(static_cast<std::size_t>(state_)) | 0x0210U;
   if (is_limited_ && is_in_operation()) word |= can::status_internal_limit;
   if (follows) word |= can::status_follows_target;

@@ -33,8 +33,8 @@ struct SimulatedCia402Settings {
 
 /// A CiA 402 drive with its motor, frame in and frame out: an object dictionary with the mapping rules of CiA
 /// 301, NMT, heartbeats both ways, guarding, EMCY, and the states of the profile in cyclic synchronous
-/// position. It has been written from the standards and not from the host's side, of which it uses the frames
-/// only.
+/// position and in interpolated position, where it is a period behind. It has been written from the standards
+/// and not from the host's side, of which it uses the frames only.
 ///
 /// Time is the caller's, in nanoseconds, and never goes back: a virtual clock, or that of the machine.
 class SimulatedCia402Drive : public SimulatedCanDrive {
@@ -83,9 +83,38 @@ class SimulatedCia402Drive : public SimulatedCanDrive {
   void add_trouble(const DriveTrouble& trouble) override { troubles_.add(trouble); }
 
  private:
+  static constexpr std::uint32_t interpolated_position = 7;
+  static constexpr std::uint32_t cyclic_position = 8;
   struct Pdo {
     std::uint16_t communication;
     std::uint16_t mapping;
+  };
+  static constexpr std::size_t pdos = 4;  ///< each way
+  /// What the objects of a PDO say.
+  struct PdoSetting {
+    bool is_valid = false;
+    std::uint32_t id = 0;
+    std::uint32_t type = 0;
+    std::uint32_t timer_ms = 0;
+    unsigned bits = 0;
+    std::vector<can::PdoEntry> objects;
+  };
+  /// What the objects say of how it communicates, which a client alone changes.
+  struct Settings {
+    std::array<PdoSetting, pdos> received, sent;
+    std::uint32_t sync_id = 0;
+    std::int64_t sync_period_ns = 0;
+    bool has_sync_counter = false;
+    std::uint32_t host = 0;  ///< whose heartbeat it watches; 0: nobody's
+    std::int64_t host_timeout_ns = 0;
+    double interpolation_s = 0;  ///< 60C2; 0: it has none
+  };
+  /// What the objects say of the motion: the same for all steps of the motor between two frames.
+  struct MotionObjects {
+    double period_s = 0;
+    double min = 0, max = 0;         ///< no limits where min is not below max
+    std::optional<double> target{};  ///< none: it stays where it is
+    std::uint32_t window = 0, window_ms = 0;
   };
   void boot();
   void start_anew();
@@ -128,12 +157,18 @@ class SimulatedCia402Drive : public SimulatedCanDrive {
   [[nodiscard]] std::vector<can::PdoEntry> objects_in(const Pdo& pdo, std::uint32_t count) const;
   void note_written(can::ObjectAddress object);
   void hear_pdo(const can::Frame& frame);
-  void apply_pdo(const Pdo& pdo, const can::Frame& frame);
+  void apply_pdo(const PdoSetting& pdo, const can::Frame& frame);
+  [[nodiscard]] PdoSetting setting_of(const Pdo& pdo) const;
+  /// Read again where an object has changed.
+  const Settings& settings_now() const;
   void hear_sync(const can::Frame& frame);
   void send_pdos();
 
   // the drive
   void step(double seconds);
+  void run_motor_quietly(std::int64_t until_ns);
+  [[nodiscard]] std::int64_t next_event_ns() const;
+  [[nodiscard]] MotionObjects motion_objects() const;
   void obey_controlword(std::uint16_t word);
   void react_to_lost_communication();
   void stop_quickly();
@@ -141,8 +176,11 @@ class SimulatedCia402Drive : public SimulatedCanDrive {
   void enter(can::Cia402State state);
   bool slow_demand_down(double seconds);
   void slow_down(double seconds);
-  void follow(double seconds);
-  void watch_following_error(double seconds);
+  void take_set_point();
+  [[nodiscard]] std::uint32_t mode() const { return objects_.value(0x6060); }
+  [[nodiscard]] std::optional<double> target() const;
+  void follow(const MotionObjects& objects, double seconds);
+  void watch_following_error(const MotionObjects& objects, double seconds);
   void meet_troubles();
   void meet(const DriveTrouble& trouble);
   [[nodiscard]] bool has_trouble(DriveTrouble::Kind kind) const { return troubles_.has(kind, now_ns_); }
@@ -173,14 +211,16 @@ class SimulatedCia402Drive : public SimulatedCanDrive {
   can::NmtState nmt_ = can::NmtState::boot_up;
   std::int64_t boot_ns_;
   std::int64_t heartbeat_ns_ = 0;
-  std::optional<std::int64_t> host_deadline_ns_;      ///< from the host's first heartbeat on
-  std::optional<std::int64_t> guard_deadline_ns_;     ///< from the first request on
-  bool guard_toggle_ = false;                         ///< of the next answer
-  std::optional<std::int64_t> setpoint_deadline_ns_;  ///< from the first setpoint on
-  std::optional<std::int64_t> sync_deadline_ns_;      ///< from the first SYNC on
-  unsigned missing_ = 0;                              ///< Watched
-  std::optional<Transfer> transfer_;                  ///< of SDO in segments
-  std::array<std::optional<can::Frame>, 4> waiting_;  ///< RPDOs that SYNC will apply
+  std::optional<std::int64_t> host_deadline_ns_;         ///< from the host's first heartbeat on
+  std::optional<std::int64_t> guard_deadline_ns_;        ///< from the first request on
+  bool guard_toggle_ = false;                            ///< of the next answer
+  std::optional<std::int64_t> setpoint_deadline_ns_;     ///< from the first setpoint on
+  std::optional<std::int64_t> sync_deadline_ns_;         ///< from the first SYNC on
+  unsigned missing_ = 0;                                 ///< Watched
+  std::optional<Transfer> transfer_;                     ///< of SDO in segments
+  std::array<std::optional<can::Frame>, pdos> waiting_;  ///< RPDOs that SYNC will apply
+  mutable Settings read_settings_;
+  mutable std::optional<std::uint64_t> settings_revision_;  ///< of the objects that they were read from
   std::uint32_t syncs_ = 0;
 
   can::Cia402State state_ = can::Cia402State::switch_on_disabled;
@@ -193,6 +233,9 @@ class SimulatedCia402Drive : public SimulatedCanDrive {
   double since_sync_s_ = 0;
   std::optional<std::int64_t> sync_ns_;  ///< the last
   double sync_period_s_ = 0;             ///< between the last two
+  bool is_interpolating_ = false;        ///< in mode 7, since bit 4 of the controlword rose
+  std::int32_t set_point_ = 0;           ///< mode 7: it goes there until the next SYNC
+  std::int32_t next_set_point_ = 0;
   double beyond_window_s_ = 0;
   bool is_following_error_ = false;
   bool is_limited_ = false;

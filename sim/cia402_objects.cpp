@@ -87,8 +87,10 @@ ObjectDictionary factory_objects(can::NodeId node) {
   objects.add({.index = 0x6085}, {.size = u32, .value = 500'000, .min = 1});
   objects.add({.index = 0x60C2, .sub = 1}, {.size = u8, .value = 20, .min = 1});
   objects.add({.index = 0x60C2, .sub = 2}, {.size = u8, .value = 0xFD});
+  objects.add({.index = 0x60C0}, {.size = u16, .max = 0});
+  objects.add({.index = 0x60C1, .sub = 1}, {.size = u32});
   shown(0x60F4, u32, 0);
-  shown(0x6502, u32, 0xA1);
+  shown(0x6502, u32, 0xE1);
   return objects;
 }
 

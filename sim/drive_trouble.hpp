@@ -52,6 +52,7 @@ class DriveTroubles {
   using Kind = DriveTrouble::Kind;
 
   void add(const DriveTrouble& trouble) { met_.push_back({.trouble = trouble}); }
+  [[nodiscard]] bool has_any() const { return !met_.empty(); }
   /// Takes the next one that begins by `now_ns` and has not begun before.
   std::optional<DriveTrouble> begin_next(std::int64_t now_ns);
   [[nodiscard]] bool has(Kind kind, std::int64_t now_ns) const;

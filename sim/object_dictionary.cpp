@@ -1,5 +1,10 @@
 #include "sim/object_dictionary.hpp"
 
+#include <algorithm>
+#include <bit>
+#include <cstddef>
+#include <stdexcept>
+
 namespace inbetween {
 namespace {
 
@@ -9,11 +14,57 @@ std::uint32_t number_of(const std::vector<std::uint8_t>& bytes) {
   return value;
 }
 
+/// The upper bits of a product are well spread (Knuth, The Art of Computer Programming, 6.4).
+std::size_t slot_of(std::uint32_t key) {
+  return (key * 0x9E3779B1U) >> 16;
+}
+
 }  // namespace
 
+std::vector<ObjectDictionary::Entry>::const_iterator ObjectDictionary::from(
+    can::ObjectAddress address) const {
+  return std::ranges::lower_bound(objects_, key(address), {}, &Entry::first);
+}
+
+void ObjectDictionary::add(can::ObjectAddress address, const Object& object) {
+  ++revision_;
+  const auto next = objects_.begin() + (from(address) - objects_.cbegin());
+  if (next != objects_.end() && next->first == key(address)) {
+    next->second = object;
+    return;
+  }
+  objects_.insert(next, {key(address), object});
+  slots_.clear();
+}
+
+void ObjectDictionary::remove(can::ObjectAddress address) {
+  ++revision_;
+  std::erase_if(objects_, [&](const Entry& entry) { return entry.first == key(address); });
+  slots_.clear();
+}
+
+void ObjectDictionary::fill_slots() const {
+  slots_.assign(std::bit_ceil(4 * objects_.size() + 1), 0);
+  for (std::size_t i = 0; i < objects_.size(); ++i) {
+    std::size_t slot = slot_of(objects_[i].first) & (slots_.size() - 1);
+    while (slots_[slot] != 0) slot = (slot + 1) & (slots_.size() - 1);
+    slots_[slot] = static_cast<std::uint16_t>(i + 1);
+  }
+}
+
 const ObjectDictionary::Object* ObjectDictionary::find(can::ObjectAddress address) const {
-  const auto found = objects_.find(key(address));
-  return found == objects_.end() ? nullptr : &found->second;
+  if (slots_.empty()) fill_slots();
+  std::size_t slot = slot_of(key(address)) & (slots_.size() - 1);
+  for (; slots_[slot] != 0; slot = (slot + 1) & (slots_.size() - 1)) {
+    const Entry& entry = objects_[slots_[slot] - std::size_t{1}];
+    if (entry.first == key(address)) return &entry.second;
+  }
+  return nullptr;
+}
+
+const ObjectDictionary::Object& ObjectDictionary::at(can::ObjectAddress address) const {
+  if (const Object* const object = find(address)) return *object;
+  throw std::out_of_range("a simulated drive has no such object");
 }
 
 std::uint32_t ObjectDictionary::value(std::uint16_t index, std::uint8_t sub) const {
@@ -22,13 +73,12 @@ std::uint32_t ObjectDictionary::value(std::uint16_t index, std::uint8_t sub) con
 }
 
 void ObjectDictionary::set(std::uint16_t index, std::uint8_t sub, std::uint32_t value) {
-  const auto found = objects_.find(key({.index = index, .sub = sub}));
-  if (found != objects_.end())
-    found->second.value = value & (0xFFFFFFFFU >> (8U * (4U - found->second.size)));
+  Object* const object = find_own({.index = index, .sub = sub});
+  if (object != nullptr) object->value = value & (0xFFFFFFFFU >> (8U * (4U - object->size)));
 }
 
 std::vector<std::uint8_t> ObjectDictionary::read(can::ObjectAddress address) const {
-  const Object& object = objects_.at(key(address));
+  const Object& object = at(address);
   if (!object.bytes.empty()) return object.bytes;
   std::vector<std::uint8_t> bytes;
   for (unsigned i = 0; i < object.size; ++i)
@@ -37,28 +87,31 @@ std::vector<std::uint8_t> ObjectDictionary::read(can::ObjectAddress address) con
 }
 
 void ObjectDictionary::write(can::ObjectAddress address, const std::vector<std::uint8_t>& bytes) {
-  Object& object = objects_.at(key(address));
-  if (object.access == Access::write_ignored) return;
-  object.bytes.empty() ? void(object.value = number_of(bytes)) : void(object.bytes = bytes);
+  Object* const object = find_own(address);
+  if (object == nullptr || object->access == Access::write_ignored) return;
+  ++revision_;
+  object->bytes.empty() ? void(object->value = number_of(bytes)) : void(object->bytes = bytes);
 }
 
 void ObjectDictionary::change_access(can::ObjectAddress address, Access access) {
-  const auto found = objects_.find(key(address));
-  if (found != objects_.end()) found->second.access = access;
+  ++revision_;
+  if (Object* const object = find_own(address)) object->access = access;
 }
 
 void ObjectDictionary::restore(const ObjectDictionary& defaults, std::uint16_t first, std::uint16_t last) {
+  ++revision_;
   for (auto& [key, object] : objects_) {
     const std::uint32_t index = key >> 8;
-    const auto found = defaults.objects_.find(key);
-    if (index < first || index > last || found == defaults.objects_.end()) continue;
-    object.value = found->second.value;
-    object.bytes = found->second.bytes;
+    const Object* const before = defaults.find(
+        {.index = static_cast<std::uint16_t>(index), .sub = static_cast<std::uint8_t>(key & 0xFFU)});
+    if (index < first || index > last || before == nullptr) continue;
+    object.value = before->value;
+    object.bytes = before->bytes;
   }
 }
 
 std::uint32_t ObjectDictionary::reason_not_there(can::ObjectAddress address) const {
-  const auto next = objects_.lower_bound(key({.index = address.index}));
+  const auto next = from({.index = address.index});
   const bool has_index = next != objects_.end() && next->first >> 8 == address.index;
   return has_index ? can::abort_no_sub_index : can::abort_no_object;
 }
@@ -84,7 +137,7 @@ std::optional<std::uint32_t> ObjectDictionary::refuses_length(can::ObjectAddress
 std::optional<std::uint32_t> ObjectDictionary::refuses_write(can::ObjectAddress address,
                                                              const std::vector<std::uint8_t>& bytes) const {
   if (const auto why = refuses_length(address, bytes.size())) return why;
-  const Object& object = objects_.at(key(address));
+  const Object& object = at(address);
   if (!object.bytes.empty()) return {};
   const std::uint32_t value = number_of(bytes);
   if (value > object.max) return can::abort_too_high;

@@ -3,8 +3,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <map>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "inbetween/can/sdo.hpp"
@@ -36,10 +36,13 @@ class ObjectDictionary {
     std::vector<std::uint8_t> bytes = {};
   };
 
-  void add(can::ObjectAddress address, const Object& object) { objects_[key(address)] = object; }
+  void add(can::ObjectAddress address, const Object& object);
   /// A device that does not have it.
-  void remove(can::ObjectAddress address) { objects_.erase(key(address)); }
+  void remove(can::ObjectAddress address);
+  /// O(1): a device looks at dozens of them for every frame that it hears.
   [[nodiscard]] const Object* find(can::ObjectAddress address) const;
+  /// Grows whenever anything changes but by set().
+  [[nodiscard]] std::uint64_t revision() const { return revision_; }
 
   [[nodiscard]] bool is_silent(can::ObjectAddress address) const {
     const Object* const object = find(address);
@@ -69,7 +72,20 @@ class ObjectDictionary {
   static std::uint32_t key(can::ObjectAddress address) {
     return (std::uint32_t{address.index} << 8) | address.sub;
   }
-  std::map<std::uint32_t, Object> objects_;
+  using Entry = std::pair<std::uint32_t, Object>;
+  /// The first at this address or behind it.
+  [[nodiscard]] std::vector<Entry>::const_iterator from(can::ObjectAddress address) const;
+  [[nodiscard]] Object* find_own(can::ObjectAddress address) {
+    return const_cast<Object*>(find(address));  // NOLINT(cppcoreguidelines-pro-type-const-cast): it is ours
+  }
+  /// One that is there. Throws std::out_of_range.
+  [[nodiscard]] const Object& at(can::ObjectAddress address) const;
+  void fill_slots() const;
+
+  std::vector<Entry> objects_;  ///< in the order of their addresses
+  /// A hash table of places in objects_, each plus 1; empty until somebody looks.
+  mutable std::vector<std::uint16_t> slots_;
+  std::uint64_t revision_ = 0;
 };
 
 }  // namespace inbetween

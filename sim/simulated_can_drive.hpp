@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "inbetween/can/fd_frame.hpp"
 #include "inbetween/can/frame.hpp"
 #include "sim/drive_trouble.hpp"
 
@@ -28,18 +29,14 @@ struct DriveRecord {
   std::vector<Reported> reported;  ///< errors, as the protocol numbers them
 };
 
-/// A drive with its motor on a CAN bus, frame in and frame out: on a simulated bus, or on a real one. Time is
-/// the caller's, in nanoseconds, and never goes back.
-class SimulatedCanDrive {
+/// A drive with its motor, whatever frames it speaks. Time is the caller's, in nanoseconds, and never goes
+/// back.
+class SimulatedDrive {
  public:
-  virtual ~SimulatedCanDrive() = default;
+  virtual ~SimulatedDrive() = default;
 
   /// Until `now_ns`: the motor moves, timers end, reports are due.
   virtual void advance(std::int64_t now_ns) = 0;
-  /// A frame that it hears at the time to which it was advanced.
-  virtual void receive(const can::Frame& frame) = 0;
-  /// Takes the frames that it has to send since the last call, in order.
-  virtual std::vector<can::Frame> take_frames() = 0;
   virtual void add_trouble(const DriveTrouble& trouble) = 0;
 
   /// A target was applied that is not where it was switched on.
@@ -54,5 +51,17 @@ class SimulatedCanDrive {
   /// Takes its own record, where it was asked to keep one.
   virtual DriveRecord take_record() = 0;
 };
+
+/// One on a bus with such frames, frame in and frame out: on a simulated bus, or on a real one.
+template <class Frame>
+class SimulatedDriveOn : public SimulatedDrive {
+ public:
+  /// A frame that it hears at the time to which it was advanced.
+  virtual void receive(const Frame& frame) = 0;
+  /// Takes the frames that it has to send since the last call, in order.
+  virtual std::vector<Frame> take_frames() = 0;
+};
+using SimulatedCanDrive = SimulatedDriveOn<can::Frame>;
+using SimulatedFdDrive = SimulatedDriveOn<can::FdFrame>;
 
 }  // namespace inbetween

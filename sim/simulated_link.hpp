@@ -6,21 +6,21 @@
 #include <deque>
 #include <span>
 
-#include "inbetween/can/frame.hpp"
 #include "sim/can_bus.hpp"
 
 namespace inbetween {
 
 /// The host's interface to a simulated bus (can::FrameLink), with what can happen to one.
-class SimulatedLink {
+template <class Frame>
+class SimulatedLinkTo {
  public:
   /// The bus stays the caller's.
-  explicit SimulatedLink(SimulatedCanBus& bus) : bus_(&bus) {}
+  explicit SimulatedLinkTo(SimulatedBus<Frame>& bus) : bus_(&bus) {}
 
   [[nodiscard]] bool is_up() const { return is_up_; }
   /// Brings the bus to `now_ns`. What is not taken waits.
-  std::size_t receive(std::span<can::Frame> in, std::int64_t now_ns) {
-    for (const can::Frame& frame : bus_->run(now_ns)) {
+  std::size_t receive(std::span<Frame> in, std::int64_t now_ns) {
+    for (const Frame& frame : bus_->run(now_ns)) {
       if (is_up_) waiting_.push_back(frame);
     }
     const std::size_t count = std::min(in.size(), waiting_.size());
@@ -28,10 +28,10 @@ class SimulatedLink {
     waiting_.erase(waiting_.begin(), waiting_.begin() + static_cast<std::ptrdiff_t>(count));
     return count;
   }
-  std::size_t send(std::span<const can::Frame> out) {
+  std::size_t send(std::span<const Frame> out) {
     if (!is_up_) return 0;
     const std::size_t count = std::min(out.size(), room_);
-    for (const can::Frame& frame : out.first(count)) bus_->send(frame);
+    for (const Frame& frame : out.first(count)) bus_->send(frame);
     return count;
   }
   std::size_t drain() {
@@ -45,13 +45,14 @@ class SimulatedLink {
   /// How many frames the interface takes in a send: fewer where its queue is full.
   void set_room(std::size_t frames) { room_ = frames; }
   /// Frames that were there before.
-  void put_stale(const can::Frame& frame) { waiting_.push_back(frame); }
+  void put_stale(const Frame& frame) { waiting_.push_back(frame); }
 
  private:
-  SimulatedCanBus* bus_;
-  std::deque<can::Frame> waiting_;
+  SimulatedBus<Frame>* bus_;
+  std::deque<Frame> waiting_;
   std::size_t room_ = SIZE_MAX;
   bool is_up_ = true;
 };
+using SimulatedLink = SimulatedLinkTo<can::Frame>;
 
 }  // namespace inbetween

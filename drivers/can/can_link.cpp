@@ -1,5 +1,6 @@
 #include "drivers/can/can_link.hpp"
 
+#include <linux/can.h>
 #include <linux/can/netlink.h>
 #include <linux/if_link.h>
 #include <linux/netlink.h>
@@ -58,6 +59,9 @@ void take_controller(std::span<const std::byte> data, CanLink& link) {
       if (!timing || timing->bitrate == 0) return;
       link.bitrate = timing->bitrate;
       link.sample_point_permille = timing->sample_point;
+    } else if (type == IFLA_CAN_DATA_BITTIMING) {
+      const auto timing = value_in<can_bittiming>(content);
+      if (timing && timing->bitrate != 0) link.data_bitrate = timing->bitrate;
     } else if (type == IFLA_CAN_STATE) {
       if (const auto state = value_in<std::uint32_t>(content)) link.controller = state_of(*state);
     }
@@ -94,6 +98,7 @@ std::optional<CanLink> parse_can_link(std::span<const std::byte> answer) {
   CanLink link{.is_up = (interface->ifi_flags & IFF_UP) != 0};
   for_each_attribute(answer.subspan(sizeof(ifinfomsg)), [&](int type, std::span<const std::byte> content) {
     if (type == IFLA_TXQLEN) link.queue_frames = value_in<std::uint32_t>(content).value_or(0);
+    if (type == IFLA_MTU) link.carries_fd = value_in<std::uint32_t>(content) == CANFD_MTU;
     if (type == IFLA_LINKINFO) take_kind(content, link);
   });
   return link;

@@ -13,9 +13,11 @@ namespace inbetween::can {
 /// A CAN interface as the kernel has it set up.
 struct CanLink {
   bool is_up = false;
+  bool carries_fd = false;
   std::uint32_t queue_frames = 0;  ///< that wait to be sent at most (txqueuelen); 0: no limit
   // A virtual interface has none of these.
   std::optional<std::uint32_t> bitrate{};                ///< bit/s
+  std::optional<std::uint32_t> data_bitrate{};           ///< bit/s, of CAN FD
   std::optional<std::uint32_t> sample_point_permille{};  ///< of a bit
   std::optional<ControllerState> controller{};
 };

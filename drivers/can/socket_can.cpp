@@ -18,26 +18,69 @@ constexpr std::uint32_t flags_and_id = CAN_EFF_FLAG | CAN_RTR_FLAG;
 /// Before tools and SDO transfers in the queue of the interface; the highest that needs no right.
 constexpr int frame_priority = 6;
 
-bool is_classic(const Frame& frame) {
-  return frame.id <= (frame.is_extended ? CAN_EFF_MASK : CAN_SFF_MASK) && frame.length <= CAN_MAX_DLEN;
+template <class AnyFrame>
+bool has_identifier(const AnyFrame& frame) {
+  return frame.id <= (frame.is_extended ? CAN_EFF_MASK : CAN_SFF_MASK);
+}
+bool can_be_sent(const Frame& frame) {
+  return has_identifier(frame) && frame.length <= CAN_MAX_DLEN;
+}
+bool can_be_sent(const FdFrame& frame) {
+  return has_identifier(frame) && is_fd_length(frame.length) &&
+         (!frame.is_classic || frame.length <= CAN_MAX_DLEN);
 }
 
-can_frame to_kernel(const Frame& frame) {
-  can_frame raw{};
-  raw.can_id = frame.id | (frame.is_extended ? CAN_EFF_FLAG : 0U) | (frame.is_remote ? CAN_RTR_FLAG : 0U);
+/// How many bytes the kernel takes for it.
+std::size_t raw_size(const Frame& /*frame*/) {
+  return CAN_MTU;
+}
+std::size_t raw_size(const FdFrame& frame) {
+  return frame.is_classic ? CAN_MTU : CANFD_MTU;
+}
+
+template <class Raw, class AnyFrame>
+Raw begin_raw(const AnyFrame& frame) {
+  Raw raw{};
+  raw.can_id = frame.id | (frame.is_extended ? CAN_EFF_FLAG : 0U);
   raw.len = frame.length;
-  std::copy(frame.data.begin(), frame.data.end(), std::begin(raw.data));
+  std::copy_n(frame.data.begin(), frame.length, std::begin(raw.data));
+  return raw;
+}
+can_frame to_kernel(const Frame& frame) {
+  auto raw = begin_raw<can_frame>(frame);
+  if (frame.is_remote) raw.can_id |= CAN_RTR_FLAG;
+  return raw;
+}
+canfd_frame to_kernel(const FdFrame& frame) {
+  auto raw = begin_raw<canfd_frame>(frame);
+  if (!frame.is_classic && frame.has_fast_data) raw.flags = CANFD_BRS;
   return raw;
 }
 
-Frame from_kernel(const can_frame& raw) {
-  Frame frame;
+template <class AnyFrame, class Raw>
+AnyFrame begin_frame(const Raw& raw) {
+  AnyFrame frame;
   frame.is_extended = (raw.can_id & CAN_EFF_FLAG) != 0;
-  frame.is_remote = (raw.can_id & CAN_RTR_FLAG) != 0;
   frame.id = raw.can_id & (frame.is_extended ? CAN_EFF_MASK : CAN_SFF_MASK);
   frame.length = raw.len;
   // The kernel does not promise what stands in the bytes that do not count.
   std::copy_n(std::begin(raw.data), raw.len, frame.data.begin());
+  return frame;
+}
+/// Nothing where the size or the length is not that of a frame.
+std::optional<Frame> from_kernel(const can_frame& raw, std::size_t size) {
+  if (size != CAN_MTU || raw.len > CAN_MAX_DLEN) return {};
+  auto frame = begin_frame<Frame>(raw);
+  frame.is_remote = (raw.can_id & CAN_RTR_FLAG) != 0;
+  return frame;
+}
+std::optional<FdFrame> from_kernel(const canfd_frame& raw, std::size_t size) {
+  const bool is_classic = size == CAN_MTU;
+  if ((!is_classic && size != CANFD_MTU) || !is_fd_length(raw.len)) return {};
+  if (is_classic && raw.len > CAN_MAX_DLEN) return {};
+  auto frame = begin_frame<FdFrame>(raw);
+  frame.is_classic = is_classic;
+  frame.has_fast_data = !is_classic && (raw.flags & CANFD_BRS) != 0;
   return frame;
 }
 
@@ -51,7 +94,7 @@ std::string reason_of(int error) {
   return std::strerror(error);
 }
 
-std::optional<Refusal> refuse_interface(int socket, const std::string& interface) {
+std::optional<Refusal> refuse_interface(int socket, const std::string& interface, bool needs_fd) {
   ifreq request = request_for(interface);
   if (interface.empty() || interface.size() >= IFNAMSIZ || ::ioctl(socket, SIOCGIFINDEX, &request) != 0) {
     return Refusal{.what = "there is no interface " + interface,
@@ -67,6 +110,14 @@ std::optional<Refusal> refuse_interface(int socket, const std::string& interface
       (request.ifr_mtu != CAN_MTU && request.ifr_mtu != CANFD_MTU)) {
     return Refusal{.what = interface + " does not carry classic CAN frames",
                    .remedy = "ip link set " + interface + " down mtu 16"};
+  }
+  if (needs_fd && request.ifr_mtu != CANFD_MTU) {
+    return Refusal{
+        .what = interface + " does not carry CAN FD frames",
+        .remedy = "ip link set " + interface + " down; ip link set " + interface +
+                  " up type can bitrate BITRATE dbitrate DATA_BITRATE fd on (a virtual one: ip link "
+                  "set " +
+                  interface + " mtu 72; ip link set " + interface + " up)"};
   }
   request = request_for(interface);
   if (::ioctl(socket, SIOCGIFFLAGS, &request) != 0 || (request.ifr_flags & IFF_UP) == 0) {
@@ -95,11 +146,12 @@ bool set_filters(int socket, std::span<const CanFilter> filters) {
 }
 
 /// Everything but the interface.
-bool set_options(int socket, std::span<const CanFilter> filters) {
+bool set_options(int socket, std::span<const CanFilter> filters, bool needs_fd) {
   const int on = 1;
   const int off = 0;
   const can_err_mask_t all_errors = CAN_ERR_MASK;
   return set_filters(socket, filters) && set_option(socket, SOL_CAN_RAW, CAN_RAW_ERR_FILTER, all_errors) &&
+         (!needs_fd || set_option(socket, SOL_CAN_RAW, CAN_RAW_FD_FRAMES, on)) &&
          set_option(socket, SOL_CAN_RAW, CAN_RAW_LOOPBACK, on) &&  // so that candump sees what is sent
          set_option(socket, SOL_CAN_RAW, CAN_RAW_RECV_OWN_MSGS, off) &&
          set_option(socket, SOL_SOCKET, SO_RXQ_OVFL, on) &&
@@ -108,29 +160,35 @@ bool set_options(int socket, std::span<const CanFilter> filters) {
 
 }  // namespace
 
-SocketCan::SocketCan() {
+template <class Frame>
+CanSocket<Frame>::CanSocket() {
   for (std::size_t i = 0; i < max_frames; ++i) {
-    out_parts_[i] = {.iov_base = &out_frames_[i], .iov_len = sizeof(can_frame)};
+    out_parts_[i] = {.iov_base = &out_frames_[i], .iov_len = sizeof(Raw)};
     out_headers_[i].msg_hdr.msg_iov = &out_parts_[i];
     out_headers_[i].msg_hdr.msg_iovlen = 1;
-    in_parts_[i] = {.iov_base = &in_frames_[i], .iov_len = sizeof(can_frame) + sizeof(InBytes::beyond)};
+    in_parts_[i] = {.iov_base = &in_frames_[i], .iov_len = sizeof(Raw) + sizeof(InBytes::beyond)};
     in_headers_[i].msg_hdr.msg_iov = &in_parts_[i];
     in_headers_[i].msg_hdr.msg_iovlen = 1;
     in_headers_[i].msg_hdr.msg_control = in_drops_[i].bytes.data();
   }
 }
 
-SocketCan::~SocketCan() {
+template <class Frame>
+CanSocket<Frame>::~CanSocket() {
   close();
 }
 
-void SocketCan::close() {
+template <class Frame>
+void CanSocket<Frame>::close() {
   if (socket_ >= 0) ::close(socket_);
   socket_ = -1;
   link_ = LinkState::gone;
 }
 
-std::optional<Refusal> SocketCan::open(const std::string& interface, std::span<const CanFilter> filters) {
+template <class Frame>
+std::optional<Refusal> CanSocket<Frame>::open(const std::string& interface,
+                                              std::span<const CanFilter> filters) {
+  constexpr bool is_fd = std::is_same_v<Frame, FdFrame>;
   close();
   counters_ = {};
   drops_seen_ = 0;
@@ -142,13 +200,14 @@ std::optional<Refusal> SocketCan::open(const std::string& interface, std::span<c
                    .remedy = "modprobe can_raw"};
   }
   socket_ = created;
-  std::optional<Refusal> refusal = refuse_interface(socket_, interface);
+  std::optional<Refusal> refusal = refuse_interface(socket_, interface, is_fd);
   if (!refusal) {
     ifreq request = request_for(interface);
     sockaddr_can address{};
     address.can_family = AF_CAN;
     // Filters before the interface: nothing comes in that no filter has let through.
-    const bool is_bound = set_options(socket_, filters) && ::ioctl(socket_, SIOCGIFINDEX, &request) == 0 &&
+    const bool is_bound = set_options(socket_, filters, is_fd) &&
+                          ::ioctl(socket_, SIOCGIFINDEX, &request) == 0 &&
                           (address.can_ifindex = request.ifr_ifindex) > 0 &&
                           ::bind(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
     if (!is_bound) {
@@ -164,7 +223,8 @@ std::optional<Refusal> SocketCan::open(const std::string& interface, std::span<c
   return std::nullopt;
 }
 
-void SocketCan::note_link_error(int error, std::uint64_t& otherwise) {
+template <class Frame>
+void CanSocket<Frame>::note_link_error(int error, std::uint64_t& otherwise) {
   switch (error) {
     case ENETDOWN:
       if (link_ == LinkState::up) link_ = LinkState::down;
@@ -178,15 +238,19 @@ void SocketCan::note_link_error(int error, std::uint64_t& otherwise) {
   }
 }
 
-std::size_t SocketCan::send(std::span<const Frame> frames) {
+template <class Frame>
+std::size_t CanSocket<Frame>::send(std::span<const Frame> frames) {
   if (frames.empty()) return 0;
   if (link_ != LinkState::up || frames.size() > max_frames ||
-      !std::all_of(frames.begin(), frames.end(), is_classic)) {
+      !std::ranges::all_of(frames, [](const Frame& frame) { return can_be_sent(frame); })) {
     counters_.unsent += frames.size();
     ++counters_.failed_sends;
     return 0;
   }
-  std::transform(frames.begin(), frames.end(), out_frames_.begin(), to_kernel);
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    out_frames_[i] = to_kernel(frames[i]);
+    out_parts_[i].iov_len = raw_size(frames[i]);
+  }
   const int taken =
       ::sendmmsg(socket_, out_headers_.data(), static_cast<unsigned>(frames.size()), MSG_DONTWAIT);
   const int error = errno;
@@ -202,7 +266,8 @@ std::size_t SocketCan::send(std::span<const Frame> frames) {
   return sent;
 }
 
-void SocketCan::note_error_frame(const ErrorFrame& error) {
+template <class Frame>
+void CanSocket<Frame>::note_error_frame(const ErrorFrame& error) {
   ++counters_.error_frames;
   if (error.is_receive_overflow || error.is_transmit_overflow) ++counters_.controller_overflows;
   if (error.is_unacknowledged) ++counters_.unacknowledged;
@@ -223,7 +288,8 @@ void SocketCan::note_error_frame(const ErrorFrame& error) {
   }
 }
 
-void SocketCan::note_drops(msghdr& header) {
+template <class Frame>
+void CanSocket<Frame>::note_drops(msghdr& header) {
   for (cmsghdr* part = CMSG_FIRSTHDR(&header); part != nullptr; part = CMSG_NXTHDR(&header, part)) {
     if (part->cmsg_level != SOL_SOCKET || part->cmsg_type != SO_RXQ_OVFL) continue;
     std::uint32_t drops = 0;
@@ -234,7 +300,8 @@ void SocketCan::note_drops(msghdr& header) {
 }
 
 /// How many messages wait in in_headers_; 0 where none has come, or the link or the call has failed.
-int SocketCan::receive_batch(std::size_t room) {
+template <class Frame>
+int CanSocket<Frame>::receive_batch(std::size_t room) {
   if (socket_ < 0) return 0;
   for (std::size_t i = 0; i < room; ++i) {
     in_headers_[i].msg_hdr.msg_controllen = sizeof(DropCount::bytes);
@@ -247,23 +314,24 @@ int SocketCan::receive_batch(std::size_t room) {
   return 0;
 }
 
-std::optional<Frame> SocketCan::take(std::size_t index) {
-  const can_frame& raw = in_frames_[index].frame;
+template <class Frame>
+std::optional<Frame> CanSocket<Frame>::take(std::size_t index) {
+  const Raw& raw = in_frames_[index].frame;
   note_drops(in_headers_[index].msg_hdr);
-  if (in_headers_[index].msg_len != sizeof(can_frame) || raw.len > CAN_MAX_DLEN) {
+  const std::optional<Frame> frame = from_kernel(raw, in_headers_[index].msg_len);
+  if (!frame) {
     ++counters_.malformed;
     return std::nullopt;
   }
-  if ((raw.can_id & CAN_ERR_FLAG) != 0) {
-    std::array<std::uint8_t, CAN_MAX_DLEN> data{};
-    std::copy(std::begin(raw.data), std::end(raw.data), data.begin());
-    note_error_frame(decode_error_frame(raw.can_id, data));
-    return std::nullopt;
-  }
-  return from_kernel(raw);
+  if ((raw.can_id & CAN_ERR_FLAG) == 0) return frame;
+  std::array<std::uint8_t, CAN_MAX_DLEN> data{};
+  std::copy_n(std::begin(raw.data), data.size(), data.begin());
+  note_error_frame(decode_error_frame(raw.can_id, data));
+  return std::nullopt;
 }
 
-std::size_t SocketCan::receive(std::span<Frame> frames) {
+template <class Frame>
+std::size_t CanSocket<Frame>::receive(std::span<Frame> frames) {
   const std::size_t room = std::min(frames.size(), max_frames);
   const int count = room > 0 ? receive_batch(room) : 0;
   std::size_t given = 0;
@@ -274,7 +342,8 @@ std::size_t SocketCan::receive(std::span<Frame> frames) {
   return given;
 }
 
-SocketCan::Drained SocketCan::drain() {
+template <class Frame>
+auto CanSocket<Frame>::drain() -> Drained {
   Drained drained;
   for (std::size_t thrown_away = 0; thrown_away < max_drained; thrown_away += max_frames) {
     const LinkState before = link_;
@@ -291,5 +360,8 @@ SocketCan::Drained SocketCan::drain() {
   counters_.stale += drained.stale;
   return drained;
 }
+
+template class CanSocket<Frame>;
+template class CanSocket<FdFrame>;
 
 }  // namespace inbetween::can

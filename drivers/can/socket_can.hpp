@@ -9,9 +9,11 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <type_traits>
 
 #include "drivers/can/error_frame.hpp"
 #include "drivers/refusal.hpp"
+#include "inbetween/can/fd_frame.hpp"
 #include "inbetween/can/frame.hpp"
 
 namespace inbetween::can {
@@ -35,7 +37,7 @@ struct CanCounters {
   std::uint64_t failed_sends = 0;   ///< sends that failed in another way
   std::uint64_t received = 0;       ///< frames given to the caller
   std::uint64_t stale = 0;          ///< frames thrown away by `drain`
-  std::uint64_t malformed = 0;      ///< what had not the size and length of a classic frame; discarded
+  std::uint64_t malformed = 0;      ///< what had not the size and length of a frame; discarded
   std::uint64_t receive_drops = 0;  ///< frames that found this socket's queue full (SO_RXQ_OVFL)
   std::uint64_t failed_receives = 0;  ///< receives that failed in another way than by the link
   std::uint64_t error_frames = 0;     ///< all of them; some kinds follow
@@ -54,22 +56,24 @@ struct CanFilter {
   std::uint32_t any_bits = 0;  ///< these bits of the identifier may be anything
 };
 
-/// Classic CAN through SocketCAN (CAN_RAW), for a real-time loop. After `open` nothing is allocated, nothing
+/// A CAN bus through SocketCAN (CAN_RAW), for a real-time loop: a classic one with Frame, one that carries
+/// CAN FD with FdFrame, where classic frames may come and go too. After `open` nothing is allocated, nothing
 /// waits, and `send` and `receive` are one system call each. Of one thread.
 ///
 /// It receives what other programs on this machine send, too, but not what it sends itself.
 /// Source: Linux Documentation/networking/can.rst.
-class SocketCan {
+template <class Frame>
+class CanSocket {
  public:
   /// The most frames of one system call, to send or to receive.
   static constexpr std::size_t max_frames = 64;
 
-  SocketCan();
-  ~SocketCan();
-  SocketCan(const SocketCan&) = delete;
-  SocketCan& operator=(const SocketCan&) = delete;
+  CanSocket();
+  ~CanSocket();
+  CanSocket(const CanSocket&) = delete;
+  CanSocket& operator=(const CanSocket&) = delete;
 
-  /// Takes an interface, which must be there, be CAN, be up, and carry classic frames. What was open before
+  /// Takes an interface, which must be there, be CAN, be up, and carry such frames. What was open before
   /// is closed first; the counters begin at 0. Frames that no filter names do not come in; no filter, none
   /// does. What was on the bus before is not in the queue, but what comes from now on waits in it: see
   /// `drain`.
@@ -103,6 +107,9 @@ class SocketCan {
   [[nodiscard]] const CanCounters& counters() const { return counters_; }
 
  private:
+  /// The kernel's frame. Both begin alike, and a classic one fits into the other.
+  using Raw = std::conditional_t<std::is_same_v<Frame, FdFrame>, canfd_frame, can_frame>;
+
   void note_link_error(int error, std::uint64_t& otherwise);
   void note_error_frame(const ErrorFrame& error);
   void note_drops(msghdr& header);
@@ -115,16 +122,16 @@ class SocketCan {
   CanCounters counters_;
   std::uint32_t drops_seen_ = 0;
 
-  std::array<can_frame, max_frames> out_frames_{};
+  std::array<Raw, max_frames> out_frames_{};
   std::array<iovec, max_frames> out_parts_{};
   std::array<mmsghdr, max_frames> out_headers_{};
 
   struct DropCount {
     alignas(cmsghdr) std::array<unsigned char, CMSG_SPACE(sizeof(std::uint32_t))> bytes{};
   };
-  /// A byte more than a classic frame, so that a longer one shows.
+  /// A byte more than a frame, so that a longer one shows.
   struct InBytes {
-    can_frame frame{};
+    Raw frame{};
     std::uint8_t beyond = 0;
   };
   std::array<InBytes, max_frames> in_frames_{};
@@ -132,5 +139,7 @@ class SocketCan {
   std::array<DropCount, max_frames> in_drops_{};
   std::array<mmsghdr, max_frames> in_headers_{};
 };
+using SocketCan = CanSocket<Frame>;
+using SocketCanFd = CanSocket<FdFrame>;
 
 }  // namespace inbetween::can

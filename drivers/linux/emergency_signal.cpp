@@ -5,14 +5,15 @@ namespace {
 
 volatile std::sig_atomic_t pressed = 0;
 
-void note(int signal) {
+void note_emergency(int signal) {
   pressed = signal == SIGUSR1 ? 1 : 0;
 }
 
 }  // namespace
 
 EmergencySignal::EmergencySignal()
-    : press_before_(std::signal(SIGUSR1, note)), release_before_(std::signal(SIGUSR2, note)) {}
+    : press_before_(std::signal(SIGUSR1, note_emergency)),
+      release_before_(std::signal(SIGUSR2, note_emergency)) {}
 
 EmergencySignal::~EmergencySignal() {
   std::signal(SIGUSR1, press_before_);

@@ -5,14 +5,14 @@ namespace {
 
 volatile std::sig_atomic_t has_come = 0;
 
-void note(int) {
+void note_interrupt(int) {
   has_come = 1;
 }
 
 }  // namespace
 
 InterruptWatch::InterruptWatch() {
-  for (std::size_t i = 0; i < signals.size(); ++i) before_[i] = std::signal(signals[i], note);
+  for (std::size_t i = 0; i < signals.size(); ++i) before_[i] = std::signal(signals[i], note_interrupt);
 }
 
 InterruptWatch::~InterruptWatch() {

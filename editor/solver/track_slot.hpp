@@ -61,7 +61,7 @@ class TrackSlot {
   std::array<FrameKnot, max_segments> knots_;
   ArcLengthStorage<double, max_segments, max_pieces> arc_length_;
   SpeedProfileStorage<double, max_values> profile_;
-  std::array<TwoSum<double>, max_values> span_distances_;
+  std::array<SpanDistance<double>, max_values> span_distances_;
   std::array<Portion<double>, max_locks + 1> portions_;
   std::array<KeyInterval<double>, max_segments> key_intervals_;
   std::array<double, max_segments + 1> distances_;

@@ -7,6 +7,7 @@
 
 #include "host_tools/check/check_refusals.hpp"
 #include "host_tools/check/planned_stops.hpp"
+#include "host_tools/files/rig_motors.hpp"
 #include "inbetween/limits/motion_steps.hpp"
 
 namespace inbetween {
@@ -126,15 +127,34 @@ void list_steps(const Plan& plan, std::size_t index, CheckReport& report) {
   }
 }
 
+void bound_motors_of(const Plan& plan, CheckReport& report) {
+  const PlannedMotors planned = planned_motors(plan);
+  const std::vector<AxisPeaks<double>> peaks = peaks_of_motors(plan, planned);
+  for (std::size_t m = 0; m < peaks.size(); ++m) {
+    const std::size_t a = plan.axis_of(planned.motors[m].axis);
+    const AxisLimits<double>& limits = planned.limits[m];
+    report.motors.push_back({.axis = a,
+                             .unit = std::string(to_string(plan.rig()->axes[a].calibration->unit)),
+                             .velocity = {.limit = limits.max_velocity()},
+                             .acceleration = {.limit = limits.max_acceleration()},
+                             .jerk = {.limit = limits.max_jerk()}});
+    CheckedMotor& motor = report.motors.back();
+    raise(motor.velocity, peaks[m].velocity);
+    raise(motor.acceleration, peaks[m].acceleration);
+    raise(motor.jerk, peaks[m].jerk);
+    refuse_motor(plan, motor, report);
+  }
+}
+
 void prove_stops(const Plan& plan, CheckReport& report) {
   report.planned_stops = std::make_shared<const PlannedStops>(plan);
   const PlannedStops& planned = *report.planned_stops;
-  if (planned.obstacle()) return refuse_stop(plan, *planned.obstacle(), report);
+  if (planned.obstacle()) return refuse_stop(plan, planned, report);
   CheckedStops stops{.longest = planned.bounds()->longest_in_time(), .axes = {}};
   for (const CheckedAxis& axis : report.axes) {
     stops.axes.push_back({.velocity = axis.velocity, .acceleration = {}, .jerk = {}});
   }
-  for (std::size_t d = 0; d < planned.peaks().size(); ++d) {
+  for (std::size_t d = 0; d < plan.limits().size(); ++d) {
     const AxisPeaks<double>& peaks = planned.peaks()[d];
     const AxisLimits<double>& limits = plan.limits()[d];
     CheckedStopAxis& axis = stops.axes[plan.axis_of(d)];
@@ -151,23 +171,32 @@ void prove_stops(const Plan& plan, CheckReport& report) {
 
 void find_highest_rate(const Plan& plan, CheckReport& report) {
   std::vector<PlayedAxis<double>> played(plan.limits().size());
+  std::vector<AxisLimits<double>> limits = plan.limits();
+  const auto peak = [](const CheckedPeak& found) { return Peak<double>{found.value, found.frame}; };
   for (std::size_t d = 0; d < played.size(); ++d) {
     const CheckedAxis& axis = report.axes[plan.axis_of(d)];
-    const auto peak = [](const CheckedPeak& found) { return Peak<double>{found.value, found.frame}; };
     played[d].peaks = {.lowest = axis.range->lowest,
                        .highest = axis.range->highest,
                        .velocity = peak(axis.velocity),
                        .acceleration = peak(axis.acceleration),
                        .jerk = peak(axis.jerk)};
   }
-  report.highest_rate_between_steps = highest_rate<double>(played, plan.limits());
-  for (std::size_t d = 0; d < played.size(); ++d) {
+  for (const CheckedMotor& motor : report.motors) {
+    played.push_back({.peaks = {.lowest = {},
+                                .highest = {},
+                                .velocity = peak(motor.velocity),
+                                .acceleration = peak(motor.acceleration),
+                                .jerk = peak(motor.jerk)}});
+    limits.push_back(limits_beside_take_up(plan.rig()->axes[motor.axis]));
+  }
+  report.highest_rate_between_steps = highest_rate<double>(played, limits);
+  for (std::size_t d = 0; d < plan.limits().size(); ++d) {
     for (const CheckedStep& step : report.steps) {
       if (step.axis != plan.axis_of(d)) continue;
       played[d].acceleration_step = std::max(played[d].acceleration_step, step.acceleration);
     }
   }
-  report.highest_rate = highest_rate<double>(played, plan.limits());
+  report.highest_rate = highest_rate<double>(played, limits);
   const bool steps =
       std::ranges::any_of(report.steps, [](const CheckedStep& step) { return step.velocity > 0; });
   if (steps) report.highest_rate = 0;
@@ -192,6 +221,7 @@ CheckReport check(const Plan& plan) {
   for (std::size_t a = 0; a < report.axes.size(); ++a) {
     if (report.axes[a].range) refuse_axis(plan, a, report);
   }
+  bound_motors_of(plan, report);
   for (const RollObstacle& obstacle : plan.roll_obstacles()) refuse_roll(plan, obstacle, report);
   prove_stops(plan, report);
   find_highest_rate(plan, report);

@@ -47,6 +47,14 @@ struct CheckedAxis {
   CheckedPeak velocity, acceleration, jerk;
 };
 
+/// The motor of an axis with a calibration, in its unit and seconds; the limits are what the take-up of its
+/// backlash leaves. Proven by bound_motors: above the truth by more than 1 % where the curve bends.
+struct CheckedMotor {
+  std::size_t axis = 0;  ///< in CheckReport::axes
+  std::string unit;
+  CheckedPeak velocity, acceleration, jerk;
+};
+
 /// A jump of the velocity or the acceleration of an axis. At frames 0 and N, against the rest outside; a
 /// move that is moving there meets its roll and does not step.
 struct CheckedStep {
@@ -87,6 +95,7 @@ struct CheckReport {
   double highest_rate = 0;
   double highest_rate_between_steps = 0;  ///< the same if the rig rests wherever the motion steps
   std::vector<CheckedStep> steps;
+  std::vector<CheckedMotor> motors;
   std::vector<CheckRefusal> refusals;  ///< axis by axis, what slowing does not cure before what it does
   double speed_error = 0;  ///< the loop follows this motion within this share of its speed; 0: exactly
 

@@ -21,11 +21,13 @@ double needed_slowing(const Plan& plan, const CheckReport& report) {
   const auto take = [&](const CheckedPeak& peak, double power) {
     if (peak.limit) slowing = std::max(slowing, std::pow(peak.share(), 1 / power));
   };
-  for (const CheckedAxis& axis : report.axes) {
+  const auto take_all = [&](const auto& axis) {
     take(axis.velocity, 1);
     take(axis.acceleration, 2);
     take(axis.jerk, 3);
-  }
+  };
+  for (const CheckedAxis& axis : report.axes) take_all(axis);
+  for (const CheckedMotor& motor : report.motors) take_all(motor);
   for (const CheckedStep& step : report.steps) {
     const RigAxis& axis = plan.rig()->axes[step.axis];
     if (!axis.max_jerk || !axis.max_acceleration_step) continue;
@@ -37,8 +39,8 @@ double needed_slowing(const Plan& plan, const CheckReport& report) {
 class FrameSearch {
  public:
   FrameSearch(const Plan& plan, const CheckReport& report,
-              const std::function<void(double, std::int32_t)>& progress)
-      : plan_(plan), report_(report), progress_(progress) {}
+              const std::function<void(double, std::int32_t)>& progress, const std::function<bool()>& is_over)
+      : plan_(plan), report_(report), progress_(progress), is_over_(is_over) {}
 
   SmallestFrames run() {
     const double guess = std::ceil(plan_.move().frames * needed_slowing(plan_, report_));
@@ -67,11 +69,15 @@ class FrameSearch {
       const std::int32_t middle = refused + (fitting - refused) / 2;
       (fits(middle) ? fitting : refused) = middle;
     }
+    if (was_ended_) return {std::nullopt, "the search for the frames that would do was ended", true};
     return {fitting, ""};
   }
 
  private:
+  /// Anything goes once the search was ended: it then tries nothing more.
   bool fits(std::int32_t frames) {
+    was_ended_ = was_ended_ || (is_over_ && is_over_());
+    if (was_ended_) return true;
     if (progress_) progress_(1 - std::pow(0.9, tried_++), frames);
     if (frames == plan_.move().frames) return report_.fits();
     try {
@@ -92,6 +98,8 @@ class FrameSearch {
   const Plan& plan_;
   const CheckReport& report_;
   const std::function<void(double, std::int32_t)>& progress_;
+  const std::function<bool()>& is_over_;
+  bool was_ended_ = false;
   int tried_ = 0;
   std::string last_refusal_;
 };
@@ -118,11 +126,12 @@ MoveFile with_frames(const MoveFile& move, std::int32_t frames) {
 }
 
 SmallestFrames smallest_frames(const Plan& plan, const CheckReport& report,
-                               const std::function<void(double share, std::int32_t frames)>& progress) {
+                               const std::function<void(double share, std::int32_t frames)>& progress,
+                               const std::function<bool()>& is_over) {
   for (const CheckRefusal& refusal : report.refusals) {
     if (!refusal.slower_helps) return {std::nullopt, refusal.message};
   }
-  return FrameSearch(plan, report, progress).run();
+  return FrameSearch(plan, report, progress, is_over).run();
 }
 
 }  // namespace inbetween

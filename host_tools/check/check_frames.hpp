@@ -17,7 +17,8 @@ MoveFile with_frames(const MoveFile& move, std::int32_t frames);
 
 struct SmallestFrames {
   std::optional<std::int32_t> frames;
-  std::string reason;  ///< why there is none
+  std::string reason;      ///< why there is none
+  bool was_ended = false;  ///< there may be one: it was not looked for to the end
   /// Found by fit_in_fewest_frames, where it was asked: as few as another speed curve needs.
   std::optional<std::int32_t> with_other_curve = {};
   bool may_be_refined = false;  ///< that curve may have more control values than the played one
@@ -32,7 +33,9 @@ struct SmallestFrames {
 /// on the other side, then bisection. Cost: about 20 solutions.
 ///
 /// `report` is that of the plan. `progress` is told the share of the work, roughly, and each number tried.
+/// `is_over` is asked before each; once it is true there is none.
 SmallestFrames smallest_frames(const Plan& plan, const CheckReport& report,
-                               const std::function<void(double share, std::int32_t frames)>& progress);
+                               const std::function<void(double share, std::int32_t frames)>& progress,
+                               const std::function<bool()>& is_over = {});
 
 }  // namespace inbetween

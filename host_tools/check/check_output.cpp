@@ -64,9 +64,8 @@ std::string share_of(const CheckedPeak& peak) {
   return fmt::format("{:.0f} %", peak.is_exceeded() ? std::max(101.0, std::ceil(percent)) : percent);
 }
 
-void print_axis(const CheckedAxis& axis, const Table& table) {
-  print_range(axis, table);
-  if (!axis.range) return;
+template <class Axis>
+void print_peaks(const Axis& axis, const Table& table) {
   for (const auto& [name, per, peak] : peaks_of(axis)) {
     const std::string value = std::isfinite(peak.value)
                                   ? fmt::format("{:.6g} {}{}", peak.value, axis.unit, per)
@@ -74,6 +73,16 @@ void print_axis(const CheckedAxis& axis, const Table& table) {
     print_row(table, "", name, value, fmt::format("{:.2f}", peak.frame),
               peak.limit ? fmt::format("{:g} {}{}", *peak.limit, axis.unit, per) : "none", share_of(peak));
   }
+}
+
+void print_axis(const CheckedAxis& axis, const Table& table) {
+  print_range(axis, table);
+  if (axis.range) print_peaks(axis, table);
+}
+
+void print_motor(const CheckReport& report, const CheckedMotor& motor, const Table& table) {
+  print_row(table, report.axes[motor.axis].name, "of its motor", "", "", "", "");
+  print_peaks(motor, table);
 }
 
 void print_steps(const CheckReport& report, const Table& table) {
@@ -147,8 +156,8 @@ void print_verdict(const Plan& plan, const CheckReport& report, const SmallestFr
     fmt::print(out, "{} would do{}{}\n", counted(*smallest.frames, "frame"), other.empty() ? "" : ", ",
                other);
   } else {
-    fmt::print(out, "no number of frames would do: {}{}{}\n", smallest.reason, other.empty() ? "" : "; ",
-               other);
+    fmt::print(out, "{}{}{}{}\n", smallest.was_ended ? "" : "no number of frames would do: ", smallest.reason,
+               other.empty() ? "" : "; ", other);
   }
 }
 
@@ -212,6 +221,7 @@ void print_check(const Plan& plan, const CheckReport& report, const SmallestFram
   const Table table = table_of(report, out);
   print_row(table, "axis", "quantity", "peak", "frame", "limit", "share");
   for (const CheckedAxis& axis : report.axes) print_axis(axis, table);
+  for (const CheckedMotor& motor : report.motors) print_motor(report, motor, table);
   print_steps(report, table);
   if (report.speed_error > 0) {
     fmt::print(out, "  the drives follow this motion within {:g} of its speed\n", report.speed_error);
@@ -232,6 +242,14 @@ void write_check(JsonWriter& json, const Plan& plan, const CheckReport& report,
   json.line();
   json.objects("axes", report.axes, [&](const CheckedAxis& axis) { write_axis(json, axis); });
   json.line();
+  if (!report.motors.empty()) {
+    json.objects("motors", report.motors, [&](const CheckedMotor& motor) {
+      json.member("axis", report.axes[motor.axis].name);
+      json.member("unit", motor.unit);
+      for (const auto& [name, per, peak] : peaks_of(motor)) write_peak(json, name, peak);
+    });
+    json.line();
+  }
   json.objects("steps", report.steps, [&](const CheckedStep& step) {
     json.member("key", step.key);
     json.member("frame", step.frame);

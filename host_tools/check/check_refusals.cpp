@@ -134,11 +134,13 @@ class AxisRefusals {
     const auto [value, most] = told_apart(peak.value, *peak.limit, Digits::significant, 6);
     refuse(
         place_,
-        fmt::format("axis {} would reach {} {}{} at frame {:.2f}, and {} is {} {}{}; {}",
-                    in_quotes(axis_.name), value, axis_.unit, per, peak.frame, limit, most, axis_.unit, per,
-                    track_.timing == Timing::speed
-                        ? "give the move more frames, or draw a flatter speed curve there"
-                        : "give the move more frames there"),
+        fmt::format(
+            "axis {} would reach {} {}{} at frame {:.2f}, and {} {} {} {}{}; {}", in_quotes(axis_.name),
+            value, axis_.unit, per, peak.frame, limit,
+            limits_.backlash && !limits_.calibration ? "leaves beside the take-up of the backlash" : "is",
+            most, axis_.unit, per,
+            track_.timing == Timing::speed ? "give the move more frames, or draw a flatter speed curve there"
+                                           : "give the move more frames there"),
         true);
   }
 
@@ -265,24 +267,48 @@ void refuse_roll(const Plan& plan, const RollObstacle& obstacle, CheckReport& re
        room});
 }
 
-void refuse_stop(const Plan& plan, const StopObstacle<double>& obstacle, CheckReport& report) {
+void refuse_motor(const Plan& plan, const CheckedMotor& motor, CheckReport& report) {
+  const RigAxis& axis = plan.rig()->axes[motor.axis];
+  const auto refuse = [&](const CheckedPeak& peak, std::string_view limit, std::string_view per) {
+    // What has no bound of the axis has been said.
+    if (!peak.is_exceeded() || !std::isfinite(peak.value)) return;
+    const auto [value, most] = told_apart(peak.value, *peak.limit, Digits::significant, 6);
+    report.refusals.push_back(
+        {plan.place_of(motor.axis),
+         fmt::format(
+             "the motor of axis {} would reach {} {}{} at frame {:.2f}, and {} of its calibration {} {} "
+             "{}{}; give the move more frames, or draw it slower there",
+             in_quotes(axis.name), value, motor.unit, per, peak.frame, limit,
+             axis.backlash ? "leaves beside the take-up of the backlash" : "is", most, motor.unit, per),
+         true});
+  };
+  refuse(motor.velocity, "max_velocity", "/s");
+  refuse(motor.acceleration, "max_acceleration", "/s^2");
+  refuse(motor.jerk, "max_jerk", "/s^3");
+}
+
+void refuse_stop(const Plan& plan, const PlannedStops& planned, CheckReport& report) {
+  const StopObstacle<double>& obstacle = *planned.obstacle();
   const std::size_t index = plan.axis_of(static_cast<std::size_t>(obstacle.axis));
   const CheckedAxis& axis = report.axes[index];
   const bool by_jerk = obstacle.quantity == StopQuantity::jerk;
   const std::string_view per = by_jerk ? "/s^3" : "/s^2";
   const std::string_view limit = by_jerk ? "stop_jerk" : "stop_acceleration";
+  const std::string_view unit = planned.is_of_motor() ? to_string(plan.rig()->axes[index].calibration->unit)
+                                                      : std::string_view(axis.unit);
   // A bound of a stretch may be above the one of the whole move, which is nearer to the truth.
-  const double peak = by_jerk ? axis.jerk.value : axis.acceleration.value;
+  double peak = by_jerk ? axis.jerk.value : axis.acceleration.value;
+  if (planned.is_of_motor()) peak = obstacle.value;
   const auto [value, most] =
       told_apart(std::min(obstacle.value, peak), obstacle.limit, Digits::significant, 6);
   // The motion itself is beyond its limit, which has been said.
   if (!report.refusals.empty()) return;
   report.refusals.push_back(
       {plan.place_of(index),
-       fmt::format("axis {} could not be stopped at frame {:.2f}: the motion alone takes {} {}{} there, "
+       fmt::format("{}axis {} could not be stopped at frame {:.2f}: the motion alone takes {} {}{} there, "
                    "and {} is {} {}{}; give the move more frames, or raise {}",
-                   in_quotes(axis.name), obstacle.frame, value, axis.unit, per, limit, most, axis.unit, per,
-                   limit),
+                   planned.is_of_motor() ? "the motor of " : "", in_quotes(axis.name), obstacle.frame, value,
+                   unit, per, limit, most, unit, per, limit),
        true});
 }
 

@@ -4,6 +4,7 @@
 #include <cstddef>
 
 #include "host_tools/check/check.hpp"
+#include "host_tools/check/planned_stops.hpp"
 
 namespace inbetween {
 
@@ -12,6 +13,8 @@ void refuse_axis(const Plan& plan, std::size_t axis, CheckReport& report);
 /// Adds that the move starts or ends moving where its roll has no room.
 void refuse_roll(const Plan& plan, const RollObstacle& obstacle, CheckReport& report);
 /// Adds that the rig could not be stopped, unless the motion itself breaks a limit: that is said already.
-void refuse_stop(const Plan& plan, const StopObstacle<double>& obstacle, CheckReport& report);
+void refuse_stop(const Plan& plan, const PlannedStops& planned, CheckReport& report);
+/// Adds what is wrong with a motor.
+void refuse_motor(const Plan& plan, const CheckedMotor& motor, CheckReport& report);
 
 }  // namespace inbetween

@@ -13,7 +13,9 @@ struct NamedPeak {
   const CheckedPeak& peak;
 };
 
-inline std::array<NamedPeak, 3> peaks_of(const CheckedAxis& axis) {
+/// Of a CheckedAxis or a CheckedMotor.
+template <class Axis>
+std::array<NamedPeak, 3> peaks_of(const Axis& axis) {
   return {{{"velocity", "/s", axis.velocity},
            {"acceleration", "/s^2", axis.acceleration},
            {"jerk", "/s^3", axis.jerk}}};

@@ -10,6 +10,18 @@
 
 namespace inbetween {
 
+/// The motors that follow an axis of Plan::played() through a calibration, with the limits that the take-up
+/// of their backlash leaves them.
+struct PlannedMotors {
+  std::vector<CalibratedMotor<double>> motors;
+  std::vector<AxisLimits<double>> limits;  ///< one for each
+};
+/// Refers to the rig of the plan.
+PlannedMotors planned_motors(const Plan& plan);
+
+/// The most that the motion asks of each of them, rolls included, at the drawn speed.
+std::vector<AxisPeaks<double>> peaks_of_motors(const Plan& plan, const PlannedMotors& motors);
+
 /// Movable. The bounds refer to memory that a move does not displace.
 class PlannedStops {
  public:
@@ -26,18 +38,24 @@ class PlannedStops {
 
   /// Nothing where there is an obstacle.
   [[nodiscard]] const std::optional<StopBounds<double>>& bounds() const { return bounds_; }
-  /// A place from which no stop keeps the limits.
+  /// A place from which no stop keeps the limits; its axis is one of Plan::played().
   [[nodiscard]] const std::optional<StopObstacle<double>>& obstacle() const { return obstacle_; }
-  /// The most that any playing and stopping asks of each axis of Plan::played().
+  /// ... whose motor it is, if it is not the axis itself.
+  [[nodiscard]] bool is_of_motor() const { return obstacle_is_of_motor_; }
+  /// The most that any playing and stopping asks of each axis of Plan::played(), and behind them of each of
+  /// planned_motors().
   [[nodiscard]] const std::vector<AxisPeaks<double>>& peaks() const { return peaks_; }
 
  private:
-  PlannedStops(const Plan& plan, const StopRequest<double>& asked, std::size_t cells);
+  PlannedStops(const Plan& plan, StopRequest<double> request, std::vector<AxisLimits<double>> limits,
+               std::size_t cells);
 
+  PlannedMotors motors_;
   std::vector<StopCell<double>> cells_;
   std::vector<AxisPeaks<double>> peaks_;
   std::optional<StopBounds<double>> bounds_;
   std::optional<StopObstacle<double>> obstacle_;
+  bool obstacle_is_of_motor_ = false;
 };
 
 }  // namespace inbetween

@@ -56,14 +56,17 @@ std::array<std::optional<std::int64_t>, budget_object_count> bytes(const BudgetC
   const std::int64_t real = size(sizeof(Real));
   const std::int64_t two_sum = size(sizeof(TwoSum<Real>));
   const std::int64_t index = size(sizeof(std::int32_t));
-  const std::int64_t rows = n.locks + 1;  // of the equations of the locked keys
+  const auto locks = static_cast<std::size_t>(n.locks);
+  const auto numbers_of_rows = static_cast<std::int64_t>(
+      lock_weight_count(locks, static_cast<std::size_t>(n.spans) + 1) + lock_entry_count(locks));
   std::array<std::optional<std::int64_t>, budget_object_count> result{
       n.cubics * size(sizeof(Cubic<Real>)) + n.axes * real,
       n.pieces * (size(sizeof(ArcPiece<Real>)) + real + index) + (n.segments + 1) * (index + two_sum),
       n.spans * size(sizeof(SpeedSpan<Real>)) + (n.spans + 1) * two_sum,
-      (n.spans + 1) * two_sum,
+      (n.spans + 1) * size(sizeof(SpanDistance<Real>)),
       (n.locks + 1) * size(sizeof(Portion<Real>)),
-      4 * (n.spans + 1) * real + (n.locks + 2) * size(sizeof(KeyLock)) + rows * (5 + rows) * real,
+      4 * (n.spans + 1) * real + (n.locks + 2) * size(sizeof(KeyLock)) +
+          (n.locks + 1) * (5 * real + size(sizeof(LockRow))) + numbers_of_rows * real,
       n.segments * size(sizeof(KeyInterval<Real>)),
       n.rows * size(sizeof(PathPoint<Real>)),
       (n.locks + 2) * size(sizeof(CountPortion<Real>)) + n.count_spans * size(sizeof(CountSpan<Real>)) +
@@ -106,10 +109,10 @@ constexpr std::array<std::string_view, budget_object_count> object_names{
 constexpr std::array<FunctionBudget, 18> stack{{
     {"ArcLength::make", {3360, 2208}, {3680, 2208}},
     {"adjust_to_locks", {1024, 832}, {1632, 832}},
-    {"Track::make", {608, 512}, {672, 512}},
+    {"Track::make", {640, 512}, {672, 512}},
     {"closed_form_table", {1856, 1088}, {2144, 1088}},
     {"CountTrack::make", {1312, 1120}, {1504, 1344}},
-    {"StopBounds::make", {10240, 5952}, {10752, 5952}},
+    {"StopBounds::make", {10240, 6144}, {10752, 6144}},
     {"Track::positions", {480, 352}, {800, 352}},
     {"Track::motion", {896, 512}, {1280, 544}},
     {"CountTrack::counts", {64, 32}, {224, 32}},
@@ -120,7 +123,7 @@ constexpr std::array<FunctionBudget, 18> stack{{
     {"StepGenerator::advance", {1344, 960}, {1472, 960}},
     {"StepMerge::merge", {2240, 2240}, {2240, 2240}},
     {"Cia402Drive::make", {8192, 8192}, {8192, 8192}},
-    {"Cia402Bus::tick", {384, 384}, {384, 384}},
+    {"Cia402Bus::tick", {416, 416}, {416, 416}},
     {"Cia402Bus::receive", {288, 288}, {288, 288}},
 }};
 

@@ -88,7 +88,7 @@ Plan make_plan(const std::string& move, const std::optional<std::string>& rig, S
 
 void add_turns(CLI::App& app, std::optional<std::int32_t>& turns) {
   app.add_option("--turns", turns, "so many turns of a periodic move, as one move through its seams")
-      ->check(CLI::Range(1, max_frames));
+      ->check(between(1, max_frames));
 }
 
 void add_frames(CLI::App& app, std::optional<std::string>& frames, const std::string& what) {

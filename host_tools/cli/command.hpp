@@ -1,6 +1,8 @@
 // The shared part of the commands of `inbetween`. Each command has a file of its own, command_NAME.cpp.
 #pragma once
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <functional>
@@ -10,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "host_tools/cli/command_line.hpp"
 #include "host_tools/files/rig_file.hpp"
 #include "host_tools/plan/plan.hpp"
 #include "host_tools/plot/plot_canvas.hpp"
@@ -40,17 +43,22 @@ struct CommandTitle {
 /// Adds a command to the program: `describe` gives it its options and its help, `run` does it.
 template <class Arguments>
 void add_command(CLI::App& program, Command& chosen, const CommandTitle& title,
-                 void (*describe)(CLI::App&, Arguments&), int (*run)(const Arguments&)) {
+                 void (*describe)(CLI::App&, Arguments&), const std::function<int(const Arguments&)>& run) {
   CLI::App* const command = program.add_subcommand(title.name, title.what);
   const auto arguments = std::make_shared<Arguments>();
   describe(*command, *arguments);
   command->callback([arguments, run, &chosen] { chosen = [arguments, run] { return run(*arguments); }; });
 }
+template <class Arguments>
+void add_command(CLI::App& program, Command& chosen, const CommandTitle& title,
+                 void (*describe)(CLI::App&, Arguments&), int (*run)(const Arguments&)) {
+  add_command(program, chosen, title, describe, std::function<int(const Arguments&)>(run));
+}
 
 /// Add a command with its options and its help to the program. Parsing sets `chosen` if it is the one.
 void add_plan_command(CLI::App& program, Command& chosen);
 void add_check_command(CLI::App& program, Command& chosen);
-void add_edit_command(CLI::App& program, Command& chosen);
+void add_edit_command(CLI::App& program, Command& chosen, const EditCommand& edit);
 void add_run_command(CLI::App& program, Command& chosen);
 void add_goto_command(CLI::App& program, Command& chosen);
 void add_home_command(CLI::App& program, Command& chosen);
@@ -61,6 +69,19 @@ void add_budget_command(CLI::App& program, Command& chosen);
 
 /// Prints one line to standard error.
 void complain(const std::string& line);
+
+/// Refuses what is not a number from `min` to `max`, and shows the range in the help. CLI::Range says both in
+/// words of its own program.
+template <class Number>
+CLI::Validator between(Number min, Number max) {
+  const std::string range = fmt::format("{} to {}", min, max);
+  const auto refuse = [=](const std::string& text) {
+    Number number{};
+    const bool is_inside = CLI::detail::lexical_cast(text, number) && number >= min && number <= max;
+    return is_inside ? std::string() : fmt::format("{} is not in the range {}", text, range);
+  };
+  return {refuse, range};
+}
 
 /// A file that a command reads or writes, with the argument that names it.
 struct NamedFile {

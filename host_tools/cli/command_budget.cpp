@@ -21,7 +21,7 @@ int budget_command(const BudgetCapacity& capacity) {
 void describe(CLI::App& app, BudgetCapacity& capacity) {
   const auto add_count = [&](const char* name, std::int32_t& count, std::int32_t min, std::int32_t max,
                              const char* what) {
-    app.add_option(name, count, what)->check(CLI::Range(min, max))->capture_default_str();
+    app.add_option(name, count, what)->check(between(min, max))->capture_default_str();
   };
   add_count("--keys", capacity.keys, 1, largest_budget.keys, "keys of a track");
   add_count("--axes", capacity.axes, 1, largest_budget.axes, "axes of a track");
@@ -39,7 +39,7 @@ void describe(CLI::App& app, BudgetCapacity& capacity) {
         double delta = 0;
         const double above = *largest_budget.delta;
         const bool known = CLI::detail::lexical_cast(text, delta) && delta >= min && delta < above;
-        return known ? "" : fmt::format("Value {} not in range: from {:g} to below {:g}", text, min, above);
+        return known ? "" : fmt::format("{} is not in the range {:g} to below {:g}", text, min, above);
       });
   app.footer(
       R"(Four tables: the bytes that the caller of the core provides for every object of a move of that

@@ -1,10 +1,13 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <utility>
 
+#include "drivers/linux/interrupt_watch.hpp"
+#include "drivers/linux/monotonic_clock.hpp"
 #include "host_tools/check/check.hpp"
 #include "host_tools/check/check_frames.hpp"
 #include "host_tools/check/check_output.hpp"
@@ -27,29 +30,40 @@ struct CheckArguments {
   std::string move, rig;
   std::optional<std::string> json, plot, fit, frames;
   PictureStyle style = PictureStyle::light;
-  std::string start = "drawn";
+  std::optional<std::string> start;
+  double seconds = 60;
   bool fewest = false;
   std::optional<std::int32_t> turns;
 };
 
 FitStart start_of(const CheckArguments& arguments) {
-  return arguments.start == "drawn" ? FitStart::drawn : FitStart::curvature;
+  if (!arguments.start) return FitStart::either;
+  return *arguments.start == "drawn" ? FitStart::drawn : FitStart::curvature;
+}
+
+/// A fit that is written takes so many seconds, and ends with Ctrl-C; what is only looked at is quick.
+FitOptions fit_options(const CheckArguments& arguments) {
+  if (!arguments.fit) return {.start = FitStart::drawn, .refinements = 0};
+  const auto last_ns = static_cast<double>(MonotonicClock().now_ns()) + arguments.seconds * 1e9;
+  return {.start = start_of(arguments), .is_over = [=] {
+            return InterruptWatch::asked() || static_cast<double>(MonotonicClock().now_ns()) >= last_ns;
+          }};
 }
 
 /// The move with the fewest frames for which a curve is found; where nobody wants it written, one with as
 /// many control values, which is quick.
-FewestFit find_fewest(const CheckArguments& arguments, const Plan& plan, const CheckReport& report,
-                      const SmallestFrames& smallest, ProgressBar& bar) {
-  return fit_in_fewest_frames(plan, report, smallest, start_of(arguments),
-                              arguments.fit ? max_refinements : 0, [&](double share, std::int32_t frames) {
-                                bar.show(share, fmt::format("fitting in {}", counted(frames, "frame")));
-                              });
+FewestFit find_fewest(const Plan& plan, const CheckReport& report, const SmallestFrames& smallest,
+                      const FitOptions& options, ProgressBar& bar) {
+  return fit_in_fewest_frames(plan, report, smallest, options, [&](double share, std::int32_t frames) {
+    bar.show(share, fmt::format("fitting in {}", counted(frames, "frame")));
+  });
 }
 
 /// What the searches find: how few frames would do, and the move that --fit writes.
 struct Searched {
   SmallestFrames smallest;
   std::optional<FewestFit> fitted;
+  bool was_interrupted = false;
 };
 Searched search(const CheckArguments& arguments, const Plan& plan, const CheckReport& report) {
   Searched found;
@@ -58,19 +72,24 @@ Searched search(const CheckArguments& arguments, const Plan& plan, const CheckRe
     return found;
   }
   ProgressBar bar;
-  found.smallest = smallest_frames(plan, report, [&](double share, std::int32_t frames) {
+  std::optional<InterruptWatch> watch;
+  if (arguments.fit) watch.emplace();
+  FitOptions options = fit_options(arguments);
+  if (arguments.fit && !arguments.fewest) {
+    options.progress = [&](double share) { bar.show(share, "looking for a speed curve"); };
+    found.fitted = {plan.move(), fit_speed(plan, report, options)};
+  }
+  const auto trying = [&](double share, std::int32_t frames) {
     bar.show(share, fmt::format("trying {}", counted(frames, "frame")));
-  });
+  };
+  found.smallest = smallest_frames(plan, report, trying, options.is_over);
   if (arguments.fewest || (!arguments.fit && is_quick_to_fit(plan))) {
-    FewestFit fewest = find_fewest(arguments, plan, report, found.smallest, bar);
+    FewestFit fewest = find_fewest(plan, report, found.smallest, options, bar);
     if (fewest.fit.found) found.smallest.with_other_curve = fewest.move.frames;
     found.smallest.may_be_refined = arguments.fit.has_value();
     if (arguments.fit) found.fitted = std::move(fewest);
-  } else if (arguments.fit) {
-    found.fitted = {plan.move(), fit_speed(plan, report, start_of(arguments), [&](double share) {
-                      bar.show(share, "looking for a speed curve");
-                    })};
   }
+  found.was_interrupted = watch && InterruptWatch::asked();
   return found;
 }
 
@@ -98,10 +117,16 @@ void draw_limits(const CheckArguments& arguments, const Plan& plan, const CheckR
   draw_limits_plot(plot, *arguments.plot, arguments.style);
 }
 
-void complain_of_no_fit(const Plan& plan, const SpeedFit& fit, const SmallestFrames& smallest) {
+void complain_of_no_fit(const CheckArguments& arguments, const Plan& plan, const SpeedFit& fit,
+                        const Searched& searched) {
+  const SmallestFrames& smallest = searched.smallest;
   const std::string place = to_string(plan.move().frames_place);
   complain(fmt::format("{}: error: no speed curve was found for {}: {}", place,
                        counted(plan.move().frames, "frame"), fit.reason));
+  if (fit.was_ended && !searched.was_interrupted) {
+    complain(fmt::format("{}: note: the search ended after {:g} s; --seconds lets it go on for longer", place,
+                         arguments.seconds));
+  }
   if (smallest.frames) {
     complain(
         fmt::format("{}: note: the curve as it is fits in {}", place, counted(*smallest.frames, "frame")));
@@ -121,6 +146,7 @@ void refuse_contradictions(const CheckArguments& arguments) {
         "the fewest frames write --fit OUT --fewest",
         former));
   }
+  if (std::isnan(arguments.seconds)) throw UsageError("--seconds nan: not a number of seconds");
   if (arguments.fit && arguments.frames) {
     throw UsageError("--fit fits the whole move; leave out --frames, or --fit");
   }
@@ -140,11 +166,13 @@ int check_command(const CheckArguments& arguments) {
   const Plan plan = make_plan(arguments.move, arguments.rig, Solver::closed_form,
                               {.turns = arguments.turns, .frames = frame_range_argument(arguments.frames)});
   const CheckReport report = check(plan);
-  const auto [smallest, fitted] = search(arguments, plan, report);
+  const Searched searched = search(arguments, plan, report);
+  const SmallestFrames& smallest = searched.smallest;
+  const std::optional<FewestFit>& fitted = searched.fitted;
   if (fitted) write_fitted(arguments, plan, *fitted);
   const SpeedFit* fit = fitted ? &fitted->fit : nullptr;
   if (arguments.json) {
-    write_output(*arguments.json, [&, &smallest = smallest, &fitted = fitted](std::FILE* file) {
+    write_output(*arguments.json, [&](std::FILE* file) {
       JsonWriter json(file);
       json.begin_object();
       write_check(json, plan, report, smallest);
@@ -160,7 +188,8 @@ int check_command(const CheckArguments& arguments) {
   if (fit != nullptr && fit->found) return 0;
   for (const CheckRefusal& refusal : report.refusals)
     complain(LimitError(refusal.place, refusal.message).what());
-  if (fit != nullptr) complain_of_no_fit(plan, *fit, smallest);
+  if (fit != nullptr) complain_of_no_fit(arguments, plan, *fit, searched);
+  if (searched.was_interrupted) return exit_fault;
   return report.fits() ? 0 : exit_limit;
 }
 
@@ -178,10 +207,14 @@ void describe(CLI::App& app, CheckArguments& arguments) {
   CLI::Option* fit = app.add_option(
       "--fit", arguments.fit,
       "write the move with a speed curve that fits in the same frames, changed as little as can be");
-  app.add_option(
-         "--start", arguments.start,
-         "what the fitted curve is near to: the drawn one, or one that follows the curvature of the path")
+  app.add_option("--start", arguments.start,
+                 "what the fitted curve is near to: the drawn one, or one that follows the curvature of the "
+                 "path; both "
+                 "are tried where nothing is said")
       ->check(CLI::IsMember({"drawn", "curvature"}))
+      ->needs(fit);
+  app.add_option("--seconds", arguments.seconds, "how long --fit may search; it then writes what it has")
+      ->check(CLI::PositiveNumber)
       ->needs(fit)
       ->capture_default_str();
   app.add_flag("--fewest", arguments.fewest,
@@ -211,15 +244,16 @@ does not, and the other way round, where its rolls find no room.
 
 --fit OUT writes the same file with another speed curve, comments and all else kept. It covers the same
 distance by the same frames, so that locked keys stay locked; rests stay rests. Where no curve with as many
-control values fits, it is given twice as many, and again. Where none is found, it says why, and below how
-many frames there can be none. With --plot the picture is of the fitted move, with its speed curves before and
+control values fits, it is given twice as many, and again; a second search begins at a curve that follows the
+curvature of the path. Where none is found, it says why, and below how many frames there can be none. After
+--seconds, or Ctrl-C, it writes what it has, or says that it has none. With --plot the picture is of the fitted move, with its speed curves before and
 after.
 
 A controlled stop from any moment, forward or backward, is proven as well: how long the longest takes, and
 that it keeps the stop limits of the rig.
 
 Exit status: 0 the move fits, or --fit found a curve; 3 it does not, and every reason is a line of standard
-error.
+error; 4 Ctrl-C before --fit had one.
 
 Examples:
   inbetween check move.toml --rig rig.toml                   a table of peaks, and the verdict

@@ -85,7 +85,7 @@ void describe(CLI::App& app, DoctorArguments& arguments) {
                "communication anew, so no other program may use them");
   constexpr double longest_s = 86'400;
   app.add_option("--seconds", arguments.seconds, "how long wake-ups are measured; 0: not at all")
-      ->check(CLI::Range(0.0, longest_s))
+      ->check(between(0.0, longest_s))
       ->capture_default_str();
   app.add_option("--json", arguments.json, "write the findings (- is standard output)");
   app.footer(

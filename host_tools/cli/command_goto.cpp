@@ -122,8 +122,8 @@ void describe(CLI::App& app, GotoArguments& arguments) {
   app.add_option("AXIS=POSITION", arguments.targets, "axes, and where they go, in the unit of each");
   add_setup_options(app, arguments.setup, true);
   app.add_option("--speed", arguments.share,
-                 "the share of their velocity, acceleration and jerk that the axes may use (0.001 to 1)")
-      ->check(CLI::Range(0.001, 1.0))
+                 "the share of their velocity, acceleration and jerk that the axes may use")
+      ->check(between(0.001, 1.0))
       ->capture_default_str();
   app.add_flag("--yes", arguments.yes, "agree that the axes move");
   app.add_option("--set-zero", arguments.set_zero, "axes that stand at 0 now; nothing moves");

@@ -100,18 +100,17 @@ int jog_command(const JogArguments& arguments) {
 void describe(CLI::App& app, JogArguments& arguments) {
   app.add_option("AXIS", arguments.axis, "the axis to begin with")->required();
   add_setup_options(app, arguments.setup, false);
-  app.add_option(
-         "--speed", arguments.share,
-         "the share of their limits that axes use on the way; a stop may use all of them (0.001 to 1)")
-      ->check(CLI::Range(0.001, 1.0))
+  app.add_option("--speed", arguments.share,
+                 "the share of their limits that axes use on the way; a stop may use all of them")
+      ->check(between(0.001, 1.0))
       ->capture_default_str();
   app.add_option("--device", arguments.device,
                  "a keyboard, game pad or jog wheel of /dev/input: its left and right move the axis while\n"
                  "they are held, its wheel moves it a step a detent");
   app.add_option("--reach", arguments.reach,
                  "with --device: the share of its range that an axis moves at most, then the key must be\n"
-                 "pressed anew (0.001 to 1; 0.1 unless said otherwise)")
-      ->check(CLI::Range(0.001, 1.0));
+                 "pressed anew (0.1 unless said otherwise)")
+      ->check(between(0.001, 1.0));
   app.add_option("--teach", arguments.teach,
                  "the move whose keys are stored where the rig stands; the first key makes a new one");
   app.add_option("--axes", arguments.axes_of_new,

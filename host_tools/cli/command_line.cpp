@@ -70,7 +70,7 @@ std::string plain(const std::string& what) {
 
 }  // namespace
 
-int run_command_line(int argc, const char* const* argv) {
+int run_command_line(int argc, const char* const* argv, const EditCommand& edit) {
   CLI::App app(
       "Moves camera rigs and puppets the way an animator draws the motion: key positions say where, one "
       "drawn\n"
@@ -84,7 +84,7 @@ Exit status: 0 done; 1 bad input; 2 wrong usage; 3 a limit would be exceeded; 4 
   Command chosen;
   add_plan_command(app, chosen);
   add_check_command(app, chosen);
-  add_edit_command(app, chosen);
+  add_edit_command(app, chosen, edit);
   add_run_command(app, chosen);
   add_goto_command(app, chosen);
   add_home_command(app, chosen);

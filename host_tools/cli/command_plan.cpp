@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <vector>
@@ -46,6 +47,22 @@ void print_key_timing(const SolvedTrack<double>& solved, std::FILE* out) {
              static_cast<double>(timing.largest_change_at) * solved.track().frames() / f);
 }
 
+/// Prints K, and what the highest control value of the drawn curve means: K alone tells an animator nothing.
+void print_constant(const Plan& plan, std::size_t t, double constant, std::FILE* out) {
+  const Track<double>& track = plan.tracks()[t].track();
+  const std::vector<double>& drawn = plan.move().tracks[t].speed;
+  fmt::print(out, "K {:.6g}", constant);
+  if (!drawn.empty()) {
+    const double highest = *std::ranges::max_element(drawn);
+    const double per_s = plan.move().fps.rate.frames_per_second() / track.frames();
+    const std::string unit = plan.length_unit(t);
+    fmt::print(out, ", {:g} on the speed curve is {:.4g} {}", highest,
+               constant * highest * track.profile().span_count() * per_s,
+               unit.empty() ? "a second" : unit + "/s");
+  }
+  fmt::print(out, "; ");
+}
+
 void print_plan_summary(const Plan& plan, std::FILE* out) {
   const MoveFile& move = plan.move();
   fmt::print(out, "{}: {} at {} fps, {:.3f} s\n", move.name, frames_in_words(plan.part(), move.frames),
@@ -62,7 +79,7 @@ void print_plan_summary(const Plan& plan, std::FILE* out) {
       print_followed(plan, t, "    ", out);
       continue;
     }
-    if (solved.track().portions().empty()) fmt::print(out, "K {:.6g}; ", made.constant);
+    if (solved.track().portions().empty()) print_constant(plan, t, made.constant, out);
     if (made.solver == Solver::closed_form) {
       fmt::print(out, "closed form, speed within {:g}\n", made.speed_error);
     } else {

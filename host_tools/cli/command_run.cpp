@@ -384,11 +384,11 @@ void describe(CLI::App& app, RunArguments& arguments) {
   CLI::Option* loop = app.add_flag("--loop", arguments.loop, "begin again at the end, until stopped");
   app.add_flag("--ping-pong", arguments.ping_pong, "play to and fro, until stopped")->excludes(loop);
   add_turns(app, arguments.turns);
-  app.add_option("--top-rate", arguments.top_rate, "let + go up to so many times the drawn speed (1 to 10)")
-      ->check(CLI::Range(1.0, 10.0))
+  app.add_option("--top-rate", arguments.top_rate, "let + go up to so many times the drawn speed")
+      ->check(between(1.0, 10.0))
       ->capture_default_str();
-  app.add_option("--rate", arguments.rate, "begin at so many times the drawn speed (0.01 to 1)")
-      ->check(CLI::Range(0.01, 1.0))
+  app.add_option("--rate", arguments.rate, "begin at so many times the drawn speed")
+      ->check(between(0.01, 1.0))
       ->capture_default_str();
   app.add_flag("--yes", arguments.yes, "agree that the rig goes slowly to the start of the move");
   app.add_option("--faults", arguments.faults,

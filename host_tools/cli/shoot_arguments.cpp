@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "host_tools/cli/command.hpp"
+#include "host_tools/cli/position_arguments.hpp"
 
 namespace inbetween {
 namespace {
@@ -59,9 +60,9 @@ void add_shoot_options(CLI::App& command, ShootArguments& arguments) {
   command.add_option("--shutter", arguments.shutter,
                      "go-motion: OPEN..CLOSE in degrees of a frame; the rig moves while the shutter is open");
   command.add_option("--exposure", arguments.exposure, "seconds of the camera's signal (0.1 with --step)")
-      ->check(CLI::Range(0.001, 3600.0));
+      ->check(between(0.001, 3600.0));
   command.add_option("--settle", arguments.settle, "seconds at rest before the camera's signal (0.5)")
-      ->check(CLI::Range(0.0, 600.0));
+      ->check(between(0.0, 600.0));
   command.add_option("--still", arguments.still, "an axis that stands still while the shutter is open")
       ->expected(1)
       ->take_all();

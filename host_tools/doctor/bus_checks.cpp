@@ -15,6 +15,7 @@ class BusCheck {
 
   Findings all() {
     look_at_link();
+    if (needs_ && needs_->data_bitrate) look_at_fd();
     if (link_.bitrate) look_at_bitrate();
     if (link_.controller && link_.is_up) look_at_controller();
     look_at_queue();
@@ -30,15 +31,37 @@ class BusCheck {
     if (link_.is_up) return add(Verdict::fine, link_.controller ? "up" : "up, and virtual");
     add(Verdict::problem, "is down",
         fmt::format("as root: ip link set {} up{}", name_,
-                    needs_ && link_.controller ? fmt::format(" type can bitrate {}", needs_->bitrate) : ""));
+                    needs_ && link_.controller ? " " + type_and_bitrates() : ""));
+  }
+  /// Such as `ip link` takes them.
+  [[nodiscard]] std::string type_and_bitrates() const {
+    return fmt::format("type can bitrate {}{}", needs_->bitrate,
+                       needs_->data_bitrate ? fmt::format(" dbitrate {} fd on", *needs_->data_bitrate) : "");
+  }
+  void look_at_fd() {
+    const std::string by_type =
+        fmt::format("as root: ip link set {0} down; ip link set {0} up {1}", name_, type_and_bitrates());
+    if (!link_.carries_fd) {
+      return add(Verdict::problem, "does not carry CAN FD frames, which its drives speak",
+                 link_.controller
+                     ? by_type
+                     : fmt::format("as root: ip link set {0} down; ip link set {0} mtu 72 up", name_));
+    }
+    if (!link_.data_bitrate) return;
+    if (*link_.data_bitrate == *needs_->data_bitrate) {
+      return add(Verdict::fine, fmt::format("carries CAN FD, its data with {} bit/s", *link_.data_bitrate));
+    }
+    add(Verdict::problem,
+        fmt::format("sends data with {} bit/s, and the rig says {}", *link_.data_bitrate,
+                    *needs_->data_bitrate),
+        by_type + "; or correct data_bitrate in the rig");
   }
   void look_at_bitrate() {
     if (needs_ && *link_.bitrate != needs_->bitrate) {
       add(Verdict::problem,
           fmt::format("runs at {} bit/s, and the rig says {}", *link_.bitrate, needs_->bitrate),
-          fmt::format("as root: ip link set {0} down; ip link set {0} up type can bitrate {1}; or correct "
-                      "bitrate in the rig",
-                      name_, needs_->bitrate));
+          fmt::format("as root: ip link set {0} down; ip link set {0} up {1}; or correct bitrate in the rig",
+                      name_, type_and_bitrates()));
       return;
     }
     // CiA 301 recommends 87.5 %; what is far below leaves no time for a long cable.
@@ -47,7 +70,8 @@ class BusCheck {
     const std::uint32_t sample = link_.sample_point_permille.value_or(0);
     const std::string what =
         fmt::format("{} bit/s, sampled at {:.1f} % of a bit", *link_.bitrate, sample / 10.0);
-    if (sample >= low && sample <= high) return add(Verdict::fine, what);
+    // Drives with CAN FD have a place of their own for it.
+    if (link_.data_bitrate || (sample >= low && sample <= high)) return add(Verdict::fine, what);
     add(Verdict::note, what + ", where CANopen recommends 87.5 %",
         fmt::format(
             "as root: ip link set {0} down; ip link set {0} up type can bitrate {1} sample-point 0.875",

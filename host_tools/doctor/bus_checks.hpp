@@ -13,7 +13,8 @@ namespace inbetween {
 /// What a rig asks of a bus.
 struct BusNeeds {
   std::int64_t bitrate = 1'000'000;
-  std::int64_t frames_per_tick = 0;  ///< that are sent at once
+  std::optional<std::int64_t> data_bitrate{};  ///< of drives that speak CAN FD
+  std::int64_t frames_per_tick = 0;            ///< that are sent at once
 };
 
 /// `link` is nothing where there is no such CAN interface; `needs` where no rig says any.

@@ -9,6 +9,7 @@
 #include "host_tools/doctor/bus_checks.hpp"
 #include "host_tools/files/diagnostics.hpp"
 #include "host_tools/files/json_writer.hpp"
+#include "host_tools/files/rig_motors.hpp"
 #include "host_tools/rig/bus_kind.hpp"
 #include "host_tools/rig/machine_hardware.hpp"
 #include "host_tools/rig/rig_drives.hpp"
@@ -35,21 +36,23 @@ void add_refusal(Findings& findings, const std::string& of, const std::function<
 
 }  // namespace
 
-Findings check_rig(const RigFile& rig) {
+Findings check_rig(const RigFile& of) {
+  const RigFile rig = motors_of(of).rig;
   Findings findings;
-  add_refusal(findings, "rig", [&] { refuse_falling_axes(rig); });
+  add_refusal(findings, "rig", [&] { refuse_falling_axes(of); });
   add_refusal(findings, "rig", [&] { refuse_overloaded_buses(rig); });
   add_refusal(findings, "rig", [&] { refuse_step_rates(rig); });
-  add_refusal(findings, "rig", [&] { refuse_simulated_types(rig); });
   if (findings.empty()) {
     findings.push_back({.of = "rig", .what = fmt::format("{}, at {} Hz", in_quotes(rig.name), rig.rate_hz)});
   }
   for (const Bus& bus : rig.buses) {
-    const BusNeeds needs{.bitrate = bus.bitrate, .frames_per_tick = share_of_bus(rig, bus).frames};
+    const BusNeeds needs{.bitrate = bus.bitrate,
+                         .data_bitrate = bus.data_bitrate,
+                         .frames_per_tick = share_of_bus(rig, bus).frames};
     const Findings of_bus = check_bus(bus.name, can::read_can_link(bus.name), needs);
     findings.insert(findings.end(), of_bus.begin(), of_bus.end());
   }
-  const std::vector<InputError> lines = unavailable_lines(rig);
+  const std::vector<InputError> lines = unavailable_lines(of);
   for (const InputError& error : lines) findings.push_back(problem_of("line", error));
   return findings;
 }

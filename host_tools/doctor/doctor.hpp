@@ -15,14 +15,14 @@ namespace inbetween {
 
 /// The rig file itself, its buses and its GPIO lines, as the machine has them. Nothing is sent and no line is
 /// taken.
-Findings check_rig(const RigFile& rig);
+Findings check_rig(const RigFile& of);
 
 /// Waits for the next tick and returns its time.
 using NextTick = std::function<std::int64_t()>;
 
 /// Sets up every CiA 402 drive of the rig as a run does, and lets it go. No drive gets power; but each starts
 /// its communication anew, so that another program loses it. Throws InputError where a bus cannot be opened.
-Findings check_drives(const RigFile& rig, RigHardware& hardware, const NextTick& next_tick);
+Findings check_drives(const RigFile& of, RigHardware& hardware, const NextTick& next_tick);
 
 /// Whether none of them is a problem.
 bool is_fit(const Findings& findings);

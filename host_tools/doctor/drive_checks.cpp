@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "host_tools/doctor/doctor.hpp"
+#include "host_tools/files/rig_motors.hpp"
 #include "host_tools/rig/bus_kind.hpp"
 #include "inbetween/can/bus_port.hpp"
 
@@ -20,13 +21,14 @@ template <class Kind>
 class BusVisit {
  public:
   using Host = typename Kind::Bus::Drive;
+  using Frame = typename Kind::Bus::Frame;
   BusVisit(const RigFile& rig, const Bus& bus, RigHardware& hardware, const NextTick& next_tick)
       : rig_(rig), hardware_(hardware), next_tick_(next_tick) {
     axes_ = axes_of_kind<Kind>(rig, bus.name);
     if (axes_.empty()) return;
     for (const std::size_t a : axes_) hosts_.push_back(Kind::host_of(rig.axes[a], rig.rate_hz));
     bus_.emplace(Kind::bus_of(hosts_, rig.rate_hz, rig.axes[axes_.front()]));
-    link_ = hardware.open_bus(bus.name, axes_);
+    link_ = hardware.open_bus<Frame>(bus.name, axes_);
     in_.resize(can::frames_per_read(axes_.size()));
     out_.resize(Kind::Bus::frames_per_tick(axes_.size()));
   }
@@ -34,6 +36,7 @@ class BusVisit {
   Findings make() {
     if (axes_.empty()) return {};
     link_->drain();
+    now_ns_ = next_tick_();
     for (Host& host : hosts_) host.connect(now_ns_);
     tick_while([](const Host& host) {
       return host.phase() != DrivePhase::idle && host.phase() != DrivePhase::refused;
@@ -101,13 +104,14 @@ class BusVisit {
   std::vector<std::size_t> axes_;
   std::vector<Host> hosts_;
   std::optional<typename Kind::Bus> bus_;
-  std::unique_ptr<BusLink> link_;
-  std::vector<can::Frame> in_, out_;
+  std::unique_ptr<BusLink<Frame>> link_;
+  std::vector<Frame> in_, out_;
 };
 
 }  // namespace
 
-Findings check_drives(const RigFile& rig, RigHardware& hardware, const NextTick& next_tick) {
+Findings check_drives(const RigFile& of, RigHardware& hardware, const NextTick& next_tick) {
+  const RigFile rig = motors_of(of).rig;
   Findings findings;
   for (const Bus& bus : rig.buses) {
     for_each_bus_kind([&]<class Kind>() {

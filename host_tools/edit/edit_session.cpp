@@ -7,6 +7,7 @@
 #include <system_error>
 #include <utility>
 
+#include "drivers/linux/monotonic_clock.hpp"
 #include "host_tools/check/check.hpp"
 #include "host_tools/check/check_frames.hpp"
 #include "host_tools/edit/edit_document.hpp"
@@ -18,6 +19,9 @@
 
 namespace inbetween {
 namespace {
+
+/// A person waits for it before a page.
+constexpr std::int64_t max_fit_ns = 60'000'000'000;
 
 /// An answer other than 200, on its way out.
 struct Refused {
@@ -120,7 +124,9 @@ EditAnswer EditSession::fit(const EditRequest& request) {
     std::string text = edited_text(request);
     const Plan plan = plan_of(text);
     if (!plan.rig()) throw Refused{422, "there are no limits without a rig; open the move with --rig"};
-    const SpeedFit found = fit_speed(plan, check(plan), FitStart::drawn, {});
+    const std::int64_t last_ns = MonotonicClock().now_ns() + max_fit_ns;
+    const SpeedFit found =
+        fit_speed(plan, check(plan), {.is_over = [=] { return MonotonicClock().now_ns() >= last_ns; }});
     if (!found.found) {
       throw Refused{422, fmt::format("no speed curve was found for {}: {}",
                                      counted(plan.move().frames, "frame"), found.reason)};

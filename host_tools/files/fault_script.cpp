@@ -8,6 +8,7 @@
 #include <limits>
 #include <variant>
 
+#include "host_tools/files/rig_motors.hpp"
 #include "host_tools/files/toml_source.hpp"
 #include "host_tools/files/toml_value.hpp"
 #include "sim/cia402_objects.hpp"
@@ -109,10 +110,10 @@ std::size_t read_fault_axis(const TomlTable& table, const FaultKind& kind, const
                              comma_separated(names)));
   }
   const bool is_cia402 = std::holds_alternative<Cia402Drive>(axis->drive);
-  if (!is_cia402 && (kind.of_cia402 || !std::holds_alternative<OdriveDrive>(axis->drive))) {
+  if (!is_cia402 && (kind.of_cia402 || !turns_per_unit_of(axis->drive))) {
     value.refuse(
         fmt::format("is {}, whose drive is not simulated with this fault; write an axis with a {} drive",
-                    in_quotes(name), kind.of_cia402 ? "CiA 402" : "CiA 402 or ODrive"));
+                    in_quotes(name), kind.of_cia402 ? "CiA 402" : "CAN"));
   }
   return static_cast<std::size_t>(axis - rig.axes.begin());
 }
@@ -147,8 +148,8 @@ void read_extent(const TomlTable& table, ScriptedFault& fault) {
 
 /// In units of the drive.
 double read_place(const TomlValue& value, const RigAxis& axis) {
-  if (const auto* const odrive = std::get_if<OdriveDrive>(&axis.drive)) {
-    return value.number(-max_turns, max_turns) * odrive->turns_per_unit;
+  if (const auto turns_per_unit = turns_per_unit_of(axis.drive)) {
+    return value.number(-max_turns, max_turns) * *turns_per_unit;
   }
   const double counts = std::round(value.number() * std::get<Cia402Drive>(axis.drive).counts_per_unit);
   const double max = std::numeric_limits<std::int32_t>::max();
@@ -179,6 +180,13 @@ void read_object(const TomlTable& table, const RigAxis& axis, DriveTrouble& trou
   trouble.value = static_cast<std::int32_t>(static_cast<std::uint32_t>(value));
 }
 
+/// The largest error that the drive of an axis can tell.
+std::int64_t max_error_of(const RigAxis& axis) {
+  if (std::holds_alternative<Cia402Drive>(axis.drive)) return 0xFFFF;
+  if (std::holds_alternative<MoteusDrive>(axis.drive)) return 127;
+  return std::numeric_limits<std::int32_t>::max();
+}
+
 void read_own(const TomlTable& table, const FaultKind& kind, const RigFile& rig, ScriptedFault& fault) {
   DriveTrouble& trouble = fault.trouble;
   const auto whole = [&](const TomlValue& value, std::int64_t min, std::int64_t max) {
@@ -192,11 +200,9 @@ void read_own(const TomlTable& table, const FaultKind& kind, const RigFile& rig,
       }
       return;
     case Kind::emergency:
-      return whole(table.required("code", "the code of the EMCY, code = 0x2310, or the error of an ODrive"),
-                   1,
-                   std::holds_alternative<Cia402Drive>(rig.axes[fault.axis].drive)
-                       ? 0xFFFF
-                       : std::numeric_limits<std::int32_t>::max());
+      return whole(
+          table.required("code", "the code of the EMCY, code = 0x2310, or the error of another drive"), 1,
+          max_error_of(rig.axes[fault.axis]));
     case Kind::move_by_hand:
       trouble.kind = Kind::put_by_hand;
       trouble.place = read_place(table.required("to", "the position that it is moved to, to = 0.0"),
@@ -231,7 +237,8 @@ ScriptedFault read_fault(const TomlValue& value, const RigFile& rig) {
 
 }  // namespace
 
-FaultScript parse_fault_script(std::string_view text, const std::string& file_name, const RigFile& rig) {
+FaultScript parse_fault_script(std::string_view text, const std::string& file_name, const RigFile& of) {
+  const RigFile rig = motors_of(of).rig;
   const toml::table root = parse_toml(text, file_name);
   if (root.empty()) throw InputError(place_of(root), "the file is empty; a script of faults has a [[fault]]");
   const TomlTable table(root, "a script of faults", script_fields);

@@ -40,6 +40,6 @@ struct FaultScript {
 FaultScript read_fault_script(const std::filesystem::path& path, const RigFile& rig);
 
 /// The same from text; `file_name` stands in places and in FaultScript::path.
-FaultScript parse_fault_script(std::string_view text, const std::string& file_name, const RigFile& rig);
+FaultScript parse_fault_script(std::string_view text, const std::string& file_name, const RigFile& of);
 
 }  // namespace inbetween

@@ -16,12 +16,26 @@
 namespace inbetween {
 namespace {
 
-constexpr std::array<std::string_view, 10> cia402_fields = {
-    "type",  "bus",      "node", "counts_per_unit",        "deceleration_per_unit", "enable_timeout_s",
-    "reset", "watchdog", "eds",  "watches_following_error"};
-constexpr std::array<std::string_view, 4> turns_fields = {"type", "bus", "node", "turns_per_unit"};
+constexpr std::array<std::string_view, 11> cia402_fields = {"type",
+                                                            "bus",
+                                                            "node",
+                                                            "mode",
+                                                            "counts_per_unit",
+                                                            "deceleration_per_unit",
+                                                            "enable_timeout_s",
+                                                            "reset",
+                                                            "watchdog",
+                                                            "eds",
+                                                            "watches_following_error"};
 constexpr std::array<std::string_view, 6> odrive_fields = {
     "type", "bus", "node", "turns_per_unit", "firmware", "max_following_error"};
+constexpr std::array<std::string_view, 5> moteus_fields = {"type", "bus", "node", "turns_per_unit",
+                                                           "max_following_error"};
+constexpr std::array<std::string_view, 6> rmd_fields = {
+    "type", "bus", "node", "turns_per_unit", "max_following_error", "no_watchdog"};
+constexpr std::array<std::string_view, 11> cubemars_fields = {
+    "type", "bus",  "node",           "turns_per_unit", "max_following_error", "pole_pairs",
+    "gear", "mode", "counts_per_deg", "erpm_per_count", "no_watchdog"};
 constexpr std::array<std::string_view, 13> step_dir_fields = {
     "type",     "chip",     "step",         "dir",         "enable",        "steps_per_unit", "max_step_rate",
     "pulse_us", "pause_us", "dir_setup_us", "dir_hold_us", "enable_active", "latest_us"};
@@ -39,15 +53,34 @@ struct NodeRange {
   int min;
   int max;
 };
+enum class CanFrames { classic, fd };
 
-CanAddress read_can_address(const TomlTable& table, NodeRange range, const RigContext& rig) {
+/// Classic drives answer a CAN FD frame of others with error frames, so that nothing gets through.
+void refuse_other_frames(const TomlValue& field, const Bus& bus, CanFrames frames) {
+  if (frames == CanFrames::fd && !bus.data_bitrate) {
+    field.refuse(
+        fmt::format("is {}, a bus of classic CAN, and this drive speaks CAN FD; write data_bitrate = "
+                    "5_000_000, say, in [bus.{}], or give the drive a bus that has one",
+                    in_quotes(bus.name), bus.name));
+  }
+  if (frames == CanFrames::classic && bus.data_bitrate) {
+    field.refuse(
+        fmt::format("is {}, a bus of CAN FD (it has a data_bitrate), and this drive speaks classic CAN, "
+                    "which disturbs the others; give it a bus of its own",
+                    in_quotes(bus.name)));
+  }
+}
+
+CanAddress read_can_address(const TomlTable& table, NodeRange range, const RigContext& rig,
+                            CanFrames frames = CanFrames::classic) {
   const TomlValue bus = table.required("bus", R"(the CAN bus, bus = "can0")");
   CanAddress address{bus.text(), 0};
-  const auto is_the_bus = [&](const Bus& known) { return known.name == address.bus; };
-  if (std::none_of(rig.buses.begin(), rig.buses.end(), is_the_bus)) {
+  const auto known = std::ranges::find(rig.buses, address.bus, &Bus::name);
+  if (known == rig.buses.end()) {
     bus.refuse(fmt::format("is {}, which the rig does not have; add a [bus.NAME] for it with its bitrate",
                            in_quotes(address.bus)));
   }
+  refuse_other_frames(bus, *known, frames);
   const TomlValue node = table.required("node", "the node id of the drive, node = 1");
   address.node = static_cast<int>(node.integer(range.min, range.max));
   take(rig.taken, node, fmt::format("node {} of bus {}", address.node, address.bus),
@@ -108,6 +141,9 @@ void read_habits(const TomlTable& table, Cia402Drive& drive) {
   }
   if (const auto watchdog = table.optional("watchdog")) {
     drive.is_guarded = watchdog->choice({"heartbeat", "life-guarding"}) == 1;
+  }
+  if (const auto mode = table.optional("mode")) {
+    drive.interpolates = mode->choice({"cyclic", "interpolated"}) == 1;
   }
   if (const auto watches = table.optional("watches_following_error")) {
     drive.watches_following_error = watches->boolean();
@@ -177,6 +213,19 @@ StepDirDrive read_step_dir(const TomlTable& table, const RigAxis& axis, TakenLin
   return drive;
 }
 
+/// Of a drive that does not watch it itself, in axis units.
+double read_following_error(const TomlTable& table, const RigAxis& axis) {
+  constexpr double usual_s = 0.1;
+  const auto error = table.optional("max_following_error");
+  return error ? error->positive_number() : usual_s * axis.max_velocity;
+}
+
+/// Whether somebody accepts that the drive does not stop by itself if this program dies.
+bool accepts_no_watchdog(const TomlTable& table) {
+  const auto accepted = table.optional("no_watchdog");
+  return accepted && accepted->choice({"accepted"}) == 0;
+}
+
 OdriveDrive read_odrive(const TomlTable& table, OdriveDrive drive, const RigAxis& axis) {
   const double turns_per_s = axis.max_velocity * std::abs(drive.turns_per_unit);
   if (turns_per_s > max_odrive_turns_per_s) {
@@ -189,9 +238,101 @@ OdriveDrive read_odrive(const TomlTable& table, OdriveDrive drive, const RigAxis
   }
   const TomlValue firmware = table.required("firmware", R"(the firmware of the drive, firmware = "0.6")");
   drive.firmware = static_cast<OdriveFirmware>(firmware.choice({"0.5", "0.6"}));
-  const auto error = table.optional("max_following_error");
-  constexpr double usual_s = 0.1;
-  drive.max_following_error = error ? error->positive_number() : usual_s * axis.max_velocity;
+  drive.max_following_error = read_following_error(table, axis);
+  return drive;
+}
+
+/// The velocity that an axis may have must be one that its drive can be told.
+RmdDrive read_rmd(const TomlTable& table, RigAxis axis, const RigContext& rig) {
+  const auto [bus, node] = read_can_address(table, {1, 32}, rig);
+  const double turns_per_unit = read_scale(table, "turns_per_unit", axis, max_turns);
+  const RmdDrive drive{bus, node, turns_per_unit, read_following_error(table, axis),
+                       accepts_no_watchdog(table)};
+  axis.drive = drive;
+  const double deg_per_s = max_rmd_deg_per_s_of(axis);
+  if (deg_per_s > max_rmd_deg_per_s) {
+    table.optional("turns_per_unit")
+        ->refuse(
+            fmt::format("is {}, so that 1.2 times max_velocity is {} deg/s, and the limit that goes with a "
+                        "position holds {}; lower max_velocity or the scale",
+                        turns_per_unit, deg_per_s, max_rmd_deg_per_s));
+  }
+  return drive;
+}
+
+void refuse_cubemars_range(const TomlTable& table, const RigAxis& axis) {
+  const CubemarsDrive& drive = std::get<CubemarsDrive>(axis.drive);
+  const TomlValue scale = *table.optional("turns_per_unit");
+  const CubemarsLimits limits = cubemars_limits_of(axis);
+  const double erpm = limits.velocity * drive.erpm_per_count;
+  if (limits.velocity > CubemarsLimits::max) {
+    scale.refuse(fmt::format(
+        "is {}, so that 1.2 times max_velocity is {:.15g} electrical turns a minute, and the limit "
+        "that goes with a position holds {:.15g}; lower max_velocity",
+        drive.turns_per_unit, erpm, CubemarsLimits::max * drive.erpm_per_count));
+  }
+  if (limits.stop_acceleration > CubemarsLimits::max) {
+    scale.refuse(fmt::format(
+        "is {}, so that a controlled stop is {:.15g} electrical turns a minute per second, and the "
+        "limit that goes with a position holds {:.15g}; lower max_acceleration",
+        drive.turns_per_unit, limits.stop_acceleration * drive.erpm_per_count,
+        CubemarsLimits::max * drive.erpm_per_count));
+  }
+  constexpr double max_count = std::numeric_limits<std::int32_t>::max();
+  for (const double end : {axis.min, axis.max}) {
+    const double deg = 360 * std::abs(end * drive.turns_per_unit);
+    if (deg * drive.counts_per_deg <= max_count) continue;
+    scale.refuse(fmt::format(
+        "is {}, so that {} {} is {:.15g} deg of the motor, and with counts_per_deg = {:.15g} it can "
+        "be told {:.15g}; lower the range",
+        drive.turns_per_unit, end, to_string(axis.unit), deg, drive.counts_per_deg,
+        std::floor(max_count / drive.counts_per_deg)));
+  }
+}
+
+/// Nothing is known to stop such a motor when this program dies.
+void require_accepted_mode(const TomlTable& table) {
+  const auto mode = table.optional("mode");
+  if (mode && mode->choice({"servo", "mit"}) == 1) {
+    mode->refuse(
+        "is \"mit\", in which a motor goes on with its last torque, without a velocity limit, if this "
+        "program dies: no firmware is known to have a watchdog that can be read or tried; write \"servo\"");
+  }
+  static_cast<void>(table.required(
+      "no_watchdog",
+      "no_watchdog = \"accepted\" if it may go on to its last position and hold it when this program "
+      "dies: no firmware is known to have a watchdog"));
+  accepts_no_watchdog(table);
+}
+
+/// The velocity and the acceleration that an axis may have must be ones that its drive can be told.
+CubemarsDrive read_cubemars(const TomlTable& table, RigAxis axis, const RigContext& rig) {
+  const auto [bus, node] = read_can_address(table, {1, 255}, rig);
+  const double turns_per_unit = read_scale(table, "turns_per_unit", axis, max_cubemars_turns);
+  CubemarsDrive drive{bus, node, turns_per_unit, read_following_error(table, axis)};
+  constexpr std::int64_t max_pole_pairs = 100;
+  constexpr double min_gear = 0.01;
+  constexpr double max_gear = 1000;
+  const TomlValue pole_pairs =
+      table.required("pole_pairs", "the pole pairs of the motor, pole_pairs = 21, say");
+  drive.pole_pairs = static_cast<double>(pole_pairs.integer(1, max_pole_pairs));
+  drive.gear = table.required("gear", "the turns of the motor per turn of its output shaft, gear = 9, say")
+                   .number(min_gear, max_gear);
+  // The firmware has one of two scales, and manuals of both are about.
+  const auto either = [&](std::string_view field, std::int64_t one, std::int64_t other, double& scale) {
+    const auto value = table.optional(field);
+    if (!value) return;
+    const std::int64_t number = value->integer(std::min(one, other), std::max(one, other));
+    if (number != one && number != other) {
+      value->refuse(fmt::format("is {}; write {} or {}, whichever the firmware has", number, one, other));
+    }
+    scale = static_cast<double>(number);
+  };
+  either("counts_per_deg", 10'000, 1'000'000, drive.counts_per_deg);
+  either("erpm_per_count", 10, 1, drive.erpm_per_count);
+  require_accepted_mode(table);
+  axis.drive = drive;
+  refuse_cubemars_range(table, axis);
   return drive;
 }
 
@@ -227,9 +368,7 @@ PipeDrive read_pipe(const TomlTable& table, const RigAxis& axis) {
           fmt::format("is {}; write one that serial ports have, such as 115200 or 1000000", drive.baud));
     }
   }
-  if (const auto accepted = table.optional("no_watchdog")) {
-    drive.has_no_watchdog = accepted->choice({"accepted"}) == 0;
-  }
+  drive.has_no_watchdog = accepts_no_watchdog(table);
   refuse_pipe_range(table, drive, axis);
   return drive;
 }
@@ -246,9 +385,11 @@ Drive read_drive(const TomlValue& value, const RigAxis& axis, const RigContext& 
   const toml::table& fields = value.table();
   const toml::node* type = fields.get("type");
   if (type == nullptr) {
-    value.refuse(R"(has no type; add type = "cia402", "odrive", "moteus", "step-dir" or "pipe")");
+    value.refuse(
+        R"(has no type; add type = "cia402", "odrive", "moteus", "rmd", "cubemars", "step-dir" or "pipe")");
   }
-  switch (TomlValue(*type, "type").choice({"cia402", "odrive", "moteus", "step-dir", "pipe"})) {
+  switch (TomlValue(*type, "type")
+              .choice({"cia402", "odrive", "moteus", "rmd", "cubemars", "step-dir", "pipe"})) {
     case 0: {
       const TomlTable table(fields, "a cia402 drive", cia402_fields);
       const auto [bus, node] = read_can_address(table, {1, 127}, rig);
@@ -263,11 +404,16 @@ Drive read_drive(const TomlValue& value, const RigAxis& axis, const RigContext& 
       return read_odrive(table, {bus, node, read_scale(table, "turns_per_unit", axis, max_turns)}, axis);
     }
     case 2: {
-      const TomlTable table(fields, "a moteus drive", turns_fields);
-      const auto [bus, node] = read_can_address(table, {1, 127}, rig);
-      return MoteusDrive{bus, node, read_scale(table, "turns_per_unit", axis, max_turns)};
+      const TomlTable table(fields, "a moteus drive", moteus_fields);
+      const auto [bus, node] = read_can_address(table, {1, 126}, rig, CanFrames::fd);
+      return MoteusDrive{bus, node, read_scale(table, "turns_per_unit", axis, max_turns),
+                         read_following_error(table, axis)};
     }
     case 3:
+      return read_rmd(TomlTable(fields, "an rmd drive", rmd_fields), axis, rig);
+    case 4:
+      return read_cubemars(TomlTable(fields, "a cubemars drive", cubemars_fields), axis, rig);
+    case 5:
       return read_step_dir(TomlTable(fields, "a step-dir drive", step_dir_fields), axis, rig.lines);
     default:
       break;

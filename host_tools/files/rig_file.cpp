@@ -12,16 +12,21 @@
 
 #include "host_tools/files/gpio_line_reader.hpp"
 #include "host_tools/files/rig_drive_reader.hpp"
+#include "host_tools/files/rig_gear_reader.hpp"
+#include "host_tools/files/rig_motors.hpp"
 #include "host_tools/files/toml_source.hpp"
 #include "host_tools/files/toml_value.hpp"
+#include "inbetween/limits/limits.hpp"
 
 namespace inbetween {
 namespace {
 
 constexpr std::array<std::string_view, 9> rig_fields = {
     "name", "rate_hz", "bus", "axis", "emergency_stop", "start_trigger", "camera", "output", "kinematics"};
-constexpr std::array<std::string_view, 1> bus_fields = {"bitrate"};
-constexpr std::array<std::string_view, 18> axis_fields = {"name",
+constexpr std::array<std::string_view, 2> bus_fields = {"bitrate", "data_bitrate"};
+/// CAN FD transceivers carry no more.
+constexpr std::int64_t max_data_bitrate = 8'000'000;
+constexpr std::array<std::string_view, 23> axis_fields = {"name",
                                                           "unit",
                                                           "min",
                                                           "max",
@@ -32,6 +37,11 @@ constexpr std::array<std::string_view, 18> axis_fields = {"name",
                                                           "stop_acceleration",
                                                           "stop_jerk",
                                                           "drive",
+                                                          "offset",
+                                                          "calibration",
+                                                          "backlash",
+                                                          "ganged",
+                                                          "max_skew",
                                                           "unpowered",
                                                           "coasts",
                                                           "on_host_lost",
@@ -47,7 +57,6 @@ constexpr std::array<std::string_view, 4> camera_fields = {"chip", "line", "idle
 constexpr std::array<std::string_view, 3> output_fields = {"chip", "line", "idle"};
 constexpr std::array<std::string_view, 2> kinematics_fields = {"urdf", "tip"};
 
-constexpr std::array<std::string_view, 6> unit_names = {"mm", "m", "deg", "rad", "turn", "unit"};
 constexpr std::array<std::string_view, 3> reference_names = {"drive", "operator", "home"};
 /// The name by which cues call the shutter of the camera.
 constexpr std::string_view camera_name = "camera";
@@ -66,9 +75,14 @@ std::vector<Bus> read_buses(const TomlTable& rig) {
                                      return c > ' ' && c < 0x7f && c != '/' && c != ':';
                                    });
     if (!is_interface_name) value.refuse("is not a network interface; write a name such as can0");
-    buses.push_back({std::string(name),
-                     table.required("bitrate", "bitrate = 1_000_000").integer(10'000, 1'000'000),
-                     table.place()});
+    Bus bus{.name = std::string(name),
+            .bitrate = table.required("bitrate", "bitrate = 1_000_000").integer(10'000, 1'000'000),
+            .data_bitrate = {},
+            .place = table.place()};
+    if (const auto data = table.optional("data_bitrate")) {
+      bus.data_bitrate = data->integer(bus.bitrate, max_data_bitrate);
+    }
+    buses.push_back(std::move(bus));
   }
   return buses;
 }
@@ -108,7 +122,8 @@ void refuse_uncountable(const TomlValue& value, double position, const RigAxis& 
   const auto* stepper = std::get_if<StepDirDrive>(&axis.drive);
   const double scale =
       stepper != nullptr ? stepper->steps_per_unit : std::get<PipeDrive>(axis.drive).counts_per_unit;
-  if (std::abs(std::round(position * scale)) <= std::numeric_limits<std::int32_t>::max()) return;
+  const double motor = motor_position(axis, {.axis = 0, .offset = axis.offset}, position);
+  if (std::abs(std::round(motor * scale)) <= std::numeric_limits<std::int32_t>::max()) return;
   value.refuse(fmt::format("is {} {}, which the drive cannot count to in 32 bits; write where the switch is",
                            position, to_string(axis.unit)));
 }
@@ -121,10 +136,14 @@ Home read_home(const TomlValue& value, const RigAxis& axis, TakenLines& lines) {
   Home home;
   home.place = value.place();
   home.input = read_input(table, BrokenWire::preferably_active, lines);
-  home.direction = table.required("direction", R"(direction = "negative" or "positive", towards the switch)")
-                               .choice({"negative", "positive"}) == 0
-                       ? -1
-                       : 1;
+  const TomlValue direction =
+      table.required("direction", R"(direction = "negative" or "positive", towards the switch)");
+  home.direction = direction.choice({"negative", "positive"}) == 0 ? -1 : 1;
+  if (axis.backlash && axis.backlash->approach_is_up != (home.direction > 0)) {
+    direction.refuse(
+        "is not the approach of the backlash, on which places are exact; home from the other side, "
+        "or let the approach be this way");
+  }
   const TomlValue fast = table.required("fast", "fast = 20.0 (unit/s), say, to find the switch");
   home.fast = fast.positive_number();
   if (home.fast > axis.max_velocity) {
@@ -201,11 +220,17 @@ RigAxis read_axis(const TomlValue& value, const RigContext& rig) {
   axis.name = name.text();
   take(rig.taken, name, fmt::format("axis {}", in_quotes(axis.name)), "give each axis its own name");
   const TomlValue unit = table.required("unit", R"(unit = "mm", "m", "deg", "rad", "turn" or "unit")");
-  axis.unit = static_cast<AxisUnit>(unit.choice(unit_names));
+  axis.unit = static_cast<AxisUnit>(unit.choice(axis_unit_names));
   read_limits(table, axis);
-  axis.drive = read_drive(table.required("drive", R"(drive = { type = ... })"), axis, rig);
+  read_gear(table, axis);
+  axis.drive = read_drive(table.required("drive", R"(drive = { type = ... })"),
+                          motor_of(axis, {.axis = 0, .offset = axis.offset}), rig);
+  read_ganged(table, axis, rig);
+  leave_room_for_backlash(axis);
   read_loss_of_power(table, axis);
-  if (const auto home = table.optional("home")) axis.home = read_home(*home, axis, rig.lines);
+  if (const auto home = table.optional("home")) {
+    axis.home = read_home(*home, slow_enough_everywhere(axis), rig.lines);
+  }
   read_reference(table, axis);
   axis.limit_min = read_switch(table, "limit_min", BrokenWire::preferably_active, rig.lines);
   axis.limit_max = read_switch(table, "limit_max", BrokenWire::preferably_active, rig.lines);
@@ -304,10 +329,13 @@ void refuse_inexact_cia402_rate(const RigFile& rig, const TomlValue& rate) {
       rig.rate_hz, below, above));
 }
 
+/// The rates above the drawn one are certified within this share of max_velocity.
+constexpr double certified_share = 1.2;
+
 }  // namespace
 
 std::string_view to_string(AxisUnit unit) {
-  return unit_names.at(static_cast<std::size_t>(unit));
+  return axis_unit_names.at(static_cast<std::size_t>(unit));
 }
 
 double count_of(const Drive& drive) {
@@ -317,10 +345,40 @@ double count_of(const Drive& drive) {
     double operator()(const Cia402Drive& its) const { return 1 / std::fabs(its.counts_per_unit); }
     double operator()(const OdriveDrive& its) const { return of_turns(its.turns_per_unit); }
     double operator()(const MoteusDrive& its) const { return of_turns(its.turns_per_unit); }
+    double operator()(const RmdDrive& its) const {
+      return 1 / std::fabs(rmd_steps_per_turn * its.turns_per_unit);
+    }
+    double operator()(const CubemarsDrive& its) const {
+      return 1 / std::fabs(cubemars_steps_per_turn * its.turns_per_unit);
+    }
     double operator()(const StepDirDrive& its) const { return 1 / std::fabs(its.steps_per_unit); }
     double operator()(const PipeDrive& its) const { return 1 / std::fabs(its.counts_per_unit); }
   };
   return std::visit(Count{}, drive);
+}
+
+std::optional<double> turns_per_unit_of(const Drive& drive) {
+  return std::visit(
+      [](const auto& its) -> std::optional<double> {
+        if constexpr (requires { its.turns_per_unit; }) return its.turns_per_unit;
+        return {};
+      },
+      drive);
+}
+
+CubemarsLimits cubemars_limits_of(const RigAxis& axis) {
+  const CubemarsDrive& drive = std::get<CubemarsDrive>(axis.drive);
+  const double erpm_per_unit = 60 * std::fabs(drive.turns_per_unit) * drive.gear * drive.pole_pairs;
+  const double counts_per_unit = erpm_per_unit / drive.erpm_per_count;
+  const double stop = axis.stop_acceleration.value_or(default_stop_ratio * axis.max_acceleration);
+  return {.velocity = std::ceil(certified_share * axis.max_velocity * counts_per_unit),
+          .stop_acceleration = std::ceil(stop * counts_per_unit)};
+}
+
+double max_rmd_deg_per_s_of(const RigAxis& axis) {
+  constexpr double deg_per_turn = 360;
+  const double scale = std::fabs(std::get<RmdDrive>(axis.drive).turns_per_unit);
+  return std::ceil(certified_share * deg_per_turn * scale * axis.max_velocity);
 }
 
 bool is_open_loop(const Drive& drive) {
@@ -342,6 +400,10 @@ std::string range_in_words(const RigAxis& axis) {
 Place place_of_bus(const RigFile& rig, const std::string& name) {
   const auto found = std::ranges::find(rig.buses, name, &Bus::name);
   return found != rig.buses.end() ? found->place : Place{rig.path, 0, 0};
+}
+
+const Bus& bus_named(const RigFile& rig, const std::string& name) {
+  return *std::ranges::find(rig.buses, name, &Bus::name);
 }
 
 bool is_cia402_rate(std::int32_t rate_hz) {
@@ -370,7 +432,7 @@ RigFile parse_rig(std::string_view text, const std::string& file_name) {
     rig.axes.push_back(read_axis(axis, {rig.buses, taken, lines}));
   }
   refuse_inexact_cia402_rate(rig, rate);
-  refuse_too_many_step_dir_drives(rig);
+  refuse_too_many_step_dir_drives(motors_of(rig).rig);
   rig.emergency_stop = read_emergency_stop(table, lines);
   rig.start_trigger = read_switch(table, "start_trigger", BrokenWire::reads_inactive, lines);
   rig.camera = read_camera(table, lines);

@@ -16,6 +16,7 @@
 
 #include "host_tools/files/diagnostics.hpp"
 #include "host_tools/files/gpio_line.hpp"
+#include "host_tools/files/rig_gear.hpp"
 
 namespace inbetween {
 
@@ -28,16 +29,20 @@ inline constexpr std::size_t max_step_dir_drives_of_chip = 32;
 inline constexpr std::int32_t max_step_rate = 1'000'000;  // steps/s
 /// ODrive and moteus take positions as float32 turns. Up to here they are at most 1/1024 turn apart.
 inline constexpr double max_turns = 16'384;
+/// The 16 bits of an RMD motor's velocity limit hold no more, and its angles come in hundredths of a degree.
+inline constexpr double max_rmd_deg_per_s = 65'535;
+inline constexpr double rmd_steps_per_turn = 36'000;
+/// The feedback of a CubeMars motor goes round beyond 3200 degrees.
+inline constexpr double max_cubemars_turns = 3'200.0 / 360;
+inline constexpr double cubemars_steps_per_turn = 3'600;
 /// The 16 bits of an ODrive's velocity feed-forward hold no more.
 inline constexpr double max_odrive_turns_per_s = 32.767;
-
-enum class AxisUnit { mm, m, deg, rad, turn, unit };
-std::string_view to_string(AxisUnit unit);
 
 /// A CAN bus, by the name of its Linux network interface.
 struct Bus {
   std::string name;
-  std::int64_t bitrate = 0;  // bit/s, of the arbitration phase on CAN FD
+  std::int64_t bitrate = 0;                  // bit/s, of the arbitration phase on CAN FD
+  std::optional<std::int64_t> data_bitrate;  // bit/s; exactly on a bus whose drives speak CAN FD
   Place place;
 };
 
@@ -50,6 +55,7 @@ struct Cia402Drive {
   bool resets_node = false;              // reset node instead of reset communication
   bool watches_following_error = false;  // though it has no object 6065
   bool is_guarded = false;               // life guarding instead of heartbeats
+  bool interpolates = false;             // interpolated position (mode 7) instead of cyclic (mode 8)
   double enable_timeout_s = 5;
   std::string eds = {};  // path of its data sheet; empty: none
 };
@@ -61,10 +67,30 @@ struct OdriveDrive {
   OdriveFirmware firmware = OdriveFirmware::v0_6;
   double max_following_error = 0;  // unit, above 0
 };
+/// A MyActuator RMD motor.
+struct RmdDrive {
+  std::string bus;
+  int node = 0;                    // 1..32
+  double turns_per_unit = 0;       // of the output shaft
+  double max_following_error = 0;  // unit, above 0
+  bool has_no_watchdog = false;    // somebody accepts that
+};
+/// A CubeMars AK motor in servo mode. It has no watchdog, and somebody accepts that.
+struct CubemarsDrive {
+  std::string bus;
+  int node = 0;                    // 1..255
+  double turns_per_unit = 0;       // of the output shaft
+  double max_following_error = 0;  // unit, above 0
+  double pole_pairs = 0;
+  double gear = 0;                 // turns of the motor per turn of the output shaft
+  double counts_per_deg = 10'000;  // of a position
+  double erpm_per_count = 10;      // of a velocity and an acceleration
+};
 struct MoteusDrive {
   std::string bus;
-  int node = 0;  // 1..127
+  int node = 0;  // 1..126
   double turns_per_unit = 0;
+  double max_following_error = 0;  // unit, above 0
 };
 
 /// A stepper driver that takes a step at each rising edge of STEP. Times are rounded up to nanoseconds;
@@ -91,7 +117,11 @@ struct PipeDrive {
   std::int32_t baud = 115'200;
   bool has_no_watchdog = false;  // somebody accepts that nothing can be read back
 };
-using Drive = std::variant<Cia402Drive, OdriveDrive, MoteusDrive, StepDirDrive, PipeDrive>;
+using Drive =
+    std::variant<Cia402Drive, OdriveDrive, MoteusDrive, StepDirDrive, PipeDrive, RmdDrive, CubemarsDrive>;
+
+/// Turns per axis unit of a drive on CAN that counts turns; nothing for the others.
+std::optional<double> turns_per_unit_of(const Drive& drive);
 
 /// How far two neighbouring positions of the drive are apart, in axis units: a count, or a step.
 double count_of(const Drive& drive);
@@ -127,7 +157,15 @@ struct Unpowered {
   Place place;
 };
 
-/// Limits are magnitudes in unit, unit/s, unit/s^2, unit/s^3, all above 0.
+/// Another motor of an axis.
+struct GangedMotor {
+  Drive drive;
+  double offset = 0;  // of the motor, in its unit
+  Place place;
+};
+
+/// Limits are magnitudes in unit, unit/s, unit/s^2, unit/s^3, all above 0. They are those of the motion: what
+/// its motor needs for the backlash has been taken off.
 struct RigAxis {
   std::string name;
   AxisUnit unit = AxisUnit::unit;
@@ -148,6 +186,13 @@ struct RigAxis {
   std::optional<InputLine> limit_min;            // switches at the ends of travel; they stop the rig
   std::optional<InputLine> limit_max;
   Place place;
+  // What lies between the axis and its motors (rig_motors.hpp).
+  double offset = 0;  // of its first motor where the axis is at 0, or its calibration is
+  std::optional<AxisCalibration> calibration = {};
+  std::optional<AxisBacklash> backlash = {};
+  std::vector<GangedMotor> ganged = {};          // beside the motor of `drive`
+  double max_skew = 0;                           // above 0 where there are some, in the unit of the motors
+  std::optional<MotorLimits> motor_limits = {};  // of the motors, if they are not those of the axis
 };
 
 /// `axis "pan"`.
@@ -180,6 +225,19 @@ struct RigKinematics {
   std::vector<RigTip> tips;
 };
 
+/// In counts of its firmware, of which 16 bits with a sign hold `max`.
+struct CubemarsLimits {
+  static constexpr double max = 32'767;
+  double velocity = 0;           ///< 1.2 times max_velocity
+  double stop_acceleration = 0;  ///< of a controlled stop
+};
+/// What the CubeMars motor of an axis must be able to do.
+CubemarsLimits cubemars_limits_of(const RigAxis& axis);
+
+/// The velocity limit that goes with every position to the RMD motor of an axis, in whole degrees/s: what the
+/// axis may do at the rates above the drawn one that are certified.
+double max_rmd_deg_per_s_of(const RigAxis& axis);
+
 struct RigFile {
   std::string path;
   std::string name;
@@ -195,6 +253,8 @@ struct RigFile {
 
 /// The place of a bus by its name.
 Place place_of_bus(const RigFile& rig, const std::string& name);
+/// A bus that the rig has.
+const Bus& bus_named(const RigFile& rig, const std::string& name);
 
 /// Whether CiA 402 can state the tick exactly: the period is a whole number of microseconds (SYNC, object
 /// 1006h) and value * 10^index seconds with value 1..255 (interpolation time period, object 60C2h).

@@ -14,6 +14,7 @@
 
 #include "host_tools/files/move_rewrite.hpp"
 #include "host_tools/files/move_unit.hpp"
+#include "host_tools/files/rig_motors.hpp"
 #include "host_tools/files/toml_source.hpp"
 
 namespace inbetween {
@@ -46,15 +47,15 @@ MoveUnit unit_in(const MoveTrack& track, std::size_t axis) {
 /// The nearest number with a decimal more than the counts need, inside the limits: a limit itself has more
 /// decimals where it must.
 double decimal_near(double position, double count, double min, double max) {
-  constexpr int most_decimals = 9;
-  const int needed = count > 0 ? static_cast<int>(std::ceil(-std::log10(count))) + 1 : most_decimals;
-  const double power = std::pow(10.0, std::clamp(needed, 0, most_decimals));
+  constexpr int max_decimals = 9;
+  const int needed = count > 0 ? static_cast<int>(std::ceil(-std::log10(count))) + 1 : max_decimals;
+  const double power = std::pow(10.0, std::clamp(needed, 0, max_decimals));
   return std::clamp(std::round(position * power) / power, min, max);
 }
 
 /// Outside by so little is a rounding of the drive.
 bool is_inside(double position, const RigAxis& axis) {
-  const double slack = std::max(count_of(axis.drive), 1e-9 * (axis.max - axis.min));
+  const double slack = std::max(count_of(axis), 1e-9 * (axis.max - axis.min));
   return position >= axis.min - slack && position <= axis.max + slack;
 }
 
@@ -163,8 +164,7 @@ std::vector<double> TaughtMove::position_of(const MoveTrack& track, const Standi
       throw NotTaught{fmt::format("{} counts {} in the rig, and {} in the move", named(axis),
                                   to_string(axis.unit), to_string(unit_in(track, d)))};
     }
-    at.push_back(
-        decimal_near(*stands / *size, count_of(axis.drive) / *size, axis.min / *size, axis.max / *size));
+    at.push_back(decimal_near(*stands / *size, count_of(axis) / *size, axis.min / *size, axis.max / *size));
   }
   return at;
 }

@@ -14,11 +14,11 @@ namespace {
 constexpr std::size_t quick_control_values = 32;
 constexpr std::size_t quick_key_positions = 200;
 
-std::optional<FewestFit> fit_in(const Plan& plan, std::int32_t frames, FitStart start, int refinements) {
+std::optional<FewestFit> fit_in(const Plan& plan, std::int32_t frames, const FitOptions& options) {
   FewestFit found{.move = with_frames(plan.move(), frames), .fit = {}};
   try {
     const Plan other(found.move, plan.rig(), {.kinematics = plan.kinematics()});
-    found.fit = fit_speed(other, check(other), start, {}, refinements);
+    found.fit = fit_speed(other, check(other), options);
   } catch (const InputError&) {  // two keys on one frame, a lock that cannot be met
     return std::nullopt;
   }
@@ -29,8 +29,10 @@ std::optional<FewestFit> fit_in(const Plan& plan, std::int32_t frames, FitStart 
 }  // namespace
 
 FewestFit fit_in_fewest_frames(const Plan& plan, const CheckReport& report, const SmallestFrames& smallest,
-                               FitStart start, int refinements,
+                               const FitOptions& told,
                                const std::function<void(double, std::int32_t)>& progress) {
+  FitOptions options = told;
+  options.progress = {};
   const std::int32_t asked = plan.move().frames;
   std::int32_t fitting = smallest.frames.value_or(asked);
   FewestFit best{.move = with_frames(plan.move(), fitting), .fit = {}};
@@ -38,21 +40,22 @@ FewestFit fit_in_fewest_frames(const Plan& plan, const CheckReport& report, cons
     best.fit.found = true;
     best.fit.fewest = fewest_frames(plan);
   } else {
-    best.fit = fit_speed(plan, report, start, {}, refinements);
+    best.fit = fit_speed(plan, report, options);
     if (!best.fit.found) return best;
   }
   std::int32_t refused = std::min(best.fit.fewest.frames, fitting) - 1;
   const double steps = std::log2(std::max(fitting - refused, 2));
-  for (int tried = 0; fitting - refused > 1; ++tried) {
+  for (int tried = 0; fitting - refused > 1 && !options.ends(); ++tried) {
     const std::int32_t middle = refused + (fitting - refused) / 2;
     if (progress) progress(tried / steps, middle);
-    if (std::optional<FewestFit> found = fit_in(plan, middle, start, refinements)) {
+    if (std::optional<FewestFit> found = fit_in(plan, middle, options)) {
       best = std::move(*found);
       fitting = middle;
     } else {
       refused = middle;
     }
   }
+  best.fit.was_ended = options.ends();
   return best;
 }
 

@@ -19,10 +19,10 @@ struct FewestFit {
 /// curve fits, or else the frames of the move: in one frame less than the answer it was tried and no curve
 /// was found. Locked keys, holds, ease_in, ease_out and listed cues move in proportion.
 ///
-/// `report` and `smallest` are those of the plan; curves are refined `refinements` times at most. Cost: that
-/// of fit_speed about ten times.
+/// `report` and `smallest` are those of the plan; `progress` takes the place of that of the options. Cost:
+/// that of fit_speed about ten times, until it is over.
 FewestFit fit_in_fewest_frames(const Plan& plan, const CheckReport& report, const SmallestFrames& smallest,
-                               FitStart start, int refinements,
+                               const FitOptions& told,
                                const std::function<void(double, std::int32_t)>& progress);
 
 /// The text of a move in other frames: of `move`, which with_frames made of it.

@@ -14,11 +14,13 @@ void write_fit(JsonWriter& json, const SpeedFit& fit, std::int32_t frames) {
   json.line();
   json.object("fit", [&] {
     json.member("found", fit.found);
+    json.member("was_ended", fit.was_ended);
     json.member("reason", fit.found ? std::nullopt : std::optional(fit.reason));
     json.member("frames", fit.found ? std::optional(frames) : std::nullopt);
     json.member("least_frames", fit.fewest.frames);
     json.objects("tracks", fit.tracks, [&](const TrackFit& track) {
       json.member("track", static_cast<std::int64_t>(track.track));
+      json.member("start", track.start == FitStart::curvature ? "curvature" : "drawn");
       json.member("speed", track.speed);
       json.member("change", track.change);
       json.member("change_share", track.change_share);
@@ -41,6 +43,8 @@ void print_fit(const Plan& plan, const SpeedFit& fit, std::int32_t frames, const
     const std::size_t before = plan.tracks()[track.track].control_values().size();
     fmt::print(out, "new speed curve of {}: {} control values",
                comma_separated(plan.move().tracks[track.track].axes), track.speed.size());
+    if (track.start == FitStart::curvature)
+      fmt::print(out, ", from one that follows the curvature of the path");
     if (track.refinements > 0) fmt::print(out, " (the {} of before, refined)", before);
     fmt::print(
         out,
@@ -49,6 +53,7 @@ void print_fit(const Plan& plan, const SpeedFit& fit, std::int32_t frames, const
         track.change, 100 * track.change_share, track.largest_change, track.largest_change_at,
         track.largest_change_frame);
   }
+  if (fit.was_ended) fmt::print(out, "the search was ended before its end: there may be a nearer curve\n");
   if (frames == plan.move().frames) {
     fmt::print(out, "with it the move fits in its {}: {}\n", counted(frames, "frame"), name);
   } else {

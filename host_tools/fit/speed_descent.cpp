@@ -208,7 +208,7 @@ std::optional<SpeedDescent::Step> SpeedDescent::step_from(const Descent& here, c
 }
 
 Descent SpeedDescent::run(std::span<const double> start, MotionSamples& samples,
-                          std::span<const Allowance> allowances) const {
+                          std::span<const Allowance> allowances, const std::function<bool()>& is_over) const {
   Region region{.allowances = allowances, .price = first_price, .radius = first_radius};
   Descent here = at({start.begin(), start.end()}, samples, allowances);
   // An excess that nobody minds costs nothing: with the price it would hide what a step gains.
@@ -230,7 +230,7 @@ Descent SpeedDescent::run(std::span<const double> start, MotionSamples& samples,
     trial.reset();
     samples.evaluate(ControlCurve(here.values, frame_.ends));
   };
-  for (int i = 0; i < max_steps && region.radius > min_radius; ++i) {
+  for (int i = 0; i < max_steps && region.radius > min_radius && !(is_over && is_over()); ++i) {
     std::optional<Step> step = step_from(here, samples, region);
     const double promised = step ? cost(here) - change_squared(step->values) - priced(step->ease) : 0;
     const bool is_at_end = promised <= min_gain * (cost(here) + smallest_cost);

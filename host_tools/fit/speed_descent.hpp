@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
@@ -43,10 +44,11 @@ class SpeedDescent {
   /// The curve with the rests and the fixed areas that is nearest to the given one. Throws
   /// std::invalid_argument where there is none from 0 to 100.
   [[nodiscard]] std::vector<double> nearest(std::span<const double> values) const;
-  /// Descends from `start`, which has the rests and the fixed areas. It leaves the samples evaluated at the
-  /// result.
+  /// Descends from `start`, which has the rests and the fixed areas, until `is_over`, if there is one. It
+  /// leaves the samples evaluated at the result.
   [[nodiscard]] Descent run(std::span<const double> start, MotionSamples& samples,
-                            std::span<const Allowance> allowances) const;
+                            std::span<const Allowance> allowances,
+                            const std::function<bool()>& is_over = {}) const;
 
  private:
   /// What a step may cost and how far it may go.

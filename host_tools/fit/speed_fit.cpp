@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <stdexcept>
@@ -39,36 +40,49 @@ constexpr double leaning_share = 0.97;
 constexpr std::array<CheckedPeak CheckedAxis::*, 3> peaks_of_axis = {
     &CheckedAxis::velocity, &CheckedAxis::acceleration, &CheckedAxis::jerk};
 
+/// New values less those of the played curve, refined to as many.
+std::vector<double> difference_from_played(const FittedTrack& fitted, const std::vector<double>& values) {
+  std::vector<double> difference = fitted.solved().control_values();
+  while (difference.size() < values.size()) difference = refined(difference, fitted.ends());
+  std::ranges::transform(values, difference, difference.begin(), std::minus());
+  return difference;
+}
+
 /// The search for one track.
 class TrackSearch {
  public:
   using Found = std::optional<std::vector<double>>;
 
-  TrackSearch(const FittedTrack& fitted, FitStart start, int refinements,
-              std::function<void(double)> progress)
-      : fitted_(fitted), start_(start), progress_(std::move(progress)), max_refinements_(refinements) {}
+  TrackSearch(const FittedTrack& fitted, FitOptions options)
+      : fitted_(fitted), options_(std::move(options)) {}
 
   /// The new values, or none and why.
   Found run() {
     std::vector<double> baseline = fitted_.solved().control_values();
+    const bool is_small = baseline.size() <= max_values_tried_again;
     std::vector<Level> levels;
-    for (int refinements = 0; refinements <= max_refinements_; ++refinements) {
+    for (int refinements = 0; refinements <= options_.refinements && !options_.ends(); ++refinements) {
       if (refinements > 0) baseline = refined(baseline, fitted_.ends());
       if (refinements > 0 && baseline.size() > max_refined_values) break;
-      progress_(0.1 + 0.15 * refinements);
+      if (options_.progress) options_.progress(0.1 + 0.15 * refinements);
       Level level{.baseline = baseline, .refinements = refinements};
       try {
-        if (Found found = from_drawn(level, levels)) return found;
+        if (Found found = from_drawn(level, levels)) return nearer(std::move(found));
       } catch (const std::invalid_argument& error) {  // more values may give the room that is missing
         reason_ = error.what();
         continue;
       }
+      if (refinements == 0 && options_.start == FitStart::either) detour_ = by_way_of_curvature();
+      if (detour_ && !is_small) return nearer(back_from_detour());
       levels.push_back(level);
       if (is_hopeless(levels)) break;
     }
-    return from_elsewhere(levels);
+    Found found = from_elsewhere(levels);
+    return nearer(found || !detour_ ? std::move(found) : back_from_detour());
   }
   [[nodiscard]] const std::string& reason() const { return reason_; }
+  /// Where the search began that found the curve.
+  [[nodiscard]] FitStart start() const { return found_from_; }
 
  private:
   /// The nearest curve that was found and passes.
@@ -112,7 +126,8 @@ class TrackSearch {
   }
   [[nodiscard]] Tools tools(const Level& level) const {
     CurveFrame frame = fitted_.frame_of(level.baseline);
-    if (start_ == FitStart::curvature) frame.wanted = SpeedDescent(frame).nearest(curved(level, frame));
+    if (options_.start == FitStart::curvature)
+      frame.wanted = SpeedDescent(frame).nearest(curved(level, frame));
     return {frame, SpeedDescent(frame),
             MotionSamples(fitted_.track(), fitted_.axes(), level.refinements, fitted_.end_steps(),
                           fitted_.ends())};
@@ -126,11 +141,42 @@ class TrackSearch {
     return from(with.descent.nearest(refined(before.back().nearest, fitted_.ends())), with, level);
   }
 
+  /// A curve that follows the curvature.
+  [[nodiscard]] Found by_way_of_curvature() const {
+    FitOptions options = options_;
+    options.start = FitStart::curvature;
+    options.progress = {};
+    return TrackSearch(fitted_, std::move(options)).run();
+  }
+  /// From the detour towards the drawn curve, with as many values as the detour has.
+  [[nodiscard]] Found back_from_detour() {
+    if (options_.ends()) return std::nullopt;
+    Level level{.baseline = fitted_.solved().control_values()};
+    for (; level.baseline.size() < detour_->size(); ++level.refinements) {
+      level.baseline = refined(level.baseline, fitted_.ends());
+    }
+    came_back_ = true;
+    Tools with = tools(level);
+    return from(*detour_, with, level);
+  }
+
+  /// The one that was found, or the detour if that is nearer.
+  Found nearer(Found found) {
+    const bool is_detour = detour_ && (!found || change_of(*detour_) < change_of(*found));
+    const bool is_curved = is_detour || came_back_ || options_.start == FitStart::curvature;
+    found_from_ = is_curved ? FitStart::curvature : FitStart::drawn;
+    return is_detour ? std::move(detour_) : std::move(found);
+  }
+  [[nodiscard]] double change_of(const std::vector<double>& values) const {
+    return mean_square(difference_from_played(fitted_, values), fitted_.ends());
+  }
+
   Found from_elsewhere(std::vector<Level>& levels) {
     for (Level& level : levels) {
       if (level.refinements == 0 && levels.size() > 1) continue;
+      if (options_.ends()) break;
       Tools with = tools(level);
-      progress_(0.9);
+      if (options_.progress) options_.progress(0.9);
       if (Found found = from(with.descent.nearest(curved(level, with.frame)), with, level)) return found;
       if (Found found = from(with.descent.nearest(flat_start(wishes(level, with.frame))), with, level))
         return found;
@@ -142,7 +188,7 @@ class TrackSearch {
   Found from(const std::vector<double>& start, Tools& with, Level& level) {
     std::vector<Allowance> allowances(fitted_.axes().size());
     for (Allowance& allowance : allowances) allowance.fill(1 / (1 + first_margin));
-    Descent reached = with.descent.run(start, with.samples, allowances);
+    Descent reached = with.descent.run(start, with.samples, allowances, options_.is_over);
     Best best;
     double spare = spare_margin;
     for (int trial = 0; trial < max_trials; ++trial) {
@@ -153,7 +199,7 @@ class TrackSearch {
         const bool is_first = best.values.empty();
         const bool gains = is_first || reached.change < 0.998 * best.change;
         if (is_first || reached.change < best.change) best = {reached.values, reached.change};
-        if (!gains) break;
+        if (!gains || options_.ends()) break;
       } else if (best.values.empty()) {
         reason_ = report->refusals.front().message;
       }
@@ -168,12 +214,13 @@ class TrackSearch {
           if (lowers) allowances[d][q] = measured[d][q];
         }
       }
-      reached = with.descent.run(reached.values, with.samples, allowances);
+      reached = with.descent.run(reached.values, with.samples, allowances, options_.is_over);
     }
     if (!best.values.empty()) return nearest_within(best, with);
     if (reached.excess.share < level.excess) {
       level.excess = reached.excess.share;
       level.nearest = reached.values;
+      if (options_.ends()) return std::nullopt;
       if (const std::optional<CheckReport> report = fitted_.judge(level.nearest, reason_)) {
         if (!report->fits()) reason_ = report->refusals.front().message;
       }
@@ -186,9 +233,10 @@ class TrackSearch {
   [[nodiscard]] std::vector<double> nearest_within(Best best, Tools& with) {
     if (best.values.size() > max_values_tried_again) return best.values;
     for (const double margin : {0.005, 0.004, 0.003, 0.002, 0.001, 5e-4, 2e-5}) {
+      if (options_.ends()) break;
       std::vector<Allowance> allowances(fitted_.axes().size());
       for (Allowance& allowance : allowances) allowance.fill(1 / (1 + margin));
-      const Descent reached = with.descent.run(best.values, with.samples, allowances);
+      const Descent reached = with.descent.run(best.values, with.samples, allowances, options_.is_over);
       if (!(reached.change < 0.998 * best.change)) continue;
       std::string trouble;
       const std::optional<CheckReport> report = fitted_.judge(reached.values, trouble);
@@ -227,10 +275,11 @@ class TrackSearch {
   }
 
   const FittedTrack& fitted_;
-  FitStart start_;
-  std::function<void(double)> progress_;
-  int max_refinements_;
+  FitOptions options_;
   std::string reason_;
+  Found detour_;
+  bool came_back_ = false;
+  FitStart found_from_ = FitStart::drawn;
 };
 
 /// The reason why a search is of no use; empty if it may be of use.
@@ -255,11 +304,10 @@ std::string hopeless(const FittedTrack& fitted) {
 }
 
 TrackFit described(const FittedTrack& fitted, std::size_t index, std::vector<double> values) {
-  std::vector<double> played = fitted.solved().control_values();
+  const std::vector<double>& played = fitted.solved().control_values();
   int refinements = 0;
-  for (; played.size() < values.size(); ++refinements) played = refined(played, fitted.ends());
-  std::vector<double> difference;
-  for (std::size_t i = 0; i < values.size(); ++i) difference.push_back(values[i] - played[i]);
+  while (((played.size() - 1) << refinements) + 1 < values.size()) ++refinements;
+  const std::vector<double> difference = difference_from_played(fitted, values);
   const ControlCurve change(difference, fitted.ends());
   const ControlCurve::Largest largest = change.largest();
   const auto f = static_cast<double>(values.size() - 1);
@@ -283,8 +331,7 @@ std::optional<std::string> refusal_of(const Plan& plan, const std::vector<TrackF
 
 }  // namespace
 
-SpeedFit fit_speed(const Plan& plan, const CheckReport& report, FitStart start,
-                   const std::function<void(double share)>& progress, int refinements) {
+SpeedFit fit_speed(const Plan& plan, const CheckReport& report, const FitOptions& options) {
   SpeedFit fit;
   fit.fewest = fewest_frames(plan);
   if (report.fits()) {
@@ -317,21 +364,31 @@ SpeedFit fit_speed(const Plan& plan, const CheckReport& report, FitStart start,
                       fewest.by_acceleration ? "max_velocity and max_acceleration" : "max_velocity",
                       in_quotes(plan.rig()->axes[fewest.axis].name)));
     }
-    const auto tell = [&](double share) {
-      if (progress) progress((static_cast<double>(t) + share) / count);
-    };
-    TrackSearch search(fitted, start, refinements, tell);
+    FitOptions of_track = options;
+    if (options.progress) {
+      of_track.progress = [&](double share) { options.progress((static_cast<double>(t) + share) / count); };
+    }
+    TrackSearch search(fitted, of_track);
     std::optional<std::vector<double>> values = search.run();
-    if (!values) {
+    FitStart start = search.start();
+    if (!values && !options.ends()) {
       if (const std::optional<Plan> shared_out = with_eases_shared_out(fitted)) {
-        values = TrackSearch(FittedTrack(*shared_out, 0), start, refinements, tell).run();
+        const FittedTrack eased(*shared_out, 0);
+        TrackSearch other(eased, of_track);
+        values = other.run();
+        start = other.start();
       }
+    }
+    fit.was_ended = options.ends();
+    if (!values && fit.was_ended) {
+      return give_up("the search was ended before one was found that keeps every limit");
     }
     if (!values) {
       return give_up("no speed curve was found that keeps every limit; with the nearest one " +
                      search.reason());
     }
     fit.tracks.push_back(described(fitted, t, std::move(*values)));
+    fit.tracks.back().start = start;
   }
   if (std::optional<std::string> reason = refusal_of(plan, fit.tracks)) return give_up(std::move(*reason));
   fit.found = true;

@@ -15,6 +15,7 @@ namespace inbetween {
 
 /// The curve that the new one shall be near to.
 enum class FitStart : std::uint8_t {
+  either,     ///< the drawn one; where none is found from there, from a curve that follows the curvature on
   drawn,      ///< the curve that is played: the drawn one, adjusted to its locked keys
   curvature,  ///< one that makes the acceleration across the path even: curvature_start()
 };
@@ -22,8 +23,9 @@ enum class FitStart : std::uint8_t {
 /// A track with another speed curve.
 struct TrackFit {
   std::size_t track = 0;
-  std::vector<double> speed;  ///< f + 1 control values, for with_speed()
-  int refinements = 0;        ///< how often f was doubled against the curve that is played
+  std::vector<double> speed;         ///< f + 1 control values, for with_speed()
+  int refinements = 0;               ///< how often f was doubled against the curve that is played
+  FitStart start = FitStart::drawn;  ///< where the search began that found it: drawn or curvature
   /// The change is new phi - played phi, in control values, with FitStart::curvature too; a and the mean are
   /// those of the new curve.
   double change = 0;             ///< root mean square over a
@@ -40,14 +42,29 @@ struct SpeedFit {
   std::vector<TrackFit> tracks;  ///< only those that change; none where nothing was found
   bool found = false;            ///< the move with these curves passes check()
   std::string reason;            ///< where none was found, what is in the way and what to do
+  bool was_ended = false;        ///< FitOptions::is_over ended it: there may be one, or a nearer one
   FewestFrames fewest;           ///< proven for any speed curve, found or not
+};
+
+struct FitOptions {
+  FitStart start = FitStart::either;
+  int refinements = max_refinements;
+  std::function<void(double share)> progress = {};  ///< gets the share of the work that is done, roughly
+  /// Asked before every step of a descent, which for 10 000 control values takes about a second. Once it is
+  /// true the search ends with what it has.
+  std::function<bool()> is_over = {};
+
+  [[nodiscard]] bool ends() const { return is_over && is_over(); }
 };
 
 /// Finds new speed curves for the tracks that break a limit. The other tracks, N and the path stay. A new
 /// curve has the same Phi(f), the same Phi at locked keys and breaks, and the same rests; it has the smallest
 /// integral of the squared change of phi over a. If no curve fits with as many control values, the played
-/// curve is refined, f -> 2 f, at most `refinements` times and up to 600 control values. If none of these
-/// fits, the keys that ease without a frame of their own are met on other frames (with_eases_shared_out).
+/// curve is refined, f -> 2 f, at most `refinements` times and up to 600 control values. If none is found
+/// near the drawn curve with as many values, FitStart::either looks for one that makes the acceleration
+/// across the path even, and goes on from there towards the drawn one; of 64 values or fewer the nearest of
+/// all that are found is taken, of more the first. If none of these fits, the keys that ease without a frame
+/// of their own are met on other frames (with_eases_shared_out).
 ///
 /// The move plays the new curve exactly as it stands in the file: the curve meets its locked keys already, so
 /// that reading it changes it by no more than rounding. Therefore one more control value may go to 0 on
@@ -60,9 +77,7 @@ struct SpeedFit {
 /// search does not begin if slowing cures nothing (CheckRefusal::slower_helps), if a track has timing =
 /// "frames", or if the move has fewer frames than `fewest`.
 ///
-/// `report` is that of the plan. `progress` gets the share of the work that is done, roughly. Cost: linear in
-/// control values, keys and axes: about 0.05 s for 10 control values, 3 s for 2000.
-SpeedFit fit_speed(const Plan& plan, const CheckReport& report, FitStart start,
-                   const std::function<void(double share)>& progress, int refinements = max_refinements);
+/// `report` is that of the plan. Cost: linear in control values, keys and axes.
+SpeedFit fit_speed(const Plan& plan, const CheckReport& report, const FitOptions& options);
 
 }  // namespace inbetween

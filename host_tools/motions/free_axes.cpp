@@ -1,10 +1,12 @@
 #include "host_tools/motions/free_axes.hpp"
 
 #include "host_tools/files/diagnostics.hpp"
+#include "host_tools/files/rig_motors.hpp"
 
 namespace inbetween {
 
-FreeAxisLimits<double> free_limits_of(const RigAxis& axis, double share) {
+FreeAxisLimits<double> free_limits_of(const RigAxis& of, double share) {
+  const RigAxis axis = slow_enough_everywhere(of);
   const double acceleration = share * axis.max_acceleration;
   return {.velocity = share * axis.max_velocity,
           .acceleration = acceleration,

@@ -19,7 +19,7 @@ namespace inbetween {
 inline constexpr double seconds_to_acceleration = 0.05;
 
 /// `share` of an axis' velocity, acceleration and jerk, between its soft limits.
-FreeAxisLimits<double> free_limits_of(const RigAxis& axis, double share);
+FreeAxisLimits<double> free_limits_of(const RigAxis& of, double share);
 
 /// An axis of a rig at rest at `position`. Throws InputError at the axis where it cannot be moved so.
 FreeAxis<double> free_axis_of(const RigAxis& axis, const FreeAxisLimits<double>& limits, double position,

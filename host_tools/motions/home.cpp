@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "host_tools/files/diagnostics.hpp"
+#include "host_tools/files/rig_motors.hpp"
 #include "host_tools/loop/jitter.hpp"
 #include "host_tools/loop/manual_motion.hpp"
 #include "host_tools/motions/rig_homing.hpp"
@@ -30,7 +31,7 @@ SetupEnd home_armed(RigSession& session, const std::vector<std::size_t>& axes, R
   std::vector<AxisLimits<double>> limits;
   limits.reserve(axes.size());
   for (const std::size_t a : axes) {
-    limits.push_back(limits_of(rig.axes[a]));
+    limits.push_back(limits_of(slow_enough_everywhere(rig.axes[a])));
     reference.is_lost(a, "its homing was not done");
   }
   RigHoming<RigInputs> homing(rig, axes, session.lines(),

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "host_tools/files/diagnostics.hpp"
+#include "host_tools/files/rig_motors.hpp"
 #include "host_tools/plan/move_rolls.hpp"
 #include "host_tools/rig/rig_watch.hpp"
 
@@ -292,7 +293,7 @@ JogRig jog_rig(const RigSession& session, const RigReference& reference, double 
     const RigAxis& axis = session.rig().axes[a];
     const bool is_referenced = reference.is_referenced(a);
     rig.drive_of.push_back(a);
-    rig.limits.push_back(limits_of(axis));
+    rig.limits.push_back(limits_of(slow_enough_everywhere(axis)));
     rig.free.push_back(free_axis_of(axis, jog_limits(axis, share, is_referenced), session.positions()[a],
                                     session.tick_seconds()));
     rig.axes.push_back({.name = axis.name.c_str(),
@@ -300,7 +301,7 @@ JogRig jog_rig(const RigSession& session, const RigReference& reference, double 
                         .increments = jog_increments(axis),
                         .min = axis.min,
                         .max = axis.max,
-                        .count = count_of(axis.drive),
+                        .count = count_of(axis),
                         .is_referenced = is_referenced,
                         .reach = reach.value_or(0) * (axis.max - axis.min)});
   }

@@ -11,6 +11,7 @@
 
 #include "host_tools/check/check.hpp"
 #include "host_tools/files/diagnostics.hpp"
+#include "host_tools/files/rig_motors.hpp"
 #include "host_tools/reference/axis_positions.hpp"
 #include "inbetween/loop/motion_loop.hpp"
 
@@ -71,7 +72,8 @@ std::vector<GoTarget> away_from_start(const Plan& plan, std::span<const double> 
     if (!plan.axes()[a].track) continue;
     const RigAxis& axis = rig.axes[a];
     const double target = first[plan.axes()[a].move_axis];
-    const double tolerance = start_tolerance(axis.max_acceleration, 1.0 / rig.rate_hz, count_of(axis.drive));
+    const double tolerance =
+        start_tolerance(slow_enough_everywhere(axis).max_acceleration, 1.0 / rig.rate_hz, count_of(axis));
     if (std::fabs(target - actual[a]) <= tolerance) continue;
     if (actual[a] < axis.min || actual[a] > axis.max) {
       throw InputError(axis.place,

@@ -81,7 +81,7 @@ void refuse_exposures(StagedMove& staged, const ShootOptions& options) {
   std::vector<std::int32_t> shots(static_cast<std::size_t>(due.last - due.first) + 1);
   const ShootFrames<double> frames{
       .last = move.frames, .first = due.first, .shots = shots, .rests = staged.rests()};
-  const ShootSpec<double> spec = shoot_spec(options, staged.plan().rig()->rate_hz);
+  const ShootSpec<double> spec = shoot_spec(options, *staged.plan().rig());
   const Status possible = FrameShoot<double>(spec, frames, staged.playhead(), nullptr).check();
   if (possible) return;
   throw LimitError(move.frames_place,

@@ -7,9 +7,15 @@
 
 namespace inbetween {
 
-ShootSpec<double> shoot_spec(const ShootOptions& options, std::int32_t rate_hz) {
+ShootSpec<double> shoot_spec(const ShootOptions& options, const RigFile& rig) {
+  const std::int32_t rate_hz = rig.rate_hz;
+  // The play of a gear that was being crossed, and back where the axis has turned again meanwhile.
+  double take_up_s = 0;
+  for (const RigAxis& axis : rig.axes) {
+    if (axis.backlash) take_up_s = std::max(take_up_s, 2 * axis.backlash->take_up_s + 2.0 / rate_hz);
+  }
   const auto ticks = [&](double seconds) { return static_cast<std::int64_t>(std::ceil(seconds * rate_hz)); };
-  return {.settle_ticks = ticks(options.settle_s),
+  return {.settle_ticks = ticks(options.settle_s + take_up_s),
           .exposure_ticks = std::max<std::int64_t>(ticks(options.exposure_s), 1),
           .shutter = options.shutter,
           .exposure_s = options.exposure_s};
@@ -28,7 +34,7 @@ Shooting::Shooting(RunLoop& loop, StagedMove& staged, SimulatedCamera& camera, c
       frames_(staged.plan().move().frames),
       due_(shot_frames(staged.plan().move(), options)),
       shots_(static_cast<std::size_t>(due_.last - due_.first) + 1),
-      shoot_(shoot_spec(options, staged.plan().rig()->rate_hz),
+      shoot_(shoot_spec(options, *staged.plan().rig()),
              {.last = frames_, .first = due_.first, .shots = shots_, .rests = staged.rests()},
              staged.playhead(), staged.still()),
       keys_(loop, is_attended),

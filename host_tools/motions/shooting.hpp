@@ -31,7 +31,7 @@ struct ShootOptions {
 };
 
 /// In ticks of a rig, rounded up.
-ShootSpec<double> shoot_spec(const ShootOptions& options, std::int32_t rate_hz);
+ShootSpec<double> shoot_spec(const ShootOptions& options, const RigFile& rig);
 
 /// The frames of the move that are shot. Throws InputError where it has no such frames.
 WholeFrames shot_frames(const MoveFile& move, const ShootOptions& options);

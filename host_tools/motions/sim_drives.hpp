@@ -30,6 +30,6 @@ struct SimDrivesOptions {
 /// Until it is interrupted. Axes on STEP and DIR lines are left out: nothing at those answers. Throws
 /// InputError at the place of a bus that is not there, or of an axis whose drive is on no CAN bus or
 /// unknown; and where no axis is left. Looks at its buses a thousand times a second.
-void run_sim_drives(const RigFile& rig, const SimDrivesOptions& options);
+void run_sim_drives(const RigFile& of, const SimDrivesOptions& options);
 
 }  // namespace inbetween

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "host_tools/files/diagnostics.hpp"
+#include "host_tools/files/rig_motors.hpp"
 #include "host_tools/motions/free_axes.hpp"
 #include "host_tools/plan/move_rolls.hpp"
 
@@ -22,7 +23,7 @@ FreeAxis<double> way_along(const RigFile& rig, std::span<const GoTarget> targets
   for (const GoTarget& target : targets) {
     const RigAxis& axis = rig.axes[target.axis];
     const FreeAxisLimits<double> slow = free_limits_of(axis, share);
-    const AxisLimits<double> limits = limits_of(axis);
+    const AxisLimits<double> limits = limits_of(slow_enough_everywhere(axis));
     const double way = std::fabs(target.position - actual[target.axis]);
     along.velocity = std::min(along.velocity, slow.velocity / way);
     along.acceleration = std::min(along.acceleration, slow.acceleration / way);
@@ -48,7 +49,7 @@ SlowWay::SlowWay(const RigFile& rig, std::span<const GoTarget> targets, std::spa
     : rig_(rig), share_(share), along_(way_along(rig, targets, actual, share)) {
   for (const GoTarget& target : targets) {
     axes_.push_back(target.axis);
-    limits_.push_back(limits_of(rig.axes[target.axis]));
+    limits_.push_back(limits_of(slow_enough_everywhere(rig.axes[target.axis])));
     from_.push_back(actual[target.axis]);
     to_.push_back(target.position);
   }

@@ -6,6 +6,8 @@
 #include <utility>
 
 #include "host_tools/check/check.hpp"
+#include "host_tools/files/rig_motors.hpp"
+#include "host_tools/plan/move_rolls.hpp"
 
 namespace inbetween {
 namespace {
@@ -64,7 +66,8 @@ StagedMove::StagedMove(const Plan& plan, std::shared_ptr<const PlannedStops> sto
       is_still_(std::make_unique<bool[]>(plan.played().axis_count())) {
   for (std::size_t d = 0; d < plan.played().axis_count(); ++d) {
     drive_of_.push_back(plan.axis_of(d));
-    counts_.push_back(count_of(plan.rig()->axes[plan.axis_of(d)].drive));
+    counts_.push_back(count_of(plan.rig()->axes[plan.axis_of(d)]));
+    loop_limits_.push_back(limits_of(slow_enough_everywhere(plan.rig()->axes[plan.axis_of(d)])));
     is_still_[d] = std::ranges::count(shoot_.still, plan.axes()[drive_of_[d]].name) > 0;
   }
   value_or_throw(playhead_.place_on(shoot_.first_frame));
@@ -75,7 +78,7 @@ LoopSpec<double> StagedMove::loop_spec() {
   LoopSpec<double> spec{.move = &plan_.played(),
                         .playhead = &playhead_,
                         .drive_of = drive_of_,
-                        .limits = plan_.limits(),
+                        .limits = loop_limits_,
                         .tick_seconds = 1.0 / plan_.rig()->rate_hz};
   spec.counts = counts_;
   if (still_) {

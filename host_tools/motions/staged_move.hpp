@@ -66,6 +66,7 @@ class StagedMove {
   std::optional<Playhead<double>> still_;
   std::vector<std::size_t> drive_of_;
   std::vector<double> counts_;
+  std::vector<AxisLimits<double>> loop_limits_;
   std::unique_ptr<bool[]> is_still_;  // std::vector<bool> has no bools to show
 };
 

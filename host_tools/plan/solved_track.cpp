@@ -109,13 +109,16 @@ namespace {
 std::vector<KeyLock> locks_on(std::span<const Waypoint> waypoints, std::span<const KeyLock> wishes,
                               bool ease_corners, CurveEnds ends) {
   std::vector<KeyLock> locks;
+  auto next = wishes.begin();
   for (std::size_t i = 0; i < waypoints.size(); ++i) {
     const Waypoint& place = waypoints[i];
     const bool may_ease = (i > 0 || ends == CurveEnds::periodic) && i + 1 < waypoints.size();
     const bool eases = ease_corners && place.is_corner && may_ease;
     bool has_wish = false;
-    for (const KeyLock& wish : wishes) {
-      if (!place.is_key || wish.key != place.key) continue;
+    // The wishes are in the order of the keys.
+    if (place.is_key) next = std::ranges::lower_bound(next, wishes.end(), place.key, {}, &KeyLock::key);
+    for (; place.is_key && next != wishes.end() && next->key == place.key; ++next) {
+      const KeyLock& wish = *next;
       locks.push_back(wish);
       locks.back().key = static_cast<std::int32_t>(i);
       if (eases && wish.hold == 0 && !wish.breaks) locks.back().ease = true;
@@ -143,22 +146,24 @@ void SolvedTrack<Real>::apply_locks(const TrackSpec<Real>& spec, std::span<const
   if (wishes.empty()) return;
   std::vector<Real> distances;
   for (const Waypoint& place : waypoints) distances.push_back(static_cast<Real>(place.distance));
-  const std::size_t rows = wishes.size() + 1;
+  const std::size_t count = wishes.size();
   std::vector<Real> adjusted(max_lock_values);
   std::vector<Real> drawn(max_lock_values);
   std::vector<Real> mobility(max_lock_values);
   std::vector<Real> ceiling(max_lock_values);
-  std::vector<Real> targets(rows);
-  std::vector<Real> multipliers(4 * rows);
-  std::vector<Real> matrix(rows * rows);
-  completed_locks_.resize(rows + 1);
+  std::vector<Real> targets(count + 1);
+  std::vector<Real> multipliers(4 * (count + 1));
+  std::vector<LockRow> rows(count + 1);
+  std::vector<Real> weights(lock_weight_count(count, max_lock_values));
+  std::vector<Real> matrix(lock_entry_count(count));
+  completed_locks_.resize(count + 2);
   const Result<KeyTiming<Real>> adjusting = adjust_to_locks<Real>(
       {.control_values = control_values_,
        .key_distances = distances,
        .locks = wishes,
        .frames = spec.frames,
        .ends = spec.ends},
-      {adjusted, drawn, mobility, ceiling, completed_locks_, targets, multipliers, matrix});
+      {adjusted, drawn, mobility, ceiling, completed_locks_, targets, multipliers, rows, weights, matrix});
   if (!adjusting) {
     Error error = adjusting.error();
     const auto place = static_cast<std::size_t>(error.key);

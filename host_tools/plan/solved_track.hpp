@@ -19,7 +19,7 @@
 namespace inbetween {
 
 /// Locked keys, holds and touches may refine a drawn curve up to this many control values.
-inline constexpr std::size_t max_lock_values = 4097;
+inline constexpr std::size_t max_lock_values = 16385;
 
 /// An error of the core on its way through code that uses exceptions.
 class SolverError : public std::runtime_error {
@@ -115,7 +115,7 @@ class SolvedTrack {
   std::vector<TwoSum<Real>> segment_begins_;
   std::vector<SpeedSpan<Real>> spans_;
   std::vector<TwoSum<Real>> integrals_;
-  std::vector<TwoSum<Real>> span_distances_;
+  std::vector<SpanDistance<Real>> span_distances_;
   std::vector<Portion<Real>> portions_;
   std::vector<KeyInterval<Real>> key_intervals_;
   std::vector<Real> control_values_;

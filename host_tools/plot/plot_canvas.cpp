@@ -1,10 +1,6 @@
 #include "host_tools/plot/plot_canvas.hpp"
 
-#include <cairo-pdf.h>
-#include <cairo-svg.h>
-#include <cairo.h>
 #include <fmt/format.h>
-#include <pango/pangocairo.h>
 
 #include <algorithm>
 #include <array>
@@ -16,6 +12,7 @@
 #include <vector>
 
 #include "host_tools/files/output_file.hpp"
+#include "host_tools/plot/drawing_library.hpp"
 
 namespace inbetween {
 namespace {
@@ -29,19 +26,21 @@ template <auto destroy>
 struct Destroy {
   template <class T>
   void operator()(T* object) const {
-    destroy(object);
+    (drawing().*destroy)(object);
   }
 };
-using Surface = std::unique_ptr<cairo_surface_t, Destroy<cairo_surface_destroy>>;
-using Context = std::unique_ptr<cairo_t, Destroy<cairo_destroy>>;
-using TextLayout = std::unique_ptr<PangoLayout, Destroy<g_object_unref>>;
-using FontDescription = std::unique_ptr<PangoFontDescription, Destroy<pango_font_description_free>>;
-using FontOptions = std::unique_ptr<cairo_font_options_t, Destroy<cairo_font_options_destroy>>;
+using Surface = std::unique_ptr<cairo_surface_t, Destroy<&DrawingLibrary::cairo_surface_destroy>>;
+using Context = std::unique_ptr<cairo_t, Destroy<&DrawingLibrary::cairo_destroy>>;
+using TextLayout = std::unique_ptr<PangoLayout, Destroy<&DrawingLibrary::g_object_unref>>;
+using FontDescription =
+    std::unique_ptr<PangoFontDescription, Destroy<&DrawingLibrary::pango_font_description_free>>;
+using FontOptions =
+    std::unique_ptr<cairo_font_options_t, Destroy<&DrawingLibrary::cairo_font_options_destroy>>;
 
 void require(cairo_status_t status, const std::filesystem::path& file) {
   if (status != CAIRO_STATUS_SUCCESS) {
-    throw std::runtime_error(
-        fmt::format("{}: error: cannot draw the picture: {}", file.string(), cairo_status_to_string(status)));
+    throw std::runtime_error(fmt::format("{}: error: cannot draw the picture: {}", file.string(),
+                                         drawing().cairo_status_to_string(status)));
   }
 }
 
@@ -62,13 +61,14 @@ double pdf_scale(double width, double height) {
 Surface make_surface(const std::filesystem::path& file, double width, double height, std::string& bytes) {
   switch (picture_format(file)) {
     case PictureFormat::svg: {
-      Surface surface{cairo_svg_surface_create_for_stream(append, &bytes, width, height)};
-      cairo_svg_surface_set_document_unit(surface.get(), CAIRO_SVG_UNIT_PX);
+      Surface surface{drawing().cairo_svg_surface_create_for_stream(append, &bytes, width, height)};
+      drawing().cairo_svg_surface_set_document_unit(surface.get(), CAIRO_SVG_UNIT_PX);
       return surface;
     }
     case PictureFormat::pdf: {
       const double scale = pdf_scale(width, height);
-      return Surface{cairo_pdf_surface_create_for_stream(append, &bytes, scale * width, scale * height)};
+      return Surface{
+          drawing().cairo_pdf_surface_create_for_stream(append, &bytes, scale * width, scale * height)};
     }
     case PictureFormat::png:
       break;
@@ -78,8 +78,8 @@ Surface make_surface(const std::filesystem::path& file, double width, double hei
         "{}: error: the page is {:.0f} x {:.0f} pixels and PNG ends at {:.0f}; write .svg or .pdf instead",
         file.string(), width, height, png_longest_side));
   }
-  return Surface{
-      cairo_image_surface_create(CAIRO_FORMAT_RGB24, static_cast<int>(width), static_cast<int>(height))};
+  return Surface{drawing().cairo_image_surface_create(CAIRO_FORMAT_RGB24, static_cast<int>(width),
+                                                      static_cast<int>(height))};
 }
 
 /// The colour that stands on a dark page for one that is made for a white page: greys change places, the
@@ -163,61 +163,62 @@ struct Canvas::Page {
 
   void color(Color c) {
     if (style == PictureStyle::dark) c = on_dark(c);
-    cairo_set_source_rgba(context.get(), c.red, c.green, c.blue, c.opacity);
+    drawing().cairo_set_source_rgba(context.get(), c.red, c.green, c.blue, c.opacity);
   }
 
   void stroke(const Stroke& stroke) {
     constexpr std::array<double, 2> dashes{4, 3};
     color(stroke.color);
-    cairo_set_line_width(context.get(), stroke.width);
-    cairo_set_dash(context.get(), dashes.data(), stroke.dashed ? 2 : 0, 0);
-    cairo_stroke(context.get());
+    drawing().cairo_set_line_width(context.get(), stroke.width);
+    drawing().cairo_set_dash(context.get(), dashes.data(), stroke.dashed ? 2 : 0, 0);
+    drawing().cairo_stroke(context.get());
   }
 
   void fill(Color fill) {
     color(fill);
-    cairo_fill(context.get());
+    drawing().cairo_fill(context.get());
   }
 
   /// One line, whatever the words are; fontconfig finds a font for each of their scripts.
   PangoLayoutLine* line_of(std::string_view words, const TextStyle& text) {
-    const FontDescription description{pango_font_description_new()};
-    pango_font_description_set_family_static(description.get(), font);
-    pango_font_description_set_weight(description.get(), text.bold ? PANGO_WEIGHT_BOLD : PANGO_WEIGHT_NORMAL);
-    pango_font_description_set_absolute_size(description.get(), text.size * PANGO_SCALE);
-    pango_layout_set_font_description(layout.get(), description.get());
-    pango_layout_set_text(layout.get(), words.data(), static_cast<int>(words.size()));
-    return pango_layout_get_line_readonly(layout.get(), 0);
+    const FontDescription description{drawing().pango_font_description_new()};
+    drawing().pango_font_description_set_family_static(description.get(), font);
+    drawing().pango_font_description_set_weight(description.get(),
+                                                text.bold ? PANGO_WEIGHT_BOLD : PANGO_WEIGHT_NORMAL);
+    drawing().pango_font_description_set_absolute_size(description.get(), text.size * PANGO_SCALE);
+    drawing().pango_layout_set_font_description(layout.get(), description.get());
+    drawing().pango_layout_set_text(layout.get(), words.data(), static_cast<int>(words.size()));
+    return drawing().pango_layout_get_line_readonly(layout.get(), 0);
   }
 
   void trace(std::span<const Point> points) {
-    cairo_new_path(context.get());
-    for (const Point p : points) cairo_line_to(context.get(), p.x, p.y);
+    drawing().cairo_new_path(context.get());
+    for (const Point p : points) drawing().cairo_line_to(context.get(), p.x, p.y);
   }
 };
 
 Canvas::Canvas(const std::filesystem::path& file, double width, double height, PictureStyle style)
     : page_(std::make_unique<Page>(Page{file, picture_format(file), style, {}, nullptr, nullptr, nullptr})) {
   page_->surface = make_surface(file, width, height, page_->bytes);
-  require(cairo_surface_status(page_->surface.get()), file);
-  page_->context.reset(cairo_create(page_->surface.get()));
+  require(drawing().cairo_surface_status(page_->surface.get()), file);
+  page_->context.reset(drawing().cairo_create(page_->surface.get()));
   cairo_t* context = page_->context.get();
   if (page_->format == PictureFormat::pdf) {
-    cairo_scale(context, pdf_scale(width, height), pdf_scale(width, height));
+    drawing().cairo_scale(context, pdf_scale(width, height), pdf_scale(width, height));
   }
   // Hinting is off, so that text has the same width and the page the same layout in every format.
-  const FontOptions options{cairo_font_options_create()};
-  cairo_font_options_set_hint_style(options.get(), CAIRO_HINT_STYLE_NONE);
-  cairo_font_options_set_hint_metrics(options.get(), CAIRO_HINT_METRICS_OFF);
-  cairo_font_options_set_antialias(options.get(), CAIRO_ANTIALIAS_GRAY);
-  page_->layout.reset(pango_cairo_create_layout(context));
-  PangoContext* const text = pango_layout_get_context(page_->layout.get());
-  pango_cairo_context_set_font_options(text, options.get());
-  pango_context_set_round_glyph_positions(text, FALSE);
-  pango_layout_set_single_paragraph_mode(page_->layout.get(), TRUE);
-  cairo_set_line_join(context, CAIRO_LINE_JOIN_ROUND);
+  const FontOptions options{drawing().cairo_font_options_create()};
+  drawing().cairo_font_options_set_hint_style(options.get(), CAIRO_HINT_STYLE_NONE);
+  drawing().cairo_font_options_set_hint_metrics(options.get(), CAIRO_HINT_METRICS_OFF);
+  drawing().cairo_font_options_set_antialias(options.get(), CAIRO_ANTIALIAS_GRAY);
+  page_->layout.reset(drawing().pango_cairo_create_layout(context));
+  PangoContext* const text = drawing().pango_layout_get_context(page_->layout.get());
+  drawing().pango_cairo_context_set_font_options(text, options.get());
+  drawing().pango_context_set_round_glyph_positions(text, FALSE);
+  drawing().pango_layout_set_single_paragraph_mode(page_->layout.get(), TRUE);
+  drawing().cairo_set_line_join(context, CAIRO_LINE_JOIN_ROUND);
   rectangle({0, 0, width, height}, {1, 1, 1, 1});
-  require(cairo_status(context), file);
+  require(drawing().cairo_status(context), file);
 }
 
 Canvas::Canvas(Canvas&&) noexcept = default;
@@ -232,10 +233,10 @@ void Canvas::line(Point from, Point to, const Stroke& stroke) {
 }
 
 void Canvas::lines(std::span<const std::pair<Point, Point>> ends, const Stroke& stroke) {
-  cairo_new_path(page_->context.get());
+  drawing().cairo_new_path(page_->context.get());
   for (const auto& [from, to] : ends) {
-    cairo_move_to(page_->context.get(), from.x, from.y);
-    cairo_line_to(page_->context.get(), to.x, to.y);
+    drawing().cairo_move_to(page_->context.get(), from.x, from.y);
+    drawing().cairo_line_to(page_->context.get(), to.x, to.y);
   }
   page_->stroke(stroke);
 }
@@ -246,23 +247,23 @@ void Canvas::polyline(std::span<const Point> points, const Stroke& stroke) {
 }
 
 void Canvas::disc(Point center, double radius, Color fill) {
-  cairo_new_path(page_->context.get());
-  cairo_arc(page_->context.get(), center.x, center.y, radius, 0, 2 * std::numbers::pi);
+  drawing().cairo_new_path(page_->context.get());
+  drawing().cairo_arc(page_->context.get(), center.x, center.y, radius, 0, 2 * std::numbers::pi);
   page_->fill(fill);
 }
 
 void Canvas::ring(Point center, double radius, const Stroke& stroke) {
-  cairo_new_path(page_->context.get());
-  cairo_arc(page_->context.get(), center.x, center.y, radius, 0, 2 * std::numbers::pi);
-  cairo_close_path(page_->context.get());
+  drawing().cairo_new_path(page_->context.get());
+  drawing().cairo_arc(page_->context.get(), center.x, center.y, radius, 0, 2 * std::numbers::pi);
+  drawing().cairo_close_path(page_->context.get());
   page_->stroke(stroke);
 }
 
 void Canvas::outline(const Box& box, const Stroke& stroke) {
-  cairo_new_path(page_->context.get());
+  drawing().cairo_new_path(page_->context.get());
   const Point from{crisp(box.x, stroke), crisp(box.y, stroke)};
   const Point to{crisp(box.right(), stroke), crisp(box.bottom(), stroke)};
-  cairo_rectangle(page_->context.get(), from.x, from.y, to.x - from.x, to.y - from.y);
+  drawing().cairo_rectangle(page_->context.get(), from.x, from.y, to.x - from.x, to.y - from.y);
   page_->stroke(stroke);
 }
 
@@ -271,8 +272,9 @@ void Canvas::rectangle(const Box& box, Color fill) {
 }
 
 void Canvas::rectangles(std::span<const Box> boxes, Color fill) {
-  cairo_new_path(page_->context.get());
-  for (const Box& box : boxes) cairo_rectangle(page_->context.get(), box.x, box.y, box.width, box.height);
+  drawing().cairo_new_path(page_->context.get());
+  for (const Box& box : boxes)
+    drawing().cairo_rectangle(page_->context.get(), box.x, box.y, box.width, box.height);
   page_->fill(fill);
 }
 
@@ -287,29 +289,30 @@ void Canvas::text(Point at, std::string_view words, const TextStyle& style) {
   const double width = share > 0 ? text_width(words, style) : 0;
   PangoLayoutLine* const line = page_->line_of(words, style);
   page_->color(style.color);
-  cairo_move_to(page_->context.get(), at.x - share * width, at.y);
-  pango_cairo_show_layout_line(page_->context.get(), line);
+  drawing().cairo_move_to(page_->context.get(), at.x - share * width, at.y);
+  drawing().pango_cairo_show_layout_line(page_->context.get(), line);
 }
 
 double Canvas::text_width(std::string_view words, const TextStyle& style) {
   PangoRectangle extents{};
-  pango_layout_line_get_extents(page_->line_of(words, style), nullptr, &extents);
+  drawing().pango_layout_line_get_extents(page_->line_of(words, style), nullptr, &extents);
   return static_cast<double>(extents.width) / PANGO_SCALE;
 }
 
 void Canvas::write(std::string_view title, std::string_view description) {
   Page& page = *page_;
   cairo_surface_t* surface = page.surface.get();
-  require(cairo_status(page.context.get()), page.file);
+  require(drawing().cairo_status(page.context.get()), page.file);
   if (page.format == PictureFormat::png) {
-    require(cairo_surface_write_to_png_stream(surface, append, &page.bytes), page.file);
+    require(drawing().cairo_surface_write_to_png_stream(surface, append, &page.bytes), page.file);
   }
   if (page.format == PictureFormat::pdf) {
-    cairo_pdf_surface_set_metadata(surface, CAIRO_PDF_METADATA_TITLE, std::string(title).c_str());
-    cairo_pdf_surface_set_metadata(surface, CAIRO_PDF_METADATA_SUBJECT, std::string(description).c_str());
+    drawing().cairo_pdf_surface_set_metadata(surface, CAIRO_PDF_METADATA_TITLE, std::string(title).c_str());
+    drawing().cairo_pdf_surface_set_metadata(surface, CAIRO_PDF_METADATA_SUBJECT,
+                                             std::string(description).c_str());
   }
-  cairo_surface_finish(surface);
-  require(cairo_surface_status(surface), page.file);
+  drawing().cairo_surface_finish(surface);
+  require(drawing().cairo_surface_status(surface), page.file);
   if (page.format == PictureFormat::svg) {
     remove_surface_number(page.bytes);
     add_description(page.bytes, title, description);

@@ -14,6 +14,7 @@
 #include <variant>
 
 #include "host_tools/files/diagnostics.hpp"
+#include "host_tools/files/rig_motors.hpp"
 #include "inbetween/base/hash.hpp"
 
 namespace inbetween {
@@ -38,6 +39,8 @@ class Identity {
   void add(const Cia402Drive& drive) { add_node(drive.bus, drive.node, drive.counts_per_unit); }
   void add(const OdriveDrive& drive) { add_node(drive.bus, drive.node, drive.turns_per_unit); }
   void add(const MoteusDrive& drive) { add_node(drive.bus, drive.node, drive.turns_per_unit); }
+  void add(const RmdDrive& drive) { add_node(drive.bus, drive.node, drive.turns_per_unit); }
+  void add(const CubemarsDrive& drive) { add_node(drive.bus, drive.node, drive.turns_per_unit); }
   void add(const StepDirDrive& drive) {
     add(drive.chip);
     add(drive.step);
@@ -53,6 +56,23 @@ class Identity {
     add(home.input.address.line);
     add(home.direction);
     add(home.at);
+  }
+
+  /// What lies between the axis and its motors.
+  void add_gear(const RigAxis& axis) {
+    add(axis.offset);
+    add(axis.backlash ? axis.backlash->play : 0.0);
+    add(axis.backlash && axis.backlash->approach_is_up ? 1 : 0);
+    if (axis.calibration) {
+      for (const CalibrationMark<double>& mark : axis.calibration->marks) {
+        add(mark.axis);
+        add(mark.motor);
+      }
+    }
+    for (const GangedMotor& motor : axis.ganged) {
+      add(motor.offset);
+      std::visit([this](const auto& drive) { add(drive); }, motor.drive);
+    }
   }
 
   [[nodiscard]] std::uint64_t value() const { return hash_.value(); }
@@ -105,6 +125,7 @@ std::uint64_t position_identity(const RigFile& rig) {
     identity.add(static_cast<int>(axis.unit));
     identity.add(static_cast<int>(axis.drive.index()));
     std::visit([&](const auto& drive) { identity.add(drive); }, axis.drive);
+    if (has_gear(axis)) identity.add_gear(axis);
     identity.add(axis.home ? 1 : 0);
     if (axis.home) identity.add(*axis.home);
   }

@@ -64,7 +64,8 @@ void RigReference::at_rest(const RigDrives& drives, std::span<const DriveState<d
         axis.why = "its motor was without power while it moved";
       }
     }
-    axis.position = is_referenced(a) ? std::optional(states[a].actual) : std::nullopt;
+    axis.position =
+        is_referenced(a) ? std::optional(drives.as_approached(a, states[a].actual)) : std::nullopt;
     rests.push_back({.axis = a, .position = axis.position});
   }
   keep(rests);

@@ -27,11 +27,13 @@ namespace inbetween {
 
 /// `Kind` is a protocol (bus_kind.hpp).
 template <class Kind>
-class BusDrives final : public PortDrives<can::BusPort<typename Kind::Bus, double, BusLink>> {
+class BusDrives final
+    : public PortDrives<can::BusPort<typename Kind::Bus, double, BusLink<typename Kind::Bus::Frame>>> {
  public:
   using Bus = typename Kind::Bus;
   using Drive = typename Bus::Drive;
-  using Port = can::BusPort<Bus, double, BusLink>;
+  using Frame = typename Bus::Frame;
+  using Port = can::BusPort<Bus, double, BusLink<Frame>>;
 
   /// `axes` of the rig have such drives; there is one at least. Throws InputError at the place of an axis
   /// that cannot be set up, and what RigHardware::open_bus throws.
@@ -40,7 +42,7 @@ class BusDrives final : public PortDrives<can::BusPort<typename Kind::Bus, doubl
     for (const std::size_t a : axes_) add(a);
     const RigAxis& first = rig.axes[axes_.front()];
     for (BusOfRig& bus : buses_) {
-      bus.link = hardware.open_bus(bus.name, bus.axes);
+      bus.link = hardware.open_bus<Frame>(bus.name, bus.axes);
       bus.bus.emplace(Kind::bus_of(bus.hosts, rig.rate_hz, first));
       bus.targets.resize(bus.hosts.size());
       bus.known.resize(bus.hosts.size());
@@ -89,10 +91,10 @@ class BusDrives final : public PortDrives<can::BusPort<typename Kind::Bus, doubl
     std::vector<std::size_t> axes;
     std::vector<Drive> hosts;
     std::optional<Bus> bus;
-    std::unique_ptr<BusLink> link;
+    std::unique_ptr<BusLink<Frame>> link;
     std::vector<typename Drive::Target> targets;
     std::vector<can::PortDrive> known;
-    std::vector<can::Frame> frames;
+    std::vector<Frame> frames;
   };
   void add(std::size_t a) {
     const RigAxis& axis = rig_.axes[a];
@@ -140,8 +142,10 @@ std::string BusDrives<Kind>::drive_trouble() const {
     std::optional<can::DriveFinding> finding = drive.first_finding();
     if (!finding) continue;
     // A drive that starts anew is silent first; what it has lost by that is what must be known.
-    constexpr can::DriveFinding boot = can::DriveFinding::unexpected_boot;
-    if (drive.findings().has(boot)) finding = boot;
+    for (const can::DriveFinding boot :
+         {can::DriveFinding::silent_for_a_while, can::DriveFinding::unexpected_boot}) {
+      if (drive.findings().has(boot)) finding = boot;
+    }
     const can::DriveFindingWords words = can::words_of(*finding);
     return fmt::format("{}: {}{}; {}", named(rig_.axes[axes_[i]]), words.what,
                        Kind::detail_of(drive, *finding), words.remedy);

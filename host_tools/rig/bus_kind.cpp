@@ -91,12 +91,13 @@ void refuse_overloaded_buses(const RigFile& rig) {
     const std::int64_t fit = std::max<std::int64_t>(0, usable - share.bits_of_bus) * share.drives / of_drives;
     const std::int64_t per_mille = (1000 * bits_per_s + bus.bitrate - 1) / bus.bitrate;
     throw InputError(
-        bus.place,
-        fmt::format("the {} on bus {} need {:.1f} % of its {} bit/s at {} Hz, and {} % "
-                    "may be used; lower rate_hz, or spread them over more buses ({} "
-                    "fit)",
-                    counted(share.drives, "drive"), in_quotes(bus.name), static_cast<double>(per_mille) / 10,
-                    bus.bitrate, rig.rate_hz, can::bus_load_limit_percent, fit));
+        bus.place, fmt::format("the {} on bus {} need {:.1f} % of its {} bit/s{} at {} Hz, and {} % "
+                               "may be used; lower rate_hz, or spread them over more buses ({} "
+                               "fit)",
+                               counted(share.drives, "drive"), in_quotes(bus.name),
+                               static_cast<double>(per_mille) / 10, bus.bitrate,
+                               bus.data_bitrate ? fmt::format(" ({} bit/s of data)", *bus.data_bitrate) : "",
+                               rig.rate_hz, can::bus_load_limit_percent, fit));
   }
 }
 

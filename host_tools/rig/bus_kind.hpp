@@ -8,7 +8,10 @@
 
 #include "host_tools/files/rig_file.hpp"
 #include "host_tools/rig/cia402_kind.hpp"
+#include "host_tools/rig/cubemars_kind.hpp"
+#include "host_tools/rig/moteus_kind.hpp"
 #include "host_tools/rig/odrive_kind.hpp"
+#include "host_tools/rig/rmd_kind.hpp"
 
 namespace inbetween {
 
@@ -18,6 +21,9 @@ template <class Look>
 void for_each_bus_kind(Look&& look) {
   look.template operator()<Cia402Kind>();
   look.template operator()<OdriveKind>();
+  look.template operator()<MoteusKind>();
+  look.template operator()<RmdKind>();
+  look.template operator()<CubemarsKind>();
 }
 
 /// Whether the drive of an axis speaks the protocol.

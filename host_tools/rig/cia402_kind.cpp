@@ -42,7 +42,8 @@ struct Lack {
   const char* words;
 };
 constexpr std::array lacks{
-    Lack{0x6502, "the drive does not list its modes (no 6502); it is moved once 6061 shows mode 8"},
+    Lack{0x6502,
+         "the drive does not list its modes (no 6502); it is moved once 6061 shows the one that it was told"},
     Lack{0x60C2, "the drive is not told how long a tick is (no 60C2); it goes by the period of SYNC (1006)"},
     Lack{0x607D,
          "the drive has no soft limits (no 607D); only this program keeps the axis between min and max"},
@@ -82,6 +83,8 @@ can::Cia402Settings settings_of(const RigAxis& axis, std::int32_t rate_hz) {
           .node = node_of(axis),
           .host = host_node(),
           .rate_hz = rate_hz,
+          .mode =
+              drive.interpolates ? can::Cia402Mode::interpolated_position : can::Cia402Mode::cyclic_position,
           .host_timeout_ms = static_cast<std::uint16_t>(std::min<std::int64_t>(timeout_ms, 65'535)),
           .is_guarded = drive.is_guarded,
           .setpoint_timeout_ms = static_cast<std::uint16_t>(std::min<std::int64_t>(setpoint_ms, 65'535)),
@@ -171,8 +174,8 @@ std::string Cia402Kind::fitness_of(const can::Cia402Drive& host, std::int32_t ra
   const std::uint32_t watchdog = of_host == 0       ? of_setpoint
                                  : of_setpoint == 0 ? of_host
                                                     : std::min(of_host, of_setpoint);
-  return fmt::format("node {} has mode 8, the period of {} Hz and a watchdog of {} ms", host.node().value(),
-                     rate_hz, watchdog);
+  return fmt::format("node {} has mode {}, the period of {} Hz and a watchdog of {} ms", host.node().value(),
+                     static_cast<int>(host.mode()), rate_hz, watchdog);
 }
 
 std::vector<can::CanFilter> Cia402Kind::heard_by_host(const RigAxis& axis) {

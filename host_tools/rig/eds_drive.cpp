@@ -5,9 +5,11 @@
 #include <array>
 #include <vector>
 
+#include "host_tools/files/rig_motors.hpp"
 #include "host_tools/rig/cia402_kind.hpp"
 #include "inbetween/can/cia402_bus.hpp"
 #include "inbetween/can/pdo.hpp"
+#include "inbetween/loop/tick_time.hpp"
 #include "sim/can_bus.hpp"
 
 namespace inbetween {
@@ -104,7 +106,7 @@ ObjectDictionary dictionary_of(const EdsFile& eds) {
 }
 
 void refuse_unfit_drives(const RigFile& rig) {
-  for (const RigAxis& axis : rig.axes) {
+  for (const RigAxis& axis : motors_of(rig).rig.axes) {
     const auto* const drive = std::get_if<Cia402Drive>(&axis.drive);
     if (drive != nullptr && !drive->eds.empty()) refuse_unfit_drive(axis, rig.rate_hz);
   }

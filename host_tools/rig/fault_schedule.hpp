@@ -19,7 +19,7 @@ class FaultSchedule {
       : pending_(script.faults), power_ns_(power_ns) {}
 
   /// The drive of an axis of the rig, by its number; it stays the caller's.
-  void attach(std::size_t axis, SimulatedCanDrive& drive) { drives_.push_back({axis, &drive}); }
+  void attach(std::size_t axis, SimulatedDrive& drive) { drives_.push_back({axis, &drive}); }
 
   /// Before the drives are advanced to `now_ns`: what is due begins then. O(faults that have not begun +
   /// drives).
@@ -35,7 +35,7 @@ class FaultSchedule {
  private:
   struct DriveOfAxis {
     std::size_t axis;
-    SimulatedCanDrive* drive;
+    SimulatedDrive* drive;
   };
   void begin(const ScriptedFault& fault, std::int64_t now_ns);
 

@@ -48,8 +48,8 @@ std::vector<LineAddress> lines_of(const RigFile& rig) {
   };
   add(rig.emergency_stop);
   add(rig.start_trigger);
+  for (const RigAxis& motor : motors_of(rig).rig.axes) add_drive(motor, lines);
   for (const RigAxis& axis : rig.axes) {
-    add_drive(axis, lines);
     if (axis.home) lines.push_back(axis.home->input.address);
     add(axis.limit_min);
     add(axis.limit_max);
@@ -81,7 +81,8 @@ void refuse_unavailable_line(const LineAddress& line, KnownLines& known) {
 // In the order of Bias.
 constexpr std::array biases = {gpio::Bias::pull_up, gpio::Bias::pull_down, gpio::Bias::none};
 
-class SocketLink final : public BusLink {
+template <class Frame>
+class SocketLink final : public BusLink<Frame> {
  public:
   SocketLink(const RigFile& rig, const std::string& bus, std::span<const can::CanFilter> filters) {
     open_bus_of(rig, bus, filters, socket_);
@@ -89,12 +90,12 @@ class SocketLink final : public BusLink {
 
   /// Once the link has gone or the controller was bus-off it stays down: nothing resumes by itself.
   [[nodiscard]] bool is_up() const override { return is_up_; }
-  std::size_t receive(std::span<can::Frame> in, std::int64_t /*now_ns*/) override {
+  std::size_t receive(std::span<Frame> in, std::int64_t /*now_ns*/) override {
     const std::size_t count = socket_.receive(in);
     look_at_socket();
     return count;
   }
-  std::size_t send(std::span<const can::Frame> out) override {
+  std::size_t send(std::span<const Frame> out) override {
     if (!is_up_) return 0;
     const std::size_t count = socket_.send(out);
     look_at_socket();
@@ -109,9 +110,19 @@ class SocketLink final : public BusLink {
              socket_.controller() != can::ControllerState::bus_off;
   }
 
-  can::SocketCan socket_;
+  can::CanSocket<Frame> socket_;
   bool is_up_ = true;
 };
+
+std::vector<can::CanFilter> heard_by_host(const RigFile& rig, std::span<const std::size_t> axes) {
+  std::vector<can::CanFilter> filters;
+  for (const std::size_t a : axes) {
+    with_kind_of(rig.axes[a], [&]<class Kind>() {
+      std::ranges::copy(Kind::heard_by_host(rig.axes[a]), std::back_inserter(filters));
+    });
+  }
+  return filters;
+}
 
 /// Lines of one chip, the player of their instants and its thread. Destroyed in the opposite order.
 class PlayedChip final : public ChipOutputs {
@@ -187,11 +198,6 @@ class InputsOfChip final : public ChipInputs {
 
 }  // namespace
 
-void open_bus_of(const RigFile& rig, const std::string& bus, std::span<const can::CanFilter> filters,
-                 can::SocketCan& socket) {
-  if (const auto refusal = socket.open(bus, filters)) refuse_at(place_of_bus(rig, bus), *refusal);
-}
-
 std::vector<InputError> unavailable_lines(const RigFile& rig) {
   std::vector<InputError> errors;
   KnownLines known;
@@ -212,19 +218,21 @@ void refuse_unavailable_lines(const RigFile& rig) {
   for (const LineAddress& line : lines_of(rig)) refuse_unavailable_line(line, known);
 }
 
-std::unique_ptr<BusLink> MachineHardware::open_bus(const std::string& bus,
-                                                   std::span<const std::size_t> axes) {
+void MachineHardware::lock_bus(const std::string& bus) {
   const auto [lock, is_new] = buses_.try_emplace(bus);
-  if (is_new) {
-    if (const auto refusal = lock->second.take("bus " + bus)) refuse_at(place_of_bus(rig_, bus), *refusal);
-  }
-  std::vector<can::CanFilter> filters;
-  for (const std::size_t a : axes) {
-    with_kind_of(rig_.axes[a], [&]<class Kind>() {
-      std::ranges::copy(Kind::heard_by_host(rig_.axes[a]), std::back_inserter(filters));
-    });
-  }
-  return std::make_unique<SocketLink>(rig_, bus, filters);
+  if (!is_new) return;
+  if (const auto refusal = lock->second.take("bus " + bus)) refuse_at(place_of_bus(rig_, bus), *refusal);
+}
+
+std::unique_ptr<BusLink<can::Frame>> MachineHardware::open_classic_bus(const std::string& bus,
+                                                                       std::span<const std::size_t> axes) {
+  lock_bus(bus);
+  return std::make_unique<SocketLink<can::Frame>>(rig_, bus, heard_by_host(motors_, axes));
+}
+std::unique_ptr<BusLink<can::FdFrame>> MachineHardware::open_fd_bus(const std::string& bus,
+                                                                    std::span<const std::size_t> axes) {
+  lock_bus(bus);
+  return std::make_unique<SocketLink<can::FdFrame>>(rig_, bus, heard_by_host(motors_, axes));
 }
 
 std::unique_ptr<ChipOutputs> MachineHardware::open_steps(const std::string& chip,
@@ -233,7 +241,7 @@ std::unique_ptr<ChipOutputs> MachineHardware::open_steps(const std::string& chip
   std::vector<gpio::OutputLine> lines, enables;
   gpio::StepPlayerSettings settings{.pace = {.min_spacing_ns = ns_per_s}, .max_late_ns = ns_per_s};
   for (const std::size_t a : axes) {
-    const auto& drive = std::get<StepDirDrive>(rig_.axes[a].drive);
+    const auto& drive = std::get<StepDirDrive>(motors_.axes[a].drive);
     lines.push_back({.line = choice_of(drive.step)});
     lines.push_back({.line = choice_of(drive.dir)});
     if (drive.enable) {
@@ -246,7 +254,7 @@ std::unique_ptr<ChipOutputs> MachineHardware::open_steps(const std::string& chip
   lines.insert(lines.end(), enables.begin(), enables.end());
   auto played = std::make_unique<PlayedChip>(false);
   if (const auto refusal = played->open(chip, lines, settings, in_real_time_)) {
-    const RigAxis& first = rig_.axes[axes.front()];
+    const RigAxis& first = motors_.axes[axes.front()];
     refuse_at(first.place, *refusal, "axis " + in_quotes(first.name));
   }
   return played;
@@ -294,20 +302,8 @@ std::vector<RigHardware::OpenedInputs> MachineHardware::open_inputs(std::span<co
   return opened;
 }
 
-void refuse_simulated_types(const RigFile& rig) {
-  for (const RigAxis& axis : rig.axes) {
-    if (!std::holds_alternative<MoteusDrive>(axis.drive)) continue;
-    throw InputError(
-        axis.place,
-        fmt::format("{}: this version moves CiA 402, ODrive, step-dir and pipe drives; simulate the "
-                    "rig with --sim",
-                    named(axis)));
-  }
-}
-
 std::unique_ptr<AxisDrives> MachineHardware::open_others(std::span<const std::size_t> axes) {
-  refuse_simulated_types(rig_);
-  return std::make_unique<PipeDrives>(rig_, axes);
+  return std::make_unique<PipeDrives>(motors_, axes);
 }
 
 }  // namespace inbetween

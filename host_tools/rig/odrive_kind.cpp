@@ -23,7 +23,31 @@ can::OdriveFamily family_of(const RigAxis& axis) {
   return is_old ? can::OdriveFamily::firmware_05 : can::OdriveFamily::firmware_06;
 }
 
+const char* words_of_error_05(std::uint32_t bit) {
+  return can::words_of_odrive_error(can::OdriveFamily::firmware_05, bit);
+}
+const char* words_of_error_06(std::uint32_t bit) {
+  return can::words_of_odrive_error(can::OdriveFamily::firmware_06, bit);
+}
+
 }  // namespace
+
+void set_noise(can::ServoSettings& settings, double turns) {
+  constexpr double hold_s = 0.002;
+  const double rest_s = static_cast<double>(settings.rest_ns) / static_cast<double>(ns_per_s);
+  settings.hold_tolerance_turns = std::max(4 * turns, hold_s * settings.max_turns_per_s);
+  settings.rest_turns = std::max(2 * turns, 0.01 * settings.max_turns_per_s * rest_s);
+}
+
+std::string words_of_error_bits(std::uint32_t errors, const char* (*words_of_bit)(std::uint32_t)) {
+  if (errors == 0) return "";
+  std::string words;
+  for (unsigned bit = 0; bit < 32; ++bit) {
+    if ((errors >> bit & 1U) == 0) continue;
+    words += fmt::format("{}{}", words.empty() ? "" : ", ", words_of_bit(1U << bit));
+  }
+  return fmt::format(" (error {:X}h: {})", errors, words);
+}
 
 can::ServoSettings servo_settings_of(const RigAxis& axis, double turns_per_unit, double max_following_error,
                                      std::int32_t rate_hz) {
@@ -65,15 +89,8 @@ OdriveKind::Bus OdriveKind::bus_of(std::span<Bus::Drive> hosts, std::int32_t /*r
 }
 
 std::string OdriveKind::detail_of(const Bus::Drive& host, can::DriveFinding /*finding*/) {
-  const std::uint32_t errors = host.last_errors();
-  if (errors == 0) return "";
-  std::string words;
-  for (unsigned bit = 0; bit < 32; ++bit) {
-    if ((errors >> bit & 1U) == 0) continue;
-    words += fmt::format("{}{}", words.empty() ? "" : ", ",
-                         can::words_of_odrive_error(host.protocol().family(), 1U << bit));
-  }
-  return fmt::format(" (error {:X}h: {})", errors, words);
+  const bool is_old = host.protocol().family() == can::OdriveFamily::firmware_05;
+  return words_of_error_bits(host.last_errors(), is_old ? words_of_error_05 : words_of_error_06);
 }
 
 std::string OdriveKind::fitness_of(const Bus::Drive& host, std::int32_t /*rate_hz*/) {

@@ -31,46 +31,52 @@ void refuse_falling_axes(const RigFile& rig) {
 }
 
 RigDrives::RigDrives(const RigFile& rig, RigHardware& hardware)
-    : hardware_(hardware), axes_(rig.axes.size()) {
-  refuse_overloaded_buses(rig);
+    : hardware_(hardware), rig_(motors_of(rig)), of_(rig_.rig.axes.size()) {
+  const RigFile& motors = rig_.rig;
+  refuse_overloaded_buses(motors);
   std::vector<std::size_t> others;
   bool has_steps = false;
-  for (std::size_t a = 0; a < rig.axes.size(); ++a) {
+  for (std::size_t a = 0; a < motors.axes.size(); ++a) {
     bool is_on_bus = false;
-    with_kind_of(rig.axes[a], [&]<class Kind>() { is_on_bus = true; });
-    const bool is_step_dir = std::holds_alternative<StepDirDrive>(rig.axes[a].drive);
+    with_kind_of(motors.axes[a], [&]<class Kind>() { is_on_bus = true; });
+    const bool is_step_dir = std::holds_alternative<StepDirDrive>(motors.axes[a].drive);
     has_steps = has_steps || is_step_dir;
     if (!is_on_bus && !is_step_dir) others.push_back(a);
   }
   std::unique_ptr<AxisDrives> other_drives;
   if (!others.empty()) other_drives = hardware.open_others(others);
   for_each_bus_kind([&]<class Kind>() {
-    const std::vector<std::size_t> axes = axes_of_kind<Kind>(rig);
-    if (!axes.empty()) add(axes, std::make_unique<BusDrives<Kind>>(rig, axes, hardware));
+    const std::vector<std::size_t> axes = axes_of_kind<Kind>(motors);
+    if (!axes.empty()) add(axes, std::make_unique<BusDrives<Kind>>(motors, axes, hardware));
   });
   if (has_steps) {
-    auto steps = std::make_unique<StepDrives>(rig, hardware);
+    auto steps = std::make_unique<StepDrives>(motors, hardware);
     steps_ = steps.get();
     add(steps_->indices(), std::move(steps));
   }
   if (!others.empty()) add(others, std::move(other_drives));
+  if (rig_.gears.empty()) return;
+  states_.resize(of_.size());
+  setpoints_.resize(of_.size());
+  axes_.emplace(motors_, MotorMemory<double>{rig_.gears, rig_.of, states_, setpoints_});
 }
 
 void RigDrives::add(std::span<const std::size_t> axes, std::unique_ptr<AxisDrives> drives) {
-  for (std::size_t i = 0; i < axes.size(); ++i) axes_[axes[i]] = {.drives = drives.get(), .number = i};
-  parts_.push_back({.axes = {axes.begin(), axes.end()}, .drives = std::move(drives)});
+  for (std::size_t i = 0; i < axes.size(); ++i) of_[axes[i]] = {.drives = drives.get(), .number = i};
+  motors_.parts.push_back({.axes = {axes.begin(), axes.end()}, .drives = std::move(drives)});
 }
 
-void RigDrives::read(std::span<DriveState<double>> states, std::int64_t now_ns) {
-  hardware_.advance(now_ns);
-  for (Part& part : parts_) {
+void RigDrives::MotorDrives::read(std::span<DriveState<double>> states, std::int64_t now_ns) {
+  for (Part& part : parts) {
     part.drives->read(part.states, now_ns);
     for (std::size_t i = 0; i < part.axes.size(); ++i) states[part.axes[i]] = part.states[i];
   }
 }
 
-void RigDrives::write(std::span<const Setpoint<double>> setpoints, std::int64_t now_ns) {
-  for (Part& part : parts_) {
+void RigDrives::MotorDrives::write(std::span<const Setpoint<double>> setpoints, std::int64_t now_ns) {
+  const bool may = std::ranges::all_of(parts, [](const Part& part) { return part.drives->is_set_up(); });
+  for (Part& part : parts) {
+    part.drives->let_switch_on(may);
     if (setpoints.empty()) {
       part.drives->write({}, now_ns);
       continue;
@@ -80,34 +86,72 @@ void RigDrives::write(std::span<const Setpoint<double>> setpoints, std::int64_t 
   }
 }
 
+void RigDrives::MotorDrives::enable() {
+  for (const Part& part : parts) part.drives->enable();
+}
+
+void RigDrives::MotorDrives::disable() {
+  for (const Part& part : parts) part.drives->disable();
+}
+
+void RigDrives::MotorDrives::quick_stop() {
+  for (const Part& part : parts) part.drives->quick_stop();
+}
+
+void RigDrives::read(std::span<DriveState<double>> states, std::int64_t now_ns) {
+  hardware_.advance(now_ns);
+  axes_ ? axes_->read(states, now_ns) : motors_.read(states, now_ns);
+}
+
+void RigDrives::write(std::span<const Setpoint<double>> setpoints, std::int64_t now_ns) {
+  axes_ ? axes_->write(setpoints, now_ns) : motors_.write(setpoints, now_ns);
+}
+
 void RigDrives::enable() {
-  for (const Part& part : parts_) part.drives->enable();
+  axes_ ? axes_->enable() : motors_.enable();
 }
 
 void RigDrives::disable() {
-  for (const Part& part : parts_) part.drives->disable();
+  motors_.disable();
 }
 
 void RigDrives::quick_stop() {
-  for (const Part& part : parts_) part.drives->quick_stop();
+  motors_.quick_stop();
 }
 
 void RigDrives::place(std::size_t axis, double position) {
-  axes_[axis].drives->place(axes_[axis].number, position);
+  for (std::size_t m = 0; m < of_.size(); ++m) {
+    if (rig_.of[m].axis != axis) continue;
+    of_[m].drives->place(of_[m].number, axes_ ? axes_->motor_at(m, position) : position);
+  }
 }
 
 bool RigDrives::has_lost_position(std::size_t axis) const {
-  return axes_[axis].drives->has_lost_position(axes_[axis].number);
+  for (std::size_t m = 0; m < of_.size(); ++m) {
+    if (rig_.of[m].axis == axis && of_[m].drives->has_lost_position(of_[m].number)) return true;
+  }
+  return false;
+}
+
+double RigDrives::as_approached(std::size_t axis, double position) const {
+  if (!axes_) return position;
+  const AxisGear<double>& gear = rig_.gears[axis];
+  const double motor = gear.motor_at(position);
+  return gear.calibration == nullptr ? motor : gear.calibration->axis_at(motor);
+}
+
+bool RigDrives::is_resting() const {
+  return !axes_ || axes_->is_resting();
 }
 
 Counters RigDrives::counts() const {
   Counters counts;
-  for (const Part& part : parts_) part.drives->count(counts);
+  for (const Part& part : motors_.parts) part.drives->count(counts);
   return counts;
 }
 
 std::string RigDrives::first_of(std::string (AxisDrives::*words)() const) const {
-  for (const Part& part : parts_) {
+  for (const Part& part : motors_.parts) {
     if (std::string said = (*part.drives.*words)(); !said.empty()) return said;
   }
   return "";
@@ -117,12 +161,24 @@ std::string RigDrives::trouble() const {
   for (const auto words : {&AxisDrives::bus_trouble, &AxisDrives::trouble, &AxisDrives::drive_trouble}) {
     if (std::string said = first_of(words); !said.empty()) return said;
   }
+  return skew_trouble();
+}
+
+std::string RigDrives::skew_trouble() const {
+  for (std::size_t a = 0; a < rig_.gears.size(); ++a) {
+    if (!rig_.gears[a].is_skewed) continue;
+    const RigAxis& motor = rig_.rig.axes[a];
+    return fmt::format(
+        "{}: its motors are more than max_skew = {:g} {} apart; look at what holds one of them back, and "
+        "square the axis before it moves again",
+        named(motor), *rig_.gears[a].max_skew, to_string(motor.unit));
+  }
   return "";
 }
 
 std::string RigDrives::left_on() const {
   std::string all;
-  for (const Part& part : parts_) {
+  for (const Part& part : motors_.parts) {
     const std::string said = part.drives->left_on();
     if (!said.empty()) all += (all.empty() ? "" : ". And ") + said;
   }
@@ -131,7 +187,7 @@ std::string RigDrives::left_on() const {
 
 std::vector<std::string> RigDrives::notes() const {
   std::vector<std::string> notes;
-  for (const Part& part : parts_) std::ranges::copy(part.drives->notes(), std::back_inserter(notes));
+  for (const Part& part : motors_.parts) std::ranges::copy(part.drives->notes(), std::back_inserter(notes));
   return notes;
 }
 

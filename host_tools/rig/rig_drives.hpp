@@ -5,11 +5,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
-#include "host_tools/files/rig_file.hpp"
+#include "host_tools/files/rig_motors.hpp"
 #include "host_tools/rig/bus_kind.hpp"
 #include "host_tools/rig/counters.hpp"
 #include "host_tools/rig/rig_hardware.hpp"
@@ -21,7 +22,8 @@ namespace inbetween {
 /// for a simulated rig, which nothing pulls down.
 void refuse_falling_axes(const RigFile& rig);
 
-/// A DrivePort for every axis of a rig.
+/// A DrivePort for every axis of a rig, over those of its motors: through its gears (MotorPort) where it has
+/// some.
 class RigDrives {
  public:
   /// Opens the buses and chips of the rig, which last longer. Throws InputError at the place of what is not
@@ -42,6 +44,11 @@ class RigDrives {
   void place(std::size_t axis, double position);
   /// Steps were lost, so that nobody knows where the axis is.
   [[nodiscard]] bool has_lost_position(std::size_t axis) const;
+  /// The position that an axis at `position` would be at with its motors where they are, if it had been
+  /// approached: what is true in the next program, which knows nothing of the side on which the gear lies.
+  [[nodiscard]] double as_approached(std::size_t axis, double position) const;
+  /// No motor still crosses the play of its gear.
+  [[nodiscard]] bool is_resting() const;
   /// Null where the rig has no stepper.
   [[nodiscard]] const StepDrives* steps() const { return steps_; }
 
@@ -57,24 +64,39 @@ class RigDrives {
   [[nodiscard]] Counters counts() const;
 
  private:
-  /// Some axes of the rig, and what passes between them and their drives.
+  /// Some motors of the rig, and what passes between them and their drives.
   struct Part {
     std::vector<std::size_t> axes;
     std::unique_ptr<AxisDrives> drives;
     std::vector<DriveState<double>> states = std::vector<DriveState<double>>(axes.size());
     std::vector<Setpoint<double>> setpoints = std::vector<Setpoint<double>>(axes.size());
   };
-  /// The drives that an axis of the rig belongs to, and its number among them.
+  /// The drives that a motor of the rig belongs to, and its number among them.
   struct OfPart {
     AxisDrives* drives = nullptr;
     std::size_t number = 0;
   };
+  /// A DrivePort for every motor.
+  struct MotorDrives {
+    void read(std::span<DriveState<double>> states, std::int64_t now_ns);
+    void write(std::span<const Setpoint<double>> setpoints, std::int64_t now_ns);
+    void enable();
+    void disable();
+    void quick_stop();
+
+    std::vector<Part> parts;
+  };
   void add(std::span<const std::size_t> axes, std::unique_ptr<AxisDrives> drives);
   [[nodiscard]] std::string first_of(std::string (AxisDrives::*words)() const) const;
+  [[nodiscard]] std::string skew_trouble() const;
 
   RigHardware& hardware_;
-  std::vector<Part> parts_;
-  std::vector<OfPart> axes_;
+  RigMotors rig_;
+  MotorDrives motors_;
+  std::vector<OfPart> of_;  ///< for each motor
+  std::vector<DriveState<double>> states_;
+  std::vector<Setpoint<double>> setpoints_;
+  std::optional<MotorPort<double, MotorDrives>> axes_;  ///< where an axis has a gear
   const StepDrives* steps_ = nullptr;
 };
 

@@ -9,6 +9,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -16,6 +17,7 @@
 #include "drivers/gpio/step_player.hpp"
 #include "host_tools/files/rig_file.hpp"
 #include "host_tools/rig/counters.hpp"
+#include "inbetween/can/fd_frame.hpp"
 #include "inbetween/can/frame.hpp"
 #include "inbetween/homing/line_event.hpp"
 #include "inbetween/loop/ports.hpp"
@@ -32,13 +34,14 @@ inline std::int64_t played_lead_ns(std::int32_t rate_hz) {
   return std::max(ns_per_s / rate_hz, player.nap_ns + 2 * player.watch_ns);
 }
 
-/// A bus of a rig (can::FrameLink).
+/// A bus of a rig with such frames (can::FrameLink).
+template <class Frame>
 class BusLink {
  public:
   virtual ~BusLink() = default;
   [[nodiscard]] virtual bool is_up() const = 0;
-  virtual std::size_t receive(std::span<can::Frame> in, std::int64_t now_ns) = 0;
-  virtual std::size_t send(std::span<const can::Frame> out) = 0;
+  virtual std::size_t receive(std::span<Frame> in, std::int64_t now_ns) = 0;
+  virtual std::size_t send(std::span<const Frame> out) = 0;
   virtual std::size_t drain() = 0;
   /// Null where no interface counts.
   [[nodiscard]] virtual const can::CanCounters* counters() const { return nullptr; }
@@ -94,6 +97,9 @@ class AxisDrives {
   virtual void enable() = 0;
   virtual void disable() = 0;
   virtual void quick_stop() = 0;
+  /// Whether they can be switched on, and whether they may: drives of all protocols wait for each other.
+  [[nodiscard]] virtual bool is_set_up() const { return true; }
+  virtual void let_switch_on(bool /*may*/) {}
   /// RigDrives::place.
   virtual void place(std::size_t drive, double position) = 0;
   [[nodiscard]] virtual bool has_lost_position(std::size_t /*drive*/) const { return false; }
@@ -124,6 +130,13 @@ class PortDrives : public AxisDrives {
   void enable() override { port_->enable(); }
   void disable() override { port_->disable(); }
   void quick_stop() override { port_->quick_stop(); }
+  [[nodiscard]] bool is_set_up() const override {
+    if constexpr (requires { port_->is_set_up(); }) return port_->is_set_up();
+    return true;
+  }
+  void let_switch_on(bool may) override {
+    if constexpr (requires { port_->let_switch_on(may); }) port_->let_switch_on(may);
+  }
 
  protected:
   std::optional<Port> port_;
@@ -149,9 +162,16 @@ class RigHardware {
   virtual ~RigHardware() = default;
   /// Brings what is simulated to `now_ns`. Call it once a tick, before anything is read.
   virtual void advance(std::int64_t /*now_ns*/) {}
-  /// `axes` of the rig have their drives on this bus; all speak the same protocol. Asked once for each
-  /// protocol on a bus.
-  virtual std::unique_ptr<BusLink> open_bus(const std::string& bus, std::span<const std::size_t> axes) = 0;
+  /// `axes` of the rig have their drives on this bus; all speak the same protocol, whose frames these are.
+  /// Asked once for each protocol on a bus.
+  template <class Frame>
+  std::unique_ptr<BusLink<Frame>> open_bus(const std::string& bus, std::span<const std::size_t> axes) {
+    if constexpr (std::is_same_v<Frame, can::FdFrame>) {
+      return open_fd_bus(bus, axes);
+    } else {
+      return open_classic_bus(bus, axes);
+    }
+  }
   /// `axes` of the rig have their steps on this chip. The lines are numbered as `wires` are, and the ENABLE
   /// lines follow.
   virtual std::unique_ptr<ChipOutputs> open_steps(const std::string& chip, std::span<const std::size_t> axes,
@@ -166,6 +186,12 @@ class RigHardware {
   virtual std::vector<OpenedInputs> open_inputs(std::span<const InputLine* const> lines) = 0;
   /// `axes` of the rig have drives that are neither on a CAN bus nor step-dir.
   virtual std::unique_ptr<AxisDrives> open_others(std::span<const std::size_t> axes) = 0;
+
+ private:
+  virtual std::unique_ptr<BusLink<can::Frame>> open_classic_bus(const std::string& bus,
+                                                                std::span<const std::size_t> axes) = 0;
+  virtual std::unique_ptr<BusLink<can::FdFrame>> open_fd_bus(const std::string& bus,
+                                                             std::span<const std::size_t> axes) = 0;
 };
 
 }  // namespace inbetween

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 #include <utility>
 
 #include "host_tools/files/diagnostics.hpp"
@@ -36,18 +37,17 @@ double limit_place(const RigAxis& axis, bool is_max) {
   return is_max ? end + margin : end - margin;
 }
 
-class LinkInProcess final : public BusLink {
+template <class Frame>
+class LinkInProcess final : public BusLink<Frame> {
  public:
-  explicit LinkInProcess(SimulatedCanBus& bus) : link_(bus) {}
+  explicit LinkInProcess(SimulatedBus<Frame>& bus) : link_(bus) {}
   [[nodiscard]] bool is_up() const override { return link_.is_up(); }
-  std::size_t receive(std::span<can::Frame> in, std::int64_t now_ns) override {
-    return link_.receive(in, now_ns);
-  }
-  std::size_t send(std::span<const can::Frame> out) override { return link_.send(out); }
+  std::size_t receive(std::span<Frame> in, std::int64_t now_ns) override { return link_.receive(in, now_ns); }
+  std::size_t send(std::span<const Frame> out) override { return link_.send(out); }
   std::size_t drain() override { return link_.drain(); }
 
  private:
-  SimulatedLink link_;
+  SimulatedLinkTo<Frame> link_;
 };
 
 class StepsInProcess final : public ChipOutputs {
@@ -85,11 +85,12 @@ class IdealDrives final : public PortDrives<SimulatedRig> {
 /// The switches follow the axes before their lines are read.
 class InputsInProcess final : public ChipInputs {
  public:
-  InputsInProcess(SimulatedInputs& inputs, const std::vector<std::function<double()>>& where)
-      : inputs_(inputs), where_(where) {}
+  using Where = std::function<std::optional<double>(std::size_t)>;
+  InputsInProcess(SimulatedInputs& inputs, std::size_t axes, Where where)
+      : inputs_(inputs), axes_(axes), where_(std::move(where)) {}
   std::span<const LineEvent> read(std::int64_t now_ns) override {
-    for (std::size_t a = 0; a < where_.size(); ++a) {
-      if (where_[a]) inputs_.follow(a, where_[a](), now_ns);
+    for (std::size_t a = 0; a < axes_; ++a) {
+      if (const std::optional<double> at = where_(a)) inputs_.follow(a, *at, now_ns);
     }
     events_.clear();
     inputs_.take(events_);
@@ -99,7 +100,8 @@ class InputsInProcess final : public ChipInputs {
 
  private:
   SimulatedInputs& inputs_;
-  const std::vector<std::function<double()>>& where_;
+  std::size_t axes_;
+  Where where_;
   std::vector<LineEvent> events_;
 };
 
@@ -110,21 +112,31 @@ void SimulatedHardware::advance(std::int64_t now_ns) {
   for (SimulatedStepChip& chip : chips_) chip.run(now_ns);
 }
 
-std::unique_ptr<BusLink> SimulatedHardware::open_bus(const std::string& /*bus*/,
-                                                     std::span<const std::size_t> axes) {
-  SimulatedCanBus& wire = buses_.emplace_back();
+template <class Frame>
+std::unique_ptr<BusLink<Frame>> SimulatedHardware::simulate_bus(SimulatedBus<Frame>& wire,
+                                                                std::span<const std::size_t> axes) {
   for (const std::size_t a : axes) {
-    const RigAxis& axis = rig_.axes[a];
+    const RigAxis& axis = motors_.rig.axes[a];
     with_kind_of(axis, [&]<class Kind>() {
-      drives_.push_back(Kind::simulate(axis, {.position = positions_[a]}));
-      where_[a] = [drive = drives_.back().get(), scale = Kind::scale_of(axis)] {
-        return drive->position() / scale;
-      };
+      if constexpr (std::is_same_v<typename Kind::Bus::Frame, Frame>) {
+        auto drive = Kind::simulate(axis, {.position = positions_[a]});
+        where_[a] = [its = drive.get(), scale = Kind::scale_of(axis)] { return its->position() / scale; };
+        wire.attach(*drive);
+        faults_.attach(a, *drive);
+        drives_.push_back(std::move(drive));
+      }
     });
-    wire.attach(*drives_.back());
-    faults_.attach(a, *drives_.back());
   }
-  return std::make_unique<LinkInProcess>(wire);
+  return std::make_unique<LinkInProcess<Frame>>(wire);
+}
+
+std::unique_ptr<BusLink<can::Frame>> SimulatedHardware::open_classic_bus(const std::string& /*bus*/,
+                                                                         std::span<const std::size_t> axes) {
+  return simulate_bus(buses_.emplace_back(), axes);
+}
+std::unique_ptr<BusLink<can::FdFrame>> SimulatedHardware::open_fd_bus(const std::string& /*bus*/,
+                                                                      std::span<const std::size_t> axes) {
+  return simulate_bus(fd_buses_.emplace_back(), axes);
 }
 
 std::unique_ptr<ChipOutputs> SimulatedHardware::open_steps(const std::string& /*chip*/,
@@ -132,7 +144,7 @@ std::unique_ptr<ChipOutputs> SimulatedHardware::open_steps(const std::string& /*
                                                            std::span<const StepLines> wires) {
   SimulatedStepChip& chip = chips_.emplace_back();
   for (std::size_t i = 0; i < axes.size(); ++i) {
-    const RigAxis& axis = rig_.axes[axes[i]];
+    const RigAxis& axis = motors_.rig.axes[axes[i]];
     const SimulatedStepper::Settings settings{
         .lines = wires[i], .steps_per_unit = std::get<StepDirDrive>(axis.drive).steps_per_unit, .torque = {}};
     const std::size_t number = chip.add(
@@ -155,7 +167,7 @@ std::vector<RigHardware::OpenedInputs> SimulatedHardware::open_inputs(
     opened.lines.push_back(released.size());
     released.push_back(line->active == Level::low);
   }
-  inputs_.emplace(std::move(released), positions_);
+  inputs_.emplace(std::move(released), axis_positions_);
   for (std::size_t a = 0; a < rig_.axes.size(); ++a) {
     const RigAxis& axis = rig_.axes[a];
     const auto add_switch = [&](const InputLine& input, bool is_above, double closes) {
@@ -171,7 +183,9 @@ std::vector<RigHardware::OpenedInputs> SimulatedHardware::open_inputs(
     if (axis.limit_min) add_switch(*axis.limit_min, false, limit_place(axis, false));
     if (axis.limit_max) add_switch(*axis.limit_max, true, limit_place(axis, true));
   }
-  opened.chip = std::make_unique<InputsInProcess>(*inputs_, where_);
+  opened.chip = std::make_unique<InputsInProcess>(*inputs_, rig_.axes.size(), [this](std::size_t a) {
+    return where_[a] ? std::optional(true_position(a)) : std::nullopt;
+  });
   std::vector<OpenedInputs> all;
   all.push_back(std::move(opened));
   return all;

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "host_tools/files/fault_script.hpp"
+#include "host_tools/files/rig_motors.hpp"
 #include "host_tools/rig/fault_schedule.hpp"
 #include "host_tools/rig/rig_hardware.hpp"
 #include "sim/can_bus.hpp"
@@ -29,10 +30,17 @@ class SimulatedHardware final : public RigHardware {
   /// The axes stand at `positions`, in the order of the rig. The faults begin after power-on, which is at 0.
   /// Refers to the rig.
   SimulatedHardware(const RigFile& rig, std::vector<double> positions, const FaultScript& faults = {})
-      : rig_(rig), positions_(std::move(positions)), faults_(faults, 0), where_(rig.axes.size()) {}
+      : rig_(rig),
+        motors_(motors_of(rig)),
+        axis_positions_(std::move(positions)),
+        faults_(faults, 0),
+        where_(motors_.of.size()) {
+    for (const auto& motor : motors_.of) {
+      positions_.push_back(motor_position(rig.axes[motor.axis], motor, axis_positions_[motor.axis]));
+    }
+  }
 
   void advance(std::int64_t now_ns) override;
-  std::unique_ptr<BusLink> open_bus(const std::string& bus, std::span<const std::size_t> axes) override;
   std::unique_ptr<ChipOutputs> open_steps(const std::string& chip, std::span<const std::size_t> axes,
                                           std::span<const StepLines> wires) override;
   [[nodiscard]] double counted_from(std::size_t axis) const override { return positions_[axis]; }
@@ -44,19 +52,33 @@ class SimulatedHardware final : public RigHardware {
   std::unique_ptr<AxisDrives> open_others(std::span<const std::size_t> axes) override;
 
   /// The true position of an axis, whatever its drive was told. Its drive has been opened.
-  [[nodiscard]] double true_position(std::size_t axis) const { return where_[axis](); }
+  [[nodiscard]] double true_position(std::size_t axis) const {
+    return axis_position(rig_.axes[axis], motors_.of[axis], where_[axis]());
+  }
+  /// The same of a motor, in its unit (motors_of).
+  [[nodiscard]] double true_motor_position(std::size_t motor) const { return where_[motor](); }
   /// The input lines that have been opened.
   [[nodiscard]] SimulatedInputs& inputs() { return inputs_.value(); }
 
  private:
+  std::unique_ptr<BusLink<can::Frame>> open_classic_bus(const std::string& bus,
+                                                        std::span<const std::size_t> axes) override;
+  std::unique_ptr<BusLink<can::FdFrame>> open_fd_bus(const std::string& bus,
+                                                     std::span<const std::size_t> axes) override;
+  template <class Frame>
+  std::unique_ptr<BusLink<Frame>> simulate_bus(SimulatedBus<Frame>& wire, std::span<const std::size_t> axes);
+
   const RigFile& rig_;
-  std::vector<double> positions_;
+  RigMotors motors_;
+  std::vector<double> axis_positions_;
+  std::vector<double> positions_;  ///< of the motors
   std::deque<SimulatedCanBus> buses_;
-  std::vector<std::unique_ptr<SimulatedCanDrive>> drives_;
+  std::deque<SimulatedFdBus> fd_buses_;
+  std::vector<std::unique_ptr<SimulatedDrive>> drives_;
   std::deque<SimulatedStepChip> chips_;
   FaultSchedule faults_;
   std::optional<SimulatedInputs> inputs_;
-  std::vector<std::function<double()>> where_;  ///< empty for an axis whose drive has not been opened
+  std::vector<std::function<double()>> where_;  ///< empty for a motor whose drive has not been opened
 };
 
 }  // namespace inbetween

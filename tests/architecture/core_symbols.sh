@@ -12,6 +12,8 @@ shift
 # and the same move must give the same table on every target.
 allowed='mem(cpy|move|set|cmp)|_GLOBAL_OFFSET_TABLE_'
 allowed+='|(sqrt|fabs|floor|ceil|trunc|round|lround|llround|nearbyint|rint|lrint|llrint|fmod|remainder)[fl]?'
+# What a processor has, so that the loader can choose among the clones of a function (processor_clones.hpp).
+allowed+='|__cpu_(indicator_init|model|features2)'
 allowed+='|(fma|fmin|fmax|copysign|nextafter|ldexp|scalbn|scalbln|frexp|logb|ilogb|modf)[fl]?'
 
 symbols=$("$nm" --format=posix "$@")
@@ -21,7 +23,7 @@ symbols=$("$nm" --format=posix "$@")
 }
 
 # Lines are "name type [value size]"; members of the archive are headed "archive[member.o]:".
-outside=$(awk '$2 ~ /^[Uwv]$/ { needed[$1] = 1 } $2 ~ /^[A-TV-Zu]$/ { defined[$1] = 1 }
+outside=$(awk '$2 ~ /^[Uwv]$/ { needed[$1] = 1 } $2 ~ /^[A-TV-Ziu]$/ { defined[$1] = 1 }
                END { for (name in needed) if (!(name in defined)) print name }' <<<"$symbols" | sort)
 forbidden=$(grep --invert-match --line-regexp --extended-regexp "$allowed|" <<<"$outside" || true)
 [[ -z $forbidden ]] && exit

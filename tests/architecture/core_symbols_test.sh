@@ -48,6 +48,11 @@ double f(double x) { return std::sqrt(x) + std::floor(x) + std::ldexp(x, 3) + st
 void copy(void* to, const void* from, unsigned long n) { std::memcpy(to, from, n); }'
 allows 'int twice(int); int four_times(int x) { return twice(twice(x)); }' 'int twice(int x) { return 2 * x; }'
 
+allows '#ifdef __x86_64__
+__attribute__((target_clones("avx2", "default")))
+#endif
+int twice(int x) { return 2 * x; }' 'int twice(int); int four_times(int x) { return twice(twice(x)); }'
+
 refuses malloc '#include <cstdlib>
 void* f(unsigned long n) { return std::malloc(n); }'
 refuses 'operator new' 'int* f() { return new int(1); }'

@@ -23,7 +23,7 @@
 #include "tests/support/temporary_file.hpp"
 
 namespace inbetween {
-namespace {
+namespace bench_test {
 
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -381,5 +381,5 @@ TEST_F(BenchOfAnOrdinaryUser, HasEverythingThatRootHas) {
   EXPECT_EQ(run.out, "0\n0\n");
 }
 
-}  // namespace
+}  // namespace bench_test
 }  // namespace inbetween

@@ -20,7 +20,7 @@
 #include "tests/support/temporary_file.hpp"
 
 namespace inbetween {
-namespace {
+namespace can_ending_test {
 
 constexpr std::string_view rig = R"(name = "two"
 rate_hz = 250
@@ -220,5 +220,5 @@ TEST_F(CanEnding, NoneLeavesADriveOnAndTheNextStartSucceedsOrSaysWhatMustBeDone)
   }
 }
 
-}  // namespace
+}  // namespace can_ending_test
 }  // namespace inbetween

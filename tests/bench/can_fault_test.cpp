@@ -11,7 +11,7 @@
 #include "tests/support/bus_scene.hpp"
 
 namespace inbetween {
-namespace {
+namespace can_fault_test {
 
 using testing::HasSubstr;
 
@@ -174,7 +174,7 @@ TEST(CanFault, ADriveThatIgnoredItsTargetForAWhileDoesNotCatchUp) {
 // docs/faults.md 26
 TEST(CanFault, ADriveInAnotherModeStopsAllOnThePath) {
   const BusScene scene = scene_with(fault("pan", "wrong-mode", "after_motion = 4\nmode = 1"));
-  expect_told(scene, "pan", "the drive is in another mode than cyclic synchronous position");
+  expect_told(scene, "pan", "the drive is in another mode of operation than it was told");
   scene.expect_stop_on_path(all);
   scene.expect_quiet();
 }
@@ -291,5 +291,5 @@ TEST(CanFault, ADriveWithFewerObjectsPlaysTheWholeMove) {
   EXPECT_EQ(scene.run.status, 0) << scene.run.out << scene.run.err;
 }
 
-}  // namespace
+}  // namespace can_fault_test
 }  // namespace inbetween

@@ -11,7 +11,7 @@
 #include "tests/support/run_program.hpp"
 
 namespace inbetween {
-namespace {
+namespace can_run_test {
 
 using testing::HasSubstr;
 
@@ -174,5 +174,5 @@ TEST(CanRun, ABusThatIsNotThereIsSaidAtItsPlaceInTheRig) {
   EXPECT_THAT(run.err, HasSubstr("can0"));
 }
 
-}  // namespace
+}  // namespace can_run_test
 }  // namespace inbetween

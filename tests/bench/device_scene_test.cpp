@@ -14,7 +14,7 @@
 #include "tests/support/temporary_file.hpp"
 
 namespace inbetween {
-namespace {
+namespace device_scene_test {
 
 using testing::HasSubstr;
 
@@ -136,5 +136,5 @@ TEST(DeviceScene, AWheelThatWasSpunForASecondRestsWithinTheTimeOfOneStep) {
   EXPECT_LE(scene.at_rest_before(scene.when("q")), 750 + ticks_per_s / 10 + ticks_to_rest);
 }
 
-}  // namespace
+}  // namespace device_scene_test
 }  // namespace inbetween

@@ -10,7 +10,7 @@
 #include "tests/bench/gpio_scene.hpp"
 
 namespace inbetween {
-namespace {
+namespace gpio_fault_test {
 
 using testing::AllOf;
 using testing::HasSubstr;
@@ -303,5 +303,5 @@ width_ms = 40
   EXPECT_THAT(file_contents(scene.path("cues.csv")), testing::MatchesRegex(log));
 }
 
-}  // namespace
+}  // namespace gpio_fault_test
 }  // namespace inbetween

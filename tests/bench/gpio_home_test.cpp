@@ -14,7 +14,7 @@
 #include "tests/bench/gpio_scene.hpp"
 
 namespace inbetween {
-namespace {
+namespace gpio_home_test {
 
 using testing::AllOf;
 using testing::HasSubstr;
@@ -159,5 +159,5 @@ TEST(GpioHome, ASwitchThatIsNotReachedInTheAllowedWayStopsAllAxes) {
   scene.expect_off_and_lost();
 }
 
-}  // namespace
+}  // namespace gpio_home_test
 }  // namespace inbetween

@@ -19,7 +19,7 @@
 #include "tests/support/temporary_file.hpp"
 
 namespace inbetween {
-namespace {
+namespace gpio_run_test {
 
 using testing::AllOf;
 using testing::HasSubstr;
@@ -304,5 +304,5 @@ speed = [0, 0, 10, 0, 0]
       << "what its chip was told is counted";
 }
 
-}  // namespace
+}  // namespace gpio_run_test
 }  // namespace inbetween

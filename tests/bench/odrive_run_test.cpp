@@ -18,7 +18,7 @@
 #include "tests/support/temporary_file.hpp"
 
 namespace inbetween {
-namespace {
+namespace odrive_run_test {
 
 using testing::AllOf;
 using testing::HasSubstr;
@@ -65,22 +65,8 @@ TEST(OdriveRun, TheDrivesOwnRecordOfTheirTargetsIsThePlanAtEveryTick) {
   expect_at_rest_without_power(scene);
   for (const OdriveAxis& axis : axes) {
     SCOPED_TRACE(axis.name);
-    const std::vector<double> planned = planned_positions(axis.name);
-    const std::vector<double> applied = scene.applied(axis.name);
-    ASSERT_GT(applied.size(), planned.size());
-    EXPECT_THAT(scene.emergencies(axis.name), testing::IsEmpty());
-    // It holds its place before the move: aligned by where both have gone a hundredth of the way.
-    const double far = 0.01 * std::fabs(planned.back() - planned.front());
-    std::size_t first = 0, first_planned = 0;
-    while (std::fabs(applied[first] - applied.front()) < far * std::fabs(axis.turns_per_unit)) ++first;
-    while (std::fabs(planned[first_planned] - planned.front()) < far) ++first_planned;
-    ASSERT_GE(first, first_planned);
     // Float32 turns, of up to 72 turns of the slide.
-    const double resolution = 4e-6 / std::fabs(axis.turns_per_unit);
-    for (std::size_t tick = 0; tick < planned.size(); ++tick) {
-      ASSERT_NEAR(applied.at(first - first_planned + tick) / axis.turns_per_unit, planned[tick], resolution)
-          << "tick " << tick;
-    }
+    scene.expect_plan(axis.name, axis.turns_per_unit, 4e-6 / std::fabs(axis.turns_per_unit));
   }
 }
 
@@ -170,54 +156,5 @@ TEST(OdriveRun, TheDoctorTriesEveryDriveAndNamesWhatIsWrong) {
                              HasSubstr("problem  axis \"tilt\": the drive did not notice")));
 }
 
-/// The camera rig with a CiA 402 drive and an ODrive on can0 and an ODrive on can1.
-std::string mixed_rig_text() {
-  std::string text = file_contents(odrive_rig());
-  const auto change = [&](const std::string& what, const std::string& to) {
-    const std::size_t at = text.find(what);
-    ASSERT_NE(at, std::string::npos) << what;
-    text.replace(at, what.size(), to);
-  };
-  change("[bus.can0]", "[bus.can1]\nbitrate = 1_000_000\n\n[bus.can0]");
-  change(R"(type = "odrive", bus = "can0", node = 1, turns_per_unit = 0.04, firmware = "0.6")",
-         R"(type = "cia402", bus = "can0", node = 1, counts_per_unit = 1000)");
-  change("node = 2", "node = 8");
-  change(R"(bus = "can0", node = 3)", R"(bus = "can1", node = 3)");
-  return text;
-}
-
-/// When each tick of the plan was applied.
-std::vector<std::int64_t> times_of_ticks(const BusScene& scene, const std::string& axis, double scale) {
-  const std::vector<double> planned = planned_positions(axis);
-  const std::vector<BusScene::Target>& applied = scene.targets(axis);
-  const double far = 0.01 * std::fabs(planned.back() - planned.front());
-  std::size_t first = 0, first_planned = 0;
-  while (std::fabs(applied.at(first).counts - applied.front().counts) < far * std::fabs(scale)) ++first;
-  while (std::fabs(planned[first_planned] - planned.front()) < far) ++first_planned;
-  std::vector<std::int64_t> times;
-  for (std::size_t tick = 0; tick < planned.size(); ++tick) {
-    times.push_back(applied.at(first - first_planned + tick).at_ns);
-  }
-  return times;
-}
-
-TEST(OdriveRun, OneMoveOnTwoProtocolsAndTwoBusesReachesItsDrivesTogether) {
-  const TemporaryFolder folder;
-  const std::string rig = (folder.path() / "rig.toml").string();
-  std::ofstream(rig) << mixed_rig_text();
-  const BusScene scene({.bench = {"--vcan", "can1"}, .rig = rig});
-  ASSERT_EQ(scene.run.status, 0) << scene.run.err << scene.run.out;
-  const auto slide = times_of_ticks(scene, "slide", 1000);
-  const auto pan = times_of_ticks(scene, "pan", -0.125);
-  const auto tilt = times_of_ticks(scene, "tilt", 0.125);
-  std::int64_t skew_ns = 0;
-  for (std::size_t tick = 0; tick < slide.size(); ++tick) {
-    const auto [earliest, latest] = std::minmax({slide[tick], pan[tick], tilt[tick]});
-    skew_ns = std::max(skew_ns, latest - earliest);
-  }
-  RecordProperty("skew_us", static_cast<int>(skew_ns / 1000));
-  EXPECT_LT(skew_ns, 2'000'000) << "the drives look at their buses every millisecond";
-}
-
-}  // namespace
+}  // namespace odrive_run_test
 }  // namespace inbetween

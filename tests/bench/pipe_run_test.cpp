@@ -13,7 +13,7 @@
 #include "tests/support/temporary_file.hpp"
 
 namespace inbetween {
-namespace {
+namespace pipe_run_test {
 
 using testing::HasSubstr;
 
@@ -116,5 +116,5 @@ TEST(PipeRun, AReaderThatStallsEndsTheRunAndTheAxisIsNotBelievedAgain) {
   EXPECT_THAT(again.err, HasSubstr("axis \"jaw\" does not know where it is"));
 }
 
-}  // namespace
+}  // namespace pipe_run_test
 }  // namespace inbetween

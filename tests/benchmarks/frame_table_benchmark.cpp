@@ -8,6 +8,7 @@
 
 #include "inbetween/path/arc_length.hpp"
 #include "inbetween/path/path.hpp"
+#include "inbetween/timing/count_track.hpp"
 #include "inbetween/timing/frame_table.hpp"
 #include "inbetween/timing/ode_frame_table.hpp"
 #include "inbetween/timing/speed_profile.hpp"
@@ -53,7 +54,10 @@ class Subject {
     const SpeedProfile<double> profile = *SpeedProfile<double>::make(control_values_, {spans_, integrals_});
     return *Track<double>::make(path, arc_length, profile, frames_, {24, 1}, {span_distances_});
   }
-  [[nodiscard]] FrameTable<double> closed_form() { return *closed_form_table<double>(make_track(), points_); }
+  [[nodiscard]] FrameTable<double> closed_form_of(const Track<double>& track) {
+    return *closed_form_table<double>(track, points_);
+  }
+  [[nodiscard]] FrameTable<double> closed_form() { return closed_form_of(make_track()); }
   [[nodiscard]] FrameTable<double> runge_kutta() {
     return *runge_kutta_table<double>(make_track(), {}, segments_, points_);
   }
@@ -67,7 +71,8 @@ class Subject {
   std::vector<Cubic<double>> cubics_;
   std::vector<ArcPiece<double>> pieces_;
   std::vector<std::int32_t> buckets_, first_pieces_;
-  std::vector<TwoSum<double>> segment_begins_, integrals_, span_distances_;
+  std::vector<TwoSum<double>> segment_begins_, integrals_;
+  std::vector<SpanDistance<double>> span_distances_;
   std::vector<SpeedSpan<double>> spans_;
   std::vector<PathPoint<double>> points_;
   std::vector<OdeSegment<double>> segments_;
@@ -90,6 +95,20 @@ void closed_form(benchmark::State& state) {
 }
 BENCHMARK(closed_form)->Arg(240)->Arg(100'000)->Unit(benchmark::kMicrosecond);
 
+/// The same with the positions of all axes.
+void closed_form_positions(benchmark::State& state) {
+  Subject subject = subject_of(static_cast<std::int32_t>(state.range(0)));
+  std::vector<double> positions((static_cast<std::size_t>(subject.frames()) + 1) * subject.axes());
+  for (auto _ : state) {
+    const Track<double> track = subject.make_track();
+    const FrameTable<double> table = subject.closed_form_of(track);
+    track.path().positions(table.points(), positions);
+    benchmark::DoNotOptimize(positions.data());
+    benchmark::ClobberMemory();
+  }
+}
+BENCHMARK(closed_form_positions)->Arg(240)->Arg(100'000)->Unit(benchmark::kMicrosecond);
+
 void runge_kutta(benchmark::State& state) {
   Subject subject = subject_of(static_cast<std::int32_t>(state.range(0)));
   for (auto _ : state) benchmark::DoNotOptimize(subject.runge_kutta());
@@ -99,15 +118,21 @@ void runge_kutta(benchmark::State& state) {
 }
 BENCHMARK(runge_kutta)->Arg(240)->Arg(100'000)->Unit(benchmark::kMicrosecond);
 
+using Times = std::array<FrameTime<double>, 1024>;
+Times random_times() {
+  std::mt19937 random(7);
+  std::uniform_int_distribution<std::int32_t> frame(0, 239);
+  std::uniform_real_distribution<double> fraction(0.0, 1.0);
+  Times times;
+  for (FrameTime<double>& time : times) time = {frame(random), fraction(random)};
+  return times;
+}
+
 /// The position of all axes at one time of the move after another, in random order.
 void tick(benchmark::State& state) {
   Subject subject(8, 7, static_cast<std::size_t>(state.range(0)), 240);
   const Track<double> track = subject.make_track();
-  std::mt19937 random(7);
-  std::uniform_int_distribution<std::int32_t> frame(0, 239);
-  std::uniform_real_distribution<double> fraction(0.0, 1.0);
-  std::array<FrameTime<double>, 1024> times;
-  for (FrameTime<double>& time : times) time = {frame(random), fraction(random)};
+  const Times times = random_times();
   std::vector<double> positions(subject.axes());
   std::size_t i = 0;
   for (auto _ : state) {
@@ -117,6 +142,29 @@ void tick(benchmark::State& state) {
   }
 }
 BENCHMARK(tick)->Arg(3)->Arg(16);
+
+/// The same in the counts of drives.
+void count_tick(benchmark::State& state) {
+  Subject subject(8, 7, static_cast<std::size_t>(state.range(0)), 240);
+  const Track<double> source = subject.make_track();
+  const std::vector<double> counts_per_unit(subject.axes(), 1000.0);
+  const CountSizes sizes = count_sizes<double>(source);
+  std::vector<CountPortion<double>> portions(sizes.portions + 1);
+  std::vector<CountSpan<double>> spans(sizes.spans);
+  std::vector<CountPiece<double>> pieces(sizes.pieces + 1);
+  std::vector<CountCubic<double>> cubics(pieces.size() * subject.axes());
+  const CountTrack<double> track =
+      CountTrack<double>::make(source, counts_per_unit, {portions, spans, pieces, cubics}).value();
+  const Times times = random_times();
+  std::vector<std::int32_t> counts(subject.axes());
+  std::size_t i = 0;
+  for (auto _ : state) {
+    track.counts(times[i++ % times.size()], counts);
+    benchmark::DoNotOptimize(counts.data());
+    benchmark::ClobberMemory();
+  }
+}
+BENCHMARK(count_tick)->Arg(3)->Arg(16);
 
 /// The places of all frames alone, in runs that share a span and a piece.
 void frames_in_runs(benchmark::State& state) {
@@ -149,11 +197,12 @@ BENCHMARK(frames_one_by_one)->Arg(240)->Arg(100'000);
 void motion(benchmark::State& state) {
   Subject subject(8, 7, static_cast<std::size_t>(state.range(0)), 240);
   const Track<double> track = subject.make_track();
+  const Times times = random_times();
   std::vector<AxisMotion<double>> axes(subject.axes());
-  std::int32_t frame = 0;
+  std::size_t i = 0;
   for (auto _ : state) {
-    benchmark::DoNotOptimize(track.motion({frame, 0.5}, axes));
-    frame = (frame + 97) % 240;
+    benchmark::DoNotOptimize(track.motion(times[i++ % times.size()], axes));
+    benchmark::ClobberMemory();
   }
 }
 BENCHMARK(motion)->Arg(3)->Arg(16);

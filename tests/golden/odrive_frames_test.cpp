@@ -1,16 +1,10 @@
 // The frames of CANSimple that are known byte for byte, written and read.
 #include <gtest/gtest.h>
 
-#include <cstddef>
-#include <cstdint>
-#include <fstream>
-#include <map>
-#include <nlohmann/json.hpp>
 #include <optional>
-#include <string>
 
 #include "inbetween/can/odrive.hpp"
-#include "tests/support/places.hpp"
+#include "tests/support/golden_frames.hpp"
 
 namespace inbetween::can {
 namespace odrive_frames_test {
@@ -19,27 +13,8 @@ const OdriveNode node = *OdriveNode::make(3);
 constexpr auto v05 = OdriveFamily::firmware_05;
 constexpr auto v06 = OdriveFamily::firmware_06;
 
-Frame frame_of(const nlohmann::json& entry) {
-  const std::string bytes = entry.at("data_hex");
-  Frame frame{
-      .id = static_cast<std::uint32_t>(std::stoul(entry.at("id_hex").get<std::string>(), nullptr, 16)),
-      .is_remote = entry.value("rtr", false),
-      .length = static_cast<std::uint8_t>(bytes.size() / 2)};
-  for (std::size_t i = 0; i < frame.length; ++i) {
-    frame.data.at(i) = static_cast<std::uint8_t>(std::stoul(bytes.substr(2 * i, 2), nullptr, 16));
-  }
-  return frame;
-}
-
-std::map<std::string, Frame> golden_frames() {
-  std::ifstream file(in_checkout("tests/golden/odrive_frames.json"));
-  std::map<std::string, Frame> frames;
-  for (const nlohmann::json& entry : nlohmann::json::parse(file)) frames[entry.at("name")] = frame_of(entry);
-  return frames;
-}
-
 TEST(OdriveFrames, WhatTheHostSendsIsByteForByteAsItShallBe) {
-  const auto golden = golden_frames();
+  const auto golden = golden_frames("odrive_frames.json");
   EXPECT_EQ(odrive_state_frame(node, odrive_closed_loop), golden.at("set_axis_state_closed_loop"));
   EXPECT_EQ(odrive_state_frame(node, odrive_idle), golden.at("set_axis_state_idle"));
   EXPECT_EQ(odrive_position_mode_frame(node), golden.at("set_controller_mode_pos_passthrough"));
@@ -57,7 +32,7 @@ TEST(OdriveFrames, HeartbeatsOfBothFamiliesAreReadAndWrittenAgain) {
     OdriveFamily family;
     OdriveHeartbeat means;
   };
-  const auto golden = golden_frames();
+  const auto golden = golden_frames("odrive_frames.json");
   for (const Row& row : {Row{"heartbeat_06_closed_loop", v06, {.state = 8, .is_trajectory_done = true}},
                          Row{"heartbeat_06_busy", v06, {.state = 1, .result = 1}},
                          Row{"heartbeat_05_closed_loop", v05, {.state = 8, .is_trajectory_done = true}},
@@ -69,7 +44,7 @@ TEST(OdriveFrames, HeartbeatsOfBothFamiliesAreReadAndWrittenAgain) {
 }
 
 TEST(OdriveFrames, WhatADriveTellsIsReadAndWrittenAgain) {
-  const auto golden = golden_frames();
+  const auto golden = golden_frames("odrive_frames.json");
   const auto place = read_odrive_estimates(golden.at("encoder_estimates"), node);
   ASSERT_TRUE(place);
   EXPECT_EQ(place->turns, 1.5);
@@ -78,6 +53,18 @@ TEST(OdriveFrames, WhatADriveTellsIsReadAndWrittenAgain) {
   const OdriveError watchdog{.disarm_reason = odrive_watchdog_error(v06)};
   EXPECT_EQ(read_odrive_error(golden.at("get_error_watchdog_06"), node), watchdog);
   EXPECT_EQ(odrive_error_frame(node, watchdog), golden.at("get_error_watchdog_06"));
+}
+
+// This program has no settings to read or write; one who does so beside it is another host.
+TEST(OdriveFrames, AnOrderForASettingIsOfAnotherHostAndItsAnswerSaysNothing) {
+  const auto golden = golden_frames("odrive_frames.json");
+  const ServoReport order = Odrive(node, v06).read(golden.at("rxsdo_read_0x0123"));
+  EXPECT_TRUE(order.is_of_a_host);
+  EXPECT_FALSE(order.is_bad);
+  const ServoReport answer = Odrive(node, v06).read(golden.at("txsdo_reply_0x0123_float1"));
+  EXPECT_FALSE(answer.is_of_a_host || answer.is_bad || answer.place || answer.status);
+  EXPECT_FALSE(Odrive(node, v05).read(golden.at("rxsdo_read_0x0123")).is_of_a_host)
+      << "there the number is a message of the drive";
 }
 
 }  // namespace odrive_frames_test

@@ -91,8 +91,7 @@ TEST(ShootProperty, FrameByFrameAndInMotionTheMotionLimitsHold) {
     }
     ++tried.shot;
     if (options.shutter) ++tried.in_motion;
-    shoot_at_random(*staged, shoot_spec(options, plan.rig()->rate_hz), without_stop_limits(plan), report,
-                    tried);
+    shoot_at_random(*staged, shoot_spec(options, *plan.rig()), without_stop_limits(plan), report, tried);
   });
   std::cout << tried.shot << " moves shot, " << tried.in_motion << " of them in motion; " << tried.refused
             << " refused; at most " << tried.acceleration_share << " of the acceleration used\n";

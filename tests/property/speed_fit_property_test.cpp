@@ -296,7 +296,7 @@ TEST(SpeedFitProperty, ABruteForceSearchFindsNothingNearerByMoreThanFivePercent)
     const Plan plan = plan_of(move, rig);
     const CheckReport report = check(plan);
     RC_PRE(can_be_cured(report));
-    const SpeedFit fit = fit_speed(plan, report, FitStart::drawn, {});
+    const SpeedFit fit = fit_speed(plan, report, {});
     const bool same_values = fit.found && fit.tracks[0].refinements == 0;
     const double change = fit.found ? fit.tracks[0].change : 3 * area_of(plan.move().tracks[0].speed);
     if (same_values) {
@@ -341,7 +341,7 @@ TEST(SpeedFitProperty, WhatIsFoundKeepsEveryLimit) {
     const Plan plan = plan_of(move, rig);
     const CheckReport report = check(plan);
     RC_PRE(can_be_cured(report));
-    const SpeedFit fit = fit_speed(plan, report, FitStart::drawn, {});
+    const SpeedFit fit = fit_speed(plan, report, {});
     ++tried;
     if (!fit.found) {
       RC_ASSERT(!fit.reason.empty());

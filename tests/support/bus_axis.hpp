@@ -18,42 +18,82 @@
 
 namespace inbetween {
 
-/// The drive of the axis in the rig file, on node 3 of can0. `resolution` is that of its own record, in units
-/// of the axis.
+/// The drive of the axis in the rig file, on node 3 of can0, and that bus. `resolution` is that of its own
+/// record, in units of the axis. One that does not stop alone stays at its last position with power.
 template <class Kind>
 struct DriveInRig;
 template <>
 struct DriveInRig<Cia402Kind> {
   static std::string text() { return cia402_text(3, 1000); }
+  static std::string bus() { return bus_can0; }
   static constexpr double resolution = 0.0005;
   static constexpr const char* on = "operation enabled";
+  static constexpr bool stops_alone = true;
+};
+/// The same protocol in mode 7.
+struct InterpolatedKind : Cia402Kind {};
+template <>
+struct DriveInRig<InterpolatedKind> : DriveInRig<Cia402Kind> {
+  static std::string text() { return cia402_text(3, 1000) + R"(, mode = "interpolated")"; }
 };
 template <>
 struct DriveInRig<OdriveKind> {
   static std::string text() {
     return R"(type = "odrive", bus = "can0", node = 3, turns_per_unit = -0.25, firmware = "0.6")";
   }
+  static std::string bus() { return bus_can0; }
   static constexpr double resolution = 1e-5;
   static constexpr const char* on = "closed loop";
+  static constexpr bool stops_alone = true;
+};
+template <>
+struct DriveInRig<RmdKind> {
+  static std::string text() { return R"(type = "rmd", bus = "can0", node = 3, turns_per_unit = -0.05)"; }
+  static std::string bus() { return bus_can0; }
+  static constexpr double resolution = 0.0003;  // half a hundredth of a degree of the motor
+  static constexpr const char* on = "position";
+  static constexpr bool stops_alone = true;
+};
+template <>
+struct DriveInRig<CubemarsKind> {
+  static std::string text() {
+    return R"(type = "cubemars", bus = "can0", node = 3, turns_per_unit = -0.05, pole_pairs = 21, )"
+           R"(gear = 6, no_watchdog = "accepted")";
+  }
+  static std::string bus() { return bus_can0; }
+  static constexpr double resolution = 1e-5;
+  static constexpr const char* on = "position";
+  static constexpr bool stops_alone = false;
+};
+template <>
+struct DriveInRig<MoteusKind> {
+  static std::string text() { return R"(type = "moteus", bus = "can0", node = 3, turns_per_unit = -0.25)"; }
+  static std::string bus() { return bus_can0 + "data_bitrate = 5000000\n"; }
+  static constexpr double resolution = 1e-5;
+  static constexpr const char* on = "position";
+  static constexpr bool stops_alone = true;
 };
 
 template <class Kind>
 class BusAxis {
  public:
   using Bus = typename Kind::Bus;
-  using Port = can::BusPort<Bus, double, SimulatedLink>;
+  using Frame = typename Bus::Frame;
+  using Link = SimulatedLinkTo<Frame>;
+  using Port = can::BusPort<Bus, double, Link>;
   static constexpr std::int64_t tick_ns = 4'000'000;
   static constexpr double stands_at = 20;
 
-  explicit BusAxis(const std::string& drive_text = DriveInRig<Kind>::text())
+  explicit BusAxis(const std::string& drive_text = DriveInRig<Kind>::text(), const std::string& more = "")
       : rig(parse_rig(rig_text({{.name = "pan",
                                  .unit = "deg",
                                  .min = -90,
                                  .max = 90,
                                  .max_velocity = 40,
                                  .max_acceleration = 400,
+                                 .more = more,
                                  .drive = drive_text}},
-                               {.rate_hz = 250, .more = bus_can0}),
+                               {.rate_hz = 250, .more = DriveInRig<Kind>::bus()}),
                       "rig.toml")),
         drive(Kind::simulate(axis(), {.position = stands_at, .keeps_record = true})) {
     wire.attach(*drive);
@@ -92,6 +132,7 @@ class BusAxis {
   /// Set up and switched on.
   bool switch_on() {
     port->enable();
+    tick();  // what it told before is of before
     return tick_until([&] { return state.is_on || worst != DriveCondition::fine; }) && state.is_on;
   }
   /// A tick in a motion with its velocity, `s` seconds after it began: there and back, at rest at both ends.
@@ -105,14 +146,14 @@ class BusAxis {
   static constexpr double swing_s = 2;
 
   RigFile rig;
-  std::unique_ptr<SimulatedCanDrive> drive;
-  SimulatedCanBus wire;
-  SimulatedLink link{wire};
+  std::unique_ptr<SimulatedDriveOn<Frame>> drive;
+  SimulatedBus<Frame> wire;
+  Link link{wire};
   std::vector<typename Bus::Drive> hosts;
   std::optional<Bus> bus;
   std::array<typename Bus::Drive::Target, 1> targets{};
   std::array<can::PortDrive, 1> known{};
-  std::array<can::Frame, can::frames_per_read(1)> frames{};
+  std::array<Frame, can::frames_per_read(1)> frames{};
   std::vector<typename Port::Lane> lanes;
   std::array<typename Port::Axis, 1> axes{{{0, 0, Kind::scale_of(axis())}}};
   std::optional<Port> port;

@@ -1,6 +1,7 @@
 #include "tests/support/bus_scene.hpp"
 
 #include <fmt/format.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -152,6 +153,22 @@ void BusScene::expect_quiet() const {
 
 void BusScene::expect_rest() const {
   for (const auto& [axis, of] : axes_of_rig) EXPECT_NEAR(last_velocity(axis), 0, 1) << axis;
+}
+
+void BusScene::expect_plan(const std::string& axis, double scale, double resolution) const {
+  const std::vector<double> planned = planned_positions(axis);
+  const std::vector<double> given = applied(axis);
+  ASSERT_GT(given.size(), planned.size());
+  EXPECT_THAT(emergencies(axis), testing::IsEmpty());
+  // It holds its place before the move: aligned by where both have gone a hundredth of the way.
+  const double far = 0.01 * std::fabs(planned.back() - planned.front());
+  std::size_t first = 0, first_planned = 0;
+  while (std::fabs(given[first] - given.front()) < far * std::fabs(scale)) ++first;
+  while (std::fabs(planned[first_planned] - planned.front()) < far) ++first_planned;
+  ASSERT_GE(first, first_planned);
+  for (std::size_t tick = 0; tick < planned.size(); ++tick) {
+    ASSERT_NEAR(given.at(first - first_planned + tick) / scale, planned[tick], resolution) << "tick " << tick;
+  }
 }
 
 void BusScene::expect_no_motion() const {

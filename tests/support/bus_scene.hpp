@@ -64,6 +64,9 @@ struct BusScene {
   void expect_quiet() const;
   /// No target but the place where each axis was switched on, or none at all.
   void expect_no_motion() const;
+  /// The drive of the axis, with `scale` of its units per axis unit, has applied the plan at every tick,
+  /// within `resolution` in axis units, and has sent no emergency.
+  void expect_plan(const std::string& axis, double scale, double resolution) const;
   /// From the fault on, these axes leave the path of the plan at no tick, brake no harder than the rig's stop
   /// limits, come to rest within `seconds` and before the end of the move, and stay there.
   void expect_stop_on_path(const std::vector<std::string>& axes, double seconds = 1.5) const;

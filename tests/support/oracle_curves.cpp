@@ -8,9 +8,9 @@
 namespace inbetween::oracle {
 namespace {
 
-using Row = std::vector<long double>;
+using MatrixRow = std::vector<long double>;
 
-std::vector<long double> eliminate(std::vector<Row> rows, std::vector<long double> right) {
+std::vector<long double> eliminate(std::vector<MatrixRow> rows, std::vector<long double> right) {
   const std::size_t n = right.size();
   for (std::size_t k = 0; k < n; ++k) {
     std::size_t pivot = k;
@@ -36,13 +36,13 @@ std::vector<long double> eliminate(std::vector<Row> rows, std::vector<long doubl
 
 /// The conditions on the cubics of all pieces, four unknowns each, as they gather. x runs from 0 to 1 in a
 /// piece.
-struct Conditions {
+struct CurveConditions {
   std::vector<TimedPiece> pieces;
-  std::vector<Row> rows;
+  std::vector<MatrixRow> rows;
   std::vector<long double> right;
 
   /// Adds sign times the derivative at the beginning or end of a piece, in frames.
-  void add(Row& row, std::size_t piece, bool at_end, int order, long double sign) const {
+  void add(MatrixRow& row, std::size_t piece, bool at_end, int order, long double sign) const {
     const long double h = pieces[piece].end - pieces[piece].begin;
     for (int power = order; power < 4; ++power) {
       long double factor = 1;
@@ -53,13 +53,13 @@ struct Conditions {
     }
   }
   void fix(std::size_t piece, bool at_end, int order, long double value) {
-    Row row(4 * pieces.size());
+    MatrixRow row(4 * pieces.size());
     add(row, piece, at_end, order, 1);
     rows.push_back(row);
     right.push_back(value);
   }
   void join(std::size_t before, std::size_t behind, int order) {
-    Row row(4 * pieces.size());
+    MatrixRow row(4 * pieces.size());
     add(row, before, true, order, 1);
     add(row, behind, false, order, -1);
     rows.push_back(row);
@@ -80,7 +80,7 @@ std::vector<TimedPiece> smooth_curve(const TimedKeys& keys) {
     const bool behind = k < intervals ? is_flat(k) : at_seam && is_flat(0);
     return before || behind;
   };
-  Conditions all;
+  CurveConditions all;
   std::vector<std::size_t> first;  // piece of each interval
   for (std::size_t i = 0; i < intervals; ++i) {
     first.push_back(all.pieces.size());

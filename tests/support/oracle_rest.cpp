@@ -14,7 +14,7 @@ namespace {
 
 /// Below this share of its largest speed the path stands still, below that of the largest control value the
 /// curve does.
-constexpr long double standstill = 1e-12L;
+constexpr long double rest_standstill = 1e-12L;
 constexpr long double curve_standstill = 1e-13L;
 /// Two borders nearer than this share of the length are one.
 constexpr long double coincidence = 1e-16L;
@@ -217,7 +217,7 @@ std::vector<RestingMotion::Slope> RestingMotion::slopes_at(const End& end) const
     const long double weight = weights_[slopes.size() - 1];
     largest = std::max(largest, weight * (std::fabs(c[1]) + 2 * std::fabs(c[2]) + 3 * std::fabs(c[3])));
   }
-  if (norm(weights_, [&](std::size_t d) { return slopes[d].a; }) <= standstill * largest) {
+  if (norm(weights_, [&](std::size_t d) { return slopes[d].a; }) <= rest_standstill * largest) {
     for (Slope& slope : slopes) slope.a = 0;
   }
   return slopes;

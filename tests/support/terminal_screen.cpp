@@ -66,6 +66,7 @@ std::string TerminalScreen::wait_for(const std::string& text) {
   while (std::chrono::steady_clock::now() < end) {
     screen = shown();
     if (screen.find(text) != std::string::npos) return screen;
+    if (screen.find(ended) != std::string::npos) break;  // nothing more will be shown
     ::poll(nullptr, 0, look_ms);
   }
   ADD_FAILURE() << "the screen never showed \"" << text << "\"; it shows\n" << screen;

@@ -223,6 +223,28 @@ TEST(ArcLength, TheNumberOfBucketsChangesNoPoint) {
   }
 }
 
+/// With a cusp, where the pieces take roots and crowd, and with both ends.
+TEST(ArcLength, ManyWaysAtOnceLeadToTheSameBitsAsEachByItself) {
+  const MeasuredPath<double> path({.spline = Spline::catmull_rom, .axis_count = 2, .keys = cusp_keys});
+  for (const double share : {-0.1, 0.0, 0.3, 0.999}) {
+    const TwoSum<double> begin{share * path->total(), 1e-17 * path->total()};
+    std::vector<double> ways(1500);
+    for (std::size_t i = 0; i < ways.size(); ++i) {
+      ways[i] = path->total() * (1.2 * static_cast<double>(i) / static_cast<double>(ways.size()));
+    }
+    std::swap(ways[700], ways[703]);  // they need not rise
+    std::vector<double> lost = ways;
+    std::vector<PathPoint<double>> points(ways.size());
+    path->locate(begin, lost, points);
+    for (std::size_t i = 0; i < ways.size(); ++i) {
+      EXPECT_EQ(points[i], path->locate(begin, ways[i])) << share << ", way " << i;
+      TwoSum<double> distance = begin;
+      distance.add(ways[i]);
+      EXPECT_NEAR(path.distance(points[i]), path.distance(path->locate(distance)), 1e-14 * path->total());
+    }
+  }
+}
+
 TEST(ArcLength, ASmallerDeltaTakesMorePiecesAndLessError) {
   double error_before = std::numeric_limits<double>::infinity();
   std::int32_t pieces_before = 0;

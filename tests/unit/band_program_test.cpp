@@ -132,7 +132,7 @@ void expect_nearest() {
   }
 }
 
-TEST(BandProgram, ItIsTheNearestOfAllThatKeepTheConditions) {
+TEST(BandProgramProperty, ItIsTheNearestOfAllThatKeepTheConditions) {
   check_property(300, expect_nearest);
 }
 

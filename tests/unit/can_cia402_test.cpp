@@ -210,7 +210,7 @@ TEST_F(SetupOfNode5, RefusesAnotherProduct) {
 }
 TEST_F(SetupOfNode5, RefusesADriveWithoutCyclicPosition) {
   objects.set(0x6502, 0, 4, 0x25);
-  expect_refused(DriveFinding::no_cyclic_position, 0x6502);
+  expect_refused(DriveFinding::mode_not_offered, 0x6502);
 }
 TEST_F(SetupOfNode5, RefusesADriveThatProducesSync) {
   objects.set(0x1005, 0, 4, 0x40000080);

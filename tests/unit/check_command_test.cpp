@@ -389,10 +389,11 @@ TEST(CheckCommand, FitIsInTheJsonWhereItIsAskedFor) {
   const ProgramRun run = check_text(reveal_in(150), {"--fit", "-", "--start", "curvature", "--json", report});
   EXPECT_EQ(run.status, 0) << run.err;
   const Json json = Json::parse(file_contents(report));
-  EXPECT_THAT(fields(json["fit"]), ElementsAre("found", "reason", "frames", "least_frames", "tracks"));
+  EXPECT_THAT(fields(json["fit"]),
+              ElementsAre("found", "was_ended", "reason", "frames", "least_frames", "tracks"));
   const Json& track = json["fit"]["tracks"][0];
-  EXPECT_THAT(fields(track),
-              ElementsAre("track", "speed", "change", "change_share", "largest_change", "alpha", "frame"));
+  EXPECT_THAT(fields(track), ElementsAre("track", "start", "speed", "change", "change_share",
+                                         "largest_change", "alpha", "frame"));
   EXPECT_THAT(run.out, HasSubstr("speed   = [0, 0, "));
   EXPECT_EQ(check_text(run.out).status, 0);
   const std::string document = file_contents(in_checkout("docs/formats.md"));
@@ -402,10 +403,30 @@ TEST(CheckCommand, FitIsInTheJsonWhereItIsAskedFor) {
   }
 }
 
-TEST(CheckCommand, StartNeedsFit) {
-  const ProgramRun run = check_file(reveal, {"--start", "curvature"});
-  EXPECT_EQ(run.status, 2);
-  EXPECT_THAT(run.err, HasSubstr("--fit"));
+TEST(CheckCommand, StartAndSecondsNeedFit) {
+  for (const auto& [option, value] : {std::pair{"--start", "curvature"}, {"--seconds", "10"}}) {
+    const ProgramRun run = check_file(reveal, {option, value});
+    EXPECT_EQ(run.status, 2);
+    EXPECT_THAT(run.err, HasSubstr("--fit"));
+  }
+  for (const char* seconds : {"0", "-1", "nan", "soon"}) {
+    EXPECT_EQ(check_file(reveal, {"--fit", "-", std::string("--seconds=") + seconds}).status, 2) << seconds;
+  }
+}
+
+TEST(CheckCommand, FitThatHasNoTimeSaysSoAndWritesNothing) {
+  const TemporaryFolder folder;
+  const std::string fitted = (folder.path() / "fitted.toml").string();
+  const ProgramRun run = check_text(reveal_in(150), {"--fit", fitted, "--seconds", "1e-9", "--json", "-"});
+  EXPECT_EQ(run.status, 3);
+  EXPECT_THAT(run.err, HasSubstr("no speed curve was found for 150 frames: the search was ended"));
+  EXPECT_THAT(run.err, HasSubstr("note: the search ended after 1e-09 s; --seconds lets it go on"));
+  EXPECT_THAT(run.err,
+              HasSubstr("does not fit in 150 frames; the search for the frames that would do was ended"));
+  EXPECT_TRUE(fs::is_empty(folder.path()));
+  const Json json = Json::parse(run.out);
+  EXPECT_EQ(json["fit"]["was_ended"], true);
+  EXPECT_EQ(json["smallest_frames"], nullptr);
 }
 
 }  // namespace check_command_test

@@ -115,6 +115,14 @@ TEST(CommandLine, WrongUsageIsOneLineWithStatus2) {
   expect_wrong_usage({"run", "--rig", rig, "--sim"}, {"MOVE is required"});
 }
 
+TEST(CommandLine, ANumberOutsideItsRangeIsToldTheRangeThatTheHelpShows) {
+  expect_help({"goto", "--help"}, {" FLOAT:0.001 to 1="});
+  expect_wrong_usage({"goto", "--rig", rig, "x=1", "--speed", "3"},
+                     {"--speed: 3 is not in the range 0.001 to 1;"});
+  expect_wrong_usage({"goto", "--rig", rig, "x=1", "--speed", "fast"},
+                     {"fast is not in the range 0.001 to 1"});
+}
+
 TEST(CommandLine, AWordThatNamesNothingIsToldWithTheOneThatIsProbablyMeant) {
   expect_wrong_usage({"chek"}, {"there is no command \"chek\"; did you mean check? See inbetween --help"});
   expect_wrong_usage({"chek", move}, {"did you mean check?"});
@@ -175,6 +183,14 @@ TEST(CommandLine, PlanPrintsASummary) {
   EXPECT_THAT(run.out, HasSubstr("reveal: 192 frames at 24 fps, 8.000 s\n"));
   EXPECT_THAT(run.out, HasSubstr("slide, pan, tilt: 5 keys, length "));
   EXPECT_THAT(run.out, HasSubstr("closed form, speed within 1e-06"));
+}
+
+TEST(CommandLine, TheSummarySaysWhatTheDrawnSpeedIs) {
+  const TemporaryFile steady(
+      "steady.toml",
+      "name = 'steady'\nfps = 24\nframes = 48\n[[track]]\naxes = ['x']\nspline = 'linear'\n"
+      "keys = [{ at = [0] }, { at = [96] }]\nspeed = [10, 10, 10]\n");
+  EXPECT_THAT(run_program({"plan", steady.path()}).out, HasSubstr(", 10 on the speed curve is 48 a second;"));
 }
 
 TEST(CommandLine, TheSummaryOfThePapersSolverSaysHowFarOffItIs) {

@@ -205,7 +205,7 @@ class CountTrackTimedOtherwise : public testing::Test {
                                        .keys = {0, 0, 100, 50, 200, 200, 350, 210, 500, 300, 600, 600},
                                        .speed = {0, 0, 4, 9, 3, 3, 8, 0, 0},
                                        .frames = frames});
-  std::array<TwoSum<double>, 9> span_distances_;
+  std::array<SpanDistance<double>, 9> span_distances_;
   std::array<Portion<double>, 3> portions_;
   std::array<KeyInterval<double>, 5> key_intervals_;
 };

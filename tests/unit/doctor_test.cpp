@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <linux/can.h>
 #include <linux/can/netlink.h>
 #include <linux/if_link.h>
 #include <linux/rtnetlink.h>
@@ -185,6 +186,22 @@ TEST(CanLink, TheKernelTellsBitrateSamplePointStateAndQueue) {
   EXPECT_EQ(link->controller, can::ControllerState::passive);
 }
 
+TEST(CanLink, TheKernelTellsWhetherItCarriesCanFdAndHowFast) {
+  LinkAnswer answer(ARPHRD_CAN, 1);
+  answer.attribute(IFLA_MTU, std::uint32_t{CANFD_MTU});
+  constexpr std::size_t timing = sizeof(rtattr) + sizeof(can_bittiming);
+  answer.nest(IFLA_LINKINFO, sizeof(rtattr) + timing);
+  answer.nest(IFLA_INFO_DATA, timing);
+  can_bittiming bits{};
+  bits.bitrate = 5'000'000;
+  answer.attribute(IFLA_CAN_DATA_BITTIMING, bits);
+  const auto link = can::parse_can_link(answer.bytes());
+  ASSERT_TRUE(link);
+  EXPECT_TRUE(link->carries_fd);
+  EXPECT_EQ(link->data_bitrate, 5'000'000U);
+  EXPECT_FALSE(can::parse_can_link(answer_of_controller())->carries_fd);
+}
+
 TEST(CanLink, AVirtualInterfaceHasNoBitrateAndAnotherKindIsNone) {
   const auto link = can::parse_can_link(LinkAnswer(ARPHRD_CAN, 0).bytes());
   ASSERT_TRUE(link);
@@ -252,6 +269,24 @@ TEST(Doctor, EveryMistakeOfABusIsNamedWithItsRemedy) {
               HasSubstr("note bus can0: holds 1000"));
 }
 
+TEST(Doctor, ABusOfCanFdIsAsTheRigSays) {
+  constexpr BusNeeds fd{.bitrate = 1'000'000, .data_bitrate = 5'000'000, .frames_per_tick = 7};
+  can::CanLink link = right;
+  EXPECT_THAT(
+      trouble_in(check_bus("can0", link, fd)),
+      HasSubstr("problem bus can0: does not carry CAN FD frames, which its drives speak; as root: ip "
+                "link set can0 down; ip link set can0 up type can bitrate 1000000 dbitrate 5000000 fd on"));
+  link.carries_fd = true;
+  link.data_bitrate = 2'000'000;
+  EXPECT_THAT(trouble_in(check_bus("can0", link, fd)),
+              HasSubstr("problem bus can0: sends data with 2000000 bit/s, and the rig says 5000000; "));
+  link.data_bitrate = 5'000'000;
+  link.sample_point_permille = 666;
+  EXPECT_EQ(trouble_in(check_bus("can0", link, fd)), "");
+  const can::CanLink virtual_one{.is_up = true};
+  EXPECT_THAT(trouble_in(check_bus("can0", virtual_one, fd)), HasSubstr("ip link set can0 mtu 72 up"));
+}
+
 // --- drives
 
 const std::string two_axes = pan_and_tilt_text();
@@ -261,7 +296,7 @@ Findings visit(const std::string& faults = "") {
   const RigFile rig = parse_rig(two_axes, "rig.toml");
   SimulatedHardware hardware(rig, {0, 0},
                              faults.empty() ? FaultScript{} : parse_fault_script(faults, "faults.toml", rig));
-  std::int64_t now_ns = 0;
+  std::int64_t now_ns = 10'000'000'000;  // the machine has been on for longer than a drive may take to boot
   return check_drives(rig, hardware, [&] { return now_ns += 4'000'000; });
 }
 std::string fault(const std::string& lines) {

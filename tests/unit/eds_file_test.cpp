@@ -208,10 +208,10 @@ TEST(EdsDrive, ASimulatedRunHasTheDriveOfTheDataSheet) {
 }
 
 TEST(EdsDrive, WhatItLacksIsToldBeforeAnythingIsConnectedWithTheLine) {
-  EXPECT_THAT(
-      Sheet(eds_text({.modes = "0x21"})).refusal(),
-      testing::ContainsRegex("drive.eds:[1-9][0-9]*: error: axis \"slide\": the drive does not offer cyclic "
-                             "synchronous position \\(object 6502h:0 is 33"));
+  EXPECT_THAT(Sheet(eds_text({.modes = "0x21"})).refusal(),
+              testing::ContainsRegex(
+                  "drive.eds:[1-9][0-9]*: error: axis \"slide\": the drive does not offer the mode of "
+                  "operation that the rig says \\(object 6502h:0 is 33"));
   EXPECT_THAT(Sheet(eds_text({.without = {"1016", "1400sub5"}})).refusal(),
               HasSubstr("drive.eds: error: axis \"slide\": the drive would run on if this program died"));
   EXPECT_EQ(
@@ -259,7 +259,7 @@ TEST(EdsDrive, EveryCommandThatReadsARigLooksAtTheDataSheetsBeforeAnythingIsConn
     EXPECT_EQ(run.status, 1) << command.front() << run.out;
     EXPECT_THAT(run.err,
                 testing::ContainsRegex("drive.eds:[1-9][0-9]*: error: axis \"slide\": the drive does "
-                                       "not offer cyclic"))
+                                       "not offer the mode of operation"))
         << command.front();
   }
 }

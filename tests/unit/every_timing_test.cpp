@@ -149,7 +149,7 @@ TEST_P(EveryTiming, IsFittedWhereItHasADrawnSpeedAndElseTellsWhyNot) {
   const Plan plan = this->plan(0.9);
   const CheckReport report = check(plan);
   ASSERT_FALSE(report.fits());
-  const SpeedFit fit = fit_speed(plan, report, FitStart::drawn, {});
+  const SpeedFit fit = fit_speed(plan, report, {});
   if (!GetParam().is_drawn) {
     EXPECT_THAT(fit.reason, testing::HasSubstr("no speed curve to change"));
     return;

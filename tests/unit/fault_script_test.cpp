@@ -132,7 +132,7 @@ TEST(FaultScript, AnAxisThatTheRigDoesNotHave) {
 
 TEST(FaultScript, AnAxisWhoseDriveIsNotSimulatedWithIt) {
   expect_refused(parse, "[[fault]]\nwhat = \"stick\"\nat = 1\naxis = @\"lamp\"",
-                 {"axis is \"lamp\", whose drive is not simulated", "with a CiA 402 or ODrive drive"});
+                 {"axis is \"lamp\", whose drive is not simulated", "with a CAN drive"});
 }
 
 TEST(FaultScript, NoTime) {

@@ -106,6 +106,11 @@ std::map<std::string, Fields> reader_fields() {
   fields["`[[axis]]`"] = accepted_fields(parse_rig, rig + "unknown_field = 1");
   const std::string pipe = "drive = { type = \"pipe\", path = \"p\", counts_per_unit = 1 }\n";
   fields["`home`"] = accepted_fields(parse_rig, rig + pipe + "home = { unknown_field = 1 }");
+  for (const char* table : {"calibration", "backlash"}) {
+    fields[fmt::format("`{}`", table)] =
+        accepted_fields(parse_rig, fmt::format("{}{}{} = {{ unknown_field = 1 }}", rig, pipe, table));
+  }
+  fields["`ganged`"] = accepted_fields(parse_rig, rig + pipe + "ganged = [{ unknown_field = 1 }]");
   fields["`limit_min` and `limit_max`"] =
       accepted_fields(parse_rig, rig + pipe + "limit_min = { unknown_field = 1 }");
   for (const char* section : {"emergency_stop", "start_trigger", "camera", "output.NAME", "kinematics"}) {
@@ -114,7 +119,7 @@ std::map<std::string, Fields> reader_fields() {
   }
   fields["`asks`"] = accepted_fields(
       parse_rig, rig + pipe + "[camera]\nchip = \"c\"\nline = 1\nasks = { unknown_field = 1 }");
-  for (const char* type : {"cia402", "odrive", "moteus", "step-dir", "pipe"}) {
+  for (const char* type : {"cia402", "odrive", "moteus", "rmd", "cubemars", "step-dir", "pipe"}) {
     const std::string drive = fmt::format("drive = {{ type = \"{}\", unknown_field = 1 }}", type);
     fields[fmt::format("`drive = {{ type = \"{}\" }}`", type)] = accepted_fields(parse_rig, rig + drive);
   }
@@ -137,7 +142,7 @@ TEST(FormatsDocument, ItsExamplesAreAccepted) {
   const std::vector<std::string> examples = documented_examples();
   ASSERT_EQ(examples.size(), 3U);
   EXPECT_EQ(parse_move(examples[0], "docs/formats.md").tracks.size(), 6U);
-  EXPECT_EQ(parse_rig(examples[1], "docs/formats.md").axes.size(), 5U);
+  EXPECT_EQ(parse_rig(examples[1], "docs/formats.md").axes.size(), 7U);
   EXPECT_EQ(parse_faults(examples[2], "docs/formats.md").faults.size(), 7U);
 }
 
@@ -218,6 +223,9 @@ TEST(FormatsDocument, HasEveryWordThatAFieldMayBe) {
       {"start", words_after(parse_move, with(move, "\"trigger\"", "\"?\""))},
       {"unit", words_after(parse_move, with(move, "unit = \"mm\"", "unit = \"?\""))},
       {"way", words_after(parse_move, with(move, "\"long\"", "\"?\""))},
+      {"mode", words_after(parse_rig, with(rig, "mode = \"cyclic\"", "mode = \"?\""))},
+      {"drive = { type = \"cubemars\" } mode",
+       words_after(parse_rig, with(rig, "mode = \"servo\"", "mode = \"?\""))},
       {"[[axis]] unit", words_after(parse_rig, with(rig, "\"unit\"", "\"?\""))},
       {"reference", words_after(parse_rig, with(rig, "reference = \"drive\"", "reference = \"?\""))},
       {"unpowered", words_after(parse_rig, with(rig, "unpowered = \"falls\"", "unpowered = \"?\""))},

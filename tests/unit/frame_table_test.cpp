@@ -91,6 +91,19 @@ TYPED_TEST(FrameTableIn, RowsReadAsTheOracleDrawsThem) {
   }
 }
 
+TEST(FrameTable, ThePositionsOfAllRowsHaveTheBitsOfEach) {
+  const SolvedTrack<double> solution = solved<double>(ordinary_move());
+  const Path<double>& path = solution.track().path();
+  const std::span<const PathPoint<double>> points = solution.table().points();
+  std::vector<double> positions(points.size() * static_cast<std::size_t>(path.axis_count()));
+  path.positions(points, positions);
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    EXPECT_EQ(positions[i],
+              path.position(points[i % points.size()], static_cast<std::int32_t>(i / points.size())))
+        << i;
+  }
+}
+
 TEST(FrameTable, RowsOfAnotherConstantAreReadWithThatConstant) {
   const SolvedTrack<double> solution = solved<double>(ordinary_move());
   const FrameTable<double> twice(solution.table().points(),

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <memory>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -242,6 +243,90 @@ TEST(KeyTiming, APathWithoutLengthLeavesTheCurveAsDrawn) {
   EXPECT_EQ(adjusted(wishes), wishes.speed);
 }
 
+/// Keys evenly along the way, each on a frame that is a little off the even one.
+struct ManyLocks {
+  std::vector<double> distances;
+  std::vector<KeyLock> locks;
+  std::int32_t frames = 0;
+
+  explicit ManyLocks(std::int32_t count) : frames(20 * (count + 1)) {
+    for (std::int32_t key = 0; key <= count + 1; ++key) distances.push_back(key);
+    for (std::int32_t key = 1; key <= count; ++key) {
+      locks.push_back({.key = key, .frame = 20 * key + key * key % 5 - 2});
+    }
+  }
+};
+
+TEST(KeyTiming, AThousandLocksAreMetInMemoryThatGrowsAsTheyDo) {
+  EXPECT_LE(lock_entry_count(1000), 24 * 1001U);
+  const ManyLocks many(1000);
+  const std::vector<double> speed(1101, 10);
+  const auto storage = std::make_unique<KeyTimingStorage<double, 1000, 4401>>();
+  for (const CurveEnds ends : {CurveEnds::natural, CurveEnds::periodic}) {
+    const auto timing = adjust_to_locks<double>({.control_values = speed,
+                                                 .key_distances = many.distances,
+                                                 .locks = many.locks,
+                                                 .frames = many.frames,
+                                                 .ends = ends},
+                                                storage->memory());
+    ASSERT_TRUE(timing.has_value()) << timing.error().what << " " << timing.error().key;
+    if (ends == CurveEnds::periodic) continue;  // the oracle has natural ends
+    const std::vector<double> values(timing->control_values.begin(), timing->control_values.end());
+    for (std::size_t i = 0; i < many.locks.size(); i += 37) {
+      const KeyLock& lock = many.locks[i];
+      EXPECT_NEAR(share(values, lock.frame, many.frames), lock.key / 1001.0, 1e-12) << lock.key;
+    }
+  }
+}
+
+TEST(KeyTiming, MoreLocksThanTheCurveHasValuesForRefineIt) {
+  const ManyLocks many(120);
+  const std::vector<double> speed(5, 10);
+  const auto storage = std::make_unique<KeyTimingStorage<double, 120, 1025>>();
+  const auto timing = adjust_to_locks<double>(
+      {.control_values = speed, .key_distances = many.distances, .locks = many.locks, .frames = many.frames},
+      storage->memory());
+  ASSERT_TRUE(timing.has_value()) << timing.error().what << " " << timing.error().key;
+  EXPECT_GE(timing->control_values.size(), 121U);
+  const std::vector<double> values(timing->control_values.begin(), timing->control_values.end());
+  for (const KeyLock& lock : many.locks) {
+    EXPECT_NEAR(share(values, lock.frame, many.frames), lock.key / 121.0, 1e-12) << lock.key;
+  }
+}
+
+TEST(KeyTiming, OfThreeHundredLocksThatAreHardToMeetThereIsACurveOfEnoughValues) {
+  std::mt19937 random(2);
+  const auto between = [&](double low, double high) {
+    return low + (high - low) * static_cast<double>(random()) / 4294967296.0;
+  };
+  constexpr std::int32_t count = 300;
+  constexpr std::int32_t frames = 20 * (count + 1);
+  std::vector<double> speed = {0, 0};
+  for (int i = 0; i < count - 3; ++i) speed.push_back(between(5, 45));
+  speed.insert(speed.end(), {0, 0});
+  std::vector<double> keys = {0};
+  for (std::int32_t i = 0; i <= count; ++i) keys.push_back(keys.back() + between(0.05, 1.3));
+  std::vector<KeyLock> locks;
+  for (std::int32_t key = 1; key <= count; ++key) {
+    const double evenly = keys[static_cast<std::size_t>(key)] / keys.back() * frames;
+    const std::int32_t after = locks.empty() ? 0 : locks.back().frame;
+    locks.push_back(
+        {.key = key, .frame = std::max(after + 1, static_cast<std::int32_t>(evenly + between(-2, 2)))});
+  }
+  const SolvedTrack<double> track({.path = {.spline = Spline::linear, .axis_count = 1, .keys = keys},
+                                   .control_values = speed,
+                                   .frames = frames,
+                                   .fps = {24, 1},
+                                   .arc_length = {},
+                                   .locks = locks},
+                                  Solver::closed_form);
+  EXPECT_GT(track.control_values().size(), 4097U);
+  for (const KeyLock& lock : locks) {
+    const PathPoint<double> point = track.track().locate({lock.frame, 0});
+    EXPECT_NEAR(point.segment + point.t, lock.key, 1e-9) << lock.key;
+  }
+}
+
 // --- refusals
 
 TEST(KeyTiming, WishesThatContradictEachOtherNameKeyAndFrame) {
@@ -339,6 +424,28 @@ TEST(Hold, WithoutAFrameTheKeyIsMetWhereTheDrawnCurveReachesItInTheFramesThatAre
     const std::int32_t moving = timing->locks[index].frame - held;
     EXPECT_GE(share(wishes.speed, moving, 190), part);
     EXPECT_LT(share(wishes.speed, moving - 1, 190), part);
+  }
+}
+
+TEST(Hold, ManyWithoutAFrameAreEachMetWhereTheDrawnCurveReachesThem) {
+  Wishes wishes{
+      .speed = {0, 0, 10, 30, 10, 0, 0, 0, 20, 10, 0, 0}, .locks = {}, .frames = 2400, .distances = {0}};
+  constexpr std::int32_t held = 20;
+  for (std::int32_t key = 1; key <= 21; ++key) {
+    wishes.distances.push_back(key);
+    if (key < 21) wishes.locks.push_back({.key = key, .hold = held});
+  }
+  const auto storage = std::make_unique<KeyTimingStorage<double, 20, 4097>>();
+  const auto timing = adjust_to_locks<double>({.control_values = wishes.speed,
+                                               .key_distances = wishes.distances,
+                                               .locks = wishes.locks,
+                                               .frames = wishes.frames},
+                                              storage->memory());
+  ASSERT_TRUE(timing.has_value()) << timing.error().what;
+  for (std::int32_t i = 1; i <= 20; ++i) {
+    const std::int32_t moving = timing->locks[static_cast<std::size_t>(i)].frame - (i - 1) * held;
+    EXPECT_GE(share(wishes.speed, moving, 2000), i / 21.0 - 1e-12) << i;
+    EXPECT_LT(share(wishes.speed, moving - 1, 2000), i / 21.0) << i;
   }
 }
 

@@ -71,7 +71,7 @@ std::array<long double, 5> numbers_of(const AxisExtremes& axis) {
           axis.jerk.value};
 }
 
-TEST(OracleLimits, RefinementFindsNothingMore) {
+TEST(OracleLimitsProperty, RefinementFindsNothingMore) {
   check_property(40, [] {
     const RandomMove move = *regular_move();
     const IdealMotion motion(move.keys, Profile(move.speed), move.frames, 24);
@@ -85,7 +85,7 @@ TEST(OracleLimits, RefinementFindsNothingMore) {
   });
 }
 
-TEST(OracleLimits, NoStateExceedsTheExtremes) {
+TEST(OracleLimitsProperty, NoStateExceedsTheExtremes) {
   check_property(40, [] {
     const RandomMove move = *regular_move();
     const IdealMotion motion(move.keys, Profile(move.speed), move.frames, 24);
@@ -110,7 +110,7 @@ TEST(OracleLimits, NoStateExceedsTheExtremes) {
   });
 }
 
-TEST(OracleLimits, TheStateAtTheReportedFrameIsTheExtreme) {
+TEST(OracleLimitsProperty, TheStateAtTheReportedFrameIsTheExtreme) {
   check_property(40, [] {
     const RandomMove move = *regular_move();
     const IdealMotion motion(move.keys, Profile(move.speed), move.frames, 24);

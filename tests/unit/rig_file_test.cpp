@@ -48,6 +48,7 @@ constexpr const char* mixed = R"(name = "one of each"
 rate_hz = 300
 [bus.can1]
 bitrate = 500_000
+data_bitrate = 2_000_000
 [bus.can0]
 bitrate = 1_000_000
 [[axis]]
@@ -69,7 +70,7 @@ min = -1
 max = 1
 max_velocity = 1
 max_acceleration = 1
-drive = { type = "moteus", bus = "can1", node = 127, turns_per_unit = 1 }
+drive = { type = "moteus", bus = "can1", node = 126, turns_per_unit = 1 }
 [[axis]]
 name = "c"
 unit = "rad"
@@ -170,8 +171,11 @@ TEST(RigFile, ReadsEveryLimitAndEveryKindOfDrive) {
 
   EXPECT_EQ(rig.axes[1].unit, AxisUnit::turn);
   EXPECT_EQ(std::get<MoteusDrive>(rig.axes[1].drive).bus, "can1");
-  EXPECT_EQ(std::get<MoteusDrive>(rig.axes[1].drive).node, 127);
+  EXPECT_EQ(std::get<MoteusDrive>(rig.axes[1].drive).node, 126);
   EXPECT_EQ(std::get<MoteusDrive>(rig.axes[1].drive).turns_per_unit, 1);
+  EXPECT_EQ(std::get<MoteusDrive>(rig.axes[1].drive).max_following_error, 0.1) << "a tenth of a second";
+  EXPECT_EQ(bus_named(rig, "can1").data_bitrate, 2'000'000);
+  EXPECT_EQ(bus_named(rig, "can0").data_bitrate, std::nullopt);
 
   EXPECT_EQ(rig.axes[2].unit, AxisUnit::rad);
   EXPECT_EQ(std::get<PipeDrive>(rig.axes[2].drive).path, "/run/puppet");
@@ -202,7 +206,7 @@ TEST(RigFile, OneChipsLinesAreNotAnothers) {
 }
 
 TEST(RigFile, OneBusesNodesAreNotAnothers) {
-  EXPECT_EQ(parse_rig(with(with(mixed, "node = 0", "node = 9"), "node = 127", "node = 9"), "r").axes.size(),
+  EXPECT_EQ(parse_rig(with(with(mixed, "node = 0", "node = 9"), "node = 126", "node = 9"), "r").axes.size(),
             4U);
 }
 
@@ -247,9 +251,9 @@ TEST(RigFile, AnUnknownFieldIsCorrected) {
 }
 
 TEST(RigFile, EachDriveHasItsOwnFields) {
-  expect_change_refused(
-      "counts_per_unit", "@steps_per_unit",
-      {"a cia402 drive has no field \"steps_per_unit\"", "its fields are type, bus, node, counts_per_unit"});
+  expect_change_refused("counts_per_unit", "@steps_per_unit",
+                        {"a cia402 drive has no field \"steps_per_unit\"",
+                         "its fields are type, bus, node, mode, counts_per_unit"});
   expect_mixed_change_refused("turns_per_unit = 12.5", "@counts_per_unit = 1",
                               {"an odrive drive has no field \"counts_per_unit\""});
   expect_mixed_change_refused("turns_per_unit = 1 ", "@turn_per_unit = 1 ",
@@ -318,9 +322,9 @@ TEST(RigFile, WrongTypesSayWhatStandsThereAndWhatShould) {
 TEST(RigFile, UnknownUnitsAndDrivesMeetTheListOfThem) {
   expect_change_refused("\"mm\"", "@\"cm\"",
                         {"unit is \"cm\"; write \"mm\", \"m\", \"deg\", \"rad\", \"turn\" or \"unit\""});
-  expect_change_refused(
-      "\"cia402\"", "@\"canopen\"",
-      {"type is \"canopen\"; write \"cia402\", \"odrive\", \"moteus\", \"step-dir\" or \"pipe\""});
+  expect_change_refused("\"cia402\"", "@\"canopen\"",
+                        {"type is \"canopen\"; write \"cia402\", \"odrive\", \"moteus\", \"rmd\", "
+                         "\"cubemars\", \"step-dir\" or \"pipe\""});
 }
 
 // ---- numbers
@@ -418,6 +422,74 @@ TEST(RigFile, AnOdriveSaysItsFirmwareAndCanBeToldEveryVelocity) {
                               {"max_velocity = 1 m/s is 32.768 turns/s", "goes to 32.767"});
 }
 
+// A classic drive answers a CAN FD frame with errors, so that nothing gets through for anybody.
+TEST(RigFile, DrivesThatSpeakCanFdHaveABusOfTheirOwnWithABitrateOfData) {
+  expect_mixed_change_refused(R"("moteus", bus = "can1")", R"("moteus", bus = @"can0")",
+                              {R"(bus is "can0", a bus of classic CAN, and this drive speaks CAN FD; write )",
+                               "data_bitrate = 5_000_000, say, in [bus.can0]"});
+  expect_mixed_change_refused(R"("odrive", bus = "can0")", R"("odrive", bus = @"can1")",
+                              {R"(bus is "can1", a bus of CAN FD)", "give it a bus of its own"});
+  expect_mixed_change_refused("data_bitrate = 2_000_000", "data_bitrate = @499_999",
+                              {"data_bitrate is 499999; write a whole number from 500000 to 8000000"});
+}
+
+// docs/faults.md 29
+TEST(RigFile, AnRmdMotorCanBeToldTheLimitOfEveryVelocity) {
+  const std::string drive =
+      R"({ type = "odrive", bus = "can0", node = 0, turns_per_unit = 12.5, firmware = "0.5" })";
+  const auto rig = [&](const std::string& text) { return with(mixed, drive, text); };
+  const RigFile read = parse_rig(
+      rig(R"({ type = "rmd", bus = "can0", node = 32, turns_per_unit = -12.5, no_watchdog = "accepted" })"),
+      "r");
+  const RmdDrive& rmd = std::get<RmdDrive>(read.axes[0].drive);
+  EXPECT_EQ(rmd.node, 32);
+  EXPECT_EQ(rmd.turns_per_unit, -12.5);
+  EXPECT_EQ(rmd.max_following_error, 0.1);
+  EXPECT_TRUE(rmd.has_no_watchdog);
+  EXPECT_EQ(max_rmd_deg_per_s_of(read.axes[0]), 5400);
+  expect_rig_refused(rig(R"({ type = "rmd", bus = "can0", node = @0, turns_per_unit = 12.5 })"),
+                     {"node is 0; write a whole number from 1 to 32"});
+  expect_rig_refused(rig(R"({ type = "rmd", bus = "can0", node = 1, turns_per_unit = @152 })"),
+                     {"1.2 times max_velocity is 65664 deg/s", "holds 65535"});
+  expect_rig_refused(
+      rig(R"({ type = "rmd", bus = "can0", node = 1, turns_per_unit = 1, no_watchdog = @"yes" })"),
+      {"write \"accepted\""});
+}
+
+// docs/faults.md 29
+TEST(RigFile, ACubemarsMotorNeedsSomebodyWhoAcceptsThatNothingStopsItAndNeverHasMitMode) {
+  const std::string drive =
+      R"({ type = "odrive", bus = "can0", node = 0, turns_per_unit = 12.5, firmware = "0.5" })";
+  const auto rig = [&](const std::string& more, const std::string& scale = "turns_per_unit = -0.1") {
+    return with(mixed, drive, "{ type = \"cubemars\", bus = \"can0\", node = 255, " + scale + more + " }");
+  };
+  const std::string shaft = ", pole_pairs = 21, gear = 9";
+  const std::string accepted = R"(, no_watchdog = "accepted")";
+  const RigFile read =
+      parse_rig(rig(shaft + accepted + ", counts_per_deg = 1000000, erpm_per_count = 1"), "r");
+  const CubemarsDrive& cubemars = std::get<CubemarsDrive>(read.axes[0].drive);
+  EXPECT_EQ(cubemars.node, 255);
+  EXPECT_EQ(cubemars.pole_pairs * cubemars.gear, 189);
+  EXPECT_EQ(cubemars.counts_per_deg, 1'000'000);
+  EXPECT_EQ(cubemars.erpm_per_count, 1);
+  EXPECT_EQ(cubemars_limits_of(read.axes[0]).velocity, 1361) << "1.2 m/s, 7.2 turns a minute";
+  expect_rig_refused(with(rig(shaft), "{ type = \"cubemars\"", "@{ type = \"cubemars\""),
+                     {"a cubemars drive has no no_watchdog; add no_watchdog = \"accepted\"",
+                      "no firmware is known to have a watchdog"});
+  expect_rig_refused(rig(shaft + accepted + R"(, mode = @"mit")"),
+                     {"mode is \"mit\"", "without a velocity limit", "write \"servo\""});
+  expect_rig_refused(rig(shaft + accepted + ", counts_per_deg = @20000"), {"write 10000 or 1000000"});
+  expect_rig_refused(rig(shaft + accepted + ", erpm_per_count = @5"), {"write 10 or 1"});
+  expect_rig_refused(rig(shaft + accepted, "turns_per_unit = @9"), {"-1 m is -9 turns, beyond 8.8888"});
+  expect_rig_refused(
+      rig(", pole_pairs = 21, gear = 1" + accepted + ", counts_per_deg = 1000000", "turns_per_unit = @6"),
+      {"-1 m is 2160 deg of the motor", "it can be told 2147"});
+  expect_rig_refused(rig(", pole_pairs = 21, gear = 60" + accepted, "turns_per_unit = @4"),
+                     {"1.2 times max_velocity is 362880 electrical turns a minute", "holds 327670"});
+  expect_rig_refused(rig(shaft + accepted + ", erpm_per_count = 1", "turns_per_unit = @0.7"),
+                     {"a controlled stop is 39690 electrical turns a minute per second"});
+}
+
 TEST(RigFile, TurnsKeepAThousandthInSinglePrecision) {
   expect_mixed_change_refused("12.5", "@16385", {"-1 m is -16385 turns, beyond 16384"});
   expect_mixed_change_refused("turns_per_unit = 1 ", "turns_per_unit = @-1e9 ", {"beyond 16384"});
@@ -428,7 +500,8 @@ TEST(RigFile, NodesAreInTheRangeOfTheirProtocol) {
   expect_change_refused("node = 1", "node = @0", {"node is 0; write a whole number from 1 to 127"});
   expect_change_refused("node = 1", "node = @128", {"node is 128"});
   expect_mixed_change_refused("node = 0", "node = @63", {"node is 63; write a whole number from 0 to 62"});
-  expect_mixed_change_refused("node = 127", "node = @0", {"node is 0; write a whole number from 1 to 127"});
+  expect_mixed_change_refused("node = 126", "node = @127",
+                              {"node is 127; write a whole number from 1 to 126"});
 }
 
 TEST(RigFile, AnUnknownBusIsRefused) {
@@ -444,11 +517,10 @@ TEST(RigFile, ABusIsNamedLikeANetworkInterface) {
 }
 
 TEST(RigFile, ANodeIsOnABusOnce) {
-  expect_rig_refused(with(with(mixed, "\"can1\"", "\"can0\""), "node = 127", "node = @0"),
-                     {"node is 0; write a whole number from 1"});
-  expect_rig_refused(
-      with(with(with(mixed, "\"can1\"", "\"can0\""), "node = 0", "node = 5"), "node = 127", "node = @5"),
-      {"node is node 5 of bus can0, which line 18 has already; give each drive its own"});
+  expect_mixed_change_refused(
+      R"(type = "moteus", bus = "can1", node = 126, turns_per_unit = 1)",
+      R"(type = "odrive", bus = "can0", node = @0, turns_per_unit = 1, firmware = "0.5")",
+      {"node is node 0 of bus can0, which line 19 has already; give each drive its own"});
 }
 
 TEST(RigFile, AnAxisNameIsUniqueAndNotEmpty) {
@@ -468,7 +540,7 @@ TEST(RigFile, ALineOfAChipIsUsedOnce) {
       with(mixed, "{ type = \"pipe\", path = \"/run/puppet\", counts_per_unit = 300 }",
            "{ type = \"step-dir\", chip = \"expander\", step = 2, dir = 3, steps_per_unit = 1 }");
   expect_rig_refused(with(two_steppers, "dir = 1", "dir = @3"),
-                     {"dir is line 3 of chip \"expander\", which line 34"});
+                     {"dir is line 3 of chip \"expander\", which line 35"});
 }
 
 TEST(RigFile, ALineIsAnOffsetOrAName) {

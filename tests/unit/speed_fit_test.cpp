@@ -56,8 +56,8 @@ Plan plan_of(const std::string& move, const Limits& limits) {
   return {parse_move(move, "move.toml"), parse_rig(rig_with(limits), "rig.toml"), {}};
 }
 
-SpeedFit fit_of(const Plan& plan, FitStart start = FitStart::drawn) {
-  return fit_speed(plan, check(plan), start, {});
+SpeedFit fit_of(const Plan& plan, FitStart start = FitStart::either) {
+  return fit_speed(plan, check(plan), {.start = start});
 }
 
 /// The file with the new curves in it, read again.
@@ -263,6 +263,29 @@ TEST(SpeedFit, OfHundredsOfValuesIsFound) {
   EXPECT_TRUE(check(written(move, fit, tight)).fits());
 }
 
+TEST(SpeedFit, EndsWhenItIsToldToWithWhatItHas) {
+  const std::string move = move_of(bends + peaked);
+  const Limits limits{.velocity = 110, .acceleration = 4000};
+  const Plan plan = plan_of(move, limits);
+  int found_early = 0;
+  double least = 1e300;
+  for (int steps = 0; steps < 400; ++steps) {
+    int asked = 0;
+    const SpeedFit fit = fit_speed(plan, check(plan), {.is_over = [&] { return asked++ >= steps; }});
+    if (!fit.found) {
+      EXPECT_THAT(fit.reason, HasSubstr("the search was ended"));
+      EXPECT_THAT(fit.tracks, IsEmpty());
+    } else {
+      EXPECT_TRUE(check(written(move, fit, limits)).fits()) << steps;
+      least = std::min(least, fit.tracks[0].change);
+      if (!fit.was_ended) break;
+      ++found_early;
+    }
+  }
+  EXPECT_GT(found_early, 0) << "it has a curve before it is sure that there is none nearer";
+  EXPECT_EQ(least, fit_of(plan).tracks[0].change) << "and then it has the nearest";
+}
+
 TEST(SpeedFit, OnlyTheTrackThatBreaksALimitChanges) {
   const std::string two =
       "name = \"m\"\nfps = 24\nframes = 96\n[[track]]\naxes = [\"x\"]\nkeys = [ { at = [0] }, { at = [90] } "
@@ -282,7 +305,7 @@ TEST(SpeedFit, ProgressNeverFallsAndEndsBelowOne) {
   const Plan plan = plan_of(move_of(bends + peaked), {.velocity = 110});
   std::vector<double> shares;
   static_cast<void>(
-      fit_speed(plan, check(plan), FitStart::drawn, [&](double share) { shares.push_back(share); }));
+      fit_speed(plan, check(plan), {.progress = [&](double share) { shares.push_back(share); }}));
   EXPECT_FALSE(shares.empty());
   EXPECT_TRUE(std::ranges::is_sorted(shares));
   EXPECT_THAT(shares, Each(testing::Lt(1)));

@@ -329,7 +329,7 @@ TYPED_TEST(TrackIn, ACurveOfZerosOnARealPathIsAnError) {
 TEST(Track, FramesAreCountedFromOneToAMillion) {
   for (const std::int32_t frames : {0, -1, 1'000'001, std::numeric_limits<std::int32_t>::min()}) {
     SolvedTrack<double> good = solved<double>({.keys = {0, 1}, .speed = {1}, .frames = 10});
-    std::vector<TwoSum<double>> memory(2);
+    std::vector<SpanDistance<double>> memory(2);
     const auto refused = Track<double>::make(good.track().path(), good.track().arc_length(),
                                              good.track().profile(), frames, {24, 1}, {memory});
     ASSERT_FALSE(refused);
@@ -364,7 +364,7 @@ TEST(Track, StatesTheCapacityNeededWhichSuffices) {
   const auto good = solved<double>({.keys = {0, 1}, .speed = {1, 2, 3, 4}, .frames = 10});
   const Track<double>& track = good.track();
   const auto make = [&](std::size_t capacity) {
-    std::vector<TwoSum<double>> memory(capacity);
+    std::vector<SpanDistance<double>> memory(capacity);
     return Track<double>::make(track.path(), track.arc_length(), track.profile(), 10, {24, 1}, {memory});
   };
   const auto refused = make(1);
@@ -405,6 +405,31 @@ TEST(Track, KeysInOnePlaceAtTheEndsAreLeftAndReachedAtTheDrawnSpeed) {
     EXPECT_EQ(solved.track().motion({frame, 0}, motion), Derivatives::exact);
     EXPECT_NEAR(motion[0].velocity, 60, 1e-9) << "frame " << frame;
     EXPECT_EQ(motion[0].position, frame == 0 ? 10 : 70);
+  }
+}
+
+/// Where the squares of derivatives would vanish or overflow they are taken in other units.
+TEST(Track, TheMotionHasTheSameBitsInAllUnitsThatArePowersOfTwo) {
+  const std::vector<double> keys{0, 0, 40, 10, 40, 60, 90, 20};
+  const auto in_units = [&](double unit) {
+    std::vector<double> scaled = keys;
+    for (double& key : scaled) key *= unit;
+    return solved<double>({.axis_count = 2, .keys = scaled, .speed = {0, 0, 9, 4, 9, 0, 0}, .frames = 100});
+  };
+  const SolvedTrack<double> plain = in_units(1);
+  for (const int exponent : {-350, -200, 200, 350}) {
+    const double unit = std::ldexp(1.0, exponent);
+    const SolvedTrack<double> scaled = in_units(unit);
+    for (std::int32_t frame = 0; frame <= 100; ++frame) {
+      for (const std::size_t axis : {std::size_t{0}, std::size_t{1}}) {
+        const AxisMotion<double> expected = motion(plain, {frame, 0.25}, axis);
+        const AxisMotion<double> got = motion(scaled, {frame, 0.25}, axis);
+        EXPECT_EQ(got.position, unit * expected.position) << exponent << ", frame " << frame;
+        EXPECT_EQ(got.velocity, unit * expected.velocity) << exponent << ", frame " << frame;
+        EXPECT_EQ(got.acceleration, unit * expected.acceleration) << exponent << ", frame " << frame;
+        EXPECT_EQ(got.jerk, unit * expected.jerk) << exponent << ", frame " << frame;
+      }
+    }
   }
 }
 

@@ -172,7 +172,7 @@ TEST(UrdfFile, WhatIsNoUrdfSaysSo) {
 }
 
 /// urdfdom, the reader that the format comes with, is the oracle.
-TEST(UrdfFile, ReadsTheSameAsUrdfdom) {
+TEST(UrdfFileProperty, ReadsTheSameAsUrdfdom) {
   check_property(300, [](std::uint64_t seed) {
     std::mt19937_64 random(seed);
     const UrdfText written = random_urdf(random, 7);

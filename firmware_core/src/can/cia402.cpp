@@ -51,8 +51,8 @@ constexpr std::array<const char*, cia402_states> state_names{"not ready to switc
                                                              "fault",
                                                              "unknown"};
 
-constexpr PdoEntry object(std::uint16_t index, std::uint8_t bits) {
-  return {.object = {.index = index}, .bits = bits};
+constexpr PdoEntry object(std::uint16_t index, std::uint8_t bits, std::uint8_t sub = 0) {
+  return {.object = {.index = index, .sub = sub}, .bits = bits};
 }
 
 }  // namespace
@@ -72,8 +72,9 @@ std::uint16_t controlword_for(Cia402Goal goal, Cia402State state) {
   return table[static_cast<std::size_t>(goal)][static_cast<std::size_t>(state)];
 }
 
-PdoMapping command_mapping() {
-  static constexpr std::array entries{object(0x6040, 16), object(0x607A, 32)};
+PdoMapping command_mapping(Cia402Mode mode) {
+  const bool is_interpolated = mode == Cia402Mode::interpolated_position;
+  const std::array entries{object(0x6040, 16), is_interpolated ? object(0x60C1, 32, 1) : object(0x607A, 32)};
   return PdoMapping::make(entries).value();
 }
 PdoMapping feedback_mapping() {

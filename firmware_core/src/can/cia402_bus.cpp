@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "inbetween/can/bus_tick.hpp"
+
 namespace inbetween::can {
 namespace {
 
@@ -78,18 +80,11 @@ std::optional<Frame> Cia402Bus::next_service(std::int64_t now_ns) {
 
 Result<std::size_t> Cia402Bus::tick(std::int64_t now_ns, std::span<const std::int32_t> targets,
                                     std::span<Frame> frames) {
-  if (!targets.empty() && targets.size() != drives_.size()) {
-    return Error{.code = ErrorCode::wrong_count,
-                 .what = "there is not a target for each drive",
-                 .remedy = "give one for each, or none at all",
-                 .needed = static_cast<std::int64_t>(drives_.size())};
-  }
-  if (frames.size() < frames_per_tick(drives_.size())) {
-    return Error{.code = ErrorCode::capacity,
-                 .what = "the frames of a tick do not fit",
-                 .remedy = "give room for frames_per_tick()",
-                 .needed = static_cast<std::int64_t>(frames_per_tick(drives_.size()))};
-  }
+  const Status is_possible = check_tick({.drives = drives_.size(),
+                                         .targets = targets.size(),
+                                         .room = frames.size(),
+                                         .frames = frames_per_tick(drives_.size())});
+  if (!is_possible) return is_possible.error();
   std::size_t count = 0;
   const auto send = [&](const std::optional<Frame>& frame) {
     if (frame) frames[count++] = *frame;

@@ -329,7 +329,8 @@ void Cia402Drive::watch_following(std::int64_t now_ns) {
   if (!is_commanded_ && !holds_its_place()) find(DriveFinding::moved_while_enabling);
   if (status_has(status_follows_target)) followed_ns_ = now_ns;
   if (now_ns - followed_ns_ > settings_.ignore_grace_ns) find_lasting(DriveFinding::target_ignored);
-  if (status_has(status_following_error)) find_lasting(DriveFinding::following_error);
+  // In interpolated position the profile says nothing of this bit.
+  if (!interpolates() && status_has(status_following_error)) find_lasting(DriveFinding::following_error);
   if (!status_has(status_internal_limit)) unlimited_ns_ = now_ns;
   if (now_ns - unlimited_ns_ > settings_.ignore_grace_ns) find_lasting(DriveFinding::internal_limit);
 }
@@ -383,7 +384,10 @@ std::uint16_t Cia402Drive::controlword() const {
   // Not enabled, or not any more, before it is in the right mode and its target is held.
   const bool waits_for_mode = phase_ == enabling && !is_seeded_;
   const std::uint16_t word = controlword_for(goal_of(phase_), state());
-  return waits_for_mode && word == control_enable_operation ? control_switch_on : word;
+  if (waits_for_mode && word == control_enable_operation) return control_switch_on;
+  // From where it is held, once it is in operation: the drive begins to interpolate by the rise of this bit.
+  const bool is_on = (phase_ == enabling || phase_ == following) && state() == Cia402State::operation_enabled;
+  return interpolates() && is_on && is_in_mode() ? word | control_interpolate : word;
 }
 
 void Cia402Drive::choose_target(std::optional<std::int32_t> target) {

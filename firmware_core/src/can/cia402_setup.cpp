@@ -101,10 +101,10 @@ void check_identity(ScriptWriter& writer, const Cia402Setup& setup) {
   expect({.index = 0x1000}, profile, 0xFFFF, DriveFinding::wrong_device);
   if (setup.vendor) expect({.index = 0x1018, .sub = 1}, *setup.vendor, all, DriveFinding::wrong_device);
   if (setup.product) expect({.index = 0x1018, .sub = 2}, *setup.product, all, DriveFinding::wrong_device);
-  constexpr std::uint32_t mode_bit = 1U << (mode_cyclic_position - 1);
+  const std::uint32_t mode_bit = 1U << (static_cast<unsigned>(setup.mode) - 1);
   // A drive that does not say which modes it has is told to take this one, and must show it before it is
   // enabled.
-  expect({.index = 0x6502}, mode_bit, mode_bit, DriveFinding::no_cyclic_position, true);
+  expect({.index = 0x6502}, mode_bit, mode_bit, DriveFinding::mode_not_offered, true);
   // No producer of SYNC, and the identifier that the host uses: without the object it has no other.
   expect({.index = 0x1005}, sync_id, 0x40000000 | cob_id_number, DriveFinding::sync_of_another, true);
 }
@@ -117,8 +117,8 @@ void set_pdos(ScriptWriter& writer, const Cia402Setup& setup) {
     switch_off(rpdo(number));
     switch_off(tpdo(number));
   }
-  compare(writer, rpdo(1), command_mapping(), rpdo1_id(setup.node));
-  map(writer, rpdo(1), command_mapping());
+  compare(writer, rpdo(1), command_mapping(setup.mode), rpdo1_id(setup.node));
+  map(writer, rpdo(1), command_mapping(setup.mode));
   writer.add({.action = SetupAction::watchdog,
               .object = {.index = rpdo(1).communication, .sub = pdo_sub_event_timer},
               .size = 2,
@@ -142,6 +142,17 @@ void set_period(ScriptWriter& writer, const Cia402Setup& setup, const Interpolat
               .value = setup.sync_overflow});
   writer.write_if_there(interpolation_time, 1, period.value);
   writer.write_if_there(interpolation_exponent, 1, static_cast<std::uint8_t>(period.index));
+  if (setup.mode != Cia402Mode::interpolated_position) return;
+  writer.write_if_there({.index = 0x60C0}, 2, 0);  // in straight lines
+  // 0 empties its buffer of set-points, and 1 lets it take some. Many drives have none, or do not tell.
+  for (const std::uint32_t access : {0U, 1U}) {
+    writer.add({.action = SetupAction::try_write,
+                .object = {.index = 0x60C4, .sub = 6},
+                .size = 1,
+                .may_be_absent = true,
+                .may_be_hidden = true,
+                .value = access});
+  }
 }
 
 void set_motion(ScriptWriter& writer, const Cia402Setup& setup) {
@@ -293,7 +304,7 @@ Result<SetupScript> make_setup_script(const Cia402Setup& setup) {
               .object = {.index = 0x6060},
               .size = 1,
               .may_be_hidden = true,
-              .value = static_cast<std::uint8_t>(mode_cyclic_position)});
+              .value = static_cast<std::uint8_t>(setup.mode)});
   // A drive that shows its mode only once it is enabled may be in another one until then.
   writer.add({.action = SetupAction::look, .object = {.index = 0x60FF}});
   writer.add({.action = SetupAction::look, .object = {.index = 0x6071}, .size = 2});

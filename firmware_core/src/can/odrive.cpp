@@ -240,6 +240,8 @@ ServoReport Odrive::read(const Frame& frame) const {
       const bool is_06 = told->firmware[0] == 0 && told->firmware[1] == 6;
       return {.is_expected_device = is_06 && family_ == OdriveFamily::firmware_06};
     }
+    case parameter_order:
+      return {.is_of_a_host = family_ == OdriveFamily::firmware_06};
     case emergency_stop:
     case axis_state:
     case controller_mode:
@@ -256,6 +258,8 @@ std::optional<Frame> Odrive::order(ServoOrder order) const {
   switch (order) {
     case ServoOrder::say_what_you_are:
       return odrive_question(node_, version);
+    case ServoOrder::set_watchdog:
+      return {};  // it is a setting of the drive
     case ServoOrder::clear_errors:
       return odrive_clear_frame(node_, family_);
     case ServoOrder::take_positions:

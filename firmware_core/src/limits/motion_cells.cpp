@@ -38,7 +38,7 @@ class TrackCells {
   TrackCells(const Move<Real>& move, const Track<Real>& track, std::size_t first_axis,
              std::span<AxisTurn<Real>> turns, const MotionCells<Real>& out)
       : axes_(static_cast<std::size_t>(track.path().axis_count())),
-        all_axes_(move.axis_count()),
+        all_axes_(move.axis_count() + out.motors),
         first_axis_(first_axis),
         first_frame_(static_cast<Real>(move.first_frame())),
         cell_frames_(static_cast<Real>(move.last_frame() - move.first_frame()) /
@@ -179,7 +179,7 @@ void bound_roll(const Move<Real>& move, std::span<const RollAxis<Real>> rolls, c
     const Real to = std::min(first + line * (static_cast<Real>(cell + 1) / cells), begin + seconds);
     if (!(from < to)) continue;
     for (std::size_t d = 0; d < rolls.size(); ++d) {
-      raise_to(out.suprema[cell * rolls.size() + d], roll_suprema(rolls[d], from, to));
+      raise_to(out.suprema[cell * (rolls.size() + out.motors) + d], roll_suprema(rolls[d], from, to));
     }
   }
 }
@@ -201,6 +201,38 @@ void bound_cells(const Move<Real>& move, std::span<AxisTurn<Real>> turns, const 
   }
 }
 
+template <Precise Real>
+void bound_motors(const Move<Real>& move, std::span<const CalibratedMotor<Real>> motors,
+                  const MotionCells<Real>& out) {
+  const std::size_t axes = move.axis_count();
+  const FrameRate fps = move.frame_rate();
+  const Real cell_frames =
+      static_cast<Real>(move.last_frame() - move.first_frame()) / static_cast<Real>(out.cells);
+  // Beyond either end of a cell lies the rounding of a frame number.
+  constexpr Real beyond = Real(1.001);
+  const Real half_seconds =
+      beyond * cell_frames / 2 * static_cast<Real>(fps.denominator) / static_cast<Real>(fps.numerator);
+  for (std::size_t cell = 0; !motors.empty() && cell < out.cells; ++cell) {
+    const Real middle = cell_frames * (static_cast<Real>(cell) + Real(0.5));
+    const auto whole = static_cast<std::int32_t>(middle);
+    const FrameTime<Real> time{move.first_frame() + whole, middle - static_cast<Real>(whole)};
+    move.positions(time, out.places.first(axes));
+    const std::span<MotionTriple<Real>> suprema = out.suprema.subspan(cell * (axes + motors.size()));
+    for (std::size_t m = 0; m < motors.size(); ++m) {
+      const MotionTriple<Real>& axis = suprema[motors[m].axis];
+      const Real place = out.places[motors[m].axis];
+      const Real reach = axis[0] * half_seconds;
+      MotionTriple<Real>& motor = suprema[axes + m];
+      motor = motor_motion(motors[m].calibration->bounds(place - reach, place + reach), axis);
+      for (Real& value : motor) value *= 1 + bound_rounding<Real>;
+    }
+  }
+}
+
+template void bound_motors(const Move<double>&, std::span<const CalibratedMotor<double>>,
+                           const MotionCells<double>&);
+template void bound_motors(const Move<float>&, std::span<const CalibratedMotor<float>>,
+                           const MotionCells<float>&);
 template void bound_cells(const Move<double>&, std::span<AxisTurn<double>>, const MotionCells<double>&);
 template void bound_cells(const Move<float>&, std::span<AxisTurn<float>>, const MotionCells<float>&);
 

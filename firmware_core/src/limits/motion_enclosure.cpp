@@ -9,6 +9,13 @@ Real or_infinity(Real bound) {
   return bound >= 0 ? bound : std::numeric_limits<Real>::infinity();
 }
 
+template <Precise Real, std::size_t Size>
+Real value_at(const std::array<Real, Size>& c, Real x) {
+  Real value = c[Size - 1];
+  for (std::size_t i = Size - 1; i-- > 0;) value = c[i] + x * value;
+  return value;
+}
+
 }  // namespace
 
 // --- the path near a point
@@ -18,8 +25,8 @@ void MotionEnclosure<Real>::show(const PathPiece<Real>& piece) {
   if (shown_.segment == piece.segment && shown_.index == piece.index) return;
   shown_ = piece;
   is_still_ = track_.has_profile() && is_still_at_anchor(piece.interval);
-  scale_ = std::ldexp(Real(1), piece.exponent);
-  inverse_scale_ = std::ldexp(Real(1), -piece.exponent);
+  scale_ = piece.scale;
+  inverse_scale_ = 1 / piece.scale;
   const std::span<const Cubic<Real>> cubics = track_.path().segment(piece.segment);
   if (!track_.has_profile()) {
     show_parameter(cubics);
@@ -148,36 +155,41 @@ template <Precise Real>
 MotionFactor<Real> MotionEnclosure<Real>::path_factor(std::size_t d,
                                                       const MotionSurroundings<Real>& box) const {
   const AxisTurn<Real>& axis = turns_[d];
-  const Centred<Real>& q = box.speed_squared;
   if (!track_.has_profile()) {
     return {centred(axis.first, box.tau, box.tau_radius), centred(axis.second, box.tau, box.tau_radius),
             centred(axis.third, box.tau, box.tau_radius)};
   }
   if (axis.straight) return {{{{axis.direction, 0}, {}, {}}}};
-  const Real side = shown_.interval.forward ? 1 : -1;
-  const Interval<Real> range = q.range();
-  const Real root = std::sqrt(q.value);
-  const Real low = range.low > 0 ? std::sqrt(range.low) : Real(0);
-  const Real high = std::sqrt(range.high);
-  const Real square = q.value * q.value;
-  const std::array<Real, 3> first =
-      turns_by_pace(d) ? std::array<Real, 3>{axis.first[1], axis.first[2], 0} : axis.first;
-  return {
-      quotient(centred(first, box.tau, box.tau_radius), Real(1), root, low, high),
-      quotient(centred(axis.second, box.tau, box.tau_radius), side, square,
-               range.low > 0 ? range.low * range.low : Real(0), range.high * range.high),
-      quotient(centred(axis.third, box.tau, box.tau_radius), Real(1), square * (q.value * root),
-               low * low * low * (low * low * low) * low, high * high * high * (high * high * high) * high)};
+  return {product(centred(first_of(d), box.tau, box.tau_radius), Real(1), box.by_distance[0]),
+          product(centred(axis.second, box.tau, box.tau_radius), side(), box.by_distance[1]),
+          product(centred(axis.third, box.tau, box.tau_radius), Real(1), box.by_distance[2])};
 }
 
-/// scale * a / b, with b from `low` to `high` and `value` in the middle.
+/// sign * a * b.
 template <Precise Real>
-Centred<Real> MotionEnclosure<Real>::quotient(const Centred<Real>& a, Real scale, Real value, Real low,
-                                              Real high) {
-  const Real middle = scale * a.value / value;
-  if (!(low > 0)) return {middle, std::numeric_limits<Real>::infinity()};
-  const Interval<Real> range = (scale * a.range()) * Interval<Real>{1 / high, 1 / low};
+Centred<Real> MotionEnclosure<Real>::product(const Centred<Real>& a, Real sign, const Reciprocal<Real>& b) {
+  const Real middle = sign * a.value * b.value;
+  if (!(b.range.high <= std::numeric_limits<Real>::max())) {
+    return {middle, std::numeric_limits<Real>::infinity()};
+  }
+  const Interval<Real> range = (sign * a.range()) * b.range;
   return {middle, std::max(range.high - middle, middle - range.low)};
+}
+
+/// Once for all axes.
+template <Precise Real>
+void MotionEnclosure<Real>::divide_by_distance(MotionSurroundings<Real>& box) const {
+  if (!track_.has_profile()) return;
+  const auto powers = [](Real squared) {
+    const Real square = squared * squared;
+    const Real root = std::sqrt(squared);
+    return Triple{1 / root, 1 / square, 1 / (square * (squared * root))};
+  };
+  const Interval<Real> range = box.speed_squared.range();
+  const Triple here = powers(box.speed_squared.value);
+  const Triple most = powers(range.low > 0 ? range.low : Real(0));
+  const Triple least = powers(range.high);
+  for (std::size_t i = 0; i < motion_quantities; ++i) box.by_distance[i] = {here[i], {least[i], most[i]}};
 }
 
 /// The speed in the units of the path's piece, and its derivatives.
@@ -210,6 +222,7 @@ MotionSurroundings<Real> MotionEnclosure<Real>::at(const Stretch<Real>& stretch,
   // At the standstill itself there is no such number, and nothing is found.
   result.pace = result.speed.part[0].value / tau;
   result.pace_range = {result.pace, result.pace};
+  divide_by_distance(result);
   return result;
 }
 
@@ -224,6 +237,7 @@ MotionSurroundings<Real> MotionEnclosure<Real>::around(const Stretch<Real>& stre
                                   .seconds = x_radius * std::fabs(stretch.time.seconds),
                                   .speed_squared = path_speed_squared(box.tau, tau_radius),
                                   .speed = time_factor(stretch.time, box.x, x_radius)};
+  divide_by_distance(result);
   if (is_still_) {
     result.pace = result.speed.part[0].value / box.tau;
     result.pace_range = pace_range(stretch, box, result);
@@ -269,13 +283,20 @@ Interval<Real> MotionEnclosure<Real>::pace_from_rest(const TimePiece<Real>& time
 
 template <Precise Real>
 MotionTriple<Real> MotionEnclosure<Real>::here(std::size_t d, const MotionSurroundings<Real>& box) const {
-  return scaled_up(middle(path_factor(d, box), d, box));
+  const AxisTurn<Real>& axis = turns_[d];
+  if (axis.straight) return scaled_up(middle({axis.direction, 0, 0}, d, box));
+  Triple t{value_at(first_of(d), box.tau), value_at(axis.second, box.tau), value_at(axis.third, box.tau)};
+  if (track_.has_profile()) {
+    t = {t[0] * box.by_distance[0].value, side() * t[1] * box.by_distance[1].value,
+         t[2] * box.by_distance[2].value};
+  }
+  return scaled_up(middle(t, d, box));
 }
 
 template <Precise Real>
 MotionRange<Real> MotionEnclosure<Real>::range(std::size_t d, const MotionSurroundings<Real>& box) const {
   const Factor t = path_factor(d, box);
-  const Triple here = middle(t, d, box);
+  const Triple here = middle({t.part[0].value, t.part[1].value, t.part[2].value}, d, box);
   return {scaled_up(here), scaled_up(bounds_of(t, d, box, here))};
 }
 

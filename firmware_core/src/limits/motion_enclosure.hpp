@@ -29,6 +29,13 @@ struct MotionFactor {
   std::array<Centred<Real>, motion_quantities> part;
 };
 
+/// 1 / b of a number b above 0: in the middle of a box, and anywhere on it.
+template <Precise Real>
+struct Reciprocal {
+  Real value = 0;
+  Interval<Real> range = {};
+};
+
 /// A part of a stretch: `x` in its middle and tau there.
 template <Precise Real>
 struct MotionBox {
@@ -48,6 +55,8 @@ struct MotionSurroundings {
   Real tau_radius = 0;
   Real seconds = 0;             ///< from the middle to the further end
   Centred<Real> speed_squared;  ///< of the path: q, or q / tau^2 where it stands still at tau = 0
+  /// What the numerators of an axis' derivatives by distance are multiplied with: q^(-1/2), q^-2, q^(-7/2).
+  std::array<Reciprocal<Real>, motion_quantities> by_distance = {};
   MotionFactor<Real> speed;
   Real pace = 0;  ///< speed / tau, of a piece that stands still at tau = 0
   Interval<Real> pace_range = {};
@@ -115,7 +124,15 @@ class MotionEnclosure {
   void turn_where_still(std::size_t d);
   void find_direction(std::size_t d);
   [[nodiscard]] Factor path_factor(std::size_t d, const MotionSurroundings<Real>& box) const;
-  static Centred<Real> quotient(const Centred<Real>& a, Real scale, Real value, Real low, Real high);
+  static Centred<Real> product(const Centred<Real>& a, Real sign, const Reciprocal<Real>& b);
+  void divide_by_distance(MotionSurroundings<Real>& box) const;
+  /// The numerator of dP/dL, or that of it over tau.
+  [[nodiscard]] std::array<Real, 3> first_of(std::size_t d) const {
+    const std::array<Real, 3>& first = turns_[d].first;
+    return turns_by_pace(d) ? std::array<Real, 3>{first[1], first[2], 0} : first;
+  }
+  /// The sign of d tau / d distance.
+  [[nodiscard]] Real side() const { return shown_.interval.forward ? Real(1) : Real(-1); }
   [[nodiscard]] Factor time_factor(const TimePiece<Real>& time, Real x, Real radius) const;
   [[nodiscard]] Centred<Real> path_speed_squared(Real tau, Real radius) const;
   [[nodiscard]] Interval<Real> pace_range(const Stretch<Real>& stretch, const MotionBox<Real>& box,
@@ -130,13 +147,11 @@ class MotionEnclosure {
   [[nodiscard]] bool turns_by_pace(std::size_t d) const {
     return is_still_ && turns_[d].first[0] == 0 && !turns_[d].straight;
   }
-  [[nodiscard]] Triple middle(const Factor& t, std::size_t d, const MotionSurroundings<Real>& box) const {
+  [[nodiscard]] Triple middle(const Triple& t, std::size_t d, const MotionSurroundings<Real>& box) const {
     const Factor& w = box.speed;
     const Real pace = turns_by_pace(d) ? box.pace : w.part[0].value;
-    return {t.part[0].value * w.part[0].value,
-            t.part[1].value * pace * w.part[0].value + t.part[0].value * w.part[1].value,
-            t.part[2].value * pace * pace * pace + 3 * t.part[1].value * pace * w.part[1].value +
-                t.part[0].value * w.part[2].value};
+    return {t[0] * w.part[0].value, t[1] * pace * w.part[0].value + t[0] * w.part[1].value,
+            t[2] * pace * pace * pace + 3 * t[1] * pace * w.part[1].value + t[0] * w.part[2].value};
   }
   /// In the units of the track.
   [[nodiscard]] Triple scaled_up(const Triple& values) const {
@@ -147,7 +162,7 @@ class MotionEnclosure {
   std::size_t axes_;
   std::span<AxisTurn<Real>> turns_;
   std::array<ScaledSlope<Real>, max_guides> guides_{};
-  PathPiece<Real> shown_{.segment = -1, .index = -1, .exponent = 0, .interval = {}};
+  PathPiece<Real> shown_{.segment = -1, .index = -1, .scale = 1, .interval = {}};
   Real scale_ = 1;
   Real inverse_scale_ = 1;
   bool is_still_ = false;  ///< at tau = 0

@@ -31,11 +31,11 @@ inline constexpr Real slack_share = Real(0.001);
 
 template <Precise Real>
 Status check(const StopRequest<Real>& request, const StopBoundsMemory<Real>& memory) {
-  const std::size_t axes = request.move.axis_count();
+  const std::size_t axes = request.move.axis_count() + request.motors.size();
   if (request.limits.size() != axes) {
     return Error{.code = ErrorCode::wrong_count,
                  .what = "there are not as many limits as axes",
-                 .remedy = "give one for every axis of all tracks, track after track",
+                 .remedy = "give one for every axis of all tracks, track after track, and every motor",
                  .needed = static_cast<std::int64_t>(axes)};
   }
   if (!(request.rate > 0) || !std::isfinite(request.rate) || !(request.tick_seconds > 0) ||
@@ -51,7 +51,8 @@ Status check(const StopRequest<Real>& request, const StopBoundsMemory<Real>& mem
                  .needed = 2};
   }
   const std::size_t suprema = (memory.cells.size() - 1) * axes;
-  if (memory.suprema.size() < suprema || memory.slack.size() < axes) {
+  const bool has_places = request.motors.empty() || memory.places.size() >= request.move.axis_count();
+  if (memory.suprema.size() < suprema || memory.slack.size() < axes || !has_places) {
     return Error{.code = ErrorCode::capacity,
                  .what = "the memory of the stop bounds is too small for its cells and the axes of the move",
                  .remedy = "give it suprema of cells times axes, and a slack for each axis",
@@ -109,11 +110,15 @@ void widen(const MotionCells<Real>& motion, std::size_t axes) {
 template <Precise Real>
 MotionCells<Real> bounded_cells(const StopRequest<Real>& request, const StopBoundsMemory<Real>& memory) {
   const std::size_t cells = memory.cells.size() - 1;
-  const std::size_t axes = request.move.axis_count();
+  const std::size_t axes = request.limits.size();
   set_slack(request, memory.slack.first(axes));
-  const MotionCells<Real> motion{
-      .cells = cells, .slack = memory.slack.first(axes), .suprema = memory.suprema.first(cells * axes)};
+  const MotionCells<Real> motion{.cells = cells,
+                                 .slack = memory.slack.first(axes),
+                                 .suprema = memory.suprema.first(cells * axes),
+                                 .motors = request.motors.size(),
+                                 .places = memory.places};
   bound_cells(request.move, memory.turns, motion);
+  bound_motors(request.move, request.motors, motion);
   widen(motion, axes);
   return motion;
 }

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 
 #include "base/interval.hpp"
 #include "inbetween/base/bisection.hpp"
@@ -45,7 +46,7 @@ template <Precise Real>
 struct PathPiece {
   std::int32_t segment = 0;
   std::int32_t index = 0;  ///< within the segment
-  int exponent = 0;        ///< of the scale of its speed
+  Real scale = 1;          ///< of its speed: a power of two
   AnchoredInterval<Real> interval;
 
   [[nodiscard]] Real end_t() const {
@@ -57,8 +58,20 @@ struct PathPiece {
   /// tau of a point, within the piece.
   [[nodiscard]] Real tau(const PathPoint<Real>& point) const {
     const Real t = point.segment == segment ? point.t : Real(point.segment < segment ? 0 : 1);
-    const Real raw = interval.forward ? t - interval.anchor : interval.anchor - t;
-    return std::clamp(raw, Real(0), interval.extent);
+    return std::clamp(interval.tau(t), Real(0), interval.extent);
+  }
+  /// |P'| at a tau, in the units of the path.
+  [[nodiscard]] Real speed(Real tau) const {
+    return scale * std::sqrt(std::max(interval.speed_squared.value(tau), Real(0)));
+  }
+  /// The length between two tau that are no further apart than a piece of the inverse of arc length.
+  [[nodiscard]] Real length(Real from, Real to) const {
+    using Rule = GaussLegendre6<Real>;
+    Real sum = 0;
+    for (std::size_t i = 0; i < Rule::node.size(); ++i) {
+      sum += Rule::weight[i] * speed(from + (to - from) * Rule::node[i]);
+    }
+    return sum * std::fabs(to - from);
   }
 };
 
@@ -130,8 +143,7 @@ class StretchWalk {
     distance.add(stretch.time.seconds > 0 ? passed : -passed);
     if (stretch.is_anchored && passed < near_share * track_.arc_length().total()) {
       const LengthFromAnchor<Real> length(path.interval);
-      return length.inverse(std::ldexp(passed, -path.exponent),
-                            path.tau(track_.arc_length().locate(distance)));
+      return length.inverse(passed / path.scale, path.tau(track_.arc_length().locate(distance)));
     }
     return tau_of(path, distance);
   }
@@ -382,13 +394,17 @@ class StretchWalk {
   }
   /// The fitted inverse, brought nearer by a Newton step with the full length.
   [[nodiscard]] Real tau_of(const PathPiece<Real>& path, const TwoSum<Real>& distance) const {
-    PathPoint<Real> point = track_.arc_length().locate(distance);
-    if (point.segment == path.segment) {
-      const Real missing = distance.minus(track_.arc_length().distance(track_.path(), point));
-      const Real t = point.t + missing / track_.path().parametric_speed(point);
-      if (t > 0 && t < 1) point.t = t;
+    const ArcLength<Real>& arc_length = track_.arc_length();
+    const std::optional<std::size_t> index = arc_length.piece_of(distance);
+    if (!index || arc_length.pieces()[*index].segment != path.segment) {
+      return path.tau(arc_length.locate(distance));
     }
-    return path.tau(point);
+    const ArcPiece<Real>& piece = arc_length.pieces()[*index];
+    const Real t = piece.t_at(piece.offset(distance));
+    const Real length = path.length(path.interval.tau(piece.c[0]), path.interval.tau(t));
+    const Real missing = distance.minus(arc_length.begin_of(*index)) - length;
+    const Real nearer = t + missing / path.speed(path.interval.tau(t));
+    return path.tau({path.segment, nearer > 0 && nearer < 1 ? nearer : t});
   }
 
   void next_path_piece() {
@@ -410,7 +426,7 @@ class StretchWalk {
       const SegmentSpeed<Real> speed(track_.path().segment(segment_), track_.path().weights());
       if (speed.is_still()) continue;
       split_ = split_where_slow(speed);
-      path_.exponent = speed.exponent();
+      path_.scale = std::ldexp(Real(1), speed.exponent());
       end_distance_ = track_.arc_length().segment_begin(segment_);
       show_piece();
       return;

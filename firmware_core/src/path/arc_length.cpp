@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "inbetween/base/processor_clones.hpp"
 #include "inverse_builder.hpp"
 
 namespace inbetween {
@@ -29,13 +30,24 @@ Real chord_sum(const Path<Real>& path) {
 
 /// bucket b holds the last piece that begins at or before b / buckets of the length.
 template <Precise Real>
-void fill_buckets(std::span<const Real> begins, Real buckets_per_length, std::span<std::int32_t> buckets) {
+void fill_buckets(std::span<const Real> next_begins, Real buckets_per_length,
+                  std::span<std::int32_t> buckets) {
   std::size_t piece = 0;
   for (std::size_t b = 0; b < buckets.size(); ++b) {
     // The same rounded product as in the look-up decides, so that no piece is missed by an ulp.
-    while (piece + 1 < begins.size() && begins[piece + 1] * buckets_per_length <= static_cast<Real>(b))
-      ++piece;
+    while (next_begins[piece] * buckets_per_length <= static_cast<Real>(b)) ++piece;
     buckets[b] = static_cast<std::int32_t>(piece);
+  }
+}
+
+/// Puts in the place of every way its t. Two loops, so that the compiler makes lanes of the one that counts.
+template <Precise Real>
+INBETWEEN_PROCESSOR_CLONES void find_places(const ArcPiece<Real>& piece, Real offset, std::span<Real> ways) {
+  if (piece.kind == ArcPiece<Real>::Kind::plain) {
+    const ArcPiece<Real> plain = piece;
+    for (Real& way : ways) way = plain.plain_t(offset + way);
+  } else {
+    for (Real& way : ways) way = piece.t_at(offset + way);
   }
 }
 
@@ -88,39 +100,60 @@ Result<ArcLength<Real>> ArcLength<Real>::make(const Path<Real>& path, const ArcL
 
   ArcLength result;
   result.pieces_ = memory.pieces.first(pieces);
-  result.begins_ = memory.begins.first(pieces);
   result.buckets_ = memory.buckets.first(std::clamp<std::size_t>(pieces, 1, memory.buckets.size()));
   result.first_pieces_ = memory.first_pieces.first(segments + 1);
   result.segment_begins_ = memory.segment_begins.first(segments + 1);
+  result.end_ = builder.length();
   result.delta_ = options.delta;
+  result.next_begins_ = memory.begins.first(pieces);
   if (pieces > 0) {
-    result.buckets_per_length_ = static_cast<Real>(result.buckets_.size()) / result.total();
-    fill_buckets(result.begins_, result.buckets_per_length_, memory.buckets.first(result.buckets_.size()));
+    std::shift_left(memory.begins.begin(), memory.begins.begin() + static_cast<std::ptrdiff_t>(pieces), 1);
+    memory.begins[pieces - 1] = std::numeric_limits<Real>::infinity();
+    result.buckets_per_length_ = static_cast<Real>(result.buckets_.size()) / result.total() *
+                                 (1 - 4 * std::numeric_limits<Real>::epsilon());
+    fill_buckets(result.next_begins_, result.buckets_per_length_,
+                 memory.buckets.first(result.buckets_.size()));
   }
   return result;
 }
 
+/// Bisection among the pieces behind `piece` in its bucket.
 template <Precise Real>
-void ArcLength<Real>::locate(std::span<const Real> distance_high, std::span<const Real> distance_low,
+std::size_t ArcLength<Real>::piece_in_crowd(std::size_t piece, std::size_t bucket, Real distance) const {
+  std::size_t low = piece + 1;
+  std::size_t high =
+      bucket + 1 < buckets_.size() ? static_cast<std::size_t>(buckets_[bucket + 1]) : pieces_.size() - 1;
+  while (low < high) {  // it is in [low, high]
+    const std::size_t middle = (low + high) / 2;
+    if (next_begins_[middle] <= distance) {
+      low = middle + 1;
+    } else {
+      high = middle;
+    }
+  }
+  return low;
+}
+
+template <Precise Real>
+void ArcLength<Real>::locate(const TwoSum<Real>& begin, std::span<Real> ways,
                              std::span<PathPoint<Real>> points) const {
-  const Real total = segment_begins_.back().high;
-  for (std::size_t i = 0; i < points.size();) {
-    const Real first = distance_high[i];
-    if (first <= 0 || first >= total) {  // the exact ends
-      points[i] = locate(TwoSum<Real>{first, distance_low[i]});
+  for (std::size_t i = 0; i < ways.size();) {
+    const Real first = begin.high + ways[i];
+    if (first <= 0 || first >= end_.high) {  // the exact ends
+      points[i] = locate(begin, ways[i]);
       ++i;
       continue;
     }
     const std::size_t index = piece_at(first);
     const ArcPiece<Real>& piece = pieces_[index];
-    const Real begin = begins_[index];
-    const Real end = index + 1 < begins_.size() ? std::min(begins_[index + 1], total) : total;
-    std::size_t run = i + 1;
-    while (run < points.size() && distance_high[run] >= begin && distance_high[run] < end) ++run;
-    for (; i < run; ++i) {
-      const Real t = piece.t_at(TwoSum<Real>{distance_high[i], distance_low[i]});
-      points[i] = {piece.segment, t < 0 ? Real(0) : (t > 1 ? Real(1) : t)};
-    }
+    // Ways that rise may, rounded, fall by a bit.
+    const Real from = index > 0 ? next_begins_[index - 1] : Real(0);
+    const Real to = std::min(next_begins_[index], end_.high);
+    std::size_t end = i + 1;
+    while (end < ways.size() && begin.high + ways[end] >= from && begin.high + ways[end] < to) ++end;
+    const std::span<Real> run = ways.subspan(i, end - i);
+    find_places(piece, piece.offset(begin), run);
+    for (const Real t : run) points[i++] = {piece.segment, t};
   }
 }
 
@@ -143,8 +176,7 @@ TwoSum<Real> ArcLength<Real>::distance(const Path<Real>& path, const PathPoint<R
       (pieces_[middle].c[0] <= point.t ? piece : end) = middle;
     }
     from = pieces_[piece].c[0];
-    const bool plain = pieces_[piece].kind == ArcPiece<Real>::Kind::plain;
-    sum = {begins_[piece], plain ? pieces_[piece].shift : Real(0)};
+    sum = begin_of(piece);
   }
   using Rule = GaussLegendre6<Real>;
   const Real extent = point.t - from;

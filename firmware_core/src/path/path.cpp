@@ -5,12 +5,20 @@
 #include <limits>
 
 #include "base/scaled_norm.hpp"
+#include "inbetween/base/processor_clones.hpp"
 #include "path/frame_curves.hpp"
 #include "path/path_checks.hpp"
 #include "path/tcb_tangent.hpp"
 
 namespace inbetween {
 namespace {
+
+template <Precise Real>
+INBETWEEN_PROCESSOR_CLONES void evaluate(const Cubic<Real>& cubic, std::span<const PathPoint<Real>> points,
+                                         std::span<Real> out) {
+  const Cubic<Real> own = cubic;
+  for (std::size_t i = 0; i < points.size(); ++i) out[i] = own.value(points[i].t);
+}
 
 /// The keys of a spec and where the coefficients go, while the path is being made.
 template <Precise Real>
@@ -338,6 +346,18 @@ Result<Path<Real>> Path<Real>::make(const PathSpec<Real>& spec, const PathMemory
   path.spline_ = spec.spline;
   path.closed_ = spec.closed;
   return path;
+}
+
+template <Precise Real>
+void Path<Real>::positions(std::span<const PathPoint<Real>> points, std::span<Real> out) const {
+  for (std::size_t begin = 0, end = 0; begin < points.size(); begin = end) {
+    while (end < points.size() && points[end].segment == points[begin].segment) ++end;
+    const std::span<const Cubic<Real>> cubics = segment(points[begin].segment);
+    for (std::size_t d = 0; d < static_cast<std::size_t>(axis_count_); ++d) {
+      evaluate(cubics[d], points.subspan(begin, end - begin),
+               out.subspan(d * points.size() + begin, end - begin));
+    }
+  }
 }
 
 template <Precise Real>

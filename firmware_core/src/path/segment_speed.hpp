@@ -39,6 +39,7 @@ struct AnchoredInterval {
   Quartic<Real> speed_squared;
 
   [[nodiscard]] Real t(Real tau) const { return forward ? anchor + tau : anchor - tau; }
+  [[nodiscard]] Real tau(Real t) const { return forward ? t - anchor : anchor - t; }
 };
 
 /// The derivative of one segment, scaled by 2^-exponent so that its largest coefficient is near 1.

@@ -108,8 +108,8 @@ class Adjustment {
   }
   /// Whether the author gave the key its frame.
   [[nodiscard]] bool is_locked(const KeyLock& lock) const {
-    return std::ranges::any_of(spec_.locks,
-                               [&](const KeyLock& wish) { return wish.key == lock.key && wish.frame >= 0; });
+    const auto wish = std::ranges::lower_bound(spec_.locks, lock.key, {}, &KeyLock::key);
+    return wish != spec_.locks.end() && wish->key == lock.key && wish->frame >= 0;
   }
 
   void blame(const KeyLock& lock) {
@@ -191,7 +191,13 @@ class Adjustment {
     const Real end = lock.hold > 0 ? curve.a_of_frame(lock.frame + lock.hold) : begin;
     const Real ramp = static_cast<Real>(f) / static_cast<Real>(drawn_f_);  // one drawn span
     const bool is_drawn = lock.ease && touches(lock.knot, f);
-    for (std::int32_t i = 0; i <= f; ++i) {
+    // Further away than the ramp the curve is as drawn. Beside the seam of a periodic one, no place is far.
+    const auto reach = static_cast<std::int32_t>(ramp) + 3;
+    const auto first = static_cast<std::int32_t>(begin) - reach;
+    const auto last = static_cast<std::int32_t>(end) + reach;
+    const bool is_at_seam = is_periodic_ && (first <= 0 || last >= f);
+    for (std::int32_t i = is_at_seam ? 0 : std::max<std::int32_t>(first, 0);
+         i <= (is_at_seam ? f : std::min(last, f)); ++i) {
       const auto outside = [&](std::int32_t at) {
         const auto here = static_cast<Real>(at);
         return std::max(begin - here, here - end) - 2;
@@ -273,7 +279,9 @@ Status check_memory(const KeyTimingSpec<Real>& spec, const KeyTimingMemory<Real>
   const bool enough = values >= spec.control_values.size() && memory.drawn.size() >= values &&
                       memory.mobility.size() >= values && memory.ceiling.size() >= values &&
                       memory.locks.size() >= rows + 1 && memory.targets.size() >= rows &&
-                      memory.multipliers.size() >= 4 * rows && memory.matrix.size() >= rows * rows;
+                      memory.multipliers.size() >= 4 * rows && memory.rows.size() >= rows &&
+                      memory.weights.size() >= lock_weight_count(rows - 1, values) &&
+                      memory.matrix.size() >= lock_entry_count(rows - 1);
   if (enough) return Done{};
   return Error{.code = ErrorCode::capacity,
                .what = "there are more locked keys or control values than the memory of the key timing",
@@ -292,7 +300,7 @@ Result<KeyTiming<Real>> adjust_to_locks(const KeyTimingSpec<Real>& spec,
                  .remedy = "draw a curve, for example speed = [10, 10]"};
   }
   if (const Status enough = check_memory(spec, memory); !enough) return enough.error();
-  const Result<std::size_t> count = complete_locks(spec, memory.locks);
+  const Result<std::size_t> count = complete_locks(spec, memory.locks, memory.targets);
   if (!count) return count.error();
   return Adjustment<Real>(spec, memory, *count).run();
 }

@@ -1,9 +1,10 @@
 #include "timing/lock_frames.hpp"
 
+#include <algorithm>
 #include <limits>
 
 #include "inbetween/base/bisection.hpp"
-#include "inbetween/timing/integral_row.hpp"
+#include "inbetween/timing/speed_profile.hpp"
 
 namespace inbetween {
 namespace {
@@ -13,62 +14,71 @@ Error wish_error(const char* what, const char* remedy, const KeyLock& lock) {
       .code = ErrorCode::out_of_range, .what = what, .remedy = remedy, .key = lock.key, .frame = lock.frame};
 }
 
-/// When the drawn curve arrives at a key, as a share of the time that it moves.
+/// When the drawn curve arrives at the key of every wish, as a share of the time that it moves. The keys are
+/// in order, so that one walk along the curve finds them all.
 template <Precise Real>
-Real arrival(const KeyTimingSpec<Real>& spec, std::int32_t key) {
-  const auto f = static_cast<std::int32_t>(spec.control_values.size()) - 1;
-  const auto spans = static_cast<Real>(f);
+void find_arrivals(const KeyTimingSpec<Real>& spec, std::span<Real> arrivals) {
+  const std::size_t f = spec.control_values.size() - 1;
+  const auto span_at = [&](std::size_t i) { return speed_span(spec.control_values, i, spec.ends); };
+  Real total = 0;
+  for (std::size_t i = 0; i < f; ++i) total += span_at(i).integral();
   const Real length = spec.key_distances.back();
-  const Real share = length > 0 ? spec.key_distances[static_cast<std::size_t>(key)] / length
-                                : static_cast<Real>(key) / static_cast<Real>(spec.key_distances.size());
-  if (share <= 0) return 0;
-  const auto integral_to = [&](Real a) {
-    return IntegralRow<Real>(0, a, f, spec.ends).integral(spec.control_values);
-  };
-  const Real target = share * integral_to(spans);
-  const auto is_before = [&](Real tried) { return integral_to(tried * spans) < target; };
-  return bisected<Real>({0, 1}, std::numeric_limits<Real>::digits, is_before).high;
+  std::size_t span = 0;
+  Real before = 0;
+  for (std::size_t k = 0; k < spec.locks.size(); ++k) {
+    const auto key = static_cast<std::size_t>(spec.locks[k].key);
+    const Real share = length > 0 ? spec.key_distances[key] / length
+                                  : static_cast<Real>(key) / static_cast<Real>(spec.key_distances.size());
+    const Real target = share * total;
+    while (span + 1 < f && before + span_at(span).integral() < target) before += span_at(span++).integral();
+    const auto is_before = [&](Real t) { return before + span_at(span).integral(t) < target; };
+    const Real t = share > 0 ? bisected<Real>({0, 1}, std::numeric_limits<Real>::digits, is_before).high : 0;
+    arrivals[k] = (static_cast<Real>(span) + t) / static_cast<Real>(f);
+  }
 }
 
 /// The frame of the hold at `index`, which has none: where the drawn curve arrives, played between the locks
 /// with frames on either side in the frames that are no holds.
 template <Precise Real>
-std::int32_t arrival_frame(const KeyTimingSpec<Real>& spec, std::size_t index) {
+std::int32_t arrival_frame(const KeyTimingSpec<Real>& spec, std::span<const Real> arrivals,
+                           std::size_t index) {
   const std::span<const KeyLock> locks = spec.locks;
   std::int32_t begin_frame = 0;
   Real begin_share = 0;
-  std::int32_t held_before = 0;
-  for (std::size_t i = 0; i < index; ++i) {
-    held_before += locks[i].hold;
+  std::int32_t moving = spec.frames;
+  for (std::size_t i = index; i-- > 0;) {
+    moving -= locks[i].hold;
     if (locks[i].frame < 0) continue;
-    begin_frame = locks[i].frame + locks[i].hold;
-    begin_share = arrival(spec, locks[i].key);
-    held_before = 0;
+    begin_frame = locks[i].frame;
+    begin_share = arrivals[i];
+    break;
   }
-  std::int32_t moving = spec.frames - begin_frame - held_before;
+  const std::int32_t first = spec.frames - moving + begin_frame;  // with what is held before
+  moving -= begin_frame;
   Real end_share = 1;
   for (std::size_t i = index; i < locks.size(); ++i) {
     if (locks[i].frame >= 0) {
       moving -= spec.frames - locks[i].frame;
-      end_share = arrival(spec, locks[i].key);
+      end_share = arrivals[i];
       break;
     }
     moving -= locks[i].hold;
   }
-  const Real share = arrival(spec, locks[index].key) - begin_share;
+  const Real share = arrivals[index] - begin_share;
   const Real frames = share > 0 && end_share > begin_share
                           ? share / (end_share - begin_share) * static_cast<Real>(moving)
                           : Real(0);
   // The first frame at or behind it; a frame met but for rounding is that frame.
   const Real rounding = 64 * std::numeric_limits<Real>::epsilon() * static_cast<Real>(spec.frames);
   const auto whole = static_cast<std::int32_t>(frames);
-  return begin_frame + held_before + (frames > static_cast<Real>(whole) + rounding ? whole + 1 : whole);
+  return first + (frames > static_cast<Real>(whole) + rounding ? whole + 1 : whole);
 }
 
 }  // namespace
 
 template <Precise Real>
-Result<std::size_t> complete_locks(const KeyTimingSpec<Real>& spec, std::span<KeyLock> out) {
+Result<std::size_t> complete_locks(const KeyTimingSpec<Real>& spec, std::span<KeyLock> out,
+                                   std::span<Real> arrivals) {
   const auto last_key = static_cast<std::int32_t>(spec.key_distances.size()) - 1;
   std::int32_t holds = 0;
   for (const KeyLock& lock : spec.locks) holds += lock.hold;
@@ -85,6 +95,9 @@ Result<std::size_t> complete_locks(const KeyTimingSpec<Real>& spec, std::span<Ke
       return wish_error("there is no such key", "count the keys from 0", wish);
     }
   }
+  const bool has_frames =
+      std::ranges::all_of(spec.locks, [](const KeyLock& lock) { return lock.frame >= 0; });
+  if (!has_frames) find_arrivals(spec, arrivals);
   for (std::size_t i = 0; i < spec.locks.size(); ++i) {
     KeyLock lock = spec.locks[i];
     const bool is_end = spec.ends == CurveEnds::natural && lock.key == 0;
@@ -92,7 +105,7 @@ Result<std::size_t> complete_locks(const KeyTimingSpec<Real>& spec, std::span<Ke
       return wish_error("the speed eases at an end of the move by the curve itself",
                         "remove ease, and draw 0, 0 at that end of the speed curve", lock);
     }
-    if (lock.frame < 0) lock.frame = arrival_frame(spec, i);
+    if (lock.frame < 0) lock.frame = arrival_frame<Real>(spec, arrivals, i);
     const std::int32_t end = lock.frame + lock.hold;
     if (end > spec.frames) {
       return wish_error("this key would be left after the last frame",
@@ -128,7 +141,9 @@ Result<std::size_t> complete_locks(const KeyTimingSpec<Real>& spec, std::span<Ke
   return count;
 }
 
-template Result<std::size_t> complete_locks(const KeyTimingSpec<double>&, std::span<KeyLock>);
-template Result<std::size_t> complete_locks(const KeyTimingSpec<float>&, std::span<KeyLock>);
+template Result<std::size_t> complete_locks(const KeyTimingSpec<double>&, std::span<KeyLock>,
+                                            std::span<double>);
+template Result<std::size_t> complete_locks(const KeyTimingSpec<float>&, std::span<KeyLock>,
+                                            std::span<float>);
 
 }  // namespace inbetween

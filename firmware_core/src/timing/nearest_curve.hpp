@@ -58,6 +58,9 @@ class NearestCurve {
     for (std::size_t r = 0; r < rows_; ++r) total += memory_.targets[r];
     const Real tolerance = 64 * std::numeric_limits<Real>::epsilon() * total;
     const Real largest_cost = cost_bound();
+    if (is_met_as_drawn(tolerance)) return -1;
+    if (const std::int32_t without_room = list_rows(); without_room >= 0) return without_room;
+    if (const std::int32_t too_far = row_beyond_all_curves(tolerance); too_far >= 0) return too_far;
     static_cast<void>(evaluate(lambda_));
     for (int i = 0; i < max_iterations && worst_residual() > tolerance; ++i) {
       newton_direction();
@@ -67,16 +70,26 @@ class NearestCurve {
   }
 
  private:
+  /// Whether the drawn curve is the answer already; it is then in `adjusted`.
+  bool is_met_as_drawn(Real tolerance) {
+    const std::span<Real> x = memory_.adjusted.first(count_);
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      x[i] = std::clamp(memory_.drawn[i], Real(0), memory_.ceiling[i]);
+    }
+    if (ends_ == CurveEnds::periodic) memory_.adjusted[count_] = x.front();
+    for (std::size_t r = 0; r < rows_; ++r) {
+      if (!(std::fabs(row(r).integral(x) - memory_.targets[r]) <= tolerance)) return false;
+    }
+    return true;
+  }
+
   /// x(lambda) into `adjusted`, the residual, and the value of the dual function.
   Real evaluate(std::span<const Real> lambda) {
     const std::span<Real> x = memory_.adjusted.first(count_);
     std::ranges::copy(memory_.drawn.first(count_), x.begin());
     for (std::size_t r = 0; r < rows_; ++r) {
-      const IntegralRow<Real> weights = row(r);
-      for (std::int32_t i = weights.first(); i <= weights.last(); ++i) {
-        const std::size_t index = weights.index(i);
-        x[index] += lambda[r] * memory_.mobility[index] * weights.weight(i);
-      }
+      for_each_value(r,
+                     [&](std::size_t i, Real weight) { x[i] += lambda[r] * memory_.mobility[i] * weight; });
     }
     Real dual = 0;
     for (std::size_t i = 0; i < x.size(); ++i) {
@@ -86,7 +99,9 @@ class NearestCurve {
     }
     if (ends_ == CurveEnds::periodic) memory_.adjusted[count_] = x.front();
     for (std::size_t r = 0; r < rows_; ++r) {
-      residual_[r] = row(r).integral(x) - memory_.targets[r];
+      Real integral = 0;
+      for_each_value(r, [&](std::size_t i, Real weight) { integral += weight * x[i]; });
+      residual_[r] = integral - memory_.targets[r];
       dual -= lambda[r] * residual_[r];
     }
     return dual;
@@ -162,52 +177,115 @@ class NearestCurve {
     return static_cast<std::int32_t>(worst - residual_.begin());
   }
 
-  /// The first row that shares a control value with row r. Rows are in the order of time, so the matrix is a
-  /// band; the last rows of a periodic curve also meet its first ones.
+  /// The weights of every row, and which rows share control values: rows are in the order of time, so the
+  /// matrix is a band; the last rows of a periodic curve also meet its first ones. Returns a row that follows
+  /// from those before it, for which there is no room, or -1.
+  std::int32_t list_rows() {
+    std::size_t weights = 0;
+    std::size_t entries = 0;
+    for (std::size_t r = 0; r < rows_; ++r) {
+      const IntegralRow<Real> integral = row(r);
+      LockRow& here = memory_.rows[r];
+      here = {.first = integral.first(),
+              .count = std::max<std::int32_t>(integral.last() - integral.first() + 1, 0),
+              .weights = static_cast<std::int32_t>(weights),
+              .entries = static_cast<std::int32_t>(entries)};
+      here.beside = static_cast<std::int32_t>(integral.wraps() ? 0 : first_beside(r));
+      // Nothing moves where nothing is covered (stop_between_equal_keys).
+      if (!(memory_.targets[r] > 0)) here.beside = static_cast<std::int32_t>(r);
+      weights += static_cast<std::size_t>(here.count);
+      entries += r - static_cast<std::size_t>(here.beside) + 1;
+      if (weights > memory_.weights.size() || entries > memory_.matrix.size()) {
+        return static_cast<std::int32_t>(r);
+      }
+      for (std::int32_t k = 0; k < here.count; ++k) {
+        const std::int32_t at = here.weights + k;
+        memory_.weights[static_cast<std::size_t>(at)] = integral.weight(here.first + k);
+      }
+    }
+    return -1;
+  }
+  /// A row that not even the largest values meet, or -1: a proof that costs nothing.
+  [[nodiscard]] std::int32_t row_beyond_all_curves(Real tolerance) const {
+    for (std::size_t r = 0; r < rows_; ++r) {
+      Real most = 0;
+      for_each_value(r, [&](std::size_t i, Real weight) {
+        const Real largest = memory_.mobility[i] > 0 ? memory_.ceiling[i] : memory_.drawn[i];
+        most += std::max(weight, Real(0)) * largest;
+      });
+      if (most < memory_.targets[r] - tolerance) return static_cast<std::int32_t>(r);
+    }
+    return -1;
+  }
+
   [[nodiscard]] std::size_t first_beside(std::size_t r) const {
-    const IntegralRow<Real> here = row(r);
-    if (here.wraps()) return 0;
+    const auto end = [&](std::size_t other) { return memory_.rows[other].first + memory_.rows[other].count; };
     std::size_t first = r;
-    while (first > 0 && row(first - 1).last() >= here.first()) --first;
+    while (first > 0 && end(first - 1) > memory_.rows[r].first) --first;
     return first;
   }
-  /// The sum over the free values of what two rows have in common.
-  [[nodiscard]] Real product(const IntegralRow<Real>& one, const IntegralRow<Real>& other) const {
+
+  /// visit(index, weight) for every control value of a row.
+  template <class Visit>
+  void for_each_value(std::size_t r, const Visit& visit) const {
+    const LockRow& here = memory_.rows[r];
+    for (std::int32_t k = 0; k < here.count; ++k) {
+      const std::int32_t at = here.weights + k;
+      visit(index(here.first + k), memory_.weights[static_cast<std::size_t>(at)]);
+    }
+  }
+  [[nodiscard]] std::size_t index(std::int32_t i) const {
+    return static_cast<std::size_t>(ends_ == CurveEnds::periodic ? (i + 2 * f_) % f_ : i);
+  }
+  /// The weight of a control value in a row, 0 where it is not in it.
+  [[nodiscard]] Real weight(const LockRow& row, std::int32_t i) const {
+    std::int32_t k = i - row.first;
+    if (ends_ == CurveEnds::periodic) k = (k % f_ + f_) % f_;
+    const std::int32_t at = row.weights + k;
+    return k >= 0 && k < row.count ? memory_.weights[static_cast<std::size_t>(at)] : Real(0);
+  }
+
+  /// The sum over the free values of what two rows have in common, of which `other` is not behind.
+  [[nodiscard]] Real product(const LockRow& one, const LockRow& other) const {
+    const bool shares_end = ends_ == CurveEnds::periodic || &one == &other;
+    const std::int32_t end = one.first + one.count;
+    const std::int32_t last = shares_end ? end : std::min(end, other.first + other.count);
     Real sum = 0;
-    for (std::int32_t i = one.first(); i <= one.last(); ++i) {
-      const std::size_t index = one.index(i);
-      const Real x = memory_.adjusted[index];
-      const bool is_free = x > 0 && x < memory_.ceiling[index];
-      if (is_free) sum += memory_.mobility[index] * one.weight(i) * other.weight(i);
+    for (std::int32_t i = one.first; i < last; ++i) {
+      const std::size_t here = index(i);
+      const Real x = memory_.adjusted[here];
+      const bool is_free = x > 0 && x < memory_.ceiling[here];
+      if (is_free) sum += memory_.mobility[here] * weight(one, i) * weight(other, i);
     }
     return sum;
   }
 
   /// Solves (A_free A_free^T) direction = -residual by Cholesky's method. No entry of the factor lies before
-  /// the first of its row in the matrix (George and Liu 1981, Computer Solution of Large Sparse Positive
-  /// Definite Systems, ch. 4), so that the work is linear in the number of locks.
+  /// the first of its row in the matrix, and no other has a place in memory (George and Liu 1981, Computer
+  /// Solution of Large Sparse Positive Definite Systems, ch. 4): the work is linear in the number of locks.
   void newton_direction() {
     const std::size_t n = rows_;
-    const std::span<Real> m = memory_.matrix.first(n * n);
+    const auto beside = [&](std::size_t r) { return static_cast<std::size_t>(memory_.rows[r].beside); };
+    const auto entry = [&](std::size_t r, std::size_t c) -> Real& {
+      return memory_.matrix[static_cast<std::size_t>(memory_.rows[r].entries) + c - beside(r)];
+    };
     for (std::size_t r = 0; r < n; ++r) {
-      const IntegralRow<Real> here = row(r);
-      const std::size_t first = first_beside(r);
-      std::fill_n(m.begin() + static_cast<std::ptrdiff_t>(r * n), r, Real(0));
-      for (std::size_t c = first; c <= r; ++c) m[r * n + c] = product(here, row(c));
+      const std::size_t first = beside(r);
+      for (std::size_t c = first; c <= r; ++c) entry(r, c) = product(memory_.rows[r], memory_.rows[c]);
       // Where too few values are free the matrix is singular; the shift keeps the direction an ascent.
-      m[r * n + r] += Real(1e-12) + 16 * std::numeric_limits<Real>::epsilon() * m[r * n + r];
+      entry(r, r) += Real(1e-12) + 16 * std::numeric_limits<Real>::epsilon() * entry(r, r);
       direction_[r] = -residual_[r];
       for (std::size_t c = first; c <= r; ++c) {
-        Real sum = m[r * n + c];
-        for (std::size_t k = first; k < c; ++k) sum -= m[r * n + k] * m[c * n + k];
-        m[r * n + c] = r == c ? std::sqrt(std::max(sum, Real(1e-14))) : sum / m[c * n + c];
+        Real sum = entry(r, c);
+        for (std::size_t k = std::max(first, beside(c)); k < c; ++k) sum -= entry(r, k) * entry(c, k);
+        entry(r, c) = r == c ? std::sqrt(std::max(sum, Real(1e-14))) : sum / entry(c, c);
       }
-      for (std::size_t k = first; k < r; ++k) direction_[r] -= m[r * n + k] * direction_[k];
-      direction_[r] /= m[r * n + r];
+      for (std::size_t k = first; k < r; ++k) direction_[r] -= entry(r, k) * direction_[k];
+      direction_[r] /= entry(r, r);
     }
     for (std::size_t r = n; r-- > 0;) {
-      direction_[r] /= m[r * n + r];
-      for (std::size_t k = first_beside(r); k < r; ++k) direction_[k] -= m[r * n + k] * direction_[r];
+      direction_[r] /= entry(r, r);
+      for (std::size_t k = beside(r); k < r; ++k) direction_[k] -= entry(r, k) * direction_[r];
     }
   }
 

@@ -6,65 +6,132 @@
 #include <limits>
 
 #include "base/scaled_norm.hpp"
+#include "inbetween/base/processor_clones.hpp"
 #include "path/segment_speed.hpp"
 
 namespace inbetween {
 namespace {
 
-/// Frames whose distances stand on the stack at a time: enough to fill the vector registers often, 1 KB
-/// in double precision.
-constexpr std::size_t frames_per_block = 64;
+/// Frames whose ways stand on the stack at a time: enough to fill the vector registers often, 1 KB in double
+/// precision.
+constexpr std::size_t frames_per_block = 128;
 
-/// sigma = |W P'| and its derivatives in t, W = diag(weights).
+/// The ways of frames of one span; `phase` is that of the first, in parts of a span.
 template <Precise Real>
-struct ParametricSpeed {
-  Real sigma = 0, first = 0, second = 0;
+INBETWEEN_PROCESSOR_CLONES void find_ways(const SpanDistance<Real>& span, std::int32_t phase,
+                                          std::int32_t step, Real part, std::span<Real> ways) {
+  const SpanDistance<Real> own = span;
+  for (Real& way : ways) {
+    way = own.way(static_cast<Real>(phase) * part);
+    phase += step;
+  }
+}
+
+/// The inner products of W P', W P'' and W P''', W = diag(weights), at one place of the path.
+template <Precise Real>
+struct SlopeProducts {
+  Real p11 = 0, p12 = 0, p13 = 0, p22 = 0, p33 = 0;
+
+  void add(Real first, Real second, Real third) {
+    p11 += first * first;
+    p12 += first * second;
+    p13 += first * third;
+    p22 += second * second;
+    p33 += third * third;
+  }
+  /// Neither these nor a third power of p11 overflow or vanish.
+  [[nodiscard]] bool is_in_range() const {
+    constexpr Real most = std::numeric_limits<Real>::digits > 30 ? Real(1e100) : Real(1e12F);
+    return p11 > 1 / most && p11 < most && p22 < most && p33 < most;
+  }
 };
 
+/// sigma = |W P'| and its derivatives in t.
 template <Precise Real>
-ParametricSpeed<Real> parametric_speed(std::span<const Cubic<Real>> cubics, std::span<const Real> weights,
-                                       Real t, Real sigma) {
-  ParametricSpeed<Real> result{.sigma = sigma};
-  Real along_third = 0;
-  Real second_squared = 0;
-  for (std::size_t d = 0; d < cubics.size(); ++d) {
-    const Real tangent = weights[d] * cubics[d].derivative(t) / sigma;
-    const Real second = weights[d] * cubics[d].second(t);
-    result.first += tangent * second;
-    along_third += tangent * (weights[d] * cubics[d].third());
-    second_squared += second * (second / sigma);
+struct ParametricSpeed {
+  Real sigma = 0, inverse = 0;
+  Real first = 0, second = 0;
+
+  explicit ParametricSpeed(const SlopeProducts<Real>& products)
+      : sigma(std::sqrt(products.p11)),
+        inverse(1 / sigma),
+        first(products.p12 * inverse),
+        second((products.p22 - first * first + products.p13) * inverse) {}
+};
+
+/// The same of a place where the products over- or underflow; sigma, above 0, is known there. Everything is
+/// in units of a power of two near it.
+template <Precise Real>
+struct ScaledSpeed {
+  Real scale;
+  ParametricSpeed<Real> speed;
+
+  ScaledSpeed(std::span<const Cubic<Real>> cubics, std::span<const Real> weights, Real t, Real sigma)
+      : scale(scale_of(sigma)), speed(products_of(cubics, weights, t, scale)) {}
+
+ private:
+  static SlopeProducts<Real> products_of(std::span<const Cubic<Real>> cubics, std::span<const Real> weights,
+                                         Real t, Real scale) {
+    SlopeProducts<Real> products;
+    for (std::size_t d = 0; d < cubics.size(); ++d) {
+      const Real weight = scale * weights[d];
+      products.add(weight * cubics[d].derivative(t), weight * cubics[d].second(t),
+                   weight * cubics[d].third());
+    }
+    return products;
   }
-  result.second = second_squared - result.first * (result.first / sigma) + along_third;
-  return result;
-}
+  static Real scale_of(Real sigma) {
+    int exponent = 0;
+    static_cast<void>(std::frexp(sigma, &exponent));
+    return std::ldexp(Real(1), -exponent);
+  }
+};
 
 /// From sigma s' = v by differentiating twice in time.
 template <Precise Real>
-ParameterRates<Real> parameter_rates(const AlongPath<Real>& along, const ParametricSpeed<Real>& speed) {
+ParameterRates<Real> parameter_rates(const AlongPath<Real>& along, const ParametricSpeed<Real>& speed,
+                                     Real scale = 1) {
   ParameterRates<Real> s;
-  s.first = along.speed / speed.sigma;
-  s.second = (along.acceleration - speed.first * s.first * s.first) / speed.sigma;
-  s.third = (along.jerk - speed.second * s.first * s.first * s.first - 3 * speed.first * s.first * s.second) /
-            speed.sigma;
+  s.first = scale * along.speed * speed.inverse;
+  s.second = (scale * along.acceleration - speed.first * s.first * s.first) * speed.inverse;
+  s.third = (scale * along.jerk - speed.second * s.first * s.first * s.first -
+             3 * speed.first * s.first * s.second) *
+            speed.inverse;
   return s;
 }
 
-/// The chain rule for p(t(time)), axis by axis.
+/// Position and derivatives by t.
+template <Precise Real>
+AxisMotion<Real> slopes_of(const Cubic<Real>& cubic, Real t) {
+  return {cubic.value(t), cubic.derivative(t), cubic.second(t), cubic.third()};
+}
+
+/// The chain rule for p(t(time)), axis by axis: derivatives by t become derivatives in time.
+template <Precise Real>
+void pass_in_time(const ParameterRates<Real>& s, std::span<AxisMotion<Real>> axes) {
+  const Real square = s.first * s.first;
+  const Real cube = square * s.first;
+  const Real cross = 3 * s.first * s.second;
+  for (AxisMotion<Real>& axis : axes) {
+    const auto [position, p1, p2, p3] = axis;
+    axis = {position, p1 * s.first, p2 * square + p1 * s.second, p3 * cube + p2 * cross + p1 * s.third};
+  }
+}
+
 template <Precise Real>
 void write_motion(std::span<const Cubic<Real>> cubics, Real t, const ParameterRates<Real>& s,
                   std::span<AxisMotion<Real>> out) {
-  for (std::size_t d = 0; d < out.size(); ++d) {
-    const Real p1 = cubics[d].derivative(t);
-    const Real p2 = cubics[d].second(t);
-    const Real p3 = cubics[d].third();
-    out[d] = {cubics[d].value(t), p1 * s.first, p2 * s.first * s.first + p1 * s.second,
-              p3 * s.first * s.first * s.first + 3 * p2 * s.first * s.second + p1 * s.third};
-  }
+  for (std::size_t d = 0; d < out.size(); ++d) out[d] = slopes_of(cubics[d], t);
+  pass_in_time(s, out);
 }
 
 /// A derivative beyond the range of Real is given as 0 and reported.
 template <Precise Real>
 Derivatives without_overflow(std::span<AxisMotion<Real>> motion, Derivatives derivatives) {
+  Real sum = 0;  // of zeros, if all are finite
+  for (const AxisMotion<Real>& axis : motion) sum += 0 * (axis.velocity + axis.acceleration + axis.jerk);
+  if (sum == 0) [[likely]]
+    return derivatives;
   for (AxisMotion<Real>& axis : motion) {
     for (Real* derivative : {&axis.velocity, &axis.acceleration, &axis.jerk}) {
       if (std::isfinite(*derivative)) continue;
@@ -79,6 +146,15 @@ Derivatives without_overflow(std::span<AxisMotion<Real>> motion, Derivatives der
 /// the length. Measured on 3000 paths with a cusp between two keys: at most 1.4 in double and 1.1 in single
 /// precision; FuzzFinds.ACuspBetweenKeysIsReportedWhereverItLies holds it.
 constexpr int distance_roundings = 2;
+
+/// Whether P' = 0 is further away than `rounding` for sure, as it is nearly everywhere: the comparison of
+/// Standstill::distance() for both ways in which a path comes to rest, without a root.
+template <Precise Real>
+bool is_far_from_standstill(const SlopeProducts<Real>& p, Real rounding) {
+  const Real square = rounding * rounding;
+  return p.is_in_range() && p.p11 * p.p11 > 4 * square * p.p22 &&
+         p.p11 * p.p11 * p.p11 > 21 * square * (square * p.p33);
+}
 
 /// A point from which P' = 0 is not far, if it is anywhere.
 template <Precise Real>
@@ -167,42 +243,29 @@ void Track<Real>::locate_frames(std::int32_t first, std::span<PathPoint<Real>> p
       points[i] = locate({first + static_cast<std::int32_t>(i), 0});
     return;
   }
-  std::array<Real, frames_per_block> high;
-  std::array<Real, frames_per_block> low;
+  std::array<Real, frames_per_block> ways;
   const std::int32_t f = profile_.span_count();
-  std::int32_t frame = first;
   const bool has_last = !points.empty() && first + static_cast<std::int32_t>(points.size()) > frames_;
-  const std::size_t total = points.size() - (has_last ? 1 : 0);
   if (has_last) points.back() = {path_.segment_count(), 0};
+  const std::size_t total = points.size() - (has_last ? 1 : 0);
   for (std::size_t done = 0; done < total;) {
-    const std::size_t count = std::min(frames_per_block, total - done);
-    for (std::size_t filled = 0; filled < count;) {
-      const std::int32_t scaled = frame * f;
-      const std::int32_t span = scaled / frames_;
-      const std::int32_t phase = scaled % frames_;
-      const auto run = std::min(count - filled, static_cast<std::size_t>((frames_ - phase - 1) / f + 1));
-      const SpeedSpan<Real>& curve = profile_.span(span);
-      const TwoSum<Real> before = span_distances_[static_cast<std::size_t>(span)];
-      for (std::size_t i = 0; i < run; ++i) {
-        const Real t =
-            static_cast<Real>(phase + static_cast<std::int32_t>(i) * f) / static_cast<Real>(frames_);
-        TwoSum<Real> sum = before;
-        sum.add(constant_ * curve.integral(t));
-        high[filled + i] = sum.high;
-        low[filled + i] = sum.low;
-      }
-      frame += static_cast<std::int32_t>(run);
-      filled += run;
-    }
-    arc_length_.locate(std::span(high).first(count), std::span(low).first(count),
-                       points.subspan(done, count));
-    done += count;
+    const std::int32_t scaled = (first + static_cast<std::int32_t>(done)) * f;
+    const std::int32_t index = scaled / frames_;
+    const std::int32_t phase = scaled - index * frames_;
+    const std::int32_t in_span = (frames_ - phase - 1) / f + 1;
+    const std::span<Real> run =
+        std::span(ways).first(std::min({ways.size(), total - done, static_cast<std::size_t>(in_span)}));
+    const SpanDistance<Real>& span = span_distances_[static_cast<std::size_t>(index)];
+    find_ways(span, phase, f, inverse_frames_, run);
+    arc_length_.locate(span.begin, run, points.subspan(done, run.size()));
+    done += run.size();
   }
 }
 
 template <Precise Real>
 AlongPath<Real> Track<Real>::unbounded_along(const FrameTime<Real>& time) const {
-  AlongPath<Real> result{.point = locate(time)};
+  AlongPath<Real> result;
+  if (is_outside(time) || !has_profile()) result.point = locate(time);
   if (is_outside(time)) return result;
   if (!has_profile()) {
     // From sigma s' = v by differentiating.
@@ -210,14 +273,17 @@ AlongPath<Real> Track<Real>::unbounded_along(const FrameTime<Real>& time) const 
     const Real sigma = path_.parametric_speed(result.point);
     result.speed = sigma * s.first;
     if (sigma > 0) {
-      const ParametricSpeed<Real> speed =
-          parametric_speed(path_.segment(result.point.segment), path_.weights(), result.point.t, sigma);
-      result.acceleration = speed.first * s.first * s.first + sigma * s.second;
-      result.jerk =
-          speed.second * s.first * s.first * s.first + 3 * speed.first * s.first * s.second + sigma * s.third;
+      const ScaledSpeed<Real> scaled(path_.segment(result.point.segment), path_.weights(), result.point.t,
+                                     sigma);
+      const Real first = scaled.speed.first / scaled.scale;
+      result.acceleration = first * s.first * s.first + sigma * s.second;
+      result.jerk = scaled.speed.second / scaled.scale * s.first * s.first * s.first +
+                    3 * first * s.first * s.second + sigma * s.third;
     }
   } else {
     const CurvePlace<Real> where = place(time);
+    const bool is_end = time.frame >= frames_;
+    result.point = is_plain_ && !is_end ? locate_at(where) : locate(time);
     const SpeedSpan<Real>& span = profile_.span(where.span);
     const Real rate = curve_rate();
     const Real scale = (portions_.empty() ? constant_ : portion_at(time.frame).constant) * rate;
@@ -250,7 +316,7 @@ Derivatives Track<Real>::motion(const FrameTime<Real>& time, std::span<AxisMotio
   const PathPoint<Real> here = where.point;
   where.point = moving_side(path_, here);
   const Derivatives derivatives = write_along(where, axes);
-  for (std::size_t d = 0; d < axes.size(); ++d) {
+  for (std::size_t d = 0; d < axes.size() && !(where.point == here); ++d) {
     axes[d].position = path_.segment(here.segment)[d].value(here.t);  // to the last bit, from either side
   }
   return derivatives;
@@ -262,15 +328,26 @@ Derivatives Track<Real>::write_along(const AlongPath<Real>& where, std::span<Axi
   const std::span<const Cubic<Real>> cubics = path_.segment(where.point.segment);
   const std::span<const Real> weights = path_.weights();
   const Real t = where.point.t;
+  // Nearer than the distance is known: on which side of the standstill the motion is cannot be told.
+  const Real rounding = distance_roundings * std::numeric_limits<Real>::epsilon() * arc_length_.total();
+  SlopeProducts<Real> products;
+  for (std::size_t d = 0; d < cubics.size(); ++d) {  // the axes, and behind them the guides
+    const AxisMotion<Real> slopes = slopes_of(cubics[d], t);
+    const Real weight = weights[d];
+    products.add(weight * slopes.velocity, weight * slopes.acceleration, weight * slopes.jerk);
+    if (d < axes.size()) axes[d] = slopes;
+  }
+  if (is_far_from_standstill(products, rounding)) [[likely]] {
+    pass_in_time(parameter_rates(where, ParametricSpeed<Real>(products)), axes);
+    return without_overflow(axes, Derivatives::exact);
+  }
   const Standstill<Real> standstill{
       path_.parametric_speed(where.point),
       scaled_norm<Real>(cubics.size(), [&](std::size_t d) { return weights[d] * cubics[d].second(t); }),
       scaled_norm<Real>(cubics.size(), [&](std::size_t d) { return weights[d] * cubics[d].third(); })};
-  // Nearer than the distance is known: on which side of the standstill the motion is cannot be told.
-  const Real rounding = distance_roundings * std::numeric_limits<Real>::epsilon() * arc_length_.total();
   if (standstill.distance() <= rounding) return write_standstill(path_, where, standstill, axes);
-  write_motion(cubics, t, parameter_rates(where, parametric_speed(cubics, weights, t, standstill.sigma)),
-               axes);
+  const ScaledSpeed<Real> scaled(cubics, weights, t, standstill.sigma);
+  write_motion(cubics, t, parameter_rates(where, scaled.speed, scaled.scale), axes);
   return without_overflow(axes, Derivatives::exact);
 }
 

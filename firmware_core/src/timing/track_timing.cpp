@@ -39,6 +39,14 @@ TwoSum<Real> solve_constant(const TwoSum<Real>& length, const TwoSum<Real>& inte
   return constant;
 }
 
+/// `constant` times the integral of a span of the curve, in powers of t.
+template <Precise Real>
+std::array<Real, 4> way_over(const SpeedSpan<Real>& span, Real constant) {
+  const Real rise = span.b1 - span.b0;
+  return {constant * span.b0, constant * (Real(1.5) * rise), constant * ((span.b2 - span.b1) - rise),
+          constant * (((span.b3 - span.b0) - 3 * (span.b2 - span.b1)) / 4)};
+}
+
 Error frame_error(const char* what, const char* remedy, std::int32_t key, std::int32_t frame) {
   return {.code = ErrorCode::out_of_range, .what = what, .remedy = remedy, .key = key, .frame = frame};
 }
@@ -142,7 +150,9 @@ Result<Track<Real>> Track<Real>::make(const Path<Real>& path, const ArcLength<Re
     distance.renormalize();
     // In a dwell at the end the move is at the end, to the last bit.
     const bool arrived = integral == profile.integral_before(profile.span_count());
-    memory.span_distances[i] = arrived ? length : distance;
+    SpanDistance<Real>& span = memory.span_distances[i];
+    span.begin = arrived ? length : distance;
+    if (i < f) span.c = way_over(profile.span(static_cast<std::int32_t>(i)), constant.high);
   }
   Track track(path, arc_length, profile, frames, fps);
   track.span_distances_ = memory.span_distances.first(f + 1);

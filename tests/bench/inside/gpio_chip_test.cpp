@@ -13,7 +13,7 @@
 #include "tests/bench/inside/simulated_chip.hpp"
 
 namespace inbetween::gpio {
-namespace {
+namespace gpio_chip_test {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -144,5 +144,5 @@ TEST(GpioChip, OneThatWasUnpluggedTellsSoWhenItsLinesAreAskedFor) {
   EXPECT_EQ(refusal_of(chip, {1U}), "line 1 of chip io cannot be asked for: No such device");
 }
 
-}  // namespace
+}  // namespace gpio_chip_test
 }  // namespace inbetween::gpio

@@ -15,7 +15,7 @@
 #include "tests/bench/inside/simulated_chip.hpp"
 
 namespace inbetween::gpio {
-namespace {
+namespace gpio_inputs_test {
 
 struct GpioInputsTest : ::testing::Test {
   SimulatedChip simulated{"io", 6};
@@ -220,5 +220,5 @@ TEST_F(GpioInputsOnVirtualTime, ALineWhoseEdgesWereLostSaysSoItself) {
   EXPECT_EQ(inputs.lost(), 1U);
 }
 
-}  // namespace
+}  // namespace gpio_inputs_test
 }  // namespace inbetween::gpio

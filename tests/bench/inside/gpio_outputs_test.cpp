@@ -12,7 +12,7 @@
 #include "tests/bench/inside/simulated_chip.hpp"
 
 namespace inbetween::gpio {
-namespace {
+namespace gpio_outputs_test {
 
 constexpr unsigned io_lines = 5;
 
@@ -158,5 +158,5 @@ TEST_F(GpioOutputsTest, KilledWhileEnableIsOnItIsTheResistorThatDecides) {
   }
 }
 
-}  // namespace
+}  // namespace gpio_outputs_test
 }  // namespace inbetween::gpio

@@ -11,7 +11,7 @@
 #include "tests/bench/inside/raw_bus.hpp"
 
 namespace inbetween {
-namespace {
+namespace loop_calls_test {
 
 TEST(LoopCalls, AnyOtherSystemCallIsFound) {
   EXPECT_EQ(only_loop_calls([] {}, [] { ::getppid(); }), "Bad system call");
@@ -46,5 +46,5 @@ TEST(LoopCalls, ClockBusAndTelemetryMakeNoOtherThanSleepSendAndReceive) {
   EXPECT_EQ(only_loop_calls(prepare, loop), "");
 }
 
-}  // namespace
+}  // namespace loop_calls_test
 }  // namespace inbetween

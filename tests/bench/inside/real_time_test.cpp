@@ -16,7 +16,7 @@
 #include "tests/bench/inside/raw_bus.hpp"
 
 namespace inbetween {
-namespace {
+namespace real_time_test {
 
 using ::testing::HasSubstr;
 
@@ -175,5 +175,5 @@ TEST(RealTimeThread, AnOrdinaryUserIsToldWhichRightsAreMissingAndHowToGetThem) {
   EXPECT_THAT(text, HasSubstr("\"USER - rtprio 80\""));
 }
 
-}  // namespace
+}  // namespace real_time_test
 }  // namespace inbetween

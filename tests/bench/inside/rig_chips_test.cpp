@@ -11,7 +11,7 @@
 #include "tests/bench/inside/simulated_chip.hpp"
 
 namespace inbetween {
-namespace {
+namespace rig_chips_test {
 
 using testing::AllOf;
 using testing::HasSubstr;
@@ -154,5 +154,5 @@ TEST(RigChips, TheSameOffsetOfTwoChipsIsTwoLines) {
   EXPECT_EQ(refused(text_with("\"io\"\nline = 4", "\"other\"\nline = 0")), "");
 }
 
-}  // namespace
+}  // namespace rig_chips_test
 }  // namespace inbetween

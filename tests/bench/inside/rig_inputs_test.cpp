@@ -14,7 +14,7 @@
 #include "tests/bench/inside/simulated_chip.hpp"
 
 namespace inbetween {
-namespace {
+namespace rig_inputs_test {
 
 using testing::HasSubstr;
 
@@ -186,5 +186,5 @@ TEST_F(RigInputsOnChips, AReadMakesNoOtherSystemCallsThanThoseOfALoop) {
   EXPECT_EQ(only_loop_calls([&] { open(); }, loop, {SYS_ioctl, SYS_read}), "");
 }
 
-}  // namespace
+}  // namespace rig_inputs_test
 }  // namespace inbetween

@@ -27,7 +27,7 @@
 #include "tests/bench/inside/allowed_calls.hpp"
 
 namespace inbetween {
-namespace {
+namespace run_loop_test {
 
 const std::string there = R"(name = "there"
 fps = 25
@@ -165,5 +165,5 @@ TEST(RunLoopOnBus, NoPageFaultsAfterTheFirstSecond) {
   EXPECT_EQ(rig.loop.state(), SupervisorState::running);
 }
 
-}  // namespace
+}  // namespace run_loop_test
 }  // namespace inbetween

@@ -4,6 +4,10 @@
 #include <gtest/gtest.h>
 #include <linux/can.h>
 #include <linux/can/error.h>
+#include <linux/can/raw.h>
+#include <net/if.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <array>
 #include <chrono>
@@ -15,7 +19,7 @@
 #include "tests/bench/inside/raw_bus.hpp"
 
 namespace inbetween::can {
-namespace {
+namespace socket_can_test {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -311,6 +315,99 @@ TEST(SocketCan, AnInterfaceThatCannotBeUsedIsNamedWithTheRemedy) {
   EXPECT_THAT(down.remedy, HasSubstr("ip link set can1 up"));
 }
 
+/// A program on can0 that speaks CAN FD and knows nothing of the product.
+class RawFdBus {
+ public:
+  RawFdBus() : socket_(::socket(PF_CAN, SOCK_RAW, CAN_RAW)) {
+    const int on = 1;
+    sockaddr_can address{};
+    address.can_family = AF_CAN;
+    address.can_ifindex = static_cast<int>(::if_nametoindex("can0"));
+    EXPECT_EQ(::setsockopt(socket_, SOL_CAN_RAW, CAN_RAW_FD_FRAMES, &on, sizeof on), 0);
+    EXPECT_EQ(::bind(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+  }
+  ~RawFdBus() { ::close(socket_); }
+  RawFdBus(const RawFdBus&) = delete;
+  RawFdBus& operator=(const RawFdBus&) = delete;
+  void send(const canfd_frame& frame, std::size_t size) const {
+    EXPECT_EQ(::write(socket_, &frame, size), static_cast<ssize_t>(size));
+  }
+  /// How many bytes the next frame has in the kernel.
+  ssize_t next(canfd_frame& frame) const {
+    frame = {};
+    return ::read(socket_, &frame, sizeof frame);
+  }
+
+ private:
+  int socket_;
+};
+
+TEST(SocketCan, FdFramesAndClassicOnesAmongThemAreOnTheBusAsTheyAre) {
+  SocketCanFd bus;
+  const std::vector<CanFilter> filters = {{.id = 0x100}, {.id = 0x8001, .is_extended = true}};
+  ASSERT_FALSE(bus.open("can0", filters));
+  const RawFdBus other;
+  FdFrame command{.id = 0x8001, .is_extended = true, .length = 32};
+  for (std::size_t i = 0; i < 32; ++i) command.data.at(i) = static_cast<std::uint8_t>(i + 1);
+  FdFrame classic{.id = 0x100, .is_classic = true, .has_fast_data = false, .length = 3};
+  classic.data = {7, 8, 9};
+  FdFrame slow{.id = 0x100, .has_fast_data = false, .length = 64};
+  EXPECT_EQ(bus.send(std::array{command, classic, slow}), 3U);
+  canfd_frame seen{};
+  EXPECT_EQ(other.next(seen), ssize_t{CANFD_MTU});
+  EXPECT_EQ(seen.can_id, 0x8001 | CAN_EFF_FLAG);
+  EXPECT_EQ(seen.len, 32);
+  EXPECT_EQ(seen.flags & CANFD_BRS, CANFD_BRS);
+  EXPECT_EQ(seen.data[31], 32);
+  EXPECT_EQ(other.next(seen), ssize_t{CAN_MTU});
+  EXPECT_EQ(seen.data[2], 9);
+  EXPECT_EQ(other.next(seen), ssize_t{CANFD_MTU});
+  EXPECT_EQ(seen.flags & CANFD_BRS, 0);
+
+  canfd_frame raw{};
+  raw.can_id = 0x100;
+  raw.len = 24;
+  raw.flags = CANFD_BRS;
+  raw.data[23] = 0x50;
+  other.send(raw, CANFD_MTU);
+  raw.len = 3;
+  other.send(raw, CAN_MTU);
+  std::vector<FdFrame> heard;
+  EXPECT_TRUE(comes_true([&] {
+    std::array<FdFrame, 4> some;
+    const std::size_t count = bus.receive(some);
+    heard.insert(heard.end(), some.begin(), some.begin() + static_cast<std::ptrdiff_t>(count));
+    return heard.size() == 2;
+  }));
+  EXPECT_EQ(heard.at(0).length, 24);
+  EXPECT_TRUE(heard.at(0).has_fast_data && !heard.at(0).is_classic);
+  EXPECT_EQ(heard.at(0).data[23], 0x50);
+  EXPECT_TRUE(heard.at(1).is_classic);
+}
+
+TEST(SocketCan, AnFdFrameOfALengthThatNoneHasIsNotSent) {
+  SocketCanFd bus;
+  ASSERT_FALSE(bus.open("can0", answers));
+  EXPECT_EQ(bus.send(std::array{FdFrame{.id = 1, .length = 23}}), 0U);
+  EXPECT_EQ(bus.send(std::array{FdFrame{.id = 1, .is_classic = true, .length = 12}}), 0U);
+  EXPECT_EQ(bus.send(std::array{FdFrame{.id = 0x800, .length = 8}}), 0U);
+  EXPECT_EQ(bus.counters().failed_sends, 3U);
+  EXPECT_EQ(bus.send(std::array{FdFrame{.id = 1, .length = 24}}), 1U);
+}
+
+TEST(SocketCan, AnInterfaceWithoutCanFdIsNamedWithTheRemedy) {
+  shell("ip link set can1 down; ip link set can1 mtu 16; ip link set can1 up");
+  SocketCanFd bus;
+  const std::optional<Refusal> refusal = bus.open("can1", answers);
+  ASSERT_TRUE(refusal);
+  EXPECT_EQ(refusal->what, "can1 does not carry CAN FD frames");
+  EXPECT_THAT(refusal->remedy, HasSubstr("dbitrate DATA_BITRATE fd on"));
+  SocketCan classic;
+  EXPECT_FALSE(classic.open("can1", answers));
+  shell("ip link set can1 down; ip link set can1 mtu 72; ip link set can1 up");
+  EXPECT_FALSE(bus.open("can1", answers));
+}
+
 TEST(SocketCan, AClosedOneSendsAndReceivesNothing) {
   SocketCan bus;
   std::array<Frame, 4> frames;
@@ -319,5 +416,5 @@ TEST(SocketCan, AClosedOneSendsAndReceivesNothing) {
   EXPECT_TRUE(bus.drain().is_empty);
 }
 
-}  // namespace
+}  // namespace socket_can_test
 }  // namespace inbetween::can

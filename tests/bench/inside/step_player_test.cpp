@@ -21,7 +21,7 @@
 #include "tests/bench/inside/simulated_chip.hpp"
 
 namespace inbetween::gpio {
-namespace {
+namespace step_player_test {
 
 constexpr std::int64_t us = 1'000;
 constexpr std::int64_t ms = 1'000'000;
@@ -290,5 +290,5 @@ TEST_F(StepPlayerTest, ItsSystemCallsAreSleepAndIoctlAlone) {
   EXPECT_EQ(only_loop_calls(prepare, loop, {SYS_clock_nanosleep, SYS_ioctl}), "");
 }
 
-}  // namespace
+}  // namespace step_player_test
 }  // namespace inbetween::gpio

@@ -13,7 +13,7 @@
 #include "tests/bench/inside/simulated_chip.hpp"
 
 namespace inbetween::gpio {
-namespace {
+namespace step_rate_test {
 
 constexpr int instants = 4'000;
 constexpr std::uint64_t lines_of_an_instant = 0b0011;
@@ -80,5 +80,5 @@ TEST(StepRate, TheHighestAsAShareOfTheBareSystemCallIsReported) {
       100 * call_ns / (play_ns - reading_ns));
 }
 
-}  // namespace
+}  // namespace step_rate_test
 }  // namespace inbetween::gpio

@@ -249,7 +249,7 @@ class MoveUnderTest {
   std::vector<TwoSum<Real>> segment_begins_;
   std::vector<SpeedSpan<Real>> spans_;
   std::vector<TwoSum<Real>> integrals_;
-  std::vector<TwoSum<Real>> span_distances_;
+  std::vector<SpanDistance<Real>> span_distances_;
   std::vector<Portion<Real>> portions_;
   std::vector<KeyInterval<Real>> key_intervals_;
   std::vector<BreakKey> breaks_;

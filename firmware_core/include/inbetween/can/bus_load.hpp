@@ -17,6 +17,26 @@ constexpr std::int32_t worst_case_bits(std::int32_t length, bool is_extended) {
   return stuffed + never_stuffed + (stuffed - 1) / 4;
 }
 
+/// Bits of a CAN FD frame with the pause behind it, by the bitrate at which they are sent.
+struct FdBits {
+  std::int32_t arbitration = 0;
+  std::int32_t data = 0;
+};
+/// With fast data and a length that such a frame can have, at worst: stuffing bits as in a classic frame up
+/// to the last byte, a fixed one before every fourth bit of the checksum and its count (ISO 11898-1:2015).
+constexpr FdBits worst_case_fd_bits(std::int32_t length, bool is_extended) {
+  constexpr std::int32_t head_and_end = 10;  // ESI, DLC and the end of the checksum
+  constexpr std::int32_t longest_of_17 = 16;
+  const std::int32_t stuffed = is_extended ? (40 + 8 * length) / 4 - 8 : (21 + 8 * length) / 4 - 4;
+  const std::int32_t checksum = length <= longest_of_17 ? 17 + 6 : 21 + 7;
+  return {.arbitration = is_extended ? 56 : 33, .data = head_and_end + 8 * length + stuffed + checksum};
+}
+/// How many bits of the arbitration take as long, rounded up.
+constexpr std::int64_t bits_of_arbitration(const FdBits& bits, std::int64_t bitrate,
+                                           std::int64_t data_bitrate) {
+  return bits.arbitration + (bits.data * bitrate + data_bitrate - 1) / data_bitrate;
+}
+
 /// The cyclic frames of CiA 402 drives: a SYNC, and for each drive an RPDO of 6 and a TPDO of 7 bytes a tick.
 struct BusUse {
   std::int64_t bitrate = 1'000'000;  ///< bit/s

@@ -12,7 +12,6 @@
 #include "inbetween/base/result.hpp"
 #include "inbetween/can/drive_finding.hpp"
 #include "inbetween/can/drive_phase.hpp"
-#include "inbetween/can/frame.hpp"
 #include "inbetween/loop/ports.hpp"
 
 /// Drives of one protocol, on any number of buses, as the drives of a rig (DrivePort). docs/new-drive.md says
@@ -20,8 +19,8 @@
 
 namespace inbetween::can {
 
-/// A bus interface. Nothing waits.
-template <class Link>
+/// An interface to a bus with frames of this type. Nothing waits.
+template <class Link, class Frame>
 concept FrameLink = requires(Link& link, std::span<Frame> in, std::span<const Frame> out,
                              std::int64_t now_ns) {
   /// false: bus off, link down, gone. Until it is opened again, even where the bus comes back.
@@ -64,12 +63,12 @@ concept BusDrive = requires(Drive& drive, const Drive& known, std::int64_t now_n
   { Drive::target_of(unit, unit, zero) } -> std::convertible_to<std::optional<typename Drive::Target>>;
 };
 
-/// The host's side of one bus. Only tick() sends, so that the drives stop by themselves as soon as nobody
-/// calls it.
+/// The host's side of one bus, on which all frames are of one type. Only tick() sends, so that the drives
+/// stop by themselves as soon as nobody calls it.
 template <class Bus>
 concept DriveBus = BusDrive<typename Bus::Drive> &&
-    requires(Bus& bus, const Frame& frame, std::int64_t now_ns,
-             std::span<const typename Bus::Drive::Target> targets, std::span<Frame> frames) {
+    requires(Bus& bus, const typename Bus::Frame& frame, std::int64_t now_ns,
+             std::span<const typename Bus::Drive::Target> targets, std::span<typename Bus::Frame> frames) {
   { bus.drives() } -> std::convertible_to<std::span<typename Bus::Drive>>;
   /// A frame that has arrived. Those of others are no concern of ours.
   bus.receive(frame, now_ns);
@@ -87,13 +86,13 @@ struct PortDrive {
 };
 
 /// One bus of a rig. Refers to the caller's memory.
-template <DriveBus Bus, FrameLink Link>
+template <DriveBus Bus, FrameLink<typename Bus::Frame> Link>
 struct BusLane {
   Bus* bus = nullptr;
   Link* link = nullptr;
   std::span<typename Bus::Drive::Target> targets;  ///< one for each drive of the bus
   std::span<PortDrive> drives;                     ///< one for each drive of the bus
-  std::span<Frame> frames;                         ///< at least frames_per_read; in a tick no more are taken
+  std::span<typename Bus::Frame> frames;           ///< at least frames_per_read; in a tick no more are taken
 };
 
 /// Four reports and answers of every drive in one tick, and some that are not meant for us.
@@ -128,7 +127,7 @@ inline constexpr std::int32_t unsent_ticks_limit = 3;
 ///
 /// A fault of a drive is reported once when it is found, and then as long as it lasts while the drive
 /// follows targets: a drive that is off can be switched on again, which finds out for itself.
-template <DriveBus Bus, Precise Real, FrameLink Link>
+template <DriveBus Bus, Precise Real, FrameLink<typename Bus::Frame> Link>
 class BusPort {
  public:
   using Drive = typename Bus::Drive;
@@ -173,7 +172,7 @@ class BusPort {
       const Lane& lane = lanes_[l];
       const std::size_t count = lane.link->receive(lane.frames, now_ns);
       if (count == lane.frames.size()) ++counters_[l].floods;
-      for (const Frame& frame : lane.frames.first(count)) lane.bus->receive(frame, now_ns);
+      for (const typename Bus::Frame& frame : lane.frames.first(count)) lane.bus->receive(frame, now_ns);
     }
     for (std::size_t i = 0; i < axes_.size(); ++i) states[i] = state_of_axis(i);
   }
@@ -181,7 +180,7 @@ class BusPort {
   void write(std::span<const Setpoint<Real>> setpoints, std::int64_t now_ns) {
     now_ns_ = now_ns;
     const bool has_targets = !setpoints.empty() && take_targets(setpoints);
-    if (wants_on_ && all_are_set_up()) switch_on();
+    if (wants_on_ && may_switch_on_ && is_set_up()) switch_on();
     if (lets_go_ && none_may_have_power()) {
       for_each_drive([&](Drive& drive) { drive.leave(now_ns); });
     }
@@ -230,6 +229,18 @@ class BusPort {
     Axis& placed = axes_[axis];
     placed.zero = drive_of(placed).held_place() - Drive::place_of(position * placed.scale);
   }
+
+  /// None is switched on before all can be.
+  [[nodiscard]] bool is_set_up() const {
+    for (const Lane& lane : lanes_) {
+      for (const Drive& drive : lane.bus->drives()) {
+        if (drive.phase() < DrivePhase::idle || drive.phase() > DrivePhase::stopping) return false;
+      }
+    }
+    return true;
+  }
+  /// false: the drives are set up and wait, for those of another port, say.
+  void let_switch_on(bool may) { may_switch_on_ = may; }
 
   [[nodiscard]] const LaneCounters& counters(std::size_t lane) const { return counters_[lane]; }
   /// Several ticks in a row had frames that the link did not take, since the drives were switched on.
@@ -324,15 +335,6 @@ class BusPort {
              });
     });
   }
-  /// None is switched on before all can be.
-  [[nodiscard]] bool all_are_set_up() const {
-    for (const Lane& lane : lanes_) {
-      for (const Drive& drive : lane.bus->drives()) {
-        if (drive.phase() < DrivePhase::idle || drive.phase() > DrivePhase::stopping) return false;
-      }
-    }
-    return true;
-  }
   void switch_on() {
     for (const Lane& lane : lanes_) {
       for (std::size_t d = 0; d < lane.drives.size(); ++d) {
@@ -350,6 +352,7 @@ class BusPort {
   std::array<bool, max_lanes> was_unsent_{};
   std::int64_t now_ns_ = 0;
   bool wants_on_ = false;
+  bool may_switch_on_ = true;
   bool lets_go_ = false;          ///< the drives are switched off, and then let go together
   bool is_out_of_range_ = false;  ///< a setpoint was: setpoints cease
 };

@@ -10,7 +10,7 @@
 #include "inbetween/can/pdo.hpp"
 
 /// The drive profile CiA 402 (IEC 61800-7-201): its states, the words that move between them, and the process
-/// data of a drive in cyclic synchronous position mode.
+/// data of a drive that gets a target in every tick.
 
 namespace inbetween::can {
 
@@ -62,7 +62,14 @@ inline constexpr std::size_t cia402_goals = 4;
 /// goal and state only, so that bit 7 was low before.
 std::uint16_t controlword_for(Cia402Goal goal, Cia402State state);
 
-inline constexpr std::int8_t mode_cyclic_position = 8;
+/// In interpolated position: the drive goes from set-point to set-point.
+inline constexpr std::uint16_t control_interpolate = 0x0010;
+
+/// The modes of operation in which a drive takes a target in every tick, as 6060 and 6061 number them.
+enum class Cia402Mode : std::int8_t {
+  interpolated_position = 7,  ///< the target is 60C1:1, and bit 4 of the controlword begins
+  cyclic_position = 8,        ///< the target is 607A
+};
 
 /// A drive receives this in every tick (RPDO1, six bytes).
 struct DriveCommand {
@@ -79,7 +86,7 @@ struct DriveFeedback {
 };
 
 /// The objects in these frames.
-PdoMapping command_mapping();
+PdoMapping command_mapping(Cia402Mode mode);
 PdoMapping feedback_mapping();
 
 Frame command_frame(NodeId node, const DriveCommand& command);

@@ -24,6 +24,7 @@ namespace inbetween::can {
 class Cia402Bus {
  public:
   using Drive = Cia402Drive;
+  using Frame = can::Frame;
   struct Settings {
     NodeId host;
     std::uint8_t sync_overflow = 0;

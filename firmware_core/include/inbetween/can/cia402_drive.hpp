@@ -87,6 +87,7 @@ class Cia402Drive {
   static Result<Cia402Drive> make(const Cia402Settings& settings);
 
   [[nodiscard]] NodeId node() const { return settings_.setup.node; }
+  [[nodiscard]] Cia402Mode mode() const { return settings_.setup.mode; }
   [[nodiscard]] NodeId host() const { return settings_.setup.host; }
   [[nodiscard]] std::uint8_t sync_overflow() const { return settings_.setup.sync_overflow; }
   /// How long the drive is to believe that the host lives.
@@ -204,7 +205,12 @@ class Cia402Drive {
   [[nodiscard]] bool goes_off() const;
   [[nodiscard]] bool has_lost_touch_by_fault() const;
   [[nodiscard]] std::uint16_t disabling_controlword() const;
-  [[nodiscard]] bool is_in_mode() const { return feedback_.mode == mode_cyclic_position; }
+  [[nodiscard]] bool is_in_mode() const {
+    return feedback_.mode == static_cast<std::int8_t>(settings_.setup.mode);
+  }
+  [[nodiscard]] bool interpolates() const {
+    return settings_.setup.mode == Cia402Mode::interpolated_position;
+  }
   [[nodiscard]] bool status_has(std::uint16_t bit) const { return (feedback_.statusword & bit) != 0; }
   [[nodiscard]] bool is_supervised() const;
   [[nodiscard]] bool holds_its_place() const;

@@ -8,11 +8,11 @@
 
 namespace inbetween::can {
 
-template <FrameLink Link>
+template <FrameLink<Frame> Link>
 using Cia402Lane = BusLane<Cia402Bus, Link>;
 template <Precise Real>
 using Cia402Axis = BusAxis<Cia402Bus, Real>;
-template <Precise Real, FrameLink Link>
+template <Precise Real, FrameLink<Frame> Link>
 using Cia402Port = BusPort<Cia402Bus, Real, Link>;
 
 }  // namespace inbetween::can

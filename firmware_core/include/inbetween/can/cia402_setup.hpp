@@ -11,7 +11,7 @@
 #include "inbetween/can/drive_finding.hpp"
 #include "inbetween/can/sdo_client.hpp"
 
-/// How a drive is made ready for cyclic synchronous position mode: a list of objects that are checked or
+/// How a drive is made ready for a target in every tick: a list of objects that are checked or
 /// written, each read back, in the order that CiA 301 asks for. A PDO that is as it shall be is left alone.
 
 namespace inbetween::can {
@@ -27,6 +27,7 @@ struct Cia402Setup {
   NodeId node;
   NodeId host;
   std::int64_t rate_hz = 250;
+  Cia402Mode mode = Cia402Mode::cyclic_position;
   std::uint8_t sync_overflow = 0;         ///< object 1019; 0: no counter in SYNC
   std::uint16_t drive_heartbeat_ms = 50;  ///< how often the drive tells that it lives (1017)
   std::uint16_t host_timeout_ms = 100;    ///< how long it believes that the host lives (1016)
@@ -97,7 +98,7 @@ struct SetupStep {
   std::uint32_t value = 0;
   std::uint32_t mask = 0xFFFFFFFF;
 };
-inline constexpr std::size_t setup_steps = 68;
+inline constexpr std::size_t setup_steps = 71;
 using SetupScript = FixedVector<SetupStep, setup_steps>;
 
 /// The steps for a drive, in pre-operational: who it is; no PDO but RPDO1 and TPDO1, and those mapped as

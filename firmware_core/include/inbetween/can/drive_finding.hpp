@@ -11,7 +11,7 @@ enum class DriveFinding : std::uint8_t {
   // while it is set up
   never_booted,
   wrong_device,
-  no_cyclic_position,
+  mode_not_offered,
   sync_of_another,
   sdo_silent,
   sdo_failed,
@@ -26,7 +26,10 @@ enum class DriveFinding : std::uint8_t {
   watchdog_unset,
   unheard,
   wrong_firmware,
+  place_unknown,
   watchdog_unproven,
+  watchdog_unconfirmed,
+  plans_by_itself,
   first_heartbeat_missing,
   not_operational,
   // while it is switched on
@@ -47,6 +50,7 @@ enum class DriveFinding : std::uint8_t {
   heartbeat_lost,
   guard_answer_repeated,
   unexpected_boot,
+  silent_for_a_while,
   left_operational,
   bad_frames,
   foreign_sender,
@@ -57,7 +61,7 @@ enum class DriveFinding : std::uint8_t {
   moves_while_off,
   watchdog_stays,
 };
-inline constexpr std::size_t drive_findings = 44;
+inline constexpr std::size_t drive_findings = 48;
 
 /// The reaction of the loop with the whole rig (a drive decides nothing for the others).
 enum class DriveReaction : std::uint8_t {

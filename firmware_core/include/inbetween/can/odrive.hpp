@@ -49,7 +49,9 @@ enum class OdriveMessage : std::uint8_t {
   version = 0x00,  ///< 0.6 only
   heartbeat = 0x01,
   emergency_stop = 0x02,
-  error = 0x03,  ///< as read here 0.6 only
+  error = 0x03,             ///< as read here 0.6 only
+  parameter_order = 0x04,   ///< RxSdo, 0.6 only: reads or writes a setting
+  parameter_answer = 0x05,  ///< TxSdo, 0.6 only
   axis_state = 0x07,
   estimates = 0x09,
   controller_mode = 0x0B,
@@ -138,6 +140,12 @@ const char* words_of_odrive_error(OdriveFamily family, std::uint32_t bit);
 /// An ODrive for ServoDrive: how it is told, and what its frames say.
 class Odrive {
  public:
+  using Frame = can::Frame;
+  /// It is switched on by an order only, and stays at a target.
+  static constexpr ServoHabits habits{};
+  static constexpr DriveFinding misfit = DriveFinding::wrong_firmware;
+  static constexpr ServoWatch watch() { return ServoWatch::tried; }
+
   Odrive(OdriveNode node, OdriveFamily family) : node_(node), family_(family) {}
 
   /// Whether it tells what it is when it is asked. One of the other family does what this one does not.
@@ -150,6 +158,11 @@ class Odrive {
   [[nodiscard]] std::optional<Frame> order(ServoOrder order) const;
   /// A position that acts at once. It feeds the watchdog.
   [[nodiscard]] std::optional<Frame> command(const ServoTarget& target) const;
+  /// Every frame feeds the watchdog, and a position does nothing to a drive that is off.
+  [[nodiscard]] std::optional<Frame> hold(ServoHold /*how*/, double turns) const {
+    return command({.turns = turns});
+  }
+  [[nodiscard]] static std::optional<Frame> question() { return {}; }
   static bool fits(const ServoTarget& target) {
     return std::fabs(target.turns_per_s) <= odrive_max_feed_forward;
   }

@@ -6,7 +6,7 @@
 #include <span>
 
 #include "inbetween/base/result.hpp"
-#include "inbetween/can/frame.hpp"
+#include "inbetween/can/bus_tick.hpp"
 #include "inbetween/can/servo_drive.hpp"
 
 namespace inbetween::can {
@@ -14,10 +14,11 @@ namespace inbetween::can {
 /// The host's side of a bus with servo drives of one protocol (DriveBus). In a tick it sends the positions of
 /// all drives one after the other, so that they act as nearly together as the bus can carry them, then at
 /// most one order for each.
-template <class Protocol>
+template <ServoProtocol Protocol>
 class ServoBus {
  public:
   using Drive = ServoDrive<Protocol>;
+  using Frame = typename Protocol::Frame;
 
   /// `drives` stays the caller's. Errors: wrong_count (none).
   static Result<ServoBus> make(std::span<Drive> drives) {
@@ -42,18 +43,11 @@ class ServoBus {
   /// Errors: capacity, wrong_count, before anything has changed.
   Result<std::size_t> tick(std::int64_t now_ns, std::span<const ServoTarget> targets,
                            std::span<Frame> frames) {
-    if (!targets.empty() && targets.size() != drives_.size()) {
-      return Error{.code = ErrorCode::wrong_count,
-                   .what = "there is not a target for each drive",
-                   .remedy = "give one for each, or none at all",
-                   .needed = static_cast<std::int64_t>(drives_.size())};
-    }
-    if (frames.size() < frames_per_tick(drives_.size())) {
-      return Error{.code = ErrorCode::capacity,
-                   .what = "the frames of a tick do not fit",
-                   .remedy = "give room for frames_per_tick()",
-                   .needed = static_cast<std::int64_t>(frames_per_tick(drives_.size()))};
-    }
+    const Status is_possible = check_tick({.drives = drives_.size(),
+                                           .targets = targets.size(),
+                                           .room = frames.size(),
+                                           .frames = frames_per_tick(drives_.size())});
+    if (!is_possible) return is_possible.error();
     std::size_t count = 0;
     const auto send = [&](const std::optional<Frame>& frame) {
       if (frame) frames[count++] = *frame;

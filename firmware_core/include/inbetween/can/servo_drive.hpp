@@ -11,12 +11,11 @@
 #include "inbetween/can/drive_counters.hpp"
 #include "inbetween/can/drive_finding.hpp"
 #include "inbetween/can/drive_phase.hpp"
-#include "inbetween/can/frame.hpp"
 #include "inbetween/can/servo_report.hpp"
 
 /// A servo drive that knows positions in turns and no SYNC, as its host sees it: watched, proven to stop
 /// alone, switched on, given a target every tick (BusDrive). A protocol says only how orders look and what
-/// frames mean.
+/// frames mean (ServoProtocol).
 
 namespace inbetween::can {
 
@@ -54,12 +53,13 @@ struct ServoSettings {
 /// sent then, so that it acts when a drive with SYNC would begin to go there. Nothing waits; every call is
 /// O(1).
 ///
-/// Only a frame of command() feeds the drive's watchdog while it follows, and it comes only with a target.
-/// Whether that watchdog works is tried out before the drive is switched on: it is fed until it tells that it
-/// is well, then not, and must tell that its watchdog has expired.
-template <class Protocol>
+/// What feeds the drive's watchdog while it follows comes only with a target. Whether that watchdog works is
+/// known before the drive is switched on (ServoWatch): it is fed until it tells that it is well, then not,
+/// and must tell that its watchdog has expired; or it repeats the time that it is told.
+template <ServoProtocol Protocol>
 class ServoDrive {
  public:
+  using Frame = typename Protocol::Frame;
   using Place = double;  ///< turns
   using Target = ServoTarget;
   template <Precise Real>
@@ -101,6 +101,7 @@ class ServoDrive {
   bool leave(std::int64_t now_ns) { return apply(DriveEvent::leave, now_ns); }
   bool quick_stop(std::int64_t now_ns) { return apply(DriveEvent::quick_stop, now_ns); }
   void acknowledge() {
+    if (phase_ == DrivePhase::following && is_lost()) drop_out();
     findings_.clear();
     first_finding_.reset();
     bad_frame_level_ = 0;
@@ -108,9 +109,11 @@ class ServoDrive {
 
   void receive(const Frame& frame, std::int64_t now_ns);
   void tick(std::int64_t now_ns);
-  /// Nothing where it is not to be fed: among others where it has followed and there is no target now.
+  /// A question, or nothing, where it is not to be fed: among others where it has followed and there is no
+  /// target now.
   std::optional<Frame> command(const std::optional<Target>& target);
-  /// At most one order. Not after setpoints have ceased: some drives take every frame for a sign of life.
+  /// At most one order, or a question beside a target. Not after setpoints have ceased: some drives take
+  /// every frame for a sign of life.
   std::optional<Frame> service(std::int64_t now_ns);
 
   [[nodiscard]] DrivePhase phase() const { return phase_; }
@@ -128,6 +131,8 @@ class ServoDrive {
   [[nodiscard]] const ServoStatus& status() const { return status_; }
   /// The last errors that it told, until they are acknowledged by a new set-up.
   [[nodiscard]] std::uint32_t last_errors() const { return last_errors_; }
+  /// What it said of its version.
+  [[nodiscard]] std::uint32_t version() const { return version_; }
   /// After how long at most it told that its watchdog had expired; 0: not tried yet.
   [[nodiscard]] std::int64_t proven_watchdog_ns() const { return proven_ns_; }
   [[nodiscard]] const DriveCounters& counters() const { return counters_; }
@@ -172,23 +177,53 @@ class ServoDrive {
     return phase_ == idle || phase_ == clearing || phase_ == enabling || phase_ == following ||
            phase_ == stopping;
   }
-  [[nodiscard]] bool is_fed() const { return is_supervised() || (phase_ == configuring && !is_silent_); }
   [[nodiscard]] bool is_near(double turns, double tolerance) const {
     return std::fabs(place_.turns - turns) <= tolerance;
   }
   /// It has told how it is since the phase began, and some ticks after: not from before an order was heard.
   [[nodiscard]] bool has_told_since_order() const { return status_ns_ > order_heard_ns_; }
 
+  /// Its own watchdog stops it, and an order to switch off would end that.
+  [[nodiscard]] bool brakes_alone() const { return status_.has_missed_host && !status_.is_off; }
+  [[nodiscard]] bool may_be_commanded() const {
+    const bool is_known = !lasting_.has(DriveFinding::feedback_missing) &&
+                          !lasting_.has(DriveFinding::heartbeat_lost) && !was_silent_;
+    return !Protocol::habits.starts_by_target || (is_known && status_.is_on);
+  }
+  /// One that does not tell whether it has power may be without by now.
+  [[nodiscard]] bool is_lost() const {
+    return was_silent_ || (has_ceased_ && !Protocol::habits.tells_restart);
+  }
+  /// Before it is switched on again. What it was told last is of the past, unless it holds that.
+  [[nodiscard]] bool must_be_off() const {
+    return !Protocol::habits.tells_restart && !holds_ && !status_.is_off;
+  }
+  [[nodiscard]] bool is_asked_beside_targets() const {
+    const bool is_told = is_supervised() || (phase_ == configuring && !is_silent_);
+    return Protocol::habits.is_asked_apart && is_told && !(phase_ == following && has_ceased_);
+  }
+  /// One that can be told only a place, and not to switch on where it is, is told the place before that.
+  [[nodiscard]] double switching_on_turns() const {
+    return Protocol::habits.tells_restart ? place_.turns : enabling_turns_;
+  }
+  [[nodiscard]] std::optional<Frame> commanded(const ServoTarget& target) {
+    return may_be_commanded() ? protocol_.command(target) : protocol_.question();
+  }
+
   void watch_connection(std::int64_t now_ns);
+  void watch_silence(std::int64_t now_ns);
+  void drop_out();
   void advance(std::int64_t now_ns);
   void advance_booting(std::int64_t now_ns);
   void advance_configuring(std::int64_t now_ns);
+  void prove_watchdog(std::int64_t now_ns);
   void advance_enabling(std::int64_t now_ns);
   void watch_following(std::int64_t now_ns);
   void watch_rest(std::int64_t now_ns);
   void advance_disabling(std::int64_t now_ns);
   void watch_deadline(std::int64_t now_ns);
   void accept(const Target& target);
+  std::optional<Frame> next_order(std::int64_t now_ns);
 
   Protocol protocol_;
   ServoSettings settings_;
@@ -208,8 +243,16 @@ class ServoDrive {
   std::int64_t order_due_ns_ = 0;
   std::int64_t order_heard_ns_ = never;  ///< a status after this knows of the order
   std::optional<bool> is_expected_device_;
-  bool is_silent_ = false;  ///< configuring: its watchdog is tried
+  std::uint32_t version_ = 0;
+  bool knows_place_ = true;  ///< as far as it has told
+  std::optional<bool> has_watchdog_;
+  bool is_silent_ = false;  ///< configuring: it is well, and its watchdog is to be proven
   std::int64_t silent_ns_ = 0;
+  std::int64_t heard_ns_ = 0;  ///< when any frame came from it
+  bool was_silent_ = false;    ///< for so long that it may have started anew
+  bool has_ceased_ = false;    ///< following: a target was missing
+  std::int64_t now_ns_ = 0;    ///< of the last tick
+  bool holds_ = false;         ///< clearing: after a quick stop, of which nothing has been lost
   std::int64_t proven_ns_ = 0;
   bool is_commanded_ = false;  ///< following: a target has been given
   ServoTarget sent_;           ///< the last one
@@ -222,7 +265,7 @@ class ServoDrive {
   std::int32_t ticks_to_forgive_;
 };
 
-template <class Protocol>
+template <ServoProtocol Protocol>
 void ServoDrive<Protocol>::enter(DrivePhase phase, std::int64_t now_ns) {
   const DrivePhase before = phase_;
   phase_ = phase;
@@ -235,6 +278,8 @@ void ServoDrive<Protocol>::enter(DrivePhase phase, std::int64_t now_ns) {
       phase_deadline_ns_ = now_ns + settings_.boot_timeout_ns;
       place_ns_ = status_ns_ = 0;
       is_expected_device_.reset();
+      knows_place_ = true;
+      has_watchdog_.reset();
       last_errors_ = 0;
       give(ServoOrder::say_what_you_are);
       break;
@@ -244,40 +289,51 @@ void ServoDrive<Protocol>::enter(DrivePhase phase, std::int64_t now_ns) {
       break;
     case clearing:
       phase_deadline_ns_ = now_ns + settings_.stop_timeout_ns;
-      give(ServoOrder::clear_errors);
+      // One that holds its place after a quick stop keeps its power.
+      if (!status_.is_on || status_.errors != 0) give(ServoOrder::clear_errors);
+      holds_ = before == stopping && !is_lost();
+      if (must_be_off()) give(ServoOrder::switch_off);
       break;
     case enabling:
       phase_deadline_ns_ = now_ns + settings_.enable_timeout_ns;
       enabling_turns_ = place_.turns;
+      was_silent_ = has_ceased_ = false;
       if (!status_.is_on) give(ServoOrder::take_positions);
       break;
     case idle:
-      if (before != starting) give(ServoOrder::switch_off);
+      if (before == starting ? !status_.is_off : !brakes_alone()) give(ServoOrder::switch_off);
       break;
     case following:
       is_commanded_ = false;
       break;
+    case DrivePhase::refused:
+      if (status_.is_on) give(ServoOrder::switch_off);  // its watchdog was tried
+      break;
     case stopping:
       phase_deadline_ns_ = now_ns + settings_.stop_timeout_ns;
       rest_since_ns_ = 0;
+      if (is_lost()) give(ServoOrder::switch_off);
       break;
     case disabling:
       phase_deadline_ns_ = now_ns + settings_.disable_timeout_ns;
       rest_since_ns_ = 0;
-      give(ServoOrder::switch_off);
+      is_resting_ = false;
+      if (!brakes_alone()) give(ServoOrder::switch_off);
       break;
     default:
       break;
   }
 }
 
-template <class Protocol>
+template <ServoProtocol Protocol>
 void ServoDrive<Protocol>::receive(const Frame& frame, std::int64_t now_ns) {
   if (phase_ == off) return;
   const ServoReport report = protocol_.read(frame);
   if (report.is_of_a_host) {
     ++counters_.foreign_frames;
     find(DriveFinding::foreign_sender);
+  } else {
+    heard_ns_ = now_ns;
   }
   if (report.is_bad) take_bad_frame();
   if (report.place) {
@@ -295,11 +351,17 @@ void ServoDrive<Protocol>::receive(const Frame& frame, std::int64_t now_ns) {
       last_errors_ = status_.errors;
     }
   }
-  if (report.is_expected_device) is_expected_device_ = report.is_expected_device;
+  if (report.is_expected_device) {
+    is_expected_device_ = report.is_expected_device;
+    version_ = report.version;
+  }
+  if (report.knows_place) knows_place_ = *report.knows_place;
+  if (report.has_watchdog) has_watchdog_ = report.has_watchdog;
 }
 
-template <class Protocol>
+template <ServoProtocol Protocol>
 void ServoDrive<Protocol>::tick(std::int64_t now_ns) {
+  now_ns_ = now_ns;
   lasting_.clear();
   if (--ticks_to_forgive_ <= 0) {
     ticks_to_forgive_ = settings_.bad_frame_ticks;
@@ -312,16 +374,37 @@ void ServoDrive<Protocol>::tick(std::int64_t now_ns) {
   if (is_on_its_way && !findings_.empty()) apply(DriveEvent::dropped_out, now_ns);
 }
 
-template <class Protocol>
+template <ServoProtocol Protocol>
 void ServoDrive<Protocol>::watch_connection(std::int64_t now_ns) {
   if (now_ns - place_ns_ > settings_.place_timeout_ns) {
     ++counters_.missed;
     find_lasting(DriveFinding::feedback_missing);
   }
   if (now_ns - status_ns_ > settings_.status_timeout_ns) find_lasting(DriveFinding::heartbeat_lost);
+  const bool may_have_power = phase_ == enabling || phase_ == following || phase_ == stopping;
+  if (!Protocol::habits.tells_restart && may_have_power) watch_silence(now_ns);
 }
 
-template <class Protocol>
+/// It is switched off, and asked again from now on.
+template <ServoProtocol Protocol>
+void ServoDrive<Protocol>::drop_out() {
+  place_ns_ = status_ns_ = now_ns_;
+  apply(DriveEvent::dropped_out, now_ns_);
+}
+
+/// Where it counts from, and whether it has power, is not known any more once it may have started anew.
+template <ServoProtocol Protocol>
+void ServoDrive<Protocol>::watch_silence(std::int64_t now_ns) {
+  const bool is_silent = now_ns - heard_ns_ > settings_.place_timeout_ns;
+  if (is_silent) {
+    was_silent_ = true;
+  } else if (was_silent_ && !findings_.has(DriveFinding::silent_for_a_while)) {
+    find(DriveFinding::silent_for_a_while);
+    apply(DriveEvent::dropped_out, now_ns);
+  }
+}
+
+template <ServoProtocol Protocol>
 void ServoDrive<Protocol>::advance(std::int64_t now_ns) {
   switch (phase_) {
     case booting:
@@ -332,10 +415,13 @@ void ServoDrive<Protocol>::advance(std::int64_t now_ns) {
       apply(DriveEvent::started, now_ns);
       return;
     case idle:
+    case DrivePhase::refused:
       if (status_.is_off && has_told_since_order()) order_.reset();
       return;
     case clearing:
-      if (has_told_since_order() && status_.errors == 0) apply(DriveEvent::cleared, now_ns);
+      if ((!order_ || has_told_since_order()) && status_.errors == 0 && !must_be_off()) {
+        apply(DriveEvent::cleared, now_ns);
+      }
       return;
     case enabling:
       return advance_enabling(now_ns);
@@ -356,9 +442,10 @@ void ServoDrive<Protocol>::advance(std::int64_t now_ns) {
 }
 
 /// Known, off, and heard of: then the drive may be tried.
-template <class Protocol>
+template <ServoProtocol Protocol>
 void ServoDrive<Protocol>::advance_booting(std::int64_t now_ns) {
-  if (is_expected_device_ == false) return refuse(DriveFinding::wrong_firmware, now_ns);
+  if (is_expected_device_ == false) return refuse(Protocol::misfit, now_ns);
+  if (!knows_place_) return refuse(DriveFinding::place_unknown, now_ns);
   const bool is_heard = place_ns_ != 0 && status_ns_ != 0;
   if (!is_heard) return;
   const bool is_known = is_expected_device_.has_value() ||
@@ -366,32 +453,41 @@ void ServoDrive<Protocol>::advance_booting(std::int64_t now_ns) {
   if (!is_known) return;
   if (status_.is_off) {
     apply(DriveEvent::booted, now_ns);
-  } else if (status_.is_on && order_ != ServoOrder::switch_off) {
+  } else if ((status_.is_on || brakes_alone()) && order_ != ServoOrder::switch_off) {
     give(ServoOrder::switch_off);  // somebody has left it on; one that calibrates is waited for
   }
 }
 
-template <class Protocol>
+/// Well first, then known to stop alone.
+template <ServoProtocol Protocol>
 void ServoDrive<Protocol>::advance_configuring(std::int64_t now_ns) {
-  if (!is_silent_) {
-    if (has_told_since_order() && !status_.has_missed_host) {
-      is_silent_ = true;
-      silent_ns_ = now_ns;
-      order_.reset();
-    } else if (now_ns - phase_ns_ > settings_.stop_timeout_ns) {
-      refuse(DriveFinding::fault_stays, now_ns);
-    }
-    return;
-  }
-  if (status_.has_missed_host && status_ns_ > silent_ns_) {
-    proven_ns_ = now_ns - silent_ns_;
-    apply(DriveEvent::configured, now_ns);
-  } else if (now_ns - silent_ns_ > settings_.watchdog_timeout_ns) {
-    refuse(DriveFinding::watchdog_unproven, now_ns);
+  if (is_silent_) return prove_watchdog(now_ns);
+  if (has_told_since_order() && status_.errors == 0) order_.reset();
+  if (has_told_since_order() && !status_.has_missed_host && status_.is_watching) {
+    is_silent_ = true;
+    silent_ns_ = now_ns;
+    order_.reset();
+    if (protocol_.watch() == ServoWatch::confirmed) give(ServoOrder::set_watchdog);
+  } else if (now_ns - phase_ns_ > settings_.stop_timeout_ns) {
+    last_errors_ = status_.errors;
+    refuse(DriveFinding::fault_stays, now_ns);
   }
 }
 
-template <class Protocol>
+template <ServoProtocol Protocol>
+void ServoDrive<Protocol>::prove_watchdog(std::int64_t now_ns) {
+  const bool is_tried = protocol_.watch() == ServoWatch::tried;
+  const bool is_proven = is_tried ? status_.has_missed_host && status_ns_ > silent_ns_
+                                  : protocol_.watch() == ServoWatch::accepted || has_watchdog_ == true;
+  if (is_proven) {
+    proven_ns_ = now_ns - silent_ns_;
+    apply(DriveEvent::configured, now_ns);
+  } else if (has_watchdog_ == false || now_ns - silent_ns_ > settings_.watchdog_timeout_ns) {
+    refuse(is_tried ? DriveFinding::watchdog_unproven : DriveFinding::watchdog_unconfirmed, now_ns);
+  }
+}
+
+template <ServoProtocol Protocol>
 void ServoDrive<Protocol>::advance_enabling(std::int64_t now_ns) {
   if (status_.errors != 0) return find(DriveFinding::drive_fault);
   if (!is_near(enabling_turns_, settings_.hold_tolerance_turns)) {
@@ -402,11 +498,11 @@ void ServoDrive<Protocol>::advance_enabling(std::int64_t now_ns) {
     if (was_told) give(ServoOrder::switch_on);
     return;
   }
-  sent_ = waiting_ = {.turns = place_.turns};
+  sent_ = waiting_ = {.turns = switching_on_turns()};
   if (findings_.empty()) apply(DriveEvent::enabled, now_ns);
 }
 
-template <class Protocol>
+template <ServoProtocol Protocol>
 void ServoDrive<Protocol>::watch_following(std::int64_t now_ns) {
   if (status_.errors != 0 || !status_.is_on) {
     // Without an error nothing but a new start switches it off.
@@ -420,7 +516,7 @@ void ServoDrive<Protocol>::watch_following(std::int64_t now_ns) {
   if (!is_near(sent_.turns, settings_.max_following_error_turns)) find_lasting(DriveFinding::following_error);
 }
 
-template <class Protocol>
+template <ServoProtocol Protocol>
 void ServoDrive<Protocol>::watch_rest(std::int64_t now_ns) {
   if (rest_since_ns_ == 0 || !is_near(rest_turns_at_, settings_.rest_turns)) {
     rest_turns_at_ = place_.turns;
@@ -429,9 +525,10 @@ void ServoDrive<Protocol>::watch_rest(std::int64_t now_ns) {
   is_resting_ = now_ns - rest_since_ns_ >= settings_.rest_ns && place_ns_ > rest_since_ns_;
 }
 
-template <class Protocol>
+template <ServoProtocol Protocol>
 void ServoDrive<Protocol>::advance_disabling(std::int64_t now_ns) {
   watch_rest(now_ns);
+  if (is_resting_ && !order_) give(ServoOrder::switch_off);
   if (status_.is_off && has_told_since_order() && is_resting_) {
     apply(DriveEvent::disabled, now_ns);
     return;
@@ -441,16 +538,14 @@ void ServoDrive<Protocol>::advance_disabling(std::int64_t now_ns) {
   if (is_late && !status_.is_off && !is_last_resort) give(ServoOrder::stop_at_once);
 }
 
-template <class Protocol>
+template <ServoProtocol Protocol>
 void ServoDrive<Protocol>::watch_deadline(std::int64_t now_ns) {
   if (now_ns < phase_deadline_ns_) return;
   switch (phase_) {
     case booting: {
       const bool is_heard = place_ns_ != 0 && status_ns_ != 0;
       const bool is_known = is_expected_device_.has_value() || !protocol_.tells_identity();
-      find(!is_heard   ? DriveFinding::unheard
-           : !is_known ? DriveFinding::wrong_firmware
-                       : DriveFinding::not_switched_off);
+      find(!is_heard ? DriveFinding::unheard : !is_known ? Protocol::misfit : DriveFinding::not_switched_off);
       break;
     }
     case clearing:
@@ -474,7 +569,7 @@ void ServoDrive<Protocol>::watch_deadline(std::int64_t now_ns) {
   apply(DriveEvent::timed_out, now_ns);
 }
 
-template <class Protocol>
+template <ServoProtocol Protocol>
 void ServoDrive<Protocol>::accept(const Target& target) {
   const double step = std::fabs(target.turns - waiting_.turns);
   if (!is_commanded_ && step > settings_.first_step_turns) return find(DriveFinding::moved_while_enabling);
@@ -485,22 +580,55 @@ void ServoDrive<Protocol>::accept(const Target& target) {
   waiting_ = target;
 }
 
-template <class Protocol>
-std::optional<Frame> ServoDrive<Protocol>::command(const std::optional<Target>& target) {
-  if (!is_fed()) return {};
-  if (phase_ == following) {
-    if (is_commanded_ && !target) return {};
-    sent_ = waiting_;
-    if (target) accept(*target);
-    return protocol_.command(sent_);
+template <ServoProtocol Protocol>
+auto ServoDrive<Protocol>::command(const std::optional<Target>& target) -> std::optional<Frame> {
+  switch (phase_) {
+    case following: {
+      if (!has_ceased_ || Protocol::habits.tells_restart) has_ceased_ = is_commanded_ && !target;
+      if (has_ceased_ && Protocol::habits.is_asked_apart) return {};
+      if (has_ceased_) return protocol_.question();
+      // One that cannot be told to switch on stands where it was switched on, and need not hurry.
+      if (!Protocol::habits.tells_restart && !is_commanded_ && !target) {
+        return may_be_commanded() ? protocol_.hold(ServoHold::switching_on, sent_.turns)
+                                  : protocol_.question();
+      }
+      const ServoTarget left = sent_;
+      sent_ = waiting_;
+      if (target) accept(*target);
+      return commanded(Protocol::habits.goes_on_by_velocity ? left : sent_);
+    }
+    case stopping:
+      return may_be_commanded() && !is_lost() ? protocol_.hold(ServoHold::stopping, sent_.turns)
+                                              : protocol_.question();
+    case clearing:
+      // Held where it was told to be last.
+      if (status_.is_on && Protocol::habits.tells_restart) return commanded({.turns = sent_.turns});
+      [[fallthrough]];
+    case idle:
+      return protocol_.hold(ServoHold::off, place_.turns);
+    case enabling:
+      if (was_silent_) return protocol_.question();
+      return protocol_.hold(ServoHold::switching_on, switching_on_turns());
+    case configuring:
+      return is_silent_ ? protocol_.question() : protocol_.hold(ServoHold::watched, place_.turns);
+    case booting:
+    case disabling:
+    case DrivePhase::refused:
+      return protocol_.question();
+    default:
+      return {};
   }
-  // Held where it was told to be last; without power, where it is.
-  const bool is_held = phase_ == stopping || (phase_ == clearing && status_.is_on);
-  return protocol_.command({.turns = is_held ? sent_.turns : place_.turns});
 }
 
-template <class Protocol>
-std::optional<Frame> ServoDrive<Protocol>::service(std::int64_t now_ns) {
+template <ServoProtocol Protocol>
+auto ServoDrive<Protocol>::service(std::int64_t now_ns) -> std::optional<Frame> {
+  if (const std::optional<Frame> frame = next_order(now_ns)) return frame;
+  if (is_asked_beside_targets()) return protocol_.question();
+  return {};
+}
+
+template <ServoProtocol Protocol>
+auto ServoDrive<Protocol>::next_order(std::int64_t now_ns) -> std::optional<Frame> {
   if (!order_ || now_ns < order_due_ns_) return {};
   const bool is_first = order_heard_ns_ == never || order_due_ns_ == 0;
   order_due_ns_ = now_ns + settings_.repeat_ns;

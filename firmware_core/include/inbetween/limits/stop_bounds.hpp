@@ -10,6 +10,7 @@
 #include "inbetween/base/result.hpp"
 #include "inbetween/limits/limits.hpp"
 #include "inbetween/limits/motion_bounds.hpp"
+#include "inbetween/limits/motion_cells.hpp"
 #include "inbetween/limits/move.hpp"
 #include "inbetween/timing/frame_time.hpp"
 
@@ -43,9 +44,10 @@ struct StopCell {
 template <Precise Real>
 struct StopBoundsMemory {
   std::span<StopCell<Real>> cells;        ///< one more than cells on the time line
-  std::span<MotionTriple<Real>> suprema;  ///< cells x axes of all tracks
-  std::span<PeakSlack<Real>> slack;       ///< axes of all tracks
+  std::span<MotionTriple<Real>> suprema;  ///< cells x axes of all tracks and motors of the request
+  std::span<PeakSlack<Real>> slack;       ///< axes of all tracks and motors of the request
   std::span<AxisTurn<Real>> turns;        ///< axes of the track that has most
+  std::span<Real> places = {};            ///< axes of all tracks, if the request has motors
 };
 
 template <Precise Real, std::size_t Cells, std::size_t Axes>
@@ -85,7 +87,7 @@ enum class StopQuantity : std::uint8_t { acceleration, jerk };
 /// them.
 template <Precise Real>
 struct StopObstacle {
-  std::int32_t axis = -1;  ///< counted through the tracks
+  std::int32_t axis = -1;  ///< counted through the tracks; behind them the motors of the request
   StopQuantity quantity = StopQuantity::acceleration;
   Real value = 0;  ///< a bound of |p2| rate^2 or |p3| rate^3; infinity where there is none
   Real limit = 0;
@@ -95,7 +97,8 @@ struct StopObstacle {
 template <Precise Real>
 class StopBounds;
 
-/// What stop bounds are made for. `limits` has an entry for every axis, track after track.
+/// What stop bounds are made for. `limits` has an entry for every axis, track after track, and then one for
+/// every motor of `motors`, in units of the motor.
 template <Precise Real>
 struct StopRequest {
   const Move<Real>& move;
@@ -108,6 +111,8 @@ struct StopRequest {
   /// Such changes may wait. Where the motion leaves next to nothing of the limits the rate stays what it is:
   /// R1 = R2 = 0 there, and no place is an obstacle.
   bool may_wait = false;
+  /// Motors that follow an axis through a calibration: everything that is said of axes holds for them too.
+  std::span<const CalibratedMotor<Real>> motors = {};
 
   /// The caps of |a| and |j|, where the axes could bear more.
   [[nodiscard]] Real max_rate_change() const { return rate / (min_stop_ticks * tick_seconds); }

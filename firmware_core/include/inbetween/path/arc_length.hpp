@@ -1,9 +1,11 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "inbetween/base/precision.hpp"
@@ -32,20 +34,28 @@ struct ArcPiece {
   std::int32_t segment = 0;
   Kind kind = Kind::plain;
 
-  /// At either end of the piece for a distance beside it: where pieces are shorter than the last bit of
-  /// the distance, the one looked up may be a neighbour of the one meant.
-  [[nodiscard]] Real t_at(const TwoSum<Real>& distance) const {
-    const Real raw = parameter(distance);
-    const Real u = raw > 0 ? (raw < 1 ? raw : Real(1)) : Real(0);
-    return c[0] + u * (c[1] + u * (c[2] + u * (c[3] + u * (c[4] + u * c[5]))));
+  /// From the origin to a distance near it: the difference of both is rounded to a share of itself.
+  [[nodiscard]] Real offset(const TwoSum<Real>& distance) const {
+    const Real high = distance.high - origin;
+    return kind == Kind::plain ? high + (distance.low - shift) : high + distance.low;
   }
+  /// t so far from the origin. At either end of the piece for a distance beside it: where pieces are shorter
+  /// than the last bit of the distance, the one looked up may be a neighbour of the one meant. Rounding of
+  /// the distance may point a few ulp beyond the segment; the point is its end.
+  [[nodiscard]] Real t_at(Real offset) const {
+    return kind == Kind::plain ? plain_t(offset) : t_of(root(offset));
+  }
+  /// t_at() of a plain piece.
+  [[nodiscard]] Real plain_t(Real offset) const { return t_of(offset * inverse_step); }
 
  private:
-  [[nodiscard]] Real parameter(const TwoSum<Real>& distance) const {
-    if (kind == Kind::plain) [[likely]] {
-      return ((distance.high - origin) + (distance.low - shift)) * inverse_step;
-    }
-    const Real gap = (distance.high - origin) + distance.low;
+  [[nodiscard]] static Real within(Real x) { return x > 0 ? (x < 1 ? x : Real(1)) : Real(0); }
+  [[nodiscard]] Real t_of(Real raw) const {
+    const Real u = within(raw);
+    const Real square = u * u;
+    return within((c[0] + c[1] * u) + square * ((c[2] + c[3] * u) + square * (c[4] + c[5] * u)));
+  }
+  [[nodiscard]] Real root(Real gap) const {
     // A gap of the wrong sign is rounding at the very point where the path stands still.
     if (kind == Kind::root_after) return std::sqrt(gap > 0 ? gap : Real(0)) * inverse_step - shift;
     return shift - std::sqrt(gap < 0 ? -gap : Real(0)) * inverse_step;
@@ -56,7 +66,7 @@ struct ArcPiece {
 template <Precise Real>
 struct ArcLengthMemory {
   std::span<ArcPiece<Real>> pieces;        ///< about 8 a segment at delta 1e-4, 20 at 1e-6, 80 at 1e-9
-  std::span<Real> begins;                  ///< as many as pieces
+  std::span<Real> begins;                  ///< as many as pieces: of the piece behind each
   std::span<std::int32_t> buckets;         ///< any number >= 1; as many as pieces is best
   std::span<std::int32_t> first_pieces;    ///< segments + 1
   std::span<TwoSum<Real>> segment_begins;  ///< segments + 1
@@ -95,33 +105,44 @@ class ArcLength {
                                 const ArcLengthMemory<Real>& memory);
 
   /// Total length in weighted axis units; 0 for a path that stays where it is.
-  [[nodiscard]] Real total() const { return segment_begins_.back().high; }
+  [[nodiscard]] Real total() const { return end_.high; }
   /// Length from the start to key `index`, 0..segment_count.
   [[nodiscard]] const TwoSum<Real>& segment_begin(std::int32_t index) const {
     return segment_begins_[static_cast<std::size_t>(index)];
   }
   [[nodiscard]] std::int32_t piece_count() const { return static_cast<std::int32_t>(pieces_.size()); }
-  /// The pieces in the order of distance, and the distance at which each begins.
+  /// In the order of distance.
   [[nodiscard]] std::span<const ArcPiece<Real>> pieces() const { return pieces_; }
-  [[nodiscard]] std::span<const Real> begins() const { return begins_; }
   [[nodiscard]] Real delta() const { return delta_; }
-
-  /// The point at a distance from the start: the start itself at 0, and at or beyond the total length
-  /// the end of the path, both exact.
-  /// Cost: O(1); near a cusp, where many pieces share a bucket, a bisection among them.
-  [[nodiscard]] PathPoint<Real> locate(const TwoSum<Real>& distance) const {
-    if (distance.high <= 0) return {0, 0};
-    if (distance.minus(segment_begins_.back()) >= 0) return {segment_count(), 0};
-    const ArcPiece<Real>& piece = pieces_[piece_at(distance.high)];
-    // Rounding of the distance may point a few ulp beyond the segment; the point is its end.
-    const Real t = piece.t_at(distance);
-    return {piece.segment, t < 0 ? Real(0) : (t > 1 ? Real(1) : t)};
+  /// The piece in which a distance lies, none for what locate() takes for an end of the path.
+  [[nodiscard]] std::optional<std::size_t> piece_of(const TwoSum<Real>& distance) const {
+    if (distance.high <= 0 || is_at_end(distance.high, distance, 0)) return std::nullopt;
+    return piece_at(distance.high);
+  }
+  /// The distance at which a piece begins; its t there is c[0].
+  [[nodiscard]] TwoSum<Real> begin_of(std::size_t piece) const {
+    if (pieces_[piece].kind == ArcPiece<Real>::Kind::plain)
+      return {pieces_[piece].origin, pieces_[piece].shift};
+    return {piece > 0 ? next_begins_[piece - 1] : Real(0), 0};
   }
 
-  /// The same for many distances at once, bit for bit; quickest where they rise, because then one piece
-  /// is evaluated for a run of them without looking anything up. All spans have the same size.
-  void locate(std::span<const Real> distance_high, std::span<const Real> distance_low,
-              std::span<PathPoint<Real>> points) const;
+  /// The point at a distance from the start, begin + way: the start itself at 0, and at or beyond the total
+  /// length the end of the path, both exact. `way` is rounded like a number of its own size, not like the
+  /// distance.
+  /// Cost: O(1); near a cusp, where many pieces share a bucket, a bisection among them.
+  [[nodiscard]] PathPoint<Real> locate(const TwoSum<Real>& begin, Real way = 0) const {
+    const Real distance = begin.high + way;
+    if (distance <= 0) return {0, 0};
+    if (is_at_end(distance, begin, way)) [[unlikely]]
+      return {segment_count(), 0};
+    const ArcPiece<Real>& piece = pieces_[piece_at(distance)];
+    return {piece.segment, piece.t_at(piece.offset(begin) + way)};
+  }
+
+  /// The same for many ways from one begin, bit for bit; quickest where they rise, because then one piece
+  /// is evaluated for a run of them without looking anything up. Both spans have the same size; what is in
+  /// `ways` is lost.
+  void locate(const TwoSum<Real>& begin, std::span<Real> ways, std::span<PathPoint<Real>> points) const;
 
   /// The distance from the start to a point, by quadrature within its piece: full precision of Real.
   [[nodiscard]] TwoSum<Real> distance(const Path<Real>& path, const PathPoint<Real>& point) const;
@@ -131,31 +152,25 @@ class ArcLength {
   [[nodiscard]] std::int32_t segment_count() const {
     return static_cast<std::int32_t>(segment_begins_.size()) - 1;
   }
-  [[nodiscard]] std::size_t piece_at(Real distance) const {
-    const std::size_t last = buckets_.size() - 1;
-    const Real scaled = distance * buckets_per_length_;
-    std::size_t bucket = scaled > 0 ? static_cast<std::size_t>(scaled) : 0;
-    if (bucket > last) bucket = last;
-    auto low = static_cast<std::size_t>(buckets_[bucket]);
-    auto high = bucket < last ? static_cast<std::size_t>(buckets_[bucket + 1]) : pieces_.size() - 1;
-    while (high - low > 3) {  // the piece is in [low, high]
-      const std::size_t middle = (low + high + 1) / 2;
-      if (begins_[middle] <= distance) {
-        low = middle;
-      } else {
-        high = middle - 1;
-      }
-    }
-    while (low < high && begins_[low + 1] <= distance) ++low;
-    return low;
+  [[nodiscard]] bool is_at_end(Real distance, const TwoSum<Real>& begin, Real way) const {
+    return distance >= end_.high && begin.minus(end_) + way >= 0;
   }
+  /// The last piece that begins at or before a distance above 0.
+  [[nodiscard]] std::size_t piece_at(Real distance) const {
+    const auto bucket = static_cast<std::size_t>(static_cast<std::int32_t>(distance * buckets_per_length_));
+    auto piece = static_cast<std::size_t>(buckets_[bucket]);
+    while (next_begins_[piece] <= distance) ++piece;
+    return piece;
+  }
+  [[nodiscard]] std::size_t piece_in_crowd(std::size_t piece, std::size_t bucket, Real distance) const;
 
   std::span<const ArcPiece<Real>> pieces_;
-  std::span<const Real> begins_;
+  std::span<const Real> next_begins_;  ///< where the piece behind each begins: infinity behind the last
   std::span<const std::int32_t> buckets_;
   std::span<const std::int32_t> first_pieces_;
   std::span<const TwoSum<Real>> segment_begins_;
-  Real buckets_per_length_ = 0;
+  TwoSum<Real> end_;
+  Real buckets_per_length_ = 0;  ///< so little less that no distance is behind the last bucket
   Real delta_ = 0;
 };
 

@@ -10,6 +10,7 @@
 #include <span>
 
 #include "inbetween/base/precision.hpp"
+#include "inbetween/base/processor_clones.hpp"
 #include "inbetween/base/result.hpp"
 #include "inbetween/path/arc_length.hpp"
 #include "inbetween/timing/frame_time.hpp"
@@ -192,13 +193,14 @@ class CountTrack {
   /// The position of every axis in whole counts, rounded to nearest: the tick. `out` has axis_count()
   /// entries. Before frame 0 the start and from frame N on the end. O(axes), no allocation, no library
   /// call; the same bits on every target.
-  void counts(const FrameTime<Real>& time, std::span<std::int32_t> out) const {
+  INBETWEEN_PROCESSOR_CLONES void counts(const FrameTime<Real>& time, std::span<std::int32_t> out) const {
     const Place place = locate(time);
     const CountCubic<Real>* cubic = cubics_ + place.first_cubic;
     for (std::int32_t& count : out) count = (cubic++)->count(place.w);
   }
   /// One axis with its part of a count, for drives that interpolate.
-  [[nodiscard]] CountPosition<Real> position(const FrameTime<Real>& time, std::int32_t axis) const {
+  [[nodiscard]] INBETWEEN_PROCESSOR_CLONES CountPosition<Real> position(const FrameTime<Real>& time,
+                                                                        std::int32_t axis) const {
     const Place place = locate(time);
     const CountCubic<Real>& cubic = cubics_[place.first_cubic + axis];
     return {cubic.base(), cubic.offset(place.w)};

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -35,6 +36,29 @@ struct KeyTimingSpec {
   CurveEnds ends = CurveEnds::natural;
 };
 
+/// An equation of the adjustment: what the curve covers between two neighbouring locks.
+struct LockRow {
+  std::int32_t first =
+      0;  ///< its first control value; of a periodic curve it may lie before the seam, below 0
+  std::int32_t count = 0;    ///< of its control values
+  std::int32_t weights = 0;  ///< where theirs begin in KeyTimingMemory::weights
+  std::int32_t beside = 0;   ///< the first row that shares a control value with it
+  std::int32_t entries =
+      0;  ///< where its products with the rows from there on begin in KeyTimingMemory::matrix
+};
+
+/// A row reaches three control values beyond its spans on either side.
+constexpr std::size_t lock_weight_count(std::size_t locks, std::size_t control_values) {
+  return control_values + 6 * (locks + 1);
+}
+/// Between two rows that share a control value lie 11 control values at most: if there are more rows than
+/// that between them, these follow from each other. At the seam of a periodic curve ten rows share control
+/// values with all others.
+constexpr std::size_t lock_entry_count(std::size_t locks) {
+  const std::size_t rows = locks + 1;
+  return std::min(rows * (rows + 1) / 2, 24 * rows);
+}
+
 /// The memory of the adjustment, owned by the caller. `locks` etc. are counts: the ends of the move are
 /// two locks more.
 template <Precise Real>
@@ -46,7 +70,9 @@ struct KeyTimingMemory {
   std::span<KeyLock> locks;     ///< locks + 2
   std::span<Real> targets;      ///< locks + 1
   std::span<Real> multipliers;  ///< 4 * (locks + 1)
-  std::span<Real> matrix;       ///< (locks + 1)^2
+  std::span<LockRow> rows;      ///< locks + 1
+  std::span<Real> weights;      ///< lock_weight_count
+  std::span<Real> matrix;       ///< lock_entry_count
 };
 
 /// The changes of the drawn curve.
@@ -85,7 +111,7 @@ struct KeyTiming {
 /// reversed, two keys on one frame: with key and frame), no_solution (with a key that cannot be met; a key
 /// that eases on a frame that is no knot), capacity.
 ///
-/// Cost: iterations * (f * 5 + locks); tens of iterations at most.
+/// Cost: linear in f and in the locks; tens of times as a rule, where there is no curve thousands of times.
 template <Precise Real>
 Result<KeyTiming<Real>> adjust_to_locks(const KeyTimingSpec<Real>& spec, const KeyTimingMemory<Real>& memory);
 
@@ -95,10 +121,12 @@ struct KeyTimingStorage {
   std::array<KeyLock, Locks + 2> locks;
   std::array<Real, Locks + 1> targets;
   std::array<Real, 4 * (Locks + 1)> multipliers;
-  std::array<Real, (Locks + 1) * (Locks + 1)> matrix;
+  std::array<LockRow, Locks + 1> rows;
+  std::array<Real, lock_weight_count(Locks, Values)> weights;
+  std::array<Real, lock_entry_count(Locks)> matrix;
 
   [[nodiscard]] KeyTimingMemory<Real> memory() {
-    return {adjusted, drawn, mobility, ceiling, locks, targets, multipliers, matrix};
+    return {adjusted, drawn, mobility, ceiling, locks, targets, multipliers, rows, weights, matrix};
   }
 };
 

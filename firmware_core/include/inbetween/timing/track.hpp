@@ -112,12 +112,22 @@ struct CurvePlace {
   Real t = 0;
 };
 
+/// The way over one span of the drawn curve: begin + t (c[0] + c[1] t + c[2] t^2 + c[3] t^3), t from 0 to 1.
+/// Within so short a span powers of t are as good as Bernstein's polynomials, and half the work.
+template <Precise Real>
+struct SpanDistance {
+  TwoSum<Real> begin;  ///< the distance travelled at its start
+  std::array<Real, 4> c{};
+
+  [[nodiscard]] Real way(Real t) const { return t * ((c[0] + c[1] * t) + t * t * (c[2] + c[3] * t)); }
+};
+
 /// The memory of a track, owned by the caller. Only what the way of timing needs may be empty otherwise.
 template <Precise Real>
 struct TrackMemory {
-  std::span<TwoSum<Real>> span_distances = {};      ///< f + 1, for a drawn curve
-  std::span<Portion<Real>> portions = {};           ///< breaks + 1
-  std::span<KeyInterval<Real>> key_intervals = {};  ///< segments, for a move timed by frames
+  std::span<SpanDistance<Real>> span_distances = {};  ///< f + 1, for a drawn curve
+  std::span<Portion<Real>> portions = {};             ///< breaks + 1
+  std::span<KeyInterval<Real>> key_intervals = {};    ///< segments, for a move timed by frames
 };
 
 /// L(s) = K Phi(a), a = f frame / N: separable, so nothing is integrated and no K is searched for
@@ -170,22 +180,20 @@ class Track {
   [[nodiscard]] CurvePlace<Real> place(const FrameTime<Real>& time) const {
     const std::int32_t f = profile_.span_count();
     const std::int32_t scaled = time.frame * f;
-    CurvePlace<Real> result{scaled / frames_,
-                            (static_cast<Real>(scaled % frames_) + time.fraction * static_cast<Real>(f)) /
-                                static_cast<Real>(frames_)};
-    if (result.t >= 1) {  // f > N: a fraction of a frame may pass over spans
+    const std::int32_t span = scaled / frames_;
+    CurvePlace<Real> result{
+        span, (static_cast<Real>(scaled - span * frames_) + time.fraction * static_cast<Real>(f)) *
+                  inverse_frames_};
+    if (result.t >= 1 || time.frame >= frames_) [[unlikely]] {  // a fraction of a frame may pass over spans
       const auto whole = static_cast<std::int32_t>(result.t);
       result.span += whole;
       result.t -= static_cast<Real>(whole);
+      if (result.span >= f) result = {f - 1, 1};
     }
-    if (result.span >= f) result = {f - 1, 1};
     return result;
   }
   /// da/dt: spans of the drawn curve a second.
-  [[nodiscard]] Real curve_rate() const {
-    return static_cast<Real>(profile_.span_count()) * static_cast<Real>(fps_.numerator) /
-           (static_cast<Real>(frames_) * static_cast<Real>(fps_.denominator));
-  }
+  [[nodiscard]] Real curve_rate() const { return curve_rate_; }
 
   /// The distance travelled since frame 0 as drawn. O(1). Domain: 0 <= time <= N.
   [[nodiscard]] TwoSum<Real> distance(const FrameTime<Real>& time) const {
@@ -200,7 +208,7 @@ class Track {
     if (time.frame >= frames_) return {path_.segment_count(), 0};
     if (time.frame < 0) return {0, 0};
     if (is_plain_) [[likely]]
-      return arc_length_.locate(distance_at(place(time)));
+      return locate_at(place(time));
     return special_locate(time);
   }
 
@@ -229,12 +237,24 @@ class Track {
  private:
   Track(const Path<Real>& path, const ArcLength<Real>& arc_length, const SpeedProfile<Real>& profile,
         std::int32_t frames, FrameRate fps)
-      : path_(path), arc_length_(arc_length), profile_(profile), frames_(frames), fps_(fps) {}
+      : path_(path),
+        arc_length_(arc_length),
+        profile_(profile),
+        frames_(frames),
+        fps_(fps),
+        inverse_frames_(1 / static_cast<Real>(frames)),
+        curve_rate_(static_cast<Real>(profile.span_count()) * static_cast<Real>(fps.numerator) /
+                    (static_cast<Real>(frames) * static_cast<Real>(fps.denominator))) {}
 
   [[nodiscard]] TwoSum<Real> distance_at(const CurvePlace<Real>& place) const {
-    TwoSum<Real> sum = span_distances_[static_cast<std::size_t>(place.span)];
-    sum.add(constant_ * profile_.span(place.span).integral(place.t));
+    const SpanDistance<Real>& span = span_distances_[static_cast<std::size_t>(place.span)];
+    TwoSum<Real> sum = span.begin;
+    sum.add(span.way(place.t));
     return sum;
+  }
+  [[nodiscard]] PathPoint<Real> locate_at(const CurvePlace<Real>& place) const {
+    const SpanDistance<Real>& span = span_distances_[static_cast<std::size_t>(place.span)];
+    return arc_length_.locate(span.begin, span.way(place.t));
   }
   /// along() with infinities where it is beyond the range of Real.
   [[nodiscard]] AlongPath<Real> unbounded_along(const FrameTime<Real>& time) const;
@@ -252,11 +272,13 @@ class Track {
   Path<Real> path_;
   ArcLength<Real> arc_length_;
   SpeedProfile<Real> profile_;
-  std::span<const TwoSum<Real>> span_distances_;
+  std::span<const SpanDistance<Real>> span_distances_;
   std::span<const Portion<Real>> portions_;
   std::span<const KeyInterval<Real>> key_intervals_;
   std::int32_t frames_ = 0;
   FrameRate fps_;
+  Real inverse_frames_ = 0;
+  Real curve_rate_ = 0;
   Real constant_ = 0;
   bool is_plain_ = true;  ///< one drawn curve, no breaks: the way that must be quick
 };
@@ -268,7 +290,7 @@ struct TrackStorage {
   PathStorage<Real, Keys, Axes> path;
   ArcLengthStorage<Real, Keys, Pieces> arc_length;
   SpeedProfileStorage<Real, Values> profile;
-  std::array<TwoSum<Real>, (Values > 1 ? Values : 2)> span_distances;
+  std::array<SpanDistance<Real>, (Values > 1 ? Values : 2)> span_distances;
 
   [[nodiscard]] TrackMemory<Real> memory() { return {span_distances}; }
 };

@@ -1,0 +1,17 @@
+#pragma once
+
+/// INBETWEEN_PROCESSOR_CLONES before a function has it compiled three times: for any x86-64, for one with
+/// AVX2 and fused multiply-adds, and for one with AVX-512. The loader of the program takes the best that the
+/// processor has. All of them give the same bits: IEEE 754 defines a fused multiply-add, which otherwise is a
+/// call of the C library; lanes compute what one number after the other would; and no compiler fuses on its
+/// own account (-ffp-contract=off).
+///
+/// Nothing where no loader can choose, as on a microcontroller, or has no choice, and under Clang, which
+/// calls the function by another name in other files. Under a sanitizer neither: the choice comes before it
+/// is ready.
+#if defined(__x86_64__) && defined(__linux__) && defined(__GNUC__) && !defined(__clang__) && \
+    !defined(__AVX512F__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#define INBETWEEN_PROCESSOR_CLONES [[gnu::target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")]]
+#else
+#define INBETWEEN_PROCESSOR_CLONES
+#endif

@@ -1,0 +1,176 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "inbetween/base/precision.hpp"
+#include "inbetween/base/setpoint.hpp"
+#include "inbetween/limits/calibration.hpp"
+#include "inbetween/loop/ports.hpp"
+#include "inbetween/loop/take_up.hpp"
+
+/// The axes of a rig on their motors: one or several each, through a calibration, with an offset, with the
+/// play of the gear taken up.
+
+namespace inbetween {
+
+/// What lies between an axis and its motors.
+template <Precise Real>
+struct AxisGear {
+  const Calibration<Real>* calibration = nullptr;  ///< none: the motor counts in axis units
+  std::optional<TakeUp<Real>> take_up = {};        ///< of all its motors
+  /// How far another motor of the axis may be from where the first one is, in units of the motor; beside
+  /// their offsets. A gantry racks beyond it.
+  std::optional<Real> max_skew = {};
+  bool is_skewed = false;  ///< kept by the port, for whoever wants to know what is wrong
+
+  /// The position of the motor for one of the axis, without its offset; and back.
+  [[nodiscard]] Real motor_at(Real axis) const {
+    const Real motor = calibration == nullptr ? axis : calibration->motor_at(axis);
+    return take_up ? motor + take_up->now().position : motor;
+  }
+  [[nodiscard]] Real axis_at(Real motor) const {
+    const Real taken = take_up ? motor - take_up->now().position : motor;
+    return calibration == nullptr ? taken : calibration->axis_at(taken);
+  }
+};
+
+/// A motor of an axis.
+template <Precise Real>
+struct AxisMotor {
+  std::size_t axis = 0;
+  Real offset = 0;  ///< its position where the axis is at 0, or the calibration is
+  /// How much further it stands than the first motor of the axis, both without their offsets, since it was
+  /// switched on; kept by the port.
+  Real apart = 0;
+};
+
+/// The memory of the port, owned by the caller. The first motors are the first ones of the axes, in their
+/// order; behind them come the others of axes that have several.
+template <Precise Real>
+struct MotorMemory {
+  std::span<AxisGear<Real>> axes;
+  std::span<AxisMotor<Real>> motors;
+  std::span<DriveState<Real>> states;   ///< motors
+  std::span<Setpoint<Real>> setpoints;  ///< motors
+};
+
+/// A DrivePort of the axes over one of their motors (`Motors`). Refers to the caller's memory.
+///
+/// An axis is where its first motor says. It is on when all its motors are, and has the worst of their
+/// conditions: a fault of one stops all axes. Motors of one axis that are further apart than it allows while
+/// they are on cannot follow. Nothing moves them together: each keeps the distance with which it was switched
+/// on, so that no motor moves by being switched on. O(motors), no allocation.
+template <Precise Real, DrivePort<Real> Motors>
+class MotorPort {
+ public:
+  MotorPort(Motors& motors, const MotorMemory<Real>& memory) : motors_(&motors), memory_(memory) {}
+
+  void read(std::span<DriveState<Real>> states, std::int64_t now_ns) {
+    motors_->read(memory_.states, now_ns);
+    const std::size_t axes = memory_.axes.size();
+    for (std::size_t a = 0; a < axes; ++a) {
+      states[a] = memory_.states[a];
+      states[a].actual = memory_.axes[a].axis_at(place(a));
+    }
+    for (std::size_t m = axes; m < memory_.motors.size(); ++m) {
+      const DriveState<Real>& motor = memory_.states[m];
+      DriveState<Real>& axis = states[memory_.motors[m].axis];
+      axis.is_on = axis.is_on && motor.is_on;
+      axis.is_leaving = axis.is_leaving || motor.is_leaving;
+      axis.condition = std::max(axis.condition, motor.condition);
+    }
+    for (std::size_t m = axes; m < memory_.motors.size(); ++m) supervise_skew(m, states);
+  }
+
+  void write(std::span<const Setpoint<Real>> setpoints, std::int64_t now_ns) {
+    if (setpoints.empty()) {
+      if (is_following_) halt();
+      motors_->write({}, now_ns);
+      return;
+    }
+    if (!is_following_) begin();
+    for (std::size_t m = 0; m < memory_.motors.size(); ++m) {
+      const AxisMotor<Real>& motor = memory_.motors[m];
+      AxisGear<Real>& gear = memory_.axes[motor.axis];
+      const Setpoint<Real>& axis = setpoints[motor.axis];
+      // The motors of an axis share what its first one was told.
+      Setpoint<Real>& out = memory_.setpoints[m];
+      out = m < memory_.axes.size() ? through(gear, axis) : without_offset(motor.axis);
+      out.position += motor.offset + motor.apart;
+    }
+    motors_->write(memory_.setpoints, now_ns);
+  }
+
+  void enable() {
+    for (AxisGear<Real>& gear : memory_.axes) gear.is_skewed = false;
+    motors_->enable();
+  }
+  void disable() { motors_->disable(); }
+  void quick_stop() { motors_->quick_stop(); }
+
+  /// Where motor `motor` is when its axis is at `position`.
+  [[nodiscard]] Real motor_at(std::size_t motor, Real position) const {
+    const AxisMotor<Real>& of = memory_.motors[motor];
+    return memory_.axes[of.axis].motor_at(position) + of.offset;
+  }
+  /// The motors of all axes rest when their axes do.
+  [[nodiscard]] bool is_resting() const {
+    return std::ranges::none_of(memory_.axes, [](const AxisGear<Real>& gear) {
+      return gear.take_up && gear.take_up->is_under_way();
+    });
+  }
+
+ private:
+  /// Without its offset.
+  [[nodiscard]] Real place(std::size_t motor) const {
+    return memory_.states[motor].actual - memory_.motors[motor].offset;
+  }
+  [[nodiscard]] Setpoint<Real> without_offset(std::size_t axis) const {
+    Setpoint<Real> told = memory_.setpoints[axis];
+    told.position -= memory_.motors[axis].offset;
+    return told;
+  }
+  static Setpoint<Real> through(AxisGear<Real>& gear, const Setpoint<Real>& axis) {
+    Setpoint<Real> motor = gear.calibration == nullptr ? axis : gear.calibration->motor_of(axis);
+    if (!gear.take_up) return motor;
+    const Setpoint<Real> more = gear.take_up->follow(axis.position);
+    motor.position += more.position;
+    motor.velocity += more.velocity;
+    motor.acceleration += more.acceleration;
+    return motor;
+  }
+
+  void supervise_skew(std::size_t m, std::span<DriveState<Real>> states) {
+    const std::size_t a = memory_.motors[m].axis;
+    AxisGear<Real>& gear = memory_.axes[a];
+    if (!gear.max_skew || !states[a].is_on) return;
+    if (std::fabs(place(m) - place(a)) <= *gear.max_skew) return;
+    gear.is_skewed = true;
+    states[a].condition = std::max(states[a].condition, DriveCondition::cannot_follow);
+  }
+
+  /// The first setpoint is where each motor stands.
+  void begin() {
+    is_following_ = true;
+    for (std::size_t m = memory_.axes.size(); m < memory_.motors.size(); ++m) {
+      memory_.motors[m].apart = place(m) - place(memory_.motors[m].axis);
+    }
+  }
+  void halt() {
+    is_following_ = false;
+    for (AxisGear<Real>& gear : memory_.axes) {
+      if (gear.take_up) gear.take_up->halt();
+    }
+  }
+
+  Motors* motors_;
+  MotorMemory<Real> memory_;
+  bool is_following_ = false;
+};
+
+}  // namespace inbetween

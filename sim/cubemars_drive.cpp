@@ -1,0 +1,153 @@
+#include "sim/cubemars_drive.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace inbetween {
+namespace {
+
+/// The motor is integrated in steps that are short against the 30 Hz of the position controller.
+constexpr std::int64_t step_ns = 250'000;
+constexpr std::int64_t boot_delay_ns = 200'000'000;
+constexpr double deg_per_turn = 360;
+constexpr std::int16_t holding_centiamperes = 50;  // what keeps the load where it is
+
+}  // namespace
+
+SimulatedCubemars::SimulatedCubemars(const SimulatedCubemarsSettings& settings, std::int64_t now_ns)
+    : settings_(settings),
+      motor_(settings.motor, settings.turns),
+      now_ns_(now_ns),
+      boot_ns_(now_ns + boot_delay_ns),
+      // Two motors have their own rhythms.
+      feedback_ns_(boot_ns_ + settings.motor_number.value() * std::int64_t{70'000}) {}
+
+void SimulatedCubemars::send(const can::Frame& frame) {
+  if (!troubles_.takes_frame(Kind::lose_sent, now_ns_)) frames_.push_back(frame);
+}
+
+std::vector<can::Frame> SimulatedCubemars::take_frames() {
+  return std::exchange(frames_, {});
+}
+
+DriveRecord SimulatedCubemars::take_record() {
+  return std::exchange(record_, {});
+}
+
+const char* SimulatedCubemars::state_name() const {
+  if (error_ != 0) return "fault";
+  return is_on_ ? "position" : "off";
+}
+
+void SimulatedCubemars::advance(std::int64_t now_ns) {
+  while (now_ns_ < now_ns) {
+    const std::int64_t ns = std::min(step_ns, now_ns - now_ns_);
+    now_ns_ += ns;
+    while (const std::optional<DriveTrouble> trouble = troubles_.begin_next(now_ns_)) meet(*trouble);
+    if (error_ != 0 && !has_trouble(Kind::emergency)) error_ = 0;
+    step(static_cast<double>(ns) * 1e-9);
+    if (now_ns_ >= boot_ns_) report();
+  }
+}
+
+void SimulatedCubemars::step(double seconds) {
+  motor_.hold(has_trouble(Kind::stick));
+  if (!is_on_) {
+    motor_.coast(seconds);
+    if (has_trouble(Kind::sink)) {
+      motor_.put(motor_.position() + troubles_.value(Kind::sink, now_ns_) * seconds);
+    }
+    return;
+  }
+  const double turns_per_count = 1 / settings_.scale.counts_of(1);
+  demand_.go_to(turns_of(told_.position) + zero_,
+                {.velocity = told_.max_velocity * turns_per_count,
+                 .acceleration = told_.max_acceleration * turns_per_count},
+                seconds);
+  motor_.follow({.position = demand_.position, .velocity = demand_.velocity}, seconds);
+}
+
+double SimulatedCubemars::turns_of(std::int32_t counts) const {
+  return counts / settings_.scale.counts_per_deg / deg_per_turn;
+}
+
+/// Tenths of a degree, cut off, in 16 bits that go round.
+can::Frame SimulatedCubemars::feedback() const {
+  const double decidegrees = std::trunc(10 * deg_per_turn * (motor_.position() - zero_));
+  const double erpm = 60 * settings_.scale.electric_turns_per_turn * motor_.velocity();
+  const double dekaerpm = std::clamp(erpm / 10, -32'767.0, 32'767.0);
+  return can::cubemars_feedback_frame(
+      settings_.motor_number,
+      {.decidegrees = static_cast<std::int16_t>(static_cast<std::int64_t>(decidegrees)),
+       .dekaerpm = static_cast<std::int16_t>(dekaerpm),
+       .centiamperes = is_on_ ? holding_centiamperes : std::int16_t{0},
+       .celsius = 30,
+       .error = error_});
+}
+
+void SimulatedCubemars::report() {
+  for (std::int64_t due = troubles_.flood(now_ns_); due > 0; --due) send(feedback());
+  if (now_ns_ < feedback_ns_) return;
+  feedback_ns_ += settings_.feedback_period_ns;
+  // Where and how it is come in one message.
+  if (has_trouble(Kind::lose_feedback) || has_trouble(Kind::lose_heartbeat)) return;
+  can::Frame frame = feedback();
+  if (troubles_.takes_frame(Kind::shorten, now_ns_)) --frame.length;
+  send(frame);
+}
+
+void SimulatedCubemars::set_power(bool is_on) {
+  if (is_on == is_on_) return;
+  is_on_ = is_on;
+  if (is_on_) demand_.start(motor_.position());
+  if (settings_.keeps_record) record_.entered.push_back({now_ns_, state_name(), motor_.velocity()});
+}
+
+/// As after power-on: it calls 0 where it is.
+void SimulatedCubemars::start_anew() {
+  zero_ = motor_.position();
+  set_power(false);
+  boot_ns_ = feedback_ns_ = now_ns_ + boot_delay_ns;
+}
+
+void SimulatedCubemars::meet(const DriveTrouble& trouble) {
+  switch (trouble.kind) {
+    case Kind::emergency:
+      error_ = static_cast<std::uint8_t>(trouble.value);
+      if (settings_.keeps_record) record_.reported.push_back({now_ns_, error_});
+      return set_power(false);
+    case Kind::put_by_hand:
+      return motor_.put(trouble.place);
+    case Kind::reboot:
+      return start_anew();
+    case Kind::foreign_sender: {
+      const can::Frame frame = can::cubemars_position_frame(settings_.motor_number, told_);
+      send(frame);
+      return receive(frame);
+    }
+    default:
+      return;  // while it lasts, something else is done where it would be
+  }
+}
+
+void SimulatedCubemars::receive(const can::Frame& frame) {
+  if (now_ns_ < boot_ns_) return;
+  const auto position = can::read_cubemars_position(frame, settings_.motor_number);
+  const auto current = can::read_cubemars_current(frame, settings_.motor_number);
+  const bool is_meant = position || current;
+  if (!is_meant || troubles_.takes_frame(Kind::lose_heard, now_ns_)) return;
+  if (position) return take_position(*position);
+  if (*current == 0 && !has_trouble(Kind::stay_on)) set_power(false);
+}
+
+void SimulatedCubemars::take_position(const can::CubemarsPosition& position) {
+  if (error_ != 0) return;
+  if (!has_trouble(Kind::ignore_target)) told_ = position;
+  set_power(true);
+  if (!first_target_) first_target_ = position.position;
+  has_been_moved_ = has_been_moved_ || position.position != *first_target_;
+  if (settings_.keeps_record) record_.applied.push_back({now_ns_, turns_of(position.position)});
+}
+
+}  // namespace inbetween

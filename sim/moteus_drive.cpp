@@ -1,0 +1,318 @@
+#include "sim/moteus_drive.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+namespace inbetween {
+namespace {
+
+using can::FdFrame;
+using can::MoteusItem;
+using can::MoteusMode;
+using can::MoteusRegister;
+using can::MoteusType;
+
+/// The motor is integrated in steps that are short against the 30 Hz of the position controller.
+constexpr std::int64_t step_ns = 250'000;
+constexpr std::int64_t boot_delay_ns = 50'000'000;
+constexpr std::uint32_t everybody = 0x7F;
+constexpr int outside_limits = 39;
+constexpr int at_bound = 103;  // no fault, but said where faults are
+constexpr std::uint32_t unknown_register = 1;
+
+bool is_reserved_for_int32(MoteusRegister reg) {
+  return reg == MoteusRegister::model || reg == MoteusRegister::firmware;
+}
+
+}  // namespace
+
+SimulatedMoteus::SimulatedMoteus(const SimulatedMoteusSettings& settings, std::int64_t now_ns)
+    : settings_(settings),
+      motor_(settings.motor, settings.turns),
+      now_ns_(now_ns),
+      boot_ns_(now_ns + boot_delay_ns) {}
+
+std::vector<FdFrame> SimulatedMoteus::take_frames() {
+  return std::exchange(frames_, {});
+}
+
+DriveRecord SimulatedMoteus::take_record() {
+  return std::exchange(record_, {});
+}
+
+const char* SimulatedMoteus::state_name() const {
+  switch (mode_) {
+    case MoteusMode::stopped:
+      return "stopped";
+    case MoteusMode::fault:
+      return "fault";
+    case MoteusMode::position:
+      return "position";
+    case MoteusMode::timeout:
+      return "timeout";
+    default:
+      return "enabling";
+  }
+}
+
+// --- its time
+
+void SimulatedMoteus::advance(std::int64_t now_ns) {
+  while (now_ns_ < now_ns) {
+    const std::int64_t ns = std::min(step_ns, now_ns - now_ns_);
+    now_ns_ += ns;
+    while (const std::optional<DriveTrouble> trouble = troubles_.begin_next(now_ns_)) meet(*trouble);
+    const std::int64_t underway_ns = now_ns_ - enabling_ns_;
+    // It is enabling, then calibrates its current sensors, in three parts of the delay.
+    if (mode_ == MoteusMode::enabling && 3 * underway_ns >= settings_.enable_delay_ns) {
+      enter(MoteusMode::calibrating);
+    } else if (mode_ == MoteusMode::calibrating && 3 * underway_ns >= 2 * settings_.enable_delay_ns) {
+      enter(MoteusMode::calibrated);
+    } else if (mode_ == MoteusMode::calibrated && underway_ns >= settings_.enable_delay_ns) {
+      begin_position();
+    }
+    step(static_cast<double>(ns) * 1e-9);
+    // Not a number: it never expires. 0: as the settings say.
+    const double said_ns = command_.watchdog_s * 1e9;
+    const double wait_ns = said_ns == 0 ? static_cast<double>(settings_.watchdog_ns) : said_ns;
+    const bool is_silent = static_cast<double>(now_ns_ - fed_ns_) > wait_ns;
+    if (mode_ == MoteusMode::position && watches_ && is_silent) enter(MoteusMode::timeout);
+    flood();
+  }
+}
+
+void SimulatedMoteus::step(double seconds) {
+  motor_.hold(has_trouble(Kind::stick));
+  if (mode_ == MoteusMode::position && has_torque()) {
+    control_ += command_.velocity * seconds;
+    const double inside = std::clamp(control_, settings_.min_turns, settings_.max_turns);
+    fault_ = inside == control_ ? 0 : at_bound;
+    control_ = inside;
+    return motor_.follow({.position = control_ + zero_, .velocity = fault_ == 0 ? command_.velocity : 0},
+                         seconds);
+  }
+  if (mode_ == MoteusMode::timeout) return motor_.follow({.position = motor_.position()}, seconds);
+  motor_.coast(seconds);
+  if (has_trouble(Kind::sink)) {
+    motor_.put(motor_.position() + troubles_.value(Kind::sink, now_ns_) * seconds);
+  }
+}
+
+void SimulatedMoteus::flood() {
+  for (std::int64_t due = troubles_.flood(now_ns_); due > 0; --due) {
+    FdFrame frame{.id = std::uint32_t{settings_.node.value()} << 8};
+    can::MoteusWriter writer(frame);
+    writer.reply(MoteusRegister::torque, MoteusType::float32, std::array{0.0});
+    if (writer.finish()) send(frame);
+  }
+}
+
+void SimulatedMoteus::enter(MoteusMode mode) {
+  if (mode == mode_) return;
+  mode_ = mode;
+  if (settings_.keeps_record) record_.entered.push_back({now_ns_, state_name(), motor_.velocity()});
+  // Without torque nobody waits for it.
+  if (mode == MoteusMode::timeout && settings_.keeps_record && has_torque()) {
+    record_.reported.push_back({now_ns_, can::moteus_timeout_error});
+  }
+}
+
+void SimulatedMoteus::fail(int fault) {
+  if (mode_ == MoteusMode::fault) return;
+  fault_ = fault;
+  if (settings_.keeps_record) record_.reported.push_back({now_ns_, static_cast<std::uint32_t>(fault)});
+  enter(MoteusMode::fault);
+}
+
+/// As after power-on: an incremental encoder calls 0 where it is.
+void SimulatedMoteus::start_anew() {
+  zero_ = motor_.position();
+  settings_.home_state = 0;
+  fault_ = 0;
+  command_ = {};
+  enter(MoteusMode::stopped);
+  boot_ns_ = now_ns_ + boot_delay_ns;
+}
+
+void SimulatedMoteus::meet(const DriveTrouble& trouble) {
+  switch (trouble.kind) {
+    case Kind::emergency:
+      return fail(trouble.value);
+    case Kind::put_by_hand:
+      return motor_.put(trouble.place);
+    case Kind::reboot:
+      return start_anew();
+    case Kind::no_watchdog:
+      watches_ = false;
+      return;
+    case Kind::foreign_sender: {
+      // Host 1 wants it to stay where it is, and no answer.
+      FdFrame frame{.id = 1U << 8 | settings_.node.value()};
+      can::MoteusWriter writer(frame);
+      writer.write(MoteusRegister::mode, MoteusType::int8, std::array{10.0});
+      writer.write(MoteusRegister::command_position, MoteusType::float32,
+                   std::array{motor_.position() - zero_});
+      if (!writer.finish()) return;
+      send(frame);
+      return receive(frame);
+    }
+    default:
+      return;  // while it lasts, something else is done where it would be
+  }
+}
+
+// --- its frames
+
+void SimulatedMoteus::send(FdFrame frame) {
+  if (has_trouble(Kind::lose_feedback) || has_trouble(Kind::lose_heartbeat)) return;
+  if (troubles_.takes_frame(Kind::lose_sent, now_ns_)) return;
+  if (troubles_.takes_frame(Kind::shorten, now_ns_)) {
+    do --frame.length;
+    while (!can::is_fd_length(frame.length));
+  }
+  frames_.push_back(frame);
+}
+
+void SimulatedMoteus::receive(const FdFrame& frame) {
+  const std::uint32_t receiver = frame.id & 0x7F;
+  const bool is_meant = frame.id <= 0xFFFF && (receiver == settings_.node.value() || receiver == everybody);
+  if (!is_meant || now_ns_ < boot_ns_ || troubles_.takes_frame(Kind::lose_heard, now_ns_)) return;
+  Command command;
+  can::MoteusReader reader(frame);
+  while (const std::optional<MoteusItem> item = reader.next()) {
+    if (item->kind == MoteusItem::Kind::write) write(*item, command);
+  }
+  if ((frame.id & 0x8000) != 0) {
+    if (const std::optional<FdFrame> answer = answer_to(frame)) send(*answer);
+  }
+  if (command.mode) obey(command);
+}
+
+void SimulatedMoteus::write(const MoteusItem& item, Command& command) {
+  if (item.reg == MoteusRegister::mode) {
+    command = {};
+    command.mode = item.value;
+  }
+  if (!command.mode) return;  // what comes before the mode is forgotten by it
+  switch (item.reg) {
+    case MoteusRegister::command_position:
+      command.position = item.value;
+      return;
+    case MoteusRegister::command_velocity:
+      command.velocity = std::isnan(item.value) ? 0 : item.value;
+      return;
+    case MoteusRegister::max_torque:
+      command.max_torque = item.value;
+      return;
+    case MoteusRegister::watchdog:
+      command.watchdog_s = item.value;
+      return;
+    default:
+      return;
+  }
+}
+
+std::optional<double> SimulatedMoteus::register_value(const MoteusItem& item) const {
+  if (is_reserved_for_int32(item.reg) && item.type != MoteusType::int32) return {};
+  switch (item.reg) {
+    case MoteusRegister::mode:
+      return static_cast<double>(mode_);
+    case MoteusRegister::position:
+      return motor_.position() - zero_;
+    case MoteusRegister::velocity:
+      return motor_.velocity();
+    case MoteusRegister::torque:
+      return 0;
+    case MoteusRegister::home_state:
+      return settings_.home_state;
+    case MoteusRegister::voltage:
+      return 24;
+    case MoteusRegister::temperature:
+      return 25;
+    case MoteusRegister::fault:
+      return fault_;
+    case MoteusRegister::model:
+    case MoteusRegister::firmware:
+      return 1;
+    case MoteusRegister::map_version:
+      return settings_.map_version;
+    default:
+      return {};
+  }
+}
+
+/// In the style of the question, registers that follow each other in one sub-frame. Nothing where none was
+/// asked for, or where they have no room.
+std::optional<FdFrame> SimulatedMoteus::answer_to(const FdFrame& question) const {
+  FdFrame answer{.id = std::uint32_t{settings_.node.value()} << 8 | (question.id >> 8 & 0x7F),
+                 .has_fast_data = question.has_fast_data};
+  answer.is_extended = answer.id >= 0x800;
+  can::MoteusWriter writer(answer);
+  std::vector<double> values;
+  MoteusItem first, last;
+  const auto end_sub_frame = [&] {
+    if (!values.empty()) writer.reply(first.reg, first.type, values);
+    values.clear();
+  };
+  can::MoteusReader reader(question);
+  while (const std::optional<MoteusItem> item = reader.next()) {
+    if (item->kind != MoteusItem::Kind::read) continue;
+    const bool goes_on = item->type == last.type &&
+                         static_cast<std::uint32_t>(item->reg) == static_cast<std::uint32_t>(last.reg) + 1;
+    const std::optional<double> value = register_value(*item);
+    if (!goes_on || !value) end_sub_frame();
+    if (!value) {
+      writer.read_error(item->reg, unknown_register);
+      continue;
+    }
+    if (values.empty()) first = *item;
+    last = *item;
+    values.push_back(*value);
+  }
+  end_sub_frame();
+  if (!writer.finish() || answer.length == 0) return {};
+  answer.is_classic = question.is_classic && answer.length <= 8;
+  return answer;
+}
+
+// --- its orders
+
+void SimulatedMoteus::obey(const Command& command) {
+  const bool is_latched = mode_ == MoteusMode::fault || mode_ == MoteusMode::timeout;
+  if (command.mode == static_cast<double>(MoteusMode::stopped)) {
+    if (has_trouble(Kind::stay_on)) return;
+    if (mode_ == MoteusMode::fault && has_trouble(Kind::emergency)) return;
+    fault_ = 0;
+    return enter(MoteusMode::stopped);
+  }
+  if (command.mode != static_cast<double>(MoteusMode::position) || is_latched) return;
+  fed_ns_ = now_ns_;
+  if (mode_ == MoteusMode::position) return take_target(command);
+  command_ = command;
+  if (mode_ != MoteusMode::stopped) return;
+  enabling_ns_ = now_ns_;
+  enter(MoteusMode::enabling);
+}
+
+void SimulatedMoteus::begin_position() {
+  const double here = motor_.position() - zero_;
+  if (here < settings_.min_turns || here > settings_.max_turns) return fail(outside_limits);
+  control_ = here;
+  enter(MoteusMode::position);
+  take_target(command_);
+}
+
+void SimulatedMoteus::take_target(const Command& command) {
+  if (has_trouble(Kind::ignore_target)) return;
+  command_ = command;
+  control_ = std::isnan(command.position) ? motor_.position() - zero_ : command.position;
+  if (!has_torque()) return;
+  if (!first_target_) first_target_ = control_;
+  constexpr double of_noise = 1e-4;
+  has_been_moved_ = has_been_moved_ || std::fabs(control_ - *first_target_) > of_noise;
+  if (settings_.keeps_record) record_.applied.push_back({now_ns_, control_});
+}
+
+}  // namespace inbetween

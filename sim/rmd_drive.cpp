@@ -1,0 +1,204 @@
+#include "sim/rmd_drive.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "inbetween/can/little_endian.hpp"
+
+namespace inbetween {
+namespace {
+
+using can::RmdCommand;
+
+/// The motor is integrated in steps that are short against the 30 Hz of the position controller.
+constexpr std::int64_t step_ns = 250'000;
+constexpr std::int64_t boot_delay_ns = 200'000'000;
+constexpr double deg_per_turn = 360;
+constexpr std::uint8_t write_acceleration = 0x43;
+constexpr std::uint8_t motion_status = 0x9C;  // answered as a position is
+
+}  // namespace
+
+SimulatedRmd::SimulatedRmd(const SimulatedRmdSettings& settings, std::int64_t now_ns)
+    : settings_(settings),
+      motor_(settings.motor, settings.turns),
+      now_ns_(now_ns),
+      boot_ns_(now_ns + boot_delay_ns) {}
+
+void SimulatedRmd::send(const can::Frame& frame) {
+  if (!troubles_.takes_frame(Kind::lose_sent, now_ns_)) frames_.push_back(frame);
+}
+
+std::vector<can::Frame> SimulatedRmd::take_frames() {
+  return std::exchange(frames_, {});
+}
+
+DriveRecord SimulatedRmd::take_record() {
+  return std::exchange(record_, {});
+}
+
+const char* SimulatedRmd::state_name() const {
+  if (errors_ != 0) return "fault";
+  return state_ == State::off ? "off" : state_ == State::stopped ? "stopped" : "position";
+}
+
+void SimulatedRmd::advance(std::int64_t now_ns) {
+  while (now_ns_ < now_ns) {
+    const std::int64_t ns = std::min(step_ns, now_ns - now_ns_);
+    now_ns_ += ns;
+    while (const std::optional<DriveTrouble> trouble = troubles_.begin_next(now_ns_)) meet(*trouble);
+    step(static_cast<double>(ns) * 1e-9);
+    if (now_ns_ < boot_ns_) continue;
+    if (watchdog_ns_ > 0 && now_ns_ - fed_ns_ > watchdog_ns_) enter(State::off);
+    for (std::int64_t due = troubles_.flood(now_ns_); due > 0; --due) {
+      can::Frame frame = can::rmd_motion_frame(settings_.motor_number, {});
+      frame.data[0] = motion_status;
+      send(frame);
+    }
+  }
+}
+
+void SimulatedRmd::step(double seconds) {
+  motor_.hold(has_trouble(Kind::stick));
+  switch (state_) {
+    case State::off:
+      motor_.coast(seconds);
+      if (has_trouble(Kind::sink)) {
+        motor_.put(motor_.position() + troubles_.value(Kind::sink, now_ns_) * seconds);
+      }
+      return;
+    case State::stopped:
+      return motor_.follow({.position = demand_.position}, seconds);
+    case State::in_position:
+      // At most as fast as the position says, and by a ramp where one is planned.
+      demand_.go_to(
+          target_ + zero_,
+          {.velocity = max_turns_per_s_, .acceleration = settings_.planning_acceleration / deg_per_turn},
+          seconds);
+      return motor_.follow({.position = demand_.position}, seconds);
+  }
+}
+
+void SimulatedRmd::enter(State state) {
+  if (state == state_) return;
+  if (state == State::stopped || state_ == State::off) demand_.start(motor_.position());
+  state_ = state;
+  if (settings_.keeps_record) record_.entered.push_back({now_ns_, state_name(), motor_.velocity()});
+}
+
+/// As after power-on: an incremental encoder calls 0 where it is, and nobody has set a watchdog.
+void SimulatedRmd::start_anew() {
+  zero_ = motor_.position();
+  errors_ = 0;
+  watchdog_ns_ = 0;
+  enter(State::off);
+  boot_ns_ = now_ns_ + boot_delay_ns;
+}
+
+void SimulatedRmd::meet(const DriveTrouble& trouble) {
+  switch (trouble.kind) {
+    case Kind::emergency:
+      errors_ |= static_cast<std::uint16_t>(trouble.value);
+      if (settings_.keeps_record) record_.reported.push_back({now_ns_, errors_});
+      return enter(State::off);
+    case Kind::put_by_hand:
+      return motor_.put(trouble.place);
+    case Kind::reboot:
+      return start_anew();
+    case Kind::foreign_sender: {
+      const double here = (motor_.position() - zero_) * can::rmd_steps_per_turn;
+      const can::Frame frame =
+          can::rmd_position_frame(settings_.motor_number, {.steps = static_cast<std::int32_t>(here)});
+      send(frame);
+      return receive(frame);
+    }
+    default:
+      return;  // while it lasts, something else is done where it would be
+  }
+}
+
+void SimulatedRmd::receive(const can::Frame& frame) {
+  const bool is_meant = !frame.is_extended && !frame.is_remote && frame.length == 8 &&
+                        frame.id == can::rmd_command_id(settings_.motor_number);
+  if (!is_meant || now_ns_ < boot_ns_ || troubles_.takes_frame(Kind::lose_heard, now_ns_)) return;
+  fed_ns_ = now_ns_;
+  obey(frame);
+}
+
+void SimulatedRmd::obey(const can::Frame& frame) {
+  can::Frame echo = frame;
+  echo.id = can::rmd_answer_id(settings_.motor_number);
+  if (frame.data[0] == write_acceleration ||
+      frame.data[0] == static_cast<std::uint8_t>(RmdCommand::read_acceleration)) {
+    return answer_acceleration(frame);
+  }
+  switch (static_cast<RmdCommand>(frame.data[0])) {
+    case RmdCommand::shut_down:
+      if (has_trouble(Kind::stay_on)) return;
+      if (!has_trouble(Kind::emergency)) errors_ = 0;
+      enter(State::off);
+      return send(echo);
+    case RmdCommand::stop:
+      if (errors_ == 0) enter(State::stopped);
+      return send(echo);
+    case RmdCommand::read_angle: {
+      if (has_trouble(Kind::lose_feedback)) return;
+      const double steps = std::round((motor_.position() - zero_) * can::rmd_steps_per_turn);
+      can::Frame angle = can::rmd_angle_frame(settings_.motor_number, static_cast<std::int32_t>(steps));
+      if (troubles_.takes_frame(Kind::shorten, now_ns_)) --angle.length;
+      return send(angle);
+    }
+    case RmdCommand::read_status:
+      return answer_status();
+    case RmdCommand::position:
+      return take_position(*can::read_rmd_position(frame, settings_.motor_number));
+    case RmdCommand::host_timeout:
+      if (has_trouble(Kind::no_watchdog)) return;  // its firmware does not know the command
+      watchdog_ns_ = std::int64_t{can::load<std::uint32_t>(frame.data, 4)} * 1'000'000;
+      return send(echo);
+    default:
+      return;
+  }
+}
+
+void SimulatedRmd::answer_acceleration(const can::Frame& frame) {
+  can::Frame answer = frame;
+  answer.id = can::rmd_answer_id(settings_.motor_number);
+  const bool is_of_positions = frame.data[1] == 0;
+  if (frame.data[0] == write_acceleration && is_of_positions) {
+    settings_.planning_acceleration = can::load<std::uint32_t>(frame.data, 4);
+  }
+  can::store(answer.data, 4, is_of_positions ? settings_.planning_acceleration : 0U);
+  send(answer);
+}
+
+void SimulatedRmd::answer_status() {
+  if (has_trouble(Kind::lose_heartbeat)) return;
+  send(can::rmd_status_frame(
+      settings_.motor_number,
+      {.celsius = 30, .is_brake_open = state_ != State::off, .volts = 48, .errors = errors_}));
+}
+
+/// Its answer has whole degrees, of which 16 bits hold 91 turns.
+void SimulatedRmd::take_position(const can::RmdPosition& position) {
+  if (errors_ == 0) enter(State::in_position);
+  if (!has_trouble(Kind::ignore_target)) {
+    target_ = position.steps / can::rmd_steps_per_turn;
+    max_turns_per_s_ = position.max_deg_per_s / deg_per_turn;
+  }
+  if (!first_target_) first_target_ = position.steps;
+  has_been_moved_ = has_been_moved_ || position.steps != *first_target_;
+  if (settings_.keeps_record && state_ == State::in_position) {
+    record_.applied.push_back({now_ns_, position.steps / can::rmd_steps_per_turn});
+  }
+  const auto degrees = static_cast<std::int64_t>(std::trunc((motor_.position() - zero_) * deg_per_turn));
+  const double deg_per_s = std::clamp(motor_.velocity() * deg_per_turn, -32'767.0, 32'767.0);
+  send(can::rmd_motion_frame(settings_.motor_number,
+                             {.celsius = 30,
+                              .deg_per_s = static_cast<std::int16_t>(deg_per_s),
+                              .degrees = static_cast<std::int16_t>(degrees % 32'768)}));
+}
+
+}  // namespace inbetween
