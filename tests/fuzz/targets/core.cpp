@@ -144,13 +144,15 @@ class MoveUnderTest {
     locks_.resize(rows + 1);
     targets_.resize(rows);
     multipliers_.resize(4 * rows);
-    matrix_.resize(rows * rows);
-    const auto timing = adjust_to_locks<Real>(
-        {.control_values = values,
-         .key_distances = key_distances_,
-         .locks = move_.locks,
-         .frames = move_.frames},
-        {adjusted_, drawn_, mobility_, ceiling_, locks_, targets_, multipliers_, matrix_});
+    rows_.resize(rows);
+    lock_weights_.resize(lock_weight_count(move_.locks.size(), max_values));
+    matrix_.resize(lock_entry_count(move_.locks.size()));
+    const auto timing = adjust_to_locks<Real>({.control_values = values,
+                                               .key_distances = key_distances_,
+                                               .locks = move_.locks,
+                                               .frames = move_.frames},
+                                              {adjusted_, drawn_, mobility_, ceiling_, locks_, targets_,
+                                               multipliers_, rows_, lock_weights_, matrix_});
     if (!timing) {
       require(timing.error().what[0] != '\0' && timing.error().remedy[0] != '\0', "an error says what to do");
     }
@@ -254,7 +256,8 @@ class MoveUnderTest {
   std::vector<KeyInterval<Real>> key_intervals_;
   std::vector<BreakKey> breaks_;
   std::vector<Real> key_distances_;
-  std::vector<Real> adjusted_, drawn_, mobility_, ceiling_, targets_, multipliers_, matrix_;
+  std::vector<Real> adjusted_, drawn_, mobility_, ceiling_, targets_, multipliers_, lock_weights_, matrix_;
+  std::vector<LockRow> rows_;
   std::vector<KeyLock> locks_;
 };
 
