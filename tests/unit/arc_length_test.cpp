@@ -171,6 +171,20 @@ TYPED_TEST(ArcLengthIn, TheEndsOfThePathAreExact) {
   EXPECT_EQ(path.distance({5, 0}), path->total());
 }
 
+// A track of parts adds large parts that cancel, so that `high` may be well behind the end and `low` bring it
+// back.
+TYPED_TEST(ArcLengthIn, ADistanceOfTwoPartsIsBeforeTheEndWhenItsSumIs) {
+  using Real = TypeParam;
+  const std::vector<Real> keys{0, 0, 3, 4, 3, -8};
+  const MeasuredPath<Real> line({.spline = Spline::linear, .axis_count = 2, .keys = keys});
+  const Real total = line->total();
+  const PathPoint<Real> point = line->locate({2 * total, -total - Real(0.25)});
+  EXPECT_EQ(point.segment, 1);
+  EXPECT_NEAR(line.path().position(point, 1), -7.75, 256 * std::numeric_limits<Real>::epsilon());
+  EXPECT_EQ(line->piece_of({2 * total, -total - Real(0.25)}),
+            static_cast<std::size_t>(line->piece_count() - 1));
+}
+
 TYPED_TEST(ArcLengthIn, APathThatStaysHasNoLengthAndOnePlace) {
   using Real = TypeParam;
   const std::vector<Real> keys{4, 4, 4};

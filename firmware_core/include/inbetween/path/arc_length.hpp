@@ -155,11 +155,17 @@ class ArcLength {
   [[nodiscard]] bool is_at_end(Real distance, const TwoSum<Real>& begin, Real way) const {
     return distance >= end_.high && begin.minus(end_) + way >= 0;
   }
-  /// The last piece that begins at or before a distance above 0.
+  /// The last piece that begins at or before a distance above 0. A distance of two parts may be before the
+  /// end when its `high` is not: behind the last bucket nothing is looked up.
   [[nodiscard]] std::size_t piece_at(Real distance) const {
+    if (distance >= end_.high) [[unlikely]]
+      return pieces_.size() - 1;
     const auto bucket = static_cast<std::size_t>(static_cast<std::int32_t>(distance * buckets_per_length_));
     auto piece = static_cast<std::size_t>(buckets_[bucket]);
-    while (next_begins_[piece] <= distance) ++piece;
+    for (int passed = 0; next_begins_[piece] <= distance; ++piece) {
+      if (++passed > 3) [[unlikely]]
+        return piece_in_crowd(piece, bucket, distance);
+    }
     return piece;
   }
   [[nodiscard]] std::size_t piece_in_crowd(std::size_t piece, std::size_t bucket, Real distance) const;
