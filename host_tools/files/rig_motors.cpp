@@ -29,7 +29,7 @@ AxisGear<double> gear_of(const RigAxis& axis, std::int32_t rate_hz) {
         .way = take_up_way(axis),
         .approach_is_up = axis.backlash->approach_is_up,
         .ticks = std::max(static_cast<std::int32_t>(std::ceil(axis.backlash->take_up_s * rate_hz)), 1),
-        .least_return = count_of(axis)};
+        .min_return = count_of(axis)};
     gear.take_up = TakeUp<double>(backlash, 1.0 / rate_hz);
   }
   return gear;

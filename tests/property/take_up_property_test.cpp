@@ -49,7 +49,7 @@ TEST(TakeUpProperty, ItStaysInsideItsPeaksAndTheLoadIsWhereTheAxisIs) {
     const bool up = *rc::gen::arbitrary<bool>();
     const int ticks = *rc::gen::inRange(1, 60);
     TakeUp<double> take_up(
-        {.way = up ? -play : play, .approach_is_up = up, .ticks = ticks, .least_return = count}, tick_s);
+        {.way = up ? -play : play, .approach_is_up = up, .ticks = ticks, .min_return = count}, tick_s);
     const auto [velocity, acceleration, jerk] = take_up_peaks(play, ticks * tick_s);
     const std::vector<double> way = any_way(count);
     // Mirrored where the approach is down: the gear of the oracle pushes upward.

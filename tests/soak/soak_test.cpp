@@ -80,7 +80,7 @@ std::string move_of_sixteen() {
 
 struct Memory {
   std::int64_t resident_kb = 0;
-  std::int64_t most_resident_kb = 0;
+  std::int64_t max_resident_kb = 0;
   std::int64_t heap_bytes = 0;
 };
 Memory memory_now() {
@@ -88,7 +88,7 @@ Memory memory_now() {
   std::ifstream status("/proc/self/status");
   for (std::string word; status >> word;) {
     if (word == "VmRSS:") status >> memory.resident_kb;
-    if (word == "VmHWM:") status >> memory.most_resident_kb;
+    if (word == "VmHWM:") status >> memory.max_resident_kb;
   }
   const struct mallinfo2 heap = mallinfo2();
   memory.heap_bytes = static_cast<std::int64_t>(heap.uordblks + heap.hblkhd);
@@ -204,7 +204,7 @@ TEST(Soak, ALoopIsTheSameToTheLastBitHoweverLongItIsPlayedAndMemoryDoesNotGrow) 
   for (const Memory& at : memory) {
     EXPECT_EQ(at.heap_bytes, memory.front().heap_bytes);
     EXPECT_LE(at.resident_kb, memory.front().resident_kb + 256);
-    fmt::print("resident {} KB, at most {} KB, heap {} bytes\n", at.resident_kb, at.most_resident_kb,
+    fmt::print("resident {} KB, at most {} KB, heap {} bytes\n", at.resident_kb, at.max_resident_kb,
                at.heap_bytes);
   }
 

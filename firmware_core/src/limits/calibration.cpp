@@ -11,7 +11,7 @@ namespace {
 /// A curve is next to level where its slope is below this share of the chord between its two marks: the motor
 /// would tell the place of the axis there no more.
 template <Precise Real>
-inline constexpr Real least_slope_share = Real(1e-3);
+inline constexpr Real min_slope_share = Real(1e-3);
 
 template <Precise Real>
 Error bad_mark(ErrorCode code, std::size_t mark, const char* what, const char* remedy) {
@@ -98,7 +98,7 @@ Result<Calibration<Real>> Calibration<Real>::make(std::span<const CalibrationMar
     const Real chord = (marks[i + 1].motor - marks[i].motor) / way;
     const Cubic<Real> cubic = cubic_between(marks[i], marks[i + 1], bends[i], bends[i + 1]);
     for (const Real t : steepest_places(cubic, Real(0), way)) {
-      if (cubic.derivative(t) / chord >= least_slope_share<Real>) continue;
+      if (cubic.derivative(t) / chord >= min_slope_share<Real>) continue;
       return bad_mark<Real>(ErrorCode::no_solution, i, "the curve from this mark to the next turns back",
                             "measure one more mark between the two, or beside them");
     }

@@ -13,6 +13,7 @@
 #include "inbetween/can/emergency.hpp"
 #include "inbetween/can/sdo.hpp"
 #include "inbetween/can/sync.hpp"
+#include "tests/fuzz/targets/drive_commands.hpp"
 #include "tests/fuzz/targets/fuzz_require.hpp"
 #include "tests/support/drive_frames.hpp"
 
@@ -37,21 +38,6 @@ std::vector<Cia402Drive> make_drives() {
   }
   return drives;
 }
-
-class Bytes {
- public:
-  explicit Bytes(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}
-  [[nodiscard]] bool empty() const { return bytes_.empty(); }
-  std::uint8_t next() {
-    if (bytes_.empty()) return 0;
-    const std::uint8_t byte = bytes_[0];
-    bytes_ = bytes_.subspan(1);
-    return byte;
-  }
-
- private:
-  std::span<const std::uint8_t> bytes_;
-};
 
 class BusUnderTest {
  public:
@@ -120,25 +106,7 @@ class BusUnderTest {
 
   void command(std::uint8_t what) {
     Cia402Drive& drive = drives_.at(what & 1);
-    switch ((what >> 1) % 6) {
-      case 0:
-        drive.connect(now_);
-        break;
-      case 1:
-        fuzz_require(!drive.enable(now_) || drive.findings().empty(), "enabled over findings");
-        break;
-      case 2:
-        drive.disable(now_);
-        break;
-      case 3:
-        drive.quick_stop(now_);
-        break;
-      case 4:
-        drive.acknowledge();
-        break;
-      default:
-        drive.disconnect(now_);
-    }
+    command_drive(drive, static_cast<std::uint8_t>(what >> 1), now_, [&] { drive.disconnect(now_); });
   }
   /// The drive answers its last request as it should, or with a value of its own.
   void answer_request(Bytes& bytes) {

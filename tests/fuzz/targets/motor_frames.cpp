@@ -11,6 +11,7 @@
 #include "inbetween/can/cubemars.hpp"
 #include "inbetween/can/rmd.hpp"
 #include "inbetween/can/servo_bus.hpp"
+#include "tests/fuzz/targets/drive_commands.hpp"
 #include "tests/fuzz/targets/fuzz_require.hpp"
 
 namespace inbetween::can {
@@ -19,21 +20,6 @@ namespace {
 constexpr std::int64_t ms = 1'000'000;
 const RmdMotor rmd_motor = RmdMotor::make(3).value();
 const CubemarsMotor cubemars_motor = CubemarsMotor::make(3).value();
-
-class Bytes {
- public:
-  explicit Bytes(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}
-  [[nodiscard]] bool empty() const { return bytes_.empty(); }
-  std::uint8_t next() {
-    if (bytes_.empty()) return 0;
-    const std::uint8_t byte = bytes_[0];
-    bytes_ = bytes_.subspan(1);
-    return byte;
-  }
-
- private:
-  std::span<const std::uint8_t> bytes_;
-};
 
 struct RmdUnderTest {
   using Protocol = Rmd;
@@ -135,25 +121,7 @@ class BusUnderTest {
   }
   void command(std::uint8_t what) {
     Drive& drive = drives_.front();
-    switch (what % 6) {
-      case 0:
-        drive.connect(now_);
-        break;
-      case 1:
-        fuzz_require(!drive.enable(now_) || drive.findings().empty(), "enabled over findings");
-        break;
-      case 2:
-        drive.disable(now_);
-        break;
-      case 3:
-        drive.quick_stop(now_);
-        break;
-      case 4:
-        drive.acknowledge();
-        break;
-      default:
-        drive.leave(now_);
-    }
+    command_drive(drive, what, now_, [&] { drive.leave(now_); });
   }
   void tick(std::uint8_t how) {
     now_ += (1 + how % 16) * ms;

@@ -11,24 +11,10 @@
 #include <vector>
 
 #include "inbetween/can/servo_bus.hpp"
+#include "tests/fuzz/targets/drive_commands.hpp"
 #include "tests/fuzz/targets/fuzz_require.hpp"
 
 namespace inbetween::can {
-
-class Bytes {
- public:
-  explicit Bytes(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}
-  [[nodiscard]] bool empty() const { return bytes_.empty(); }
-  std::uint8_t next() {
-    if (bytes_.empty()) return 0;
-    const std::uint8_t byte = bytes_[0];
-    bytes_ = bytes_.subspan(1);
-    return byte;
-  }
-
- private:
-  std::span<const std::uint8_t> bytes_;
-};
 
 /// `Dialect` says how frames of the protocol look: a Protocol for each axis, any_frame, told (what a drive
 /// says every now and then), axis_of (none: not well formed), target_of and feeds.
@@ -81,25 +67,7 @@ class ServoBusUnderTest {
 
   void command(std::uint8_t what) {
     Drive& drive = drives_.at(what & 1);
-    switch ((what >> 1) % 6) {
-      case 0:
-        drive.connect(now_);
-        break;
-      case 1:
-        fuzz_require(!drive.enable(now_) || drive.findings().empty(), "enabled over findings");
-        break;
-      case 2:
-        drive.disable(now_);
-        break;
-      case 3:
-        drive.quick_stop(now_);
-        break;
-      case 4:
-        drive.acknowledge();
-        break;
-      default:
-        drive.leave(now_);
-    }
+    command_drive(drive, static_cast<std::uint8_t>(what >> 1), now_, [&] { drive.leave(now_); });
   }
 
   void tick(std::uint8_t how) {

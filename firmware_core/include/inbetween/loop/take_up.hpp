@@ -23,7 +23,7 @@ struct Backlash {
   std::int32_t ticks = 1;      ///< that a take-up lasts
   /// In axis units: so far must the axis come back before it goes the other way. A count of the drive: what
   /// the motor would not make is no reason to cross the play.
-  Real least_return = 0;
+  Real min_return = 0;
 };
 
 /// The largest velocity, acceleration and jerk of a take-up of `way` in `seconds`: 15/8, 10/sqrt(3) and 60
@@ -97,7 +97,7 @@ class TakeUp {
       furthest_ = position;
     }
     const Real ahead = is_up_ ? position - furthest_ : furthest_ - position;
-    if (ahead < 0 && -ahead > backlash_.least_return) {
+    if (ahead < 0 && -ahead > backlash_.min_return) {
       is_up_ = !is_up_;
     } else if (!(ahead > 0)) {
       return;
