@@ -43,6 +43,8 @@ void SimulatedCia402Drive::start_anew() {
   last_word_ = 0;
   is_limited_ = false;
   is_following_error_ = false;
+  is_home_ = false;
+  has_homing_error_ = false;
   enter(can::Cia402State::switch_on_disabled);
   enter(NmtState::boot_up);
 }
@@ -322,7 +324,7 @@ void SimulatedCia402Drive::hear_sync(const can::Frame& frame) {
   since_sync_s_ = 0;
   take_set_point();
   const bool is_interpolated = mode() == interpolated_position;
-  if (is_interpolated ? is_interpolating_ : is_in_operation()) {
+  if (is_interpolated ? is_interpolating_ : is_in_operation() && !is_to_home()) {
     const auto target =
         static_cast<std::int32_t>(is_interpolated ? objects_.value(0x60C1, 1) : objects_.value(0x607A));
     if (!first_target_) first_target_ = target;

@@ -38,6 +38,7 @@ SimulatedCia402Drive::SimulatedCia402Drive(const SimulatedCia402Settings& settin
       now_ns_(now_ns),
       boot_ns_(now_ns + settings.boot_delay_ns) {
   for (const DriveTrouble& trouble : settings.troubles) troubles_.add(trouble);
+  if (settings.counts_from_power_on) zero_ = motor_.position();
   show();
 }
 
@@ -108,7 +109,8 @@ SimulatedCia402Drive::MotionObjects SimulatedCia402Drive::motion_objects() const
           .max = as_signed(objects_.value(0x607D, 2)) + zero_,
           .target = target(),
           .window = objects_.value(0x6065),
-          .window_ms = objects_.value(0x6066)};
+          .window_ms = objects_.value(0x6066),
+          .homes = is_to_home()};
 }
 
 void SimulatedCia402Drive::step(double seconds) {
@@ -138,6 +140,7 @@ double SimulatedCia402Drive::period_s() const {
 
 void SimulatedCia402Drive::follow(const MotionObjects& objects, double seconds) {
   since_sync_s_ += seconds;
+  if (objects.homes) return home(seconds);
   const double period = objects.period_s;
   double target = objects.target.value_or(demand_);
   if (objects.min < objects.max) {
@@ -228,6 +231,7 @@ void SimulatedCia402Drive::enter(Cia402State state) {
       state == Cia402State::quick_stop_active || state == Cia402State::fault_reaction_active;
   is_enabling_ = false;
   is_interpolating_ = false;
+  homing_ = Homing::none;
   if (state == Cia402State::operation_enabled) {
     demand_ = from_ = motor_.position();
     demand_velocity_ = 0;
@@ -245,7 +249,9 @@ void SimulatedCia402Drive::enter(Cia402State state) {
 /// The transitions of the profile, by the bits of the controlword.
 void SimulatedCia402Drive::obey_controlword(std::uint16_t word) {
   const bool resets = (word & 0x80) != 0 && (last_word_ & 0x80) == 0;
+  const bool starts_homing = (word & ~last_word_ & can::control_start_homing) != 0;
   last_word_ = word;
+  if (starts_homing && is_to_home() && is_in_operation()) begin_homing();
   if (state_ == Cia402State::fault_reaction_active) return;
   if (state_ == Cia402State::fault) {
     if (!resets || has_trouble(Kind::emergency)) return;
@@ -298,6 +304,10 @@ void SimulatedCia402Drive::react_to_lost_communication() {
 }
 
 std::uint16_t SimulatedCia402Drive::statusword() const {
+  if (is_to_home()) {
+    return static_cast<std::uint16_t>(state_bits.at(static_cast<std::size_t>(state_)) | 0x0210U |
+                                      homing_status());
+  }
   const bool takes_targets =
       mode() == cyclic_position || (mode() == interpolated_position && is_interpolating_);
   const bool follows = is_in_operation() && takes_targets && !has_trouble(Kind::ignore_target);

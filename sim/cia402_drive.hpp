@@ -8,6 +8,7 @@
 
 #include "inbetween/can/canopen_id.hpp"
 #include "inbetween/can/cia402.hpp"
+#include "inbetween/can/cia402_homing.hpp"
 #include "inbetween/can/emergency.hpp"
 #include "inbetween/can/frame.hpp"
 #include "inbetween/can/nmt.hpp"
@@ -26,6 +27,8 @@ struct SimulatedCia402Settings {
   std::int64_t boot_delay_ns = 50'000'000;
   std::int64_t enable_delay_ns = 100'000'000;  ///< the brake opens
   SimulatedMotor::Settings motor{};
+  double home_switch = 0;             ///< counts, by which it homes itself
+  bool counts_from_power_on = false;  ///< it tells 0 where it stands at power-on
   std::vector<DriveTrouble> troubles{};
   std::optional<ObjectDictionary> objects{};  ///< at power-on; without, those of a drive of no make
   bool keeps_record = false;  ///< applied(), entered() and reported(), which grow with every tick
@@ -33,8 +36,8 @@ struct SimulatedCia402Settings {
 
 /// A CiA 402 drive with its motor, frame in and frame out: an object dictionary with the mapping rules of CiA
 /// 301, NMT, heartbeats both ways, guarding, EMCY, and the states of the profile in cyclic synchronous
-/// position and in interpolated position, where it is a period behind. It has been written from the standards
-/// and not from the host's side, of which it uses the frames only.
+/// position, in interpolated position, where it is a period behind, and in homing. It has been written from
+/// the standards and not from the host's side, of which it uses the frames only.
 ///
 /// Time is the caller's, in nanoseconds, and never goes back: a virtual clock, or that of the machine.
 class SimulatedCia402Drive : public SimulatedCanDrive {
@@ -115,6 +118,7 @@ class SimulatedCia402Drive : public SimulatedCanDrive {
     double min = 0, max = 0;         ///< no limits where min is not below max
     std::optional<double> target{};  ///< none: it stays where it is
     std::uint32_t window = 0, window_ms = 0;
+    bool homes = false;
   };
   void boot();
   void start_anew();
@@ -177,6 +181,14 @@ class SimulatedCia402Drive : public SimulatedCanDrive {
   bool slow_demand_down(double seconds);
   void slow_down(double seconds);
   void take_set_point();
+  // homing
+  enum class Homing : std::uint8_t { none, fast, back, found };
+  void begin_homing();
+  void set_zero(double home);
+  double homing_velocity();
+  void home(double seconds);
+  [[nodiscard]] unsigned homing_status() const;
+  [[nodiscard]] bool is_to_home() const { return mode() == static_cast<std::uint32_t>(can::homing_mode); }
   [[nodiscard]] std::uint32_t mode() const { return objects_.value(0x6060); }
   [[nodiscard]] std::optional<double> target() const;
   void follow(const MotionObjects& objects, double seconds);
@@ -236,6 +248,10 @@ class SimulatedCia402Drive : public SimulatedCanDrive {
   bool is_interpolating_ = false;        ///< in mode 7, since bit 4 of the controlword rose
   std::int32_t set_point_ = 0;           ///< mode 7: it goes there until the next SYNC
   std::int32_t next_set_point_ = 0;
+  Homing homing_ = Homing::none;
+  double home_direction_ = 1;
+  bool is_home_ = false;  ///< since it last homed, whatever it does
+  bool has_homing_error_ = false;
   double beyond_window_s_ = 0;
   bool is_following_error_ = false;
   bool is_limited_ = false;

@@ -82,9 +82,14 @@ ObjectDictionary factory_objects(can::NodeId node) {
   objects.add({.index = 0x607A}, {.size = u32});
   objects.add({.index = 0x607B, .sub = 1}, {.size = u32, .value = 0x80000000});
   objects.add({.index = 0x607B, .sub = 2}, {.size = u32, .value = 0x7FFFFFFF});
+  objects.add({.index = 0x607C}, {.size = u32});
   objects.add({.index = 0x607D, .sub = 1}, {.size = u32});
   objects.add({.index = 0x607D, .sub = 2}, {.size = u32});
   objects.add({.index = 0x6085}, {.size = u32, .value = 500'000, .min = 1});
+  objects.add({.index = 0x6098}, {.size = u8, .max = 37});
+  objects.add({.index = 0x6099, .sub = 1}, {.size = u32, .value = 1000, .min = 1});
+  objects.add({.index = 0x6099, .sub = 2}, {.size = u32, .value = 100, .min = 1});
+  objects.add({.index = 0x609A}, {.size = u32, .value = 10'000, .min = 1});
   objects.add({.index = 0x60C2, .sub = 1}, {.size = u8, .value = 20, .min = 1});
   objects.add({.index = 0x60C2, .sub = 2}, {.size = u8, .value = 0xFD});
   objects.add({.index = 0x60C0}, {.size = u16, .max = 0});

@@ -61,6 +61,8 @@ void SimulatedCia402Drive::meet(const DriveTrouble& trouble) {
     case Kind::flood:
     case Kind::stay_on:
     case Kind::sink:
+    case Kind::no_home:
+    case Kind::homing_error:
       return;  // while they last, something else is done where it would be
   }
 }

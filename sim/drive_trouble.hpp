@@ -30,6 +30,8 @@ struct DriveTrouble {
     flood,           ///< it sends `value` SDO answers a second that nobody has asked for
     stay_on,         ///< it does not take the order to switch off; its watchdogs still do
     sink,            ///< without power the axis moves by `value` counts/s
+    no_home,         ///< it does not see its home switch
+    homing_error,    ///< its homing fails: bit 13 of the statusword, and the axis comes to rest
     no_window,       ///< at `at_ns`: it is one that does not watch its following error
     no_watchdog,     ///< at `at_ns`: it is one with neither heartbeat consumer nor setpoint timer
     no_object,       ///< at `at_ns`: it is one without `object`

@@ -40,6 +40,11 @@ int say_where_axes_stand(const GotoArguments& arguments) {
                                    "write reference = \"operator\" in the rig",
                                    in_quotes(name)));
     }
+    if (rig.axes[a].drive_home) {
+      throw InputError(
+          rig.axes[a].place,
+          fmt::format("axis {}: its drive counts from its home; use inbetween home", in_quotes(name)));
+    }
     if (position < rig.axes[a].min || position > rig.axes[a].max) {
       throw InputError(
           rig.axes[a].place,

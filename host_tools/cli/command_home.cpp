@@ -48,7 +48,7 @@ int home_command(const HomeArguments& arguments) {
     std::vector<std::string> names;
     names.reserve(axes.size());
     for (const std::size_t a : axes) names.push_back(rig.axes[a].name);
-    fmt::print(stderr, "looking for the switches of {}; Esc stops\n", comma_separated(names));
+    fmt::print(stderr, "homing {}; Esc stops\n", comma_separated(names));
   }
   const SetupEnd end = home(rig, axes, reference, options);
   release_lost_terminal();
@@ -59,14 +59,18 @@ int home_command(const HomeArguments& arguments) {
 }
 
 void describe(CLI::App& app, HomeArguments& arguments) {
-  app.add_option("AXIS", arguments.axes, "the axes to home (all that have a home switch)");
+  app.add_option("AXIS", arguments.axes, "the axes to home (all that have a `home`)");
   add_setup_options(app, arguments.setup, true);
   app.footer(
       R"(The axes home together, as the `home` of each says: fast to the switch, back off it, and slowly onto
 its edge, which is at the position `at`. Nothing moves faster than `fast`. Where an axis rests afterwards is
 kept for the next command.
 
-If one fails (its switch is not reached, stuck, chattering; a limit switch, an emergency stop), all axes stop,
+Axes whose CiA 402 drive homes them (`by = "drive"`) come first, one after the other, while no other drive of
+the rig has power. Such a drive moves by itself, by its own switches and method, and takes no targets until it
+is off again.
+
+If one fails (its switch or home is not reached, stuck, chattering; a limit switch, an emergency stop), all axes stop,
 and those that were not home by then do not know where they are. It says which failed, why, and what to do.
 Esc, q and Ctrl-C stop it too.
 
@@ -81,7 +85,7 @@ Examples:
 }  // namespace
 
 void add_home_command(CLI::App& program, Command& chosen) {
-  add_command(program, chosen, {"home", "Let axes find their home switches"}, describe, home_command);
+  add_command(program, chosen, {"home", "Let axes find their homes"}, describe, home_command);
 }
 
 }  // namespace inbetween

@@ -55,6 +55,8 @@ constexpr std::array fault_kinds{
     FaultKind{.word = "foreign-sender", .kind = Kind::foreign_sender},
     FaultKind{.word = "flood", .kind = Kind::flood, .lasts = true, .own = "frames_per_s"},
     FaultKind{.word = "stay-on", .kind = Kind::stay_on, .lasts = true},
+    FaultKind{.word = "no-home", .kind = Kind::no_home, .lasts = true, .of_cia402 = true},
+    FaultKind{.word = "homing-error", .kind = Kind::homing_error, .lasts = true, .of_cia402 = true},
     FaultKind{.word = "no-window", .kind = Kind::no_window, .has_time = false, .of_cia402 = true},
     FaultKind{.word = "no-watchdog", .kind = Kind::no_watchdog, .has_time = false},
     FaultKind{.word = "no-object",

@@ -395,6 +395,8 @@ Drive read_drive(const TomlValue& value, const RigAxis& axis, const RigContext& 
       const auto [bus, node] = read_can_address(table, {1, 127}, rig);
       const double counts_per_unit = read_count_scale(table, "counts_per_unit", axis);
       Cia402Drive drive{bus, node, counts_per_unit, read_stop_deceleration(table, counts_per_unit, axis)};
+      const auto deceleration = table.optional("deceleration_per_unit");
+      drive.acceleration_scale = deceleration ? deceleration->number() : std::abs(counts_per_unit);
       read_habits(table, drive);
       return drive;
     }

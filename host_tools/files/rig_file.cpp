@@ -16,6 +16,7 @@
 #include "host_tools/files/rig_motors.hpp"
 #include "host_tools/files/toml_source.hpp"
 #include "host_tools/files/toml_value.hpp"
+#include "inbetween/can/cia402_homing.hpp"
 #include "inbetween/limits/limits.hpp"
 
 namespace inbetween {
@@ -49,8 +50,10 @@ constexpr std::array<std::string_view, 23> axis_fields = {"name",
                                                           "home",
                                                           "limit_min",
                                                           "limit_max"};
-constexpr std::array<std::string_view, 10> home_fields = {"chip", "line", "active",   "bias",   "direction",
-                                                          "fast", "slow", "back_off", "search", "at"};
+constexpr std::array<std::string_view, 11> home_fields = {
+    "by", "chip", "line", "active", "bias", "direction", "fast", "slow", "back_off", "search", "at"};
+constexpr std::array<std::string_view, 8> drive_home_fields = {
+    "by", "method", "fast", "slow", "acceleration", "speed_per_unit", "at", "timeout_s"};
 constexpr std::array<std::string_view, 4> input_fields = {"chip", "line", "active", "bias"};
 constexpr std::array<std::string_view, 4> emergency_stop_fields = {"chip", "line", "stops_at", "bias"};
 constexpr std::array<std::string_view, 4> camera_fields = {"chip", "line", "idle", "asks"};
@@ -128,11 +131,121 @@ void refuse_uncountable(const TomlValue& value, double position, const RigAxis& 
                            position, to_string(axis.unit)));
 }
 
+/// Both speeds of a home: fast at most max_velocity, and slow below it.
+template <class AnyHome>
+void read_home_speeds(const TomlTable& table, const RigAxis& axis, AnyHome& home) {
+  const TomlValue fast = table.required("fast", "fast = 20.0 (unit/s), say, to find the switch");
+  home.fast = fast.positive_number();
+  if (home.fast > axis.max_velocity) {
+    fast.refuse(fmt::format("is {}, above max_velocity = {}; lower it", home.fast, axis.max_velocity));
+  }
+  const TomlValue slow = table.required("slow", "slow = 2.0 (unit/s), say, to meet its edge");
+  home.slow = slow.positive_number();
+  if (home.slow >= home.fast) {
+    slow.refuse(fmt::format("is {}, not below fast = {}; lower it", home.slow, home.fast));
+  }
+}
+
+/// A speed or an acceleration in units of the drive.
+std::uint32_t in_units_of_drive(const TomlValue& value, double number, double scale) {
+  const double units = std::round(number * scale);
+  if (units >= 1 && units <= std::numeric_limits<std::uint32_t>::max()) {
+    return static_cast<std::uint32_t>(units);
+  }
+  value.refuse(
+      fmt::format("is {}, which is {:.15g} units of the drive, and its object takes 1 to {}; "
+                  "correct it, or the scale",
+                  number, units, std::numeric_limits<std::uint32_t>::max()));
+}
+
+/// How it gets home, and how fast.
+void read_home_motion(const TomlTable& table, const RigAxis& axis, DriveHome& home) {
+  const auto& drive = std::get<Cia402Drive>(axis.drive);
+  if (can::homes_where_it_stands(home.method)) {
+    for (const std::string_view field : {"fast", "slow", "acceleration", "speed_per_unit", "timeout_s"}) {
+      if (const auto value = table.optional(field)) {
+        value->refuse(
+            fmt::format("has no meaning with method = {}, which moves nothing; leave it out", home.method));
+      }
+    }
+    home.timeout_s = 10;
+    return;
+  }
+  read_home_speeds(table, axis, home);
+  const TomlValue acceleration =
+      table.required("acceleration", "acceleration = 50.0 (unit/s^2), say, for both speeds");
+  home.acceleration = acceleration.positive_number();
+  if (home.acceleration > axis.max_acceleration) {
+    acceleration.refuse(fmt::format("is {}, above max_acceleration = {}; lower it", home.acceleration,
+                                    axis.max_acceleration));
+  }
+  const auto scale = table.optional("speed_per_unit");
+  const double per_unit = scale ? scale->positive_number() : std::abs(drive.counts_per_unit);
+  home.fast_speed = in_units_of_drive(*table.optional("fast"), home.fast, per_unit);
+  home.slow_speed = in_units_of_drive(*table.optional("slow"), home.slow, per_unit);
+  home.acceleration_rate = in_units_of_drive(acceleration, home.acceleration, drive.acceleration_scale);
+  constexpr double max_timeout_s = 3600;
+  const auto timeout = table.optional("timeout_s");
+  home.timeout_s = timeout ? timeout->number(0, max_timeout_s)
+                           : std::min(10 + 2 * (axis.max - axis.min) / home.fast, max_timeout_s);
+  if (!(home.timeout_s > 0)) timeout->refuse("is 0; write a number above 0");
+}
+
+DriveHome read_drive_home(const TomlValue& value, const RigAxis& axis) {
+  const TomlTable table(value.table(), "a home by its drive", drive_home_fields);
+  const TomlValue by = *table.optional("by");
+  const auto* drive = std::get_if<Cia402Drive>(&axis.drive);
+  if (drive == nullptr) {
+    by.refuse(
+        is_open_loop(axis.drive)
+            ? R"(is "drive", and this drive cannot home itself; write the line of a switch)"
+            : R"(is "drive", and only a cia402 drive is told to home itself; leave `home` out, and let )"
+              "the tool of its maker home it");
+  }
+  if (has_gear(axis)) {
+    by.refuse(
+        R"(is "drive", which knows one motor and nothing of an offset, a calibration, a backlash or other )"
+        R"(motors of the axis; leave `home` out, and home it by hand (reference = "operator"))");
+  }
+  if (drive->resets_node) {
+    by.refuse(R"(is "drive", and reset = "node" lets the drive forget its home; leave one of the two out)");
+  }
+  DriveHome home;
+  home.place = value.place();
+  const TomlValue method = table.required("method", "method = 17, say, from the manual of the drive (6098)");
+  home.method = static_cast<int>(method.integer(-128, 127));
+  if (!can::is_homing_method(home.method)) {
+    method.refuse(fmt::format("is {}, which CiA 402 does not have; write 1 to 14, 17 to 30, 33 to 35 or 37",
+                              home.method));
+  }
+  if (const auto at = table.optional("at")) {
+    home.at = at->number();
+  }
+  if (home.at < axis.min || home.at > axis.max) {
+    table.optional("at").value_or(value).refuse(
+        fmt::format("puts the home at {} {}, outside {}, and a drive that stands there would go back inside; "
+                    "write where it is, or correct min and max",
+                    home.at, to_string(axis.unit), range_in_words(axis)));
+  }
+  read_home_motion(table, axis, home);
+  return home;
+}
+
+/// Whether the drive is to do it.
+bool is_by_drive(const TomlValue& home) {
+  const toml::node* by = home.table().get("by");
+  return by != nullptr && TomlValue(*by, "by").choice({"switch", "drive"}) == 1;
+}
+
 Home read_home(const TomlValue& value, const RigAxis& axis, TakenLines& lines) {
-  const TomlTable table(value.table(), "a home", home_fields);
+  if (std::holds_alternative<Cia402Drive>(axis.drive)) {
+    value.refuse(R"(is one by a switch on a line, and a cia402 drive homes itself; write home = { by = )"
+                 R"("drive", method = 17, ... }, or remove it)");
+  }
   if (!is_open_loop(axis.drive)) {
     value.refuse("has no meaning for a drive that knows where it is; remove it, the drive homes itself");
   }
+  const TomlTable table(value.table(), "a home", home_fields);
   Home home;
   home.place = value.place();
   home.input = read_input(table, BrokenWire::preferably_active, lines);
@@ -144,16 +257,7 @@ Home read_home(const TomlValue& value, const RigAxis& axis, TakenLines& lines) {
         "is not the approach of the backlash, on which places are exact; home from the other side, "
         "or let the approach be this way");
   }
-  const TomlValue fast = table.required("fast", "fast = 20.0 (unit/s), say, to find the switch");
-  home.fast = fast.positive_number();
-  if (home.fast > axis.max_velocity) {
-    fast.refuse(fmt::format("is {}, above max_velocity = {}; lower it", home.fast, axis.max_velocity));
-  }
-  const TomlValue slow = table.required("slow", "slow = 2.0 (unit/s), say, to meet its edge");
-  home.slow = slow.positive_number();
-  if (home.slow >= home.fast) {
-    slow.refuse(fmt::format("is {}, not below fast = {}; lower it", home.slow, home.fast));
-  }
+  read_home_speeds(table, axis, home);
   home.back_off =
       table.required("back_off", "back_off = 5.0 (unit), say, to leave the switch").positive_number();
   if (const auto at = table.optional("at")) {
@@ -176,17 +280,18 @@ Home read_home(const TomlValue& value, const RigAxis& axis, TakenLines& lines) {
 
 void read_reference(const TomlTable& table, RigAxis& axis) {
   const bool open_loop = is_open_loop(axis.drive);
-  axis.reference = axis.home ? Reference::by_home : open_loop ? Reference::by_operator : Reference::by_drive;
+  const bool has_home = axis.home || axis.drive_home;
+  axis.reference = has_home ? Reference::by_home : open_loop ? Reference::by_operator : Reference::by_drive;
   const auto value = table.optional("reference");
   if (!value) return;
   const auto reference = static_cast<Reference>(value->choice(reference_names));
   if (reference == Reference::by_drive && open_loop) {
     value->refuse(R"(is "drive", but nothing reports where this axis is; write "operator", or add a home)");
   }
-  if ((reference == Reference::by_home) != axis.home.has_value()) {
-    value->refuse(axis.home ? fmt::format(R"(is "{}", but the axis has a home; remove one of the two)",
-                                          to_string(reference))
-                            : R"(is "home", but the axis has none; add home = { ... } or write "operator")");
+  if ((reference == Reference::by_home) != has_home) {
+    value->refuse(has_home ? fmt::format(R"(is "{}", but the axis has a home; remove one of the two)",
+                                         to_string(reference))
+                           : R"(is "home", but the axis has none; add home = { ... } or write "operator")");
   }
   axis.reference = reference;
 }
@@ -229,7 +334,11 @@ RigAxis read_axis(const TomlValue& value, const RigContext& rig) {
   leave_room_for_backlash(axis);
   read_loss_of_power(table, axis);
   if (const auto home = table.optional("home")) {
-    axis.home = read_home(*home, slow_enough_everywhere(axis), rig.lines);
+    if (is_by_drive(*home)) {
+      axis.drive_home = read_drive_home(*home, axis);
+    } else {
+      axis.home = read_home(*home, slow_enough_everywhere(axis), rig.lines);
+    }
   }
   read_reference(table, axis);
   axis.limit_min = read_switch(table, "limit_min", BrokenWire::preferably_active, rig.lines);
@@ -336,6 +445,18 @@ constexpr double certified_share = 1.2;
 
 std::string_view to_string(AxisUnit unit) {
   return axis_unit_names.at(static_cast<std::size_t>(unit));
+}
+
+double place_tolerance(const RigAxis& axis) {
+  constexpr double hold_s = 0.0005;
+  return hold_s * axis.max_velocity;
+}
+
+double home_tolerance(const RigAxis& axis) {
+  if (!axis.drive_home) return 0;
+  const DriveHome& home = *axis.drive_home;
+  const double braking = home.acceleration > 0 ? home.slow * home.slow / home.acceleration : 0;
+  return place_tolerance(axis) + braking;
 }
 
 double count_of(const Drive& drive) {

@@ -46,6 +46,21 @@ struct Bus {
   Place place;
 };
 
+/// A homing that a CiA 402 drive does by itself. Speeds and acceleration are 0 where it is home where it
+/// stands.
+struct DriveHome {
+  int method = 0;                // object 6098
+  double fast = 0;               // unit/s, at most max_velocity
+  double slow = 0;               // unit/s, below fast
+  double acceleration = 0;       // unit/s^2, at most max_acceleration
+  double at = 0;                 // position of the home, unit
+  double timeout_s = 0;          // above 0
+  std::uint32_t fast_speed = 0;  // the same in units of the drive (6099:1, 6099:2, 609A)
+  std::uint32_t slow_speed = 0;
+  std::uint32_t acceleration_rate = 0;
+  Place place;
+};
+
 // Scales are signed (the sign reverses the motor) and never 0; position 0 is count 0.
 struct Cia402Drive {
   std::string bus;
@@ -57,7 +72,9 @@ struct Cia402Drive {
   bool is_guarded = false;               // life guarding instead of heartbeats
   bool interpolates = false;             // interpolated position (mode 7) instead of cyclic (mode 8)
   double enable_timeout_s = 5;
-  std::string eds = {};  // path of its data sheet; empty: none
+  std::string eds = {};                  // path of its data sheet; empty: none
+  double acceleration_scale = 0;         // units of the drive per unit/s^2, above 0
+  std::optional<DriveHome> homing = {};  // there while the drive is used to home itself, and takes no targets
 };
 enum class OdriveFirmware { v0_5, v0_6 };
 struct OdriveDrive {
@@ -181,8 +198,9 @@ struct RigAxis {
   std::optional<Unpowered> unpowered = {};       // nothing: the file does not say
   bool coasts = false;                           // CiA 402: it may roll out where a drive could brake it
   bool stops_without_host = false;               // CiA 402: the manual of a drive without object 6007 says so
-  Reference reference = Reference::by_operator;  // by_home exactly if there is a `home`
+  Reference reference = Reference::by_operator;  // by_home exactly if there is a `home`, of either kind
   std::optional<Home> home;                      // of open-loop axes only
+  std::optional<DriveHome> drive_home = {};      // of CiA 402 drives only
   std::optional<InputLine> limit_min;            // switches at the ends of travel; they stop the rig
   std::optional<InputLine> limit_max;
   Place place;
@@ -194,6 +212,13 @@ struct RigAxis {
   double max_skew = 0;                           // above 0 where there are some, in the unit of the motors
   std::optional<MotorLimits> motor_limits = {};  // of the motors, if they are not those of the axis
 };
+
+/// How far an axis may be from a place and still be taken to be there: what it covers at max_velocity in half
+/// a millisecond, whatever its scale.
+double place_tolerance(const RigAxis& axis);
+/// How far from `at` it may rest once its drive has homed it: twice the way in which it brakes from `slow`
+/// more. 0 for an axis that its drive does not home.
+double home_tolerance(const RigAxis& axis);
 
 /// `axis "pan"`.
 std::string named(const RigAxis& axis);

@@ -111,7 +111,9 @@ bool RigSession::arm() {
   perform(arming);
   tell_notes();
   positions_ = arming.positions();
-  return loop().state() == SupervisorState::ready;
+  if (loop().state() != SupervisorState::ready) return false;
+  reference_.refuse_elsewhere(positions_);
+  return true;
 }
 
 void RigSession::rest() {

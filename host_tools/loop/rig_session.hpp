@@ -63,7 +63,8 @@ class RigSession {
   /// Does the task and switches off. Returns which drive may have power then (RigDrives::left_on); where the
   /// task throws and one may, throws PowerLeftError.
   std::string use(const std::function<void()>& task);
-  /// Whether the drives are on; otherwise trouble() says why they are not.
+  /// Whether the drives are on; otherwise trouble() says why they are not. Throws what
+  /// RigReference::refuse_elsewhere throws.
   bool arm();
   /// The position of every axis as its drive told it, after arm() and after rest().
   [[nodiscard]] const std::vector<double>& positions() const { return positions_; }

@@ -6,6 +6,7 @@
 #include "host_tools/files/rig_motors.hpp"
 #include "host_tools/loop/jitter.hpp"
 #include "host_tools/loop/manual_motion.hpp"
+#include "host_tools/motions/drive_home.hpp"
 #include "host_tools/motions/rig_homing.hpp"
 #include "host_tools/plan/move_rolls.hpp"
 #include "host_tools/reference/axis_positions.hpp"
@@ -14,15 +15,20 @@
 namespace inbetween {
 namespace {
 
+bool has_home(const RigAxis& axis) {
+  return axis.home || axis.drive_home;
+}
+
 void refuse_fast_homing(const RigFile& rig, const std::vector<std::size_t>& axes) {
   for (const std::size_t a : axes) {
     const RigAxis& axis = rig.axes[a];
     const double max_fast = jitter_share * axis.max_velocity;
-    if (axis.home->fast <= max_fast) continue;
-    throw InputError(axis.home->place,
+    const double fast = axis.home ? axis.home->fast : axis.drive_home->fast;
+    if (fast <= max_fast) continue;
+    throw InputError(axis.home ? axis.home->place : axis.drive_home->place,
                      fmt::format("axis {} homes at {:g} {}/s, and with --allow-jitter at {:g} at most; lower "
                                  "`fast`, or give the program its real-time rights",
-                                 in_quotes(axis.name), axis.home->fast, to_string(axis.unit), max_fast));
+                                 in_quotes(axis.name), fast, to_string(axis.unit), max_fast));
   }
 }
 
@@ -70,7 +76,7 @@ std::vector<std::size_t> home_axes(const RigFile& rig, const std::vector<std::st
   std::vector<bool> wanted(rig.axes.size(), names.empty());
   for (const std::string& name : names) {
     const std::size_t a = axis_named(rig, name);
-    if (!rig.axes[a].home) {
+    if (!has_home(rig.axes[a])) {
       throw InputError(rig.axes[a].place,
                        fmt::format("axis {} has no home switch; leave it out, and say where it stands with "
                                    "inbetween goto --set-zero",
@@ -80,7 +86,7 @@ std::vector<std::size_t> home_axes(const RigFile& rig, const std::vector<std::st
   }
   std::vector<std::size_t> axes;
   for (std::size_t a = 0; a < rig.axes.size(); ++a) {
-    if (wanted[a] && rig.axes[a].home) axes.push_back(a);
+    if (wanted[a] && has_home(rig.axes[a])) axes.push_back(a);
   }
   if (axes.empty()) {
     throw InputError({rig.path, 0, 0},
@@ -93,11 +99,25 @@ std::vector<std::size_t> home_axes(const RigFile& rig, const std::vector<std::st
 SetupEnd home(const RigFile& rig, const std::vector<std::size_t>& axes, RigReference& reference,
               const SessionOptions& options) {
   if (options.allow_jitter) refuse_fast_homing(rig, axes);
-  RigSession session(rig, reference, options);
+  // Drives that home by themselves come first, one after the other, while no other drive has power.
+  SessionOptions others = options;
+  std::vector<std::size_t> by_switch;
+  SetupEnd end{
+      .is_done = true, .reason = "the axes are home", .positions = std::vector<double>(rig.axes.size())};
+  for (const std::size_t a : axes) {
+    if (rig.axes[a].home) by_switch.push_back(a);
+    if (!rig.axes[a].drive_home) continue;
+    const SetupEnd homed = home_by_drive(rig, a, reference, options);
+    if (!homed.is_done) return homed;
+    end.positions[a] = homed.positions[a];
+    others.standing.erase(rig.axes[a].name);
+  }
+  if (by_switch.empty()) return end;
+  RigSession session(rig, reference, others);
   return end_of(session, [&]() -> SetupEnd {
     if (!session.arm()) return {.reason = reason_of(session, "the drives were not switched on")};
     refuse_changed_rig(rig.path, options.audience.rig_has_changed);
-    return home_armed(session, axes, reference);
+    return home_armed(session, by_switch, reference);
   });
 }
 

@@ -58,6 +58,11 @@ class Identity {
     add(home.at);
   }
 
+  void add(const DriveHome& home) {
+    add(home.method);
+    add(home.at);
+  }
+
   /// What lies between the axis and its motors.
   void add_gear(const RigAxis& axis) {
     add(axis.offset);
@@ -128,6 +133,7 @@ std::uint64_t position_identity(const RigFile& rig) {
     if (has_gear(axis)) identity.add_gear(axis);
     identity.add(axis.home ? 1 : 0);
     if (axis.home) identity.add(*axis.home);
+    if (axis.drive_home) identity.add(*axis.drive_home);
   }
   return identity.value();
 }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <utility>
 
@@ -23,7 +24,23 @@ bool RigReference::is_kept(std::size_t axis) const {
 
 void RigReference::place(RigDrives& drives) const {
   for (std::size_t a = 0; a < axes_.size(); ++a) {
-    if (axes_[a].position) drives.place(a, *axes_[a].position);
+    if (axes_[a].position && !rig_.axes[a].drive_home) drives.place(a, *axes_[a].position);
+  }
+}
+
+void RigReference::refuse_elsewhere(std::span<const double> positions) {
+  for (std::size_t a = 0; a < axes_.size(); ++a) {
+    const RigAxis& axis = rig_.axes[a];
+    if (!axis.drive_home || !axes_[a].position) continue;
+    const double left = *axes_[a].position;
+    if (std::fabs(positions[a] - left) <= place_tolerance(axis)) continue;
+    is_lost(a, "its drive told another position than the one at which it was left");
+    throw InputError(
+        axis.place,
+        fmt::format(
+            "axis {} was left at {:g} {}, and its drive tells {:g}: it was without power, or the axis "
+            "was moved; let it home with inbetween home",
+            in_quotes(axis.name), left, to_string(axis.unit), positions[a]));
   }
 }
 
@@ -31,8 +48,9 @@ void RigReference::refuse_unreferenced(std::span<const std::size_t> axes) const 
   for (const std::size_t a : axes) {
     if (is_referenced(a)) continue;
     const RigAxis& axis = rig_.axes[a];
-    const char* const remedy = axis.home
-                                   ? "send it to its switch with inbetween home"
+    const char* const remedy = axis.home ? "send it to its switch with inbetween home"
+                               : axis.drive_home
+                                   ? "let its drive home it with inbetween home"
                                    : "bring it to its mark with inbetween jog, and say so with inbetween "
                                      "goto --set-zero";
     throw InputError(axis.place, fmt::format("axis {} does not know where it is: {}; {}",

@@ -29,8 +29,13 @@ class RigReference {
 
   /// The position at which an axis rests, if it is known.
   [[nodiscard]] std::optional<double> position(std::size_t axis) const { return axes_[axis].position; }
-  /// Tells the drives where their axes rest. Before they are switched on.
+  /// Tells the drives where their axes rest. Before they are switched on. One that homes its axis by itself
+  /// counts from that home, and is asked instead.
   void place(RigDrives& drives) const;
+  /// The drives are on and have told these positions. Throws InputError at the place of an axis whose drive
+  /// has homed it and does not tell where it was left: it has been without power since, or the axis was
+  /// moved.
+  void refuse_elsewhere(std::span<const double> positions);
 
   [[nodiscard]] bool is_referenced(std::size_t axis) const { return axes_[axis].why.empty(); }
   /// Throws InputError at the place of the first of `axes` that is unreferenced, with why and what to do.

@@ -70,6 +70,13 @@ class BusDrives final
   [[nodiscard]] bool has_lost_position(std::size_t drive) const override {
     return can::loses_reference(port_->drive(drive).findings());
   }
+  [[nodiscard]] can::Cia402Homing* homing(std::size_t drive) const override {
+    if constexpr (requires(Drive & host) { host.homing(); }) {
+      const typename Port::Axis& of = ports_[drive];
+      return lanes_[of.lane].bus->drives()[of.drive].homing();
+    }
+    return nullptr;
+  }
   void count(Counters& counts) const override {
     for (std::size_t l = 0; l < lanes_.size(); ++l) {
       counts.buses.push_back({buses_[l].name, counts_of(port_->counters(l), buses_[l].link->counters())});

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "host_tools/files/diagnostics.hpp"
@@ -59,6 +60,33 @@ std::int32_t whole_counts(double length, double counts_per_unit) {
   return static_cast<std::int32_t>(std::clamp(std::round(length * std::fabs(counts_per_unit)), 1.0, 1e9));
 }
 
+/// Of an end of an axis, which the drive can count to, and a little beyond.
+std::int32_t in_counts(double counts) {
+  constexpr auto most = static_cast<double>(std::numeric_limits<std::int32_t>::max());
+  return static_cast<std::int32_t>(std::clamp(counts, -most, most));
+}
+
+/// Half as much again as it was told, and two counts for rounding, is not too fast. One that homes where it
+/// stands may settle.
+can::DriveHomingSpec homing_spec_of(const RigAxis& axis, const DriveHome& home, double scale,
+                                    std::int32_t rate_hz) {
+  constexpr double fast_share = 1.5;
+  return {
+      .home = static_cast<std::int32_t>(std::round(home.at * scale)),
+      .tolerance = whole_counts(home_tolerance(axis), scale),
+      .max_step =
+          whole_counts(home.fast > 0 ? fast_share * home.fast / rate_hz : place_tolerance(axis), scale) + 2,
+      .timeout_ns = static_cast<std::int64_t>(home.timeout_s * static_cast<double>(ns_per_s))};
+}
+
+can::HomingSetup homing_setup_of(const DriveHome& home, double scale) {
+  return {.method = static_cast<std::uint8_t>(home.method),
+          .fast = home.fast_speed,
+          .slow = home.slow_speed,
+          .acceleration = home.acceleration_rate,
+          .offset = static_cast<std::int32_t>(std::round(home.at * scale))};
+}
+
 }  // namespace
 
 // --- what a rig file says
@@ -74,7 +102,9 @@ can::NodeId node_of(const RigAxis& axis) {
 can::Cia402Settings settings_of(const RigAxis& axis, std::int32_t rate_hz) {
   const Cia402Drive& drive = std::get<Cia402Drive>(axis.drive);
   const double scale = drive.counts_per_unit;
-  const double ends[] = {axis.min * scale, axis.max * scale};
+  // Once homed it may rest a little outside, where a drive that holds its limits would move by itself.
+  const double margin = home_tolerance(axis);
+  const double ends[] = {(axis.min - margin) * scale, (axis.max + margin) * scale};
   const std::int64_t timeout_ms = heartbeats_waited_for * heartbeat_period_ns(rate_hz) / ns_per_ms;
   const std::int64_t setpoint_ms =
       std::max(min_setpoint_wait_ms, setpoints_waited_for * tick_ns(rate_hz) / ns_per_ms);
@@ -88,9 +118,8 @@ can::Cia402Settings settings_of(const RigAxis& axis, std::int32_t rate_hz) {
           .host_timeout_ms = static_cast<std::uint16_t>(std::min<std::int64_t>(timeout_ms, 65'535)),
           .is_guarded = drive.is_guarded,
           .setpoint_timeout_ms = static_cast<std::uint16_t>(std::min<std::int64_t>(setpoint_ms, 65'535)),
-          .position_limits =
-              can::CountRange{.min = static_cast<std::int32_t>(std::floor(std::min(ends[0], ends[1]))),
-                              .max = static_cast<std::int32_t>(std::ceil(std::max(ends[0], ends[1])))},
+          .position_limits = can::CountRange{.min = in_counts(std::floor(std::min(ends[0], ends[1]))),
+                                             .max = in_counts(std::ceil(std::max(ends[0], ends[1])))},
           .quick_stop_deceleration = drive.stop_deceleration,
           .coasts = axis.coasts,
           .stops_without_host = axis.stops_without_host,
@@ -98,9 +127,12 @@ can::Cia402Settings settings_of(const RigAxis& axis, std::int32_t rate_hz) {
   if (drive.resets_node) settings.reset = can::NmtCommand::reset_node;
   settings.enable_timeout_ns =
       static_cast<std::int64_t>(drive.enable_timeout_s * static_cast<double>(ns_per_s));
-  // What the axis covers at max_velocity in half a millisecond is a place that it holds, whatever its scale.
-  constexpr double hold_s = 0.0005;
-  settings.hold_tolerance_counts = whole_counts(hold_s * axis.max_velocity, scale);
+  settings.hold_tolerance_counts = whole_counts(place_tolerance(axis), scale);
+  if (drive.homing) {
+    settings.setup.homing = homing_setup_of(*drive.homing, scale);
+    settings.setup.position_limits.reset();  // they count from a home that is not known yet
+    settings.homing = homing_spec_of(axis, *drive.homing, scale, rate_hz);
+  }
   const double tick_s = 1.0 / rate_hz;
   settings.first_step_counts = whole_counts(0.5 * axis.max_acceleration * tick_s * tick_s, scale);
   // The ramp of the drive is not known; that of the axis, twice, is long enough.
@@ -223,6 +255,8 @@ SimulatedCia402Settings simulated_settings_of(const RigAxis& axis, double positi
       .node = node_of(axis),
       .position = static_cast<std::int32_t>(std::floor(position * drive.counts_per_unit + 0.5))};
   if (!drive.eds.empty()) settings.objects = dictionary_of(read_eds_file(drive.eds, drive.node));
+  if (axis.drive_home) settings.home_switch = axis.drive_home->at * drive.counts_per_unit;
+  settings.counts_from_power_on = drive.homing.has_value();
   settings.motor.max_acceleration =
       std::max(settings.motor.max_acceleration, 4 * std::fabs(drive.counts_per_unit) * axis.max_acceleration);
   return settings;

@@ -42,6 +42,10 @@ class RigDrives {
   /// switched on, or while nothing is sent to them. Throws InputError at an axis whose drive cannot count so
   /// far.
   void place(std::size_t axis, double position);
+  /// The homing that the drive of an axis does by itself, for the loop's thread; null where it takes targets.
+  [[nodiscard]] can::Cia402Homing* homing(std::size_t axis) const {
+    return of_[axis].drives->homing(of_[axis].number);
+  }
   /// Steps were lost, so that nobody knows where the axis is.
   [[nodiscard]] bool has_lost_position(std::size_t axis) const;
   /// The position that an axis at `position` would be at with its motors where they are, if it had been

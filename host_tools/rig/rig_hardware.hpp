@@ -17,6 +17,7 @@
 #include "drivers/gpio/step_player.hpp"
 #include "host_tools/files/rig_file.hpp"
 #include "host_tools/rig/counters.hpp"
+#include "inbetween/can/cia402_homing.hpp"
 #include "inbetween/can/fd_frame.hpp"
 #include "inbetween/can/frame.hpp"
 #include "inbetween/homing/line_event.hpp"
@@ -102,6 +103,8 @@ class AxisDrives {
   virtual void let_switch_on(bool /*may*/) {}
   /// RigDrives::place.
   virtual void place(std::size_t drive, double position) = 0;
+  /// RigDrives::homing.
+  [[nodiscard]] virtual can::Cia402Homing* homing(std::size_t /*drive*/) const { return nullptr; }
   [[nodiscard]] virtual bool has_lost_position(std::size_t /*drive*/) const { return false; }
   /// RigDrives::trouble and RigDrives::counts, of these.
   [[nodiscard]] virtual std::string trouble() const { return ""; }

@@ -9,6 +9,7 @@
 #include "tests/support/bench.hpp"
 #include "tests/support/bus_scene.hpp"
 #include "tests/support/run_program.hpp"
+#include "tests/support/temporary_file.hpp"
 
 namespace inbetween {
 namespace can_run_test {
@@ -89,6 +90,54 @@ TEST(CanRun, BusOffCeasesSetpointsAndErrorPassiveDoesNot) {
   EXPECT_EQ(off.run.status, 4) << off.run.err;
   EXPECT_THAT(off.run.out, HasSubstr("bus \"can0\" is down or off"));
   off.expect_rest();
+}
+
+/// `home` of a slide that its drive homes, 60 mm from its home, with `during` beside it. The drives print
+/// what became of them.
+ProgramRun homed_by_drive(const std::string& during) {
+  const std::string rig = R"(name = "table"
+rate_hz = 250
+[bus.can0]
+bitrate = 1_000_000
+[[axis]]
+name = "slide"
+unit = "mm"
+min = 0
+max = 300
+max_velocity = 100
+max_acceleration = 400
+unpowered = "holds"
+drive = { type = "cia402", bus = "can0", node = 1, counts_per_unit = 1000 }
+home = { by = "drive", method = 17, fast = 20, slow = 5, acceleration = 200, at = 10 }
+)";
+  const TemporaryFile file("table.toml", rig);
+  const std::string name = "--rig '" + file.path().string() + "'";
+  return script_in_bench(
+      {"--vcan", "can0", "--virtual-time", "--timeout", "200"},
+      "echo -1 >/proc/sys/kernel/sched_rt_runtime_us\ninbetween sim-drives " + name +
+          " --from slide=70 --record /tmp/drives 2>/tmp/err & drives=$!\nuntil_true grep -q power /tmp/err\n"
+          "inbetween home " +
+          name + " --positions /tmp/positions & run=$!\n" + during +
+          "\nstatus=0; wait $run || status=$?\n"
+          "if [ $status = 0 ]; then inbetween goto " +
+          name +
+          " --positions /tmp/positions --yes slide=30; fi\nsleep 1\nkill -TERM $drives; wait $drives\n"
+          "grep -E 'end|emergency' /tmp/drives; exit $status");
+}
+
+TEST(CanRun, ADriveHomesItselfAndTheNextCommandGoesOnFromThere) {
+  const ProgramRun run = homed_by_drive("");
+  EXPECT_EQ(run.status, 0) << run.out << run.err;
+  EXPECT_THAT(run.out, HasSubstr("table: the axes are home"));
+  EXPECT_THAT(run.out, testing::ContainsRegex("slide,end,switch-on disabled,(29999|30000)\\."));
+  EXPECT_THAT(run.out, testing::Not(HasSubstr("slide,emergency"))) << run.out;
+}
+
+TEST(CanRun, ADriveThatHomesItselfBrakesWhenThisProgramIsKilled) {
+  const ProgramRun run = homed_by_drive("sleep 2; kill -KILL $run");
+  EXPECT_EQ(run.status, 128 + 9) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("slide,emergency"));
+  EXPECT_THAT(run.out, testing::ContainsRegex("slide,end,(switch-on disabled|fault),[0-9.]+,-?0\\.000"));
 }
 
 // docs/faults.md 15

@@ -19,7 +19,12 @@ SimulatedCanRig::SimulatedCanRig(std::size_t axes, const can::Cia402Setup& commo
   for (std::size_t axis = 0; axis < axes; ++axis) {
     can::Cia402Setup setup = common;
     setup.node = node(axis + 1);
-    hosts.push_back(can::Cia402Drive::make({.setup = setup, .max_step_counts = 2000}).value());
+    can::Cia402Settings settings{.setup = setup, .max_step_counts = 2000};
+    if (setup.homing) {
+      settings.homing = {
+          .home = setup.homing->offset, .tolerance = 20, .max_step = 20, .timeout_ns = 9'000'000'000};
+    }
+    hosts.push_back(can::Cia402Drive::make(settings).value());
     drives.emplace_back(SimulatedCia402Settings{.node = setup.node,
                                                 .position = static_cast<std::int32_t>(1000 * (axis + 1)),
                                                 .keeps_record = true},

@@ -106,6 +106,9 @@ std::map<std::string, Fields> reader_fields() {
   fields["`[[axis]]`"] = accepted_fields(parse_rig, rig + "unknown_field = 1");
   const std::string pipe = "drive = { type = \"pipe\", path = \"p\", counts_per_unit = 1 }\n";
   fields["`home`"] = accepted_fields(parse_rig, rig + pipe + "home = { unknown_field = 1 }");
+  const std::string cia402 = "drive = { type = \"cia402\", bus = \"can0\", node = 1, counts_per_unit = 1 }\n";
+  fields["`home` by a drive"] =
+      accepted_fields(parse_rig, rig + cia402 + "home = { by = \"drive\", unknown_field = 1 }");
   for (const char* table : {"calibration", "backlash"}) {
     fields[fmt::format("`{}`", table)] =
         accepted_fields(parse_rig, fmt::format("{}{}{} = {{ unknown_field = 1 }}", rig, pipe, table));

@@ -315,7 +315,9 @@ TEST(RigGpio, AHomeSaysWhereAndHowFast) {
 }
 
 TEST(RigGpio, ADriveThatKnowsWhereItIsHomesItself) {
-  expect_rig_refused(std::string(can_rig) + "home = @{}\n", {"home has no meaning for a drive that knows"});
+  const std::string odrive = with(can_rig, R"("cia402")", R"("odrive", firmware = "0.6")");
+  expect_rig_refused(with(odrive, "counts_per_unit = 1000", "turns_per_unit = 0.01") + "home = @{}\n",
+                     {"home has no meaning for a drive that knows"});
 }
 
 TEST(RigGpio, WhoKnowsWhereAnAxisIsHasADefault) {

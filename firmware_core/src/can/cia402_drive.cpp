@@ -40,7 +40,8 @@ Result<Cia402Drive> Cia402Drive::make(const Cia402Settings& settings) {
       settings.bad_frame_limit >= 0 && settings.bad_frame_ticks > 0 && settings.boot_timeout_ns > 0 &&
       settings.sdo_timeout_ns > 0 && settings.enable_timeout_ns > 0 &&
       settings.disable_timeout_ns > settings.rest_ns && settings.rest_ns >= 0 && settings.rest_counts >= 0 &&
-      settings.ignore_grace_ns >= 0 && settings.heartbeat_timeout_ns >= 2 * heartbeat_ns;
+      settings.ignore_grace_ns >= 0 && settings.homing.has_value() == settings.setup.homing.has_value() &&
+      settings.heartbeat_timeout_ns >= 2 * heartbeat_ns;
   if (!is_sensible) {
     return Error{.code = ErrorCode::out_of_range,
                  .what = "a limit or time of a drive is not positive, or its heartbeat is missed after one",
@@ -57,7 +58,9 @@ Cia402Drive::Cia402Drive(const Cia402Settings& settings, const SetupScript& scri
       runner_(settings.setup.node, settings.sdo_timeout_ns),
       exit_(settings.setup.node, settings.sdo_timeout_ns, settings.setup.is_guarded),
       heartbeat_({.timeout_ns = settings.heartbeat_timeout_ns, .boot_timeout_ns = settings.boot_timeout_ns}),
-      ticks_to_forgive_(settings.bad_frame_ticks) {}
+      ticks_to_forgive_(settings.bad_frame_ticks) {
+  if (settings.homing) homing_.emplace(*settings.homing);
+}
 
 bool Cia402Drive::enable(std::int64_t now_ns) {
   return findings_.empty() && apply(DriveEvent::enable, now_ns);
@@ -80,6 +83,7 @@ bool Cia402Drive::apply(DriveEvent event, std::int64_t now_ns) {
 void Cia402Drive::enter(DrivePhase phase, std::int64_t now_ns) {
   phase_ = phase;
   phase_deadline_ns_ = never;
+  if (homing_) homing_->lose();
   order_.reset();
   is_seeded_ = false;
   switch (phase) {
@@ -114,6 +118,7 @@ void Cia402Drive::enter(DrivePhase phase, std::int64_t now_ns) {
       phase_deadline_ns_ = now_ns + settings_.enable_timeout_ns;
       modeless_ns_.reset();
       enabled_ns_.reset();
+      if (homing_) homing_.emplace(*settings_.homing);
       break;
     case following:
       followed_ns_ = now_ns;
@@ -308,7 +313,9 @@ void Cia402Drive::advance_enabling(std::int64_t now_ns) {
   const bool can_hold = is_powered && may_be_enabled(now_ns);
   if (can_hold && !is_seeded_) target_ = feedback_.actual;
   is_seeded_ = can_hold;
-  const bool is_following = is_enabled && is_in_mode() && status_has(status_follows_target);
+  // In homing the bit says that the drive is home.
+  const bool is_following =
+      is_enabled && is_in_mode() && (homing_.has_value() || status_has(status_follows_target));
   if (!is_seeded_ || !is_following) return;
   if (!holds_its_place()) return find(DriveFinding::moved_while_enabling);
   if (findings_.empty()) apply(DriveEvent::enabled, now_ns);
@@ -324,9 +331,11 @@ void Cia402Drive::watch_following(std::int64_t now_ns) {
   }
   if (!is_in_mode()) {
     find_lasting(DriveFinding::wrong_mode);  // and the other bits mean something else
+    if (homing_) apply(DriveEvent::quick_stop, now_ns);
     return;
   }
   if (!is_commanded_ && !holds_its_place()) find(DriveFinding::moved_while_enabling);
+  if (homing_) return homing_->tick(feedback_, now_ns);  // whose bits 11 to 13 mean other things, too
   if (status_has(status_follows_target)) followed_ns_ = now_ns;
   if (now_ns - followed_ns_ > settings_.ignore_grace_ns) find_lasting(DriveFinding::target_ignored);
   // In interpolated position the profile says nothing of this bit.
@@ -387,7 +396,9 @@ std::uint16_t Cia402Drive::controlword() const {
   if (waits_for_mode && word == control_enable_operation) return control_switch_on;
   // From where it is held, once it is in operation: the drive begins to interpolate by the rise of this bit.
   const bool is_on = (phase_ == enabling || phase_ == following) && state() == Cia402State::operation_enabled;
-  return interpolates() && is_on && is_in_mode() ? word | control_interpolate : word;
+  if (!is_on || !is_in_mode()) return word;
+  if (homing_) return word | homing_->control_bits();
+  return interpolates() ? word | control_interpolate : word;
 }
 
 void Cia402Drive::choose_target(std::optional<std::int32_t> target) {
@@ -397,6 +408,11 @@ void Cia402Drive::choose_target(std::optional<std::int32_t> target) {
     return;
   }
   if (!target) return;
+  if (homing_) {  // a drive that left its mode would have nowhere to go
+    is_commanded_ = true;
+    target_ = feedback_.actual;
+    return;
+  }
   const std::int64_t step = distance(*target, target_);
   if (!is_commanded_ && step > settings_.first_step_counts) return find(DriveFinding::moved_while_enabling);
   is_commanded_ = true;

@@ -101,7 +101,7 @@ void check_identity(ScriptWriter& writer, const Cia402Setup& setup) {
   expect({.index = 0x1000}, profile, 0xFFFF, DriveFinding::wrong_device);
   if (setup.vendor) expect({.index = 0x1018, .sub = 1}, *setup.vendor, all, DriveFinding::wrong_device);
   if (setup.product) expect({.index = 0x1018, .sub = 2}, *setup.product, all, DriveFinding::wrong_device);
-  const std::uint32_t mode_bit = 1U << (static_cast<unsigned>(setup.mode) - 1);
+  const std::uint32_t mode_bit = 1U << (static_cast<unsigned>(setup.mode_of_operation()) - 1);
   // A drive that does not say which modes it has is told to take this one, and must show it before it is
   // enabled.
   expect({.index = 0x6502}, mode_bit, mode_bit, DriveFinding::mode_not_offered, true);
@@ -208,6 +208,21 @@ void set_ramps(ScriptWriter& writer, const Cia402Setup& setup) {
               .value = *setup.quick_stop_deceleration});
 }
 
+/// How it homes by itself. A drive may round speeds and accelerations, and needs no offset that is 0.
+void set_homing(ScriptWriter& writer, const HomingSetup& homing) {
+  writer.write({.index = 0x6098}, 1, homing.method);
+  writer.add({.object = {.index = 0x607C},
+              .may_be_absent = homing.offset == 0,
+              .value = static_cast<std::uint32_t>(homing.offset)});
+  if (homing.fast == 0) return;
+  const auto write_near = [&](ObjectAddress object, std::uint32_t value) {
+    writer.add({.action = SetupAction::write_near, .object = object, .value = value});
+  };
+  write_near({.index = 0x6099, .sub = 1}, homing.fast);
+  write_near({.index = 0x6099, .sub = 2}, homing.slow);
+  write_near({.index = 0x609A}, homing.acceleration);
+}
+
 /// It makes the drive notice a dead host.
 void set_host_watch(ScriptWriter& writer, const Cia402Setup& setup) {
   const auto watch = [&](ObjectAddress object, std::uint8_t size, std::uint32_t value, bool may_be_absent) {
@@ -279,6 +294,9 @@ Status check(const Cia402Setup& setup) {
   if (setup.following_error_window == 0xFFFFFFFFU) {
     return refuse("a following error window of FFFFFFFF watches nothing", "give it in counts");
   }
+  if (setup.homing && !is_homing_method(setup.homing->method)) {
+    return refuse("the profile has no such method of homing", "use 1 to 14, 17 to 30, 33 to 35 or 37");
+  }
   if (setup.position_limits && setup.position_limits->min >= setup.position_limits->max) {
     return refuse("the range of positions is empty", "give min first, below max");
   }
@@ -299,12 +317,13 @@ Result<SetupScript> make_setup_script(const Cia402Setup& setup) {
   set_motion(writer, setup);
   set_ramps(writer, setup);
   set_watch(writer, setup, *period);
+  if (setup.homing) set_homing(writer, *setup.homing);
   // 6061 in the process data shows whether it was taken.
   writer.add({.action = SetupAction::write_at_once,
               .object = {.index = 0x6060},
               .size = 1,
               .may_be_hidden = true,
-              .value = static_cast<std::uint8_t>(setup.mode)});
+              .value = static_cast<std::uint8_t>(setup.mode_of_operation())});
   // A drive that shows its mode only once it is enabled may be in another one until then.
   writer.add({.action = SetupAction::look, .object = {.index = 0x60FF}});
   writer.add({.action = SetupAction::look, .object = {.index = 0x6071}, .size = 2});

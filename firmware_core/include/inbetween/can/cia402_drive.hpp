@@ -26,6 +26,8 @@ namespace inbetween::can {
 /// How a drive is set up and watched. Times in nanoseconds.
 struct Cia402Settings {
   Cia402Setup setup;
+  /// There if the setup has a homing: what this host makes of it.
+  std::optional<DriveHomingSpec> homing = {};
   /// The furthest that a target may be from the last one, in counts: 1.2 times what max_velocity covers in a
   /// tick. A larger step is not sent.
   std::int32_t max_step_counts = 0;
@@ -144,6 +146,9 @@ class Cia402Drive {
   /// At most one frame of NMT or SDO.
   std::optional<Frame> service(std::int64_t now_ns);
 
+  /// Its homing by itself, to be started while it is following; null for a drive that takes targets.
+  [[nodiscard]] Cia402Homing* homing() { return homing_ ? &*homing_ : nullptr; }
+
   [[nodiscard]] DrivePhase phase() const { return phase_; }
   [[nodiscard]] const DriveFindings& findings() const { return findings_; }
   /// Those of the last tick whose cause is still there.
@@ -205,11 +210,9 @@ class Cia402Drive {
   [[nodiscard]] bool goes_off() const;
   [[nodiscard]] bool has_lost_touch_by_fault() const;
   [[nodiscard]] std::uint16_t disabling_controlword() const;
-  [[nodiscard]] bool is_in_mode() const {
-    return feedback_.mode == static_cast<std::int8_t>(settings_.setup.mode);
-  }
+  [[nodiscard]] bool is_in_mode() const { return feedback_.mode == settings_.setup.mode_of_operation(); }
   [[nodiscard]] bool interpolates() const {
-    return settings_.setup.mode == Cia402Mode::interpolated_position;
+    return !homing_ && settings_.setup.mode == Cia402Mode::interpolated_position;
   }
   [[nodiscard]] bool status_has(std::uint16_t bit) const { return (feedback_.statusword & bit) != 0; }
   [[nodiscard]] bool is_supervised() const;
@@ -222,6 +225,7 @@ class Cia402Drive {
   SetupRunner runner_;
   DriveExit exit_;
   HeartbeatConsumer heartbeat_;
+  std::optional<Cia402Homing> homing_;
   DrivePhase phase_ = DrivePhase::off;
   DriveFindings findings_;
   DriveFindings lasting_;

@@ -8,6 +8,7 @@
 #include "inbetween/base/result.hpp"
 #include "inbetween/can/canopen_id.hpp"
 #include "inbetween/can/cia402.hpp"
+#include "inbetween/can/cia402_homing.hpp"
 #include "inbetween/can/drive_finding.hpp"
 #include "inbetween/can/sdo_client.hpp"
 
@@ -22,12 +23,23 @@ struct CountRange {
   std::int32_t max = 0;
 };
 
+/// How the drive homes by itself, in its own units.
+struct HomingSetup {
+  std::uint8_t method = 0;         ///< 6098
+  std::uint32_t fast = 0;          ///< 6099:1; 0 and the next two not written: it homes where it stands
+  std::uint32_t slow = 0;          ///< 6099:2
+  std::uint32_t acceleration = 0;  ///< 609A
+  std::int32_t offset = 0;         ///< 607C
+};
+
 /// The settings of a drive before it is switched on. An empty one stays as it is in the drive.
 struct Cia402Setup {
   NodeId node;
   NodeId host;
   std::int64_t rate_hz = 250;
   Cia402Mode mode = Cia402Mode::cyclic_position;
+  /// It is switched on to home by itself, and takes no targets.
+  std::optional<HomingSetup> homing{};
   std::uint8_t sync_overflow = 0;         ///< object 1019; 0: no counter in SYNC
   std::uint16_t drive_heartbeat_ms = 50;  ///< how often the drive tells that it lives (1017)
   std::uint16_t host_timeout_ms = 100;    ///< how long it believes that the host lives (1016)
@@ -50,6 +62,11 @@ struct Cia402Setup {
   bool watches_following_error = false;
   std::optional<std::uint32_t> vendor{};   ///< 1018:1, must be so
   std::optional<std::uint32_t> product{};  ///< 1018:2, must be so
+
+  /// As 6060 and 6061 number it.
+  [[nodiscard]] std::int8_t mode_of_operation() const {
+    return homing ? homing_mode : static_cast<std::int8_t>(mode);
+  }
 };
 
 /// The questions that a guarded drive may miss: its life time (host_timeout_ms) is so many guard times.
@@ -98,7 +115,7 @@ struct SetupStep {
   std::uint32_t value = 0;
   std::uint32_t mask = 0xFFFFFFFF;
 };
-inline constexpr std::size_t setup_steps = 71;
+inline constexpr std::size_t setup_steps = 76;
 using SetupScript = FixedVector<SetupStep, setup_steps>;
 
 /// The steps for a drive, in pre-operational: who it is; no PDO but RPDO1 and TPDO1, and those mapped as

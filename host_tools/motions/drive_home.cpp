@@ -1,0 +1,130 @@
+#include "host_tools/motions/drive_home.hpp"
+
+#include <fmt/format.h>
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "host_tools/files/diagnostics.hpp"
+#include "host_tools/loop/manual_motion.hpp"
+#include "host_tools/plan/move_rolls.hpp"
+#include "host_tools/rig/rig_watch.hpp"
+
+namespace inbetween {
+namespace {
+
+/// A FreeSource whose setpoint stays where the drive was switched on, while the drive homes itself.
+class HomingDrive {
+ public:
+  HomingDrive(can::Cia402Homing& homing, const RigInputs& lines, double position)
+      : homing_(homing), lines_(lines), position_(position) {}
+
+  void tick(std::int64_t now_ns, std::span<Setpoint<double>> out) {
+    now_ns_ = now_ns;
+    out[0] = {.position = position_};
+    if (homing_.state() != can::DriveHomingState::waiting) return;
+    is_on_limit_ = lines_.homing_input(0).limit_hit;
+    is_on_limit_ ? homing_.stop(now_ns) : static_cast<void>(homing_.start(now_ns));
+  }
+  void stop() {
+    is_on_limit_ = is_on_limit_ || lines_.homing_input(0).limit_hit;
+    homing_.stop(now_ns_);
+  }
+  void halt() { stop(); }
+  [[nodiscard]] bool is_resting() const { return homing_.is_over(); }
+  [[nodiscard]] bool is_on_limit() const { return is_on_limit_; }
+
+ private:
+  can::Cia402Homing& homing_;
+  const RigInputs& lines_;
+  double position_;
+  std::int64_t now_ns_ = 0;
+  bool is_on_limit_ = false;
+};
+
+/// The rig as far as this axis needs it.
+RigFile alone(const RigFile& rig, std::size_t axis) {
+  RigFile one = rig;
+  one.axes = {rig.axes[axis]};
+  std::get<Cia402Drive>(one.axes[0].drive).homing = rig.axes[axis].drive_home;
+  one.start_trigger.reset();
+  one.camera.reset();
+  one.outputs.clear();
+  one.kinematics.reset();
+  return one;
+}
+
+SessionOptions alone(const SessionOptions& options, const RigFile& rig, std::size_t axis,
+                     const RigReference& reference) {
+  SessionOptions one = options;
+  const std::string& name = rig.axes[axis].name;
+  const auto truly = options.standing.find(name);
+  one.standing.clear();
+  if (truly != options.standing.end()) {
+    one.standing[name] = truly->second;
+  } else if (const auto known = reference.position(axis)) {
+    one.standing[name] = *known;
+  }
+  one.faults.faults.clear();
+  for (ScriptedFault fault : options.faults.faults) {
+    if (fault.axis != axis) continue;
+    fault.axis = 0;
+    one.faults.faults.push_back(std::move(fault));
+  }
+  return one;
+}
+
+std::string reason_of(const RigSession& session, const HomingDrive& motion, const can::Cia402Homing& homing) {
+  const std::string axis = "axis " + in_quotes(session.rig().axes[0].name) + ": ";
+  if (homing.failure() != can::DriveHomingFailure::none) {
+    return fmt::format("{}{}; {}", axis, can::words_of(homing.failure()), can::remedy_of(homing.failure()));
+  }
+  if (motion.is_on_limit()) {
+    return fmt::format("{}{}; {}", axis, words_of(HomingFailure::limit_hit),
+                       remedy_of(HomingFailure::limit_hit));
+  }
+  return reason_of(session, "stopped before its end");
+}
+
+}  // namespace
+
+SetupEnd home_by_drive(const RigFile& rig, std::size_t axis, RigReference& reference,
+                       const SessionOptions& options) {
+  const RigFile one = alone(rig, axis);
+  RigReference none(one);
+  RigSession session(one, none, alone(options, rig, axis, reference));
+  return end_of(session, [&]() -> SetupEnd {
+    if (!session.arm()) return {.reason = reason_of(session, "the drives were not switched on")};
+    refuse_changed_rig(rig.path, options.audience.rig_has_changed);
+    can::Cia402Homing& homing = *session.drives().homing(0);
+    HomingDrive motion(homing, session.lines(), session.positions()[0]);
+    const std::vector<std::size_t> first{0};
+    const std::vector<AxisLimits<double>> limits{limits_of(one.axes[0])};
+    ManualMotion play(session.loop(),
+                      {.source = source_of<double>(motion),
+                       .drive_of = first,
+                       .limits = limits,
+                       .tick_seconds = session.tick_seconds()},
+                      "homing");
+    const DisarmAtEnd disarm(session);
+    reference.is_lost(axis, "its homing was not done");
+    reference.about_to_move({&axis, 1});
+    const ActEnd played = session.perform(play);
+    SetupEnd end{.is_done = played.begun && play.is_done() && homing.state() == can::DriveHomingState::done,
+                 .reason = "the axes are home",
+                 .positions = std::vector<double>(rig.axes.size())};
+    if (!end.is_done)
+      end.reason = played.begun ? reason_of(session, motion, homing) : played.begun.error().what;
+    session.rest();
+    end.positions[axis] = session.positions()[0];
+    end.is_done ? reference.stands_at(axis, end.positions[axis])
+                : reference.is_lost(axis, "its homing was not done");
+    return end;
+  });
+}
+
+}  // namespace inbetween
