@@ -302,10 +302,11 @@ TEST(DriveHomeInRig, WhatCannotBeIsRefusedAtItsPlace) {
 
 /// The slide truly stands at 120, and its drive counts from there.
 struct Home {
-  RigFile rig = parse_rig(table, "rig.toml");
+  RigFile rig;
   RigReference reference{rig};
   SessionOptions options{.simulated = true, .fast = true, .standing = {{"slide", 120}}};
 
+  explicit Home(const std::string& text = table) : rig(parse_rig(text, "rig.toml")) {}
   SetupEnd run(const std::string& faults = "") {
     if (!faults.empty()) options.faults = parse_fault_script(faults, "faults.toml", rig);
     return home(rig, home_axes(rig, {}), reference, options);
@@ -319,6 +320,25 @@ TEST(DriveHome, TheAxisIsWhereItsHomeSays) {
   EXPECT_NEAR(end.positions[0], 10, home_tolerance(home.rig.axes[0]));
   ASSERT_TRUE(home.reference.position(0) && home.reference.is_referenced(0));
   EXPECT_EQ(*home.reference.position(0), end.positions[0]);
+}
+
+TEST(DriveHome, AxesWithASwitchFollowOnceItIsHome) {
+  Home home(table + R"([[axis]]
+name = "pan"
+unit = "deg"
+min = -90
+max = 90
+max_velocity = 45
+max_acceleration = 90
+drive = { type = "step-dir", chip = "gpio", step = 19, dir = 26, steps_per_unit = 100 }
+home = { chip = "gpio", line = 25, direction = "positive", fast = 15, slow = 1.5, back_off = 4, at = 92 }
+)");
+  home.options.standing["pan"] = 60;
+  const SetupEnd end = home.run();
+  ASSERT_TRUE(end.is_done) << end.reason;
+  EXPECT_NEAR(end.positions[0], 10, home_tolerance(home.rig.axes[0]));
+  EXPECT_NEAR(end.positions[2], 92, 3);
+  EXPECT_TRUE(home.reference.is_referenced(0) && home.reference.is_referenced(2));
 }
 
 // docs/faults.md
