@@ -216,7 +216,7 @@ ArcLength<Real> SolvedTrack<Real>::make_arc_length(const Path<Real>& path,
   for (;;) {
     pieces_.resize(pieces);
     begins_.resize(pieces);
-    buckets_.resize(pieces);
+    buckets_.resize(4 * pieces);
     const Result<ArcLength<Real>> result =
         ArcLength<Real>::make(path, options, {pieces_, begins_, buckets_, first_pieces_, segment_begins_});
     const bool too_small = !result && result.error().code == ErrorCode::capacity;

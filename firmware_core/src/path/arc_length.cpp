@@ -28,15 +28,26 @@ Real chord_sum(const Path<Real>& path) {
   return sum;
 }
 
-/// bucket b holds the last piece that begins at or before b / buckets of the length.
+/// More of them save few comparisons in the look-up, and are filled in vain.
+constexpr std::size_t max_buckets_per_piece = 4;
+
+/// bucket b holds the last piece that begins at or before b / buckets of the length. Every piece is put into
+/// the first bucket that may hold it, and then every bucket takes over what is before it: no branch to guess.
 template <Precise Real>
 void fill_buckets(std::span<const Real> next_begins, Real buckets_per_length,
                   std::span<std::int32_t> buckets) {
-  std::size_t piece = 0;
-  for (std::size_t b = 0; b < buckets.size(); ++b) {
+  std::ranges::fill(buckets, 0);
+  for (std::size_t piece = 0; piece + 1 < next_begins.size(); ++piece) {
     // The same rounded product as in the look-up decides, so that no piece is missed by an ulp.
-    while (next_begins[piece] * buckets_per_length <= static_cast<Real>(b)) ++piece;
-    buckets[b] = static_cast<std::int32_t>(piece);
+    const Real begin = next_begins[piece] * buckets_per_length;
+    auto bucket = static_cast<std::size_t>(static_cast<std::int32_t>(begin));
+    bucket += static_cast<Real>(bucket) < begin ? 1 : 0;
+    if (bucket < buckets.size()) buckets[bucket] = static_cast<std::int32_t>(piece + 1);
+  }
+  std::int32_t last = 0;
+  for (std::int32_t& bucket : buckets) {
+    last = std::max(last, bucket);
+    bucket = last;
   }
 }
 
@@ -100,7 +111,8 @@ Result<ArcLength<Real>> ArcLength<Real>::make(const Path<Real>& path, const ArcL
 
   ArcLength result;
   result.pieces_ = memory.pieces.first(pieces);
-  result.buckets_ = memory.buckets.first(std::clamp<std::size_t>(pieces, 1, memory.buckets.size()));
+  result.buckets_ =
+      memory.buckets.first(std::clamp<std::size_t>(max_buckets_per_piece * pieces, 1, memory.buckets.size()));
   result.first_pieces_ = memory.first_pieces.first(segments + 1);
   result.segment_begins_ = memory.segment_begins.first(segments + 1);
   result.end_ = builder.length();
