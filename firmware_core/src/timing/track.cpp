@@ -100,38 +100,33 @@ ParameterRates<Real> parameter_rates(const AlongPath<Real>& along, const Paramet
   return s;
 }
 
-/// Position and derivatives by t.
+/// Position and derivatives by t. Doubling rounds nothing.
 template <Precise Real>
 AxisMotion<Real> slopes_of(const Cubic<Real>& cubic, Real t) {
-  return {cubic.value(t), cubic.derivative(t), cubic.second(t), cubic.third()};
+  const Real third = 3 * cubic.c3;
+  const Real second = 2 * cubic.c2;
+  return {cubic.value(t), cubic.c1 + t * (second + t * third), second + t * (2 * third), 2 * third};
 }
 
-/// The chain rule for p(t(time)), axis by axis: derivatives by t become derivatives in time.
+/// The slopes of all axes, and what they and those of the guides behind them add up to.
 template <Precise Real>
-void pass_in_time(const ParameterRates<Real>& s, std::span<AxisMotion<Real>> axes) {
-  const Real square = s.first * s.first;
-  const Real cube = square * s.first;
-  const Real cross = 3 * s.first * s.second;
-  for (AxisMotion<Real>& axis : axes) {
-    const auto [position, p1, p2, p3] = axis;
-    axis = {position, p1 * s.first, p2 * square + p1 * s.second, p3 * cube + p2 * cross + p1 * s.third};
+inline SlopeProducts<Real> write_slopes(std::span<const Cubic<Real>> cubics, std::span<const Real> weights,
+                                        Real t, std::span<AxisMotion<Real>> axes) {
+  SlopeProducts<Real> products;
+  const auto add = [&](const AxisMotion<Real>& slopes, Real weight) {
+    products.add(weight * slopes.velocity, weight * slopes.acceleration, weight * slopes.jerk);
+  };
+  for (std::size_t d = 0; d < axes.size(); ++d) {
+    axes[d] = slopes_of(cubics[d], t);
+    add(axes[d], weights[d]);
   }
-}
-
-template <Precise Real>
-void write_motion(std::span<const Cubic<Real>> cubics, Real t, const ParameterRates<Real>& s,
-                  std::span<AxisMotion<Real>> out) {
-  for (std::size_t d = 0; d < out.size(); ++d) out[d] = slopes_of(cubics[d], t);
-  pass_in_time(s, out);
+  for (std::size_t d = axes.size(); d < cubics.size(); ++d) add(slopes_of(cubics[d], t), weights[d]);
+  return products;
 }
 
 /// A derivative beyond the range of Real is given as 0 and reported.
 template <Precise Real>
 Derivatives without_overflow(std::span<AxisMotion<Real>> motion, Derivatives derivatives) {
-  Real sum = 0;  // of zeros, if all are finite
-  for (const AxisMotion<Real>& axis : motion) sum += 0 * (axis.velocity + axis.acceleration + axis.jerk);
-  if (sum == 0) [[likely]]
-    return derivatives;
   for (AxisMotion<Real>& axis : motion) {
     for (Real* derivative : {&axis.velocity, &axis.acceleration, &axis.jerk}) {
       if (std::isfinite(*derivative)) continue;
@@ -140,6 +135,23 @@ Derivatives without_overflow(std::span<AxisMotion<Real>> motion, Derivatives der
     }
   }
   return derivatives;
+}
+
+/// The chain rule for p(t(time)), axis by axis: derivatives by t become derivatives in time.
+template <Precise Real>
+inline Derivatives pass_in_time(const ParameterRates<Real>& s, std::span<AxisMotion<Real>> axes) {
+  const Real square = s.first * s.first;
+  const Real cube = square * s.first;
+  const Real cross = 3 * s.first * s.second;
+  Real sum = 0;  // of zeros, if all are finite
+  for (AxisMotion<Real>& axis : axes) {
+    const auto [position, p1, p2, p3] = axis;
+    axis = {position, p1 * s.first, p2 * square + p1 * s.second, p3 * cube + p2 * cross + p1 * s.third};
+    sum += 0 * (axis.velocity + axis.acceleration + axis.jerk);
+  }
+  if (sum == 0) [[likely]]
+    return Derivatives::exact;
+  return without_overflow(axes, Derivatives::exact);
 }
 
 /// How far the distance at which a path is found to stand still may be from the true one, in roundings of
@@ -263,7 +275,7 @@ void Track<Real>::locate_frames(std::int32_t first, std::span<PathPoint<Real>> p
 }
 
 template <Precise Real>
-AlongPath<Real> Track<Real>::unbounded_along(const FrameTime<Real>& time) const {
+inline AlongPath<Real> Track<Real>::unbounded_along(const FrameTime<Real>& time) const {
   AlongPath<Real> result;
   if (is_outside(time) || !has_profile()) result.point = locate(time);
   if (is_outside(time)) return result;
@@ -309,46 +321,47 @@ Derivatives Track<Real>::motion(const FrameTime<Real>& time, std::span<AxisMotio
   if (!has_profile()) {
     const PathPoint<Real> point = locate(time);
     const ParameterRates<Real> s = is_outside(time) ? ParameterRates<Real>{} : key_frame_rates(time);
-    write_motion(path_.segment(point.segment), point.t, s, axes);
-    return without_overflow(axes, Derivatives::exact);
+    write_slopes(path_.segment(point.segment), path_.weights(), point.t, axes);
+    return pass_in_time(s, axes);
   }
-  AlongPath<Real> where = unbounded_along(time);
-  const PathPoint<Real> here = where.point;
-  where.point = moving_side(path_, here);
-  const Derivatives derivatives = write_along(where, axes);
-  for (std::size_t d = 0; d < axes.size() && !(where.point == here); ++d) {
-    axes[d].position = path_.segment(here.segment)[d].value(here.t);  // to the last bit, from either side
-  }
-  return derivatives;
+  const AlongPath<Real> where = unbounded_along(time);
+  const std::span<const Cubic<Real>> cubics = path_.segment(where.point.segment);
+  const SlopeProducts<Real> products = write_slopes(cubics, path_.weights(), where.point.t, axes);
+  if (is_far_from_standstill(products, distance_rounding())) [[likely]]
+    return pass_in_time(parameter_rates(where, ParametricSpeed<Real>(products)), axes);
+  return write_slow(where, axes);
 }
 
-/// Position and derivatives at a point of a drawn curve.
+/// Nearer than this the distance is not known: on which side of a standstill the motion is cannot be told.
 template <Precise Real>
-Derivatives Track<Real>::write_along(const AlongPath<Real>& where, std::span<AxisMotion<Real>> axes) const {
+Real Track<Real>::distance_rounding() const {
+  return distance_roundings * std::numeric_limits<Real>::epsilon() * arc_length_.total();
+}
+
+/// Position and derivatives where the path may stand still, or where a plain sum of squares overflows.
+template <Precise Real>
+Derivatives Track<Real>::write_slow(AlongPath<Real> where, std::span<AxisMotion<Real>> axes) const {
+  const PathPoint<Real> here = where.point;
+  where.point = moving_side(path_, here);
   const std::span<const Cubic<Real>> cubics = path_.segment(where.point.segment);
   const std::span<const Real> weights = path_.weights();
   const Real t = where.point.t;
-  // Nearer than the distance is known: on which side of the standstill the motion is cannot be told.
-  const Real rounding = distance_roundings * std::numeric_limits<Real>::epsilon() * arc_length_.total();
-  SlopeProducts<Real> products;
-  for (std::size_t d = 0; d < cubics.size(); ++d) {  // the axes, and behind them the guides
-    const AxisMotion<Real> slopes = slopes_of(cubics[d], t);
-    const Real weight = weights[d];
-    products.add(weight * slopes.velocity, weight * slopes.acceleration, weight * slopes.jerk);
-    if (d < axes.size()) axes[d] = slopes;
-  }
-  if (is_far_from_standstill(products, rounding)) [[likely]] {
-    pass_in_time(parameter_rates(where, ParametricSpeed<Real>(products)), axes);
-    return without_overflow(axes, Derivatives::exact);
-  }
   const Standstill<Real> standstill{
       path_.parametric_speed(where.point),
       scaled_norm<Real>(cubics.size(), [&](std::size_t d) { return weights[d] * cubics[d].second(t); }),
       scaled_norm<Real>(cubics.size(), [&](std::size_t d) { return weights[d] * cubics[d].third(); })};
-  if (standstill.distance() <= rounding) return write_standstill(path_, where, standstill, axes);
-  const ScaledSpeed<Real> scaled(cubics, weights, t, standstill.sigma);
-  write_motion(cubics, t, parameter_rates(where, scaled.speed, scaled.scale), axes);
-  return without_overflow(axes, Derivatives::exact);
+  Derivatives derivatives = Derivatives::exact;
+  if (standstill.distance() <= distance_rounding()) {
+    derivatives = write_standstill(path_, where, standstill, axes);
+  } else {
+    const ScaledSpeed<Real> scaled(cubics, weights, t, standstill.sigma);
+    write_slopes(cubics, weights, t, axes);
+    derivatives = pass_in_time(parameter_rates(where, scaled.speed, scaled.scale), axes);
+  }
+  for (std::size_t d = 0; d < axes.size(); ++d) {
+    axes[d].position = path_.segment(here.segment)[d].value(here.t);  // to the last bit, from either side
+  }
+  return derivatives;
 }
 
 template class Track<double>;

@@ -258,7 +258,8 @@ class Track {
   }
   /// along() with infinities where it is beyond the range of Real.
   [[nodiscard]] AlongPath<Real> unbounded_along(const FrameTime<Real>& time) const;
-  Derivatives write_along(const AlongPath<Real>& where, std::span<AxisMotion<Real>> axes) const;
+  [[nodiscard]] Real distance_rounding() const;
+  Derivatives write_slow(AlongPath<Real> where, std::span<AxisMotion<Real>> axes) const;
   [[nodiscard]] TwoSum<Real> special_distance(const FrameTime<Real>& time) const;
   [[nodiscard]] PathPoint<Real> special_locate(const FrameTime<Real>& time) const;
   [[nodiscard]] PathPoint<Real> key_frame_point(const FrameTime<Real>& time) const;
