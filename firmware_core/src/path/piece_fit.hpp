@@ -88,7 +88,8 @@ class PieceFitter {
 
   /// Fits the pieces of a batch of which `near` and `tau` are given; `distance` is l at `near`. The residual
   /// is taken at the two extremes of the error of quintic Hermite interpolation, u = (1 -+ 1/sqrt(5)) / 2.
-  void fit(Real distance, PieceBatch<Real>& batch) const {
+  /// Flat, so that the lanes stay in registers from one step to the next.
+  [[gnu::flatten]] void fit(Real distance, PieceBatch<Real>& batch) const {
     const Lanes<Real> begin = Lanes<Real>::shifted(batch.near.tau, batch.tau);
     const Lanes<Real> rise = batch.tau - begin;
     const Lanes<Real>& start = interval_.forward ? begin : batch.tau;
