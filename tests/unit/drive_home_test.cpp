@@ -190,11 +190,14 @@ TEST_F(HomingDrive, AHomingErrorHaltsIt) {
 
 TEST_F(HomingDrive, AStopHaltsItByTheHaltBitAndItKeepsItsPower) {
   start();
-  for (int i = 0; i < 50; ++i) tick();
+  for (int i = 0; i < 70; ++i) tick();
   EXPECT_GT(std::fabs(rig.drive(0).velocity()), 1000);
+  const auto target = static_cast<std::int32_t>(rig.drive(0).objects().value(0x607A));
+  EXPECT_NEAR(target, rig.host_of(0).feedback().actual, 20) << "where it is, though nothing goes there";
   rig.host_of(0).homing()->stop(rig.now_ns);
   EXPECT_EQ(end(200), DriveHomingFailure::none);
   expect_rest();
+  EXPECT_GT(rig.drive(0).position(), 300) << "short of its home";
   EXPECT_EQ(rig.host_of(0).homing()->state(), DriveHomingState::ended);
   EXPECT_EQ(rig.drive(0).state(), can::Cia402State::operation_enabled);
 }
@@ -215,6 +218,8 @@ TEST_F(HomingDrive, WithoutSetpointsItsOwnWatchdogStopsIt) {
   for (int i = 0; i < 100; ++i) rig.tick();
   EXPECT_LT(std::fabs(rig.drive(0).velocity()), 1);
   EXPECT_NE(rig.drive(0).state(), can::Cia402State::operation_enabled);
+  ASSERT_FALSE(rig.drive(0).reported().empty());
+  EXPECT_EQ(rig.drive(0).reported().front().code, 0x8250) << "it missed them";
 }
 
 TEST_F(HomingDrive, OneThatDoesNotOfferItIsRefused) {
@@ -369,7 +374,7 @@ TEST(DriveHome, TheOperatorAndTheEmergencyStopEndIt) {
   SetupEnd end = escaped.run();
   EXPECT_FALSE(end.is_done);
   EXPECT_EQ(end.reason, "stopped before its end");
-  EXPECT_GT(std::fabs(end.positions[0]), 0.5) << "it was on its way, and counts from where it stood";
+  EXPECT_LT(end.positions[0], -0.5) << "it was on its way down, and counts from where it stood";
   EXPECT_FALSE(escaped.reference.is_referenced(0));
   Home stopped;
   asked = 0;
