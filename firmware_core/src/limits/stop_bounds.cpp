@@ -356,23 +356,23 @@ StopBound<Real> StopBounds<Real>::min_between(const FrameTime<Real>& from, const
 template <Precise Real>
 StopLength<Real> StopBounds<Real>::stop_from_cell(std::size_t cell, bool forward) const {
   StopPair<Real> lowest{cells_[cell].rate_change, cells_[cell].release_jerk};
-  const auto pass = [&](const StopCell<Real>& border) {
+  const auto lowers = [&lowest](const StopCell<Real>& border) {
+    const bool is_lower = border.rate_change < lowest.rate_change || border.release_jerk < lowest.rate_jerk;
     lowest = {std::min(lowest.rate_change, border.rate_change),
               std::min(lowest.rate_jerk, border.release_jerk)};
+    return is_lower;
   };
-  pass(cells_[cell]);
-  pass(cells_[cell + 1]);
-  const Real rising = std::max(cells_[cell].rate_change, cells_[cell + 1].rate_change);
+  lowers(cells_[cell + 1]);
+  const Real rising = rising_in(cell);
   ConstantStop<Real> stop(rate_, rising, lowest);
   std::size_t border = forward ? cell + 1 : cell;
   Real passed = 0;
   while (stop.distance > passed && border != (forward ? cell_count() : 0)) {
     border = forward ? border + 1 : border - 1;
     passed += cell_seconds_;
-    pass(cells_[border]);
-    stop = ConstantStop<Real>(rate_, rising, lowest);
+    if (lowers(cells_[border])) stop = ConstantStop<Real>(rate_, rising, lowest);
   }
-  return {stop.seconds, stop.distance / cell_seconds_ * cell_frames_};
+  return {stop.seconds, frames_in(stop.distance)};
 }
 
 template <Precise Real>
@@ -380,9 +380,19 @@ StopLength<Real> StopBounds<Real>::stop_from(const FrameTime<Real>& time, bool f
   return stop_from_cell(place(time).cell, forward);
 }
 
+/// A cell is passed over where even a stop under the least bounds of all cells would not be the longest.
 template <Precise Real>
 void StopBounds<Real>::find_longest() {
+  StopPair<Real> least{cells_[0].rate_change, cells_[0].release_jerk};
+  for (const StopCell<Real>& cell : cells_) {
+    least = {std::min(least.rate_change, cell.rate_change), std::min(least.rate_jerk, cell.release_jerk)};
+  }
   for (std::size_t cell = 0; cell < cell_count(); ++cell) {
+    const ConstantStop<Real> most(rate_, rising_in(cell), least);
+    if (most.seconds <= longest_in_time_.length.seconds &&
+        frames_in(most.distance) <= longest_in_frames_.length.frames) {
+      continue;
+    }
     const Real frame = static_cast<Real>(first_frame_) + (static_cast<Real>(cell) + Real(0.5)) * cell_frames_;
     for (const bool forward : {true, false}) {
       const StopLength<Real> length = stop_from_cell(cell, forward);

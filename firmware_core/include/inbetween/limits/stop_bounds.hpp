@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -202,6 +203,10 @@ class StopBounds {
   void make_continuous();
   void limit_rate_change(std::size_t from, std::size_t to, std::size_t cell);
   void limit_release_jerk(std::size_t from, std::size_t to, std::size_t cell);
+  [[nodiscard]] Real rising_in(std::size_t cell) const {
+    return std::max(cells_[cell].rate_change, cells_[cell + 1].rate_change);
+  }
+  [[nodiscard]] Real frames_in(Real seconds) const { return seconds / cell_seconds_ * cell_frames_; }
   [[nodiscard]] StopLength<Real> stop_from_cell(std::size_t cell, bool forward) const;
   void find_longest();
 
