@@ -1,64 +1,90 @@
 #pragma once
 
-#include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <limits>
 
+#include "base/lanes.hpp"
 #include "inbetween/base/precision.hpp"
 
-/// Interval arithmetic, rounded to nearest: a proof that uses it adds the rounding at the end.
+/// Interval arithmetic, rounded to nearest: a proof that uses it adds the rounding at the end. A Number is a
+/// Real or Lanes of them.
 
 namespace inbetween {
 
-template <Precise Real>
+template <class Number>
 struct Interval {
-  Real low = 0;
-  Real high = 0;
+  Number low{};
+  Number high{};
 
+  /// The same in all lanes.
+  template <Precise Real>
+  static constexpr Interval of(const Interval<Real>& range) {
+    return {range.low, range.high};
+  }
   friend constexpr Interval operator+(const Interval& a, const Interval& b) {
     return {a.low + b.low, a.high + b.high};
   }
   friend constexpr Interval operator*(const Interval& a, const Interval& b) {
-    const Real ll = a.low * b.low;
-    const Real lh = a.low * b.high;
-    const Real hl = a.high * b.low;
-    const Real hh = a.high * b.high;
-    return {std::min(std::min(ll, lh), std::min(hl, hh)), std::max(std::max(ll, lh), std::max(hl, hh))};
+    const Number ll = a.low * b.low;
+    const Number lh = a.low * b.high;
+    const Number hl = a.high * b.low;
+    const Number hh = a.high * b.high;
+    return {least(least(ll, lh), least(hl, hh)), greatest(greatest(ll, lh), greatest(hl, hh))};
   }
-  friend constexpr Interval operator*(Real a, const Interval& b) {
-    return a >= 0 ? Interval{a * b.low, a * b.high} : Interval{a * b.high, a * b.low};
-  }
+  /// Of a number that is not below 0.
+  [[nodiscard]] constexpr Interval times(const Number& a) const { return {a * low, a * high}; }
   /// The product is not a number if an end is none (0 times infinity).
-  [[nodiscard]] Real magnitude() const {
-    const Real a = std::fabs(low);
-    const Real b = std::fabs(high);
-    return b <= a ? a : (a <= b ? b : a + b);
+  [[nodiscard]] Number magnitude() const {
+    const Number a = absolute(low);
+    const Number b = absolute(high);
+    const Number sum = a + b;
+    return if_less(Number(-1), sum, greatest(a, b), sum);
   }
 };
 
 /// A polynomial near a point: its value there and how far from that it can be within a radius, rounding of
 /// the value included.
-template <Precise Real>
+template <class Number>
 struct Centred {
-  Real value = 0;
-  Real spread = 0;
+  Number value{};
+  Number spread{};
 
-  [[nodiscard]] Interval<Real> range() const { return {value - spread, value + spread}; }
+  [[nodiscard]] Interval<Number> range() const { return {value - spread, value + spread}; }
+};
+
+/// The same of the derivative, too, and the rounding alone.
+template <class Number>
+struct CentredSlope {
+  Centred<Number> value;
+  Centred<Number> slope;
+  Number rounding{};  ///< of the value
 };
 
 /// The polynomial c[0] + c[1] x + ... about `x` >= 0, by its Taylor coefficients there (centred form).
-template <Precise Real, std::size_t Size>
-Centred<Real> centred(std::array<Real, Size> c, Real x, Real radius) {
-  Real magnitude = 0;
-  for (std::size_t i = Size; i-- > 0;) magnitude = magnitude * (x + radius) + std::fabs(c[i]);
+template <class Number, Precise Real, std::size_t Size>
+CentredSlope<Number> centred_slope(const std::array<Number, Size>& coefficients, Real x, Real radius) {
+  std::array<Number, Size> c = coefficients;
+  constexpr Real rounding = 32 * std::numeric_limits<Real>::epsilon();
+  const Real reach = x + radius;
+  Number magnitude{};
+  for (std::size_t i = Size; i-- > 0;) magnitude = magnitude * reach + absolute(c[i]);
   for (std::size_t i = 0; i + 1 < Size; ++i) {
-    for (std::size_t j = Size - 1; j-- > i;) c[j] += x * c[j + 1];
+    for (std::size_t j = Size - 1; j-- > i;) c[j] = c[j] + x * c[j + 1];
   }
-  Real spread = 0;
-  for (std::size_t i = Size; i-- > 1;) spread = (spread + std::fabs(c[i])) * radius;
-  return {c[0], spread + 32 * std::numeric_limits<Real>::epsilon() * magnitude};
+  Number spread{};
+  Number slope_spread{};
+  for (std::size_t i = Size; i-- > 1;) {
+    if (i > 1) slope_spread = (slope_spread + static_cast<Real>(i) * absolute(c[i])) * radius;
+    spread = (spread + absolute(c[i])) * radius;
+  }
+  return {{c[0], spread + rounding * magnitude},
+          {c[1], slope_spread + (static_cast<Real>(Size) * rounding / reach) * magnitude},
+          rounding * magnitude};
+}
+template <class Number, Precise Real, std::size_t Size>
+Centred<Number> centred(const std::array<Number, Size>& c, Real x, Real radius) {
+  return centred_slope(c, x, radius).value;
 }
 
 /// The derivative of a polynomial, times `rate`.

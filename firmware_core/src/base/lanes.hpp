@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -12,26 +13,38 @@ namespace inbetween {
 
 inline constexpr std::size_t lane_count = 4;
 
+/// Whether four numbers cost less at once than one after the other: not on a microcontroller.
+#if defined(__x86_64__) || defined(__aarch64__)
+inline constexpr bool lanes_are_quick = true;
+#else
+inline constexpr bool lanes_are_quick = false;
+#endif
+
 /// The width of a register of SSE2 and NEON.
 inline constexpr std::size_t register_bytes = 16;
-template <Precise Real>
-struct Register;
-template <>
-struct Register<double> {
-  using Type [[gnu::vector_size(register_bytes)]] = double;
-};
-template <>
-struct Register<float> {
-  using Type [[gnu::vector_size(register_bytes)]] = float;
+/// ... and of the widest that hold four numbers at most, for functions that INBETWEEN_PROCESSOR_CLONES
+/// compiles.
+#if defined(__x86_64__)
+inline constexpr std::size_t wide_register_bytes = 32;
+#else
+inline constexpr std::size_t wide_register_bytes = register_bytes;
+#endif
+template <Precise Real, std::size_t bytes>
+struct Register {
+  using Type [[gnu::vector_size(bytes)]] = Real;
 };
 
 /// Arithmetic on four numbers at once, each with the bits that it would have alone. The compiler makes two or
 /// four of them one instruction where the processor has such, and one after the other where it has not;
 /// written as loops over arrays GCC 12 leaves half of them scalar (closed_form/240 is then a third slower).
-template <Precise Real>
+template <Precise Real, std::size_t bytes = register_bytes>
 class Lanes {
  public:
   Lanes() = default;
+  /// The same in all lanes.
+  Lanes(Real value) {  // NOLINT(google-explicit-constructor): a number is as good as four of it
+    for (Part& part : parts_) part = Part{} + value;
+  }
   /// `first`, then the first three of `others`.
   static Lanes shifted(Real first, const Lanes& others) {
     Lanes result;
@@ -79,6 +92,15 @@ class Lanes {
     return result;
   }
 
+  /// `yes` where a < b, and `no` in the other lanes.
+  friend Lanes if_less(const Lanes& a, const Lanes& b, const Lanes& yes, const Lanes& no) {
+    Lanes result;
+    for (std::size_t i = 0; i < part_count; ++i) {
+      result.parts_[i] = a.parts_[i] < b.parts_[i] ? yes.parts_[i] : no.parts_[i];
+    }
+    return result;
+  }
+
   /// Rounding may leave a value below 0. Its root is 0.
   [[nodiscard]] Lanes square_root() const {
     Lanes result;
@@ -90,12 +112,35 @@ class Lanes {
   }
 
  private:
-  using Part = typename Register<Real>::Type;
-  static constexpr std::size_t part_size = register_bytes / sizeof(Real);
+  static constexpr std::size_t part_bytes = std::min(bytes, lane_count * sizeof(Real));
+  using Part = typename Register<Real, part_bytes>::Type;
+  static constexpr std::size_t part_size = part_bytes / sizeof(Real);
   static constexpr std::size_t part_count = lane_count / part_size;
 
   std::array<Part, part_count> parts_{};
 };
+
+template <Precise Real>
+Real if_less(Real a, Real b, Real yes, Real no) {
+  return a < b ? yes : no;
+}
+/// What std::min, std::max and std::fabs are, also of what is no number; of lanes too.
+template <class Number>
+Number least(const Number& a, const Number& b) {
+  return if_less(b, a, b, a);
+}
+template <class Number>
+Number greatest(const Number& a, const Number& b) {
+  return if_less(a, b, b, a);
+}
+template <class Number>
+Number absolute(const Number& a) {
+  if constexpr (Precise<Number>) return std::fabs(a);
+  return greatest<Number>(a, -1 * a);
+}
+
+template <Precise Real>
+using WideLanes = Lanes<Real, wide_register_bytes>;
 
 /// c[0] + x (c[1] + x (c[2] + ...)).
 template <Precise Real, class Coefficients>

@@ -56,17 +56,14 @@ void branch_and_bound(const MotionEnclosure<Real>& enclosure, const StretchWalk<
     const bool is_last = next.halved >= halvings.max || box.x <= box.begin || box.x >= box.end;
     const Real frame = stretch.time.frame(box.x);
     std::uint64_t open = 0;
-    for (std::size_t d = 0; d < axes; ++d) {
-      const std::uint64_t bit = std::uint64_t{1} << d;
-      if ((next.open & bit) == 0) continue;
-      const auto [here, bounds] = enclosure.range(d, surroundings);
-      rules.raise(d, here, frame);
-      if (is_last || is_good_enough(d, bounds, next)) {
-        rules.accept(d, bounds, frame);
+    enclosure.ranges(next.open, surroundings, [&](std::size_t d, const MotionRange<Real>& range) {
+      rules.raise(d, range.here, frame);
+      if (is_last || is_good_enough(d, range.bound, next)) {
+        rules.accept(d, range.bound, frame);
       } else {
-        open |= bit;
+        open |= std::uint64_t{1} << d;
       }
-    }
+    });
     if (open == 0) continue;
     stack[count++] = {{box.x, box.end, box.tau, box.tau_end}, open, next.halved + 1};
     stack[count++] = {{box.begin, box.x, box.tau_begin, box.tau}, open, next.halved + 1};

@@ -1,13 +1,9 @@
 #include "motion_enclosure.hpp"
 
+#include "motion_products.hpp"
+
 namespace inbetween {
 namespace {
-
-/// 0 times infinity is anything.
-template <Precise Real>
-Real or_infinity(Real bound) {
-  return bound >= 0 ? bound : std::numeric_limits<Real>::infinity();
-}
 
 template <Precise Real, std::size_t Size>
 Real value_at(const std::array<Real, Size>& c, Real x) {
@@ -42,12 +38,55 @@ void MotionEnclosure<Real>::show(const PathPiece<Real>& piece) {
     turns_[d].first = slope.first;
     turns_[d].size = slope.size;
   }
+  if constexpr (lanes_are_quick) {
+    for (std::size_t begin = 0; !is_still_ && begin < axes_; begin += lanes) turn_in_lanes(begin / lanes);
+    if (!is_still_) return;
+  }
   for (std::size_t d = 0; d < axes_; ++d) {
     if (turns_by_pace(d)) {
       turn_where_still(d);
     } else {
       turn(d);
     }
+  }
+}
+
+/// From the array of each axis to that of the lanes, or back.
+template <Precise Real>
+void MotionEnclosure<Real>::fill_lanes() {
+  for (std::size_t d = 0; d < axes_; ++d) {
+    TurnLanes<Real>& to = lanes_[d / lanes];
+    const std::size_t i = d % lanes;
+    if (i == 0) to = {};
+    const AxisTurn<Real>& from = turns_[d];
+    for (std::size_t k = 0; k < to.first.size(); ++k) to.first[k].set(i, from.first[k]);
+    for (std::size_t k = 0; k < to.second.size(); ++k) to.second[k].set(i, from.second[k]);
+    for (std::size_t k = 0; k < to.third.size(); ++k) to.third[k].set(i, from.third[k]);
+    to.steepest.set(i, steepest(d));
+  }
+}
+
+template <Precise Real>
+void MotionEnclosure<Real>::turn_in_lanes(std::size_t group) {
+  const std::span<AxisTurn<Real>> axes =
+      turns_.subspan(group * lanes, std::min(lanes, axes_ - group * lanes));
+  TurnLanes<Real>& lane = lanes_[group];
+  lane = {};
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    for (std::size_t k = 0; k < lane.first.size(); ++k) lane.first[k].set(i, axes[i].first[k]);
+    lane.size.set(i, axes[i].size);
+    lane.steepest.set(i, steepest(group * lanes + i));
+  }
+  const auto slope_at = [this](std::size_t e) { return slope(e); };
+  turn_lane(lane, track_.path().weights(), slope_at, shown_.interval.speed_squared.q, side());
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    axes[i].straight = !(lane.bend[i] > 0);
+    if (axes[i].straight) {
+      find_direction(group * lanes + i);
+      continue;
+    }
+    for (std::size_t k = 0; k < lane.second.size(); ++k) axes[i].second[k] = lane.second[k][i];
+    for (std::size_t k = 0; k < lane.third.size(); ++k) axes[i].third[k] = lane.third[k][i];
   }
 }
 
@@ -73,6 +112,7 @@ void MotionEnclosure<Real>::show_parameter(std::span<const Cubic<Real>> cubics) 
     turns_[d].second = {2 * c.c2, 6 * c.c3, 0, 0, 0};
     turns_[d].third = {6 * c.c3, 0, 0, 0, 0, 0, 0, 0};
   }
+  if constexpr (lanes_are_quick) fill_lanes();
 }
 
 /// The numerators of the second and third derivative by distance.
@@ -105,6 +145,7 @@ void MotionEnclosure<Real>::turn(std::size_t d) {
       axis.third[i + j] += slope[i] * q.q[j] - 2 * (q_slope[i] * axis.second[j]);
     }
   }
+  for (Real& term : axis.second) term *= side();
 }
 
 /// The same with what vanishes taken out: P' / tau, the numerator of T' tau (denominator g^2, g = q / tau^2)
@@ -131,7 +172,7 @@ void MotionEnclosure<Real>::turn_where_still(std::size_t d) {
   const auto& q = shown_.interval.speed_squared.q;
   const std::array<Real, 3> g{q[2], q[3], q[4]};
   const std::array<Real, 2> g_slope = derivative(g);
-  axis.second = {turn[0], turn[1], 0, 0, 0};
+  axis.second = {side() * turn[0], side() * turn[1], 0, 0, 0};
   for (std::size_t i = 0; i < 3; ++i) {
     axis.third[i + 1] += turn[1] * g[i];
     for (std::size_t j = 0; j < 2; ++j) {
@@ -149,33 +190,6 @@ void MotionEnclosure<Real>::find_direction(std::size_t d) {
   axis.direction = (a + far * (b + far * c)) / std::sqrt(shown_.interval.speed_squared.value(far));
 }
 
-/// dP/dL and its derivatives by distance about tau (by t, if timed by frames); where the path stands still at
-/// tau = 0, times 1, tau and tau^3.
-template <Precise Real>
-MotionFactor<Real> MotionEnclosure<Real>::path_factor(std::size_t d,
-                                                      const MotionSurroundings<Real>& box) const {
-  const AxisTurn<Real>& axis = turns_[d];
-  if (!track_.has_profile()) {
-    return {centred(axis.first, box.tau, box.tau_radius), centred(axis.second, box.tau, box.tau_radius),
-            centred(axis.third, box.tau, box.tau_radius)};
-  }
-  if (axis.straight) return {{{{axis.direction, 0}, {}, {}}}};
-  return {product(centred(first_of(d), box.tau, box.tau_radius), Real(1), box.by_distance[0]),
-          product(centred(axis.second, box.tau, box.tau_radius), side(), box.by_distance[1]),
-          product(centred(axis.third, box.tau, box.tau_radius), Real(1), box.by_distance[2])};
-}
-
-/// sign * a * b.
-template <Precise Real>
-Centred<Real> MotionEnclosure<Real>::product(const Centred<Real>& a, Real sign, const Reciprocal<Real>& b) {
-  const Real middle = sign * a.value * b.value;
-  if (!(b.range.high <= std::numeric_limits<Real>::max())) {
-    return {middle, std::numeric_limits<Real>::infinity()};
-  }
-  const Interval<Real> range = (sign * a.range()) * b.range;
-  return {middle, std::max(range.high - middle, middle - range.low)};
-}
-
 /// Once for all axes.
 template <Precise Real>
 void MotionEnclosure<Real>::divide_by_distance(MotionSurroundings<Real>& box) const {
@@ -190,6 +204,32 @@ void MotionEnclosure<Real>::divide_by_distance(MotionSurroundings<Real>& box) co
   const Triple most = powers(range.low > 0 ? range.low : Real(0));
   const Triple least = powers(range.high);
   for (std::size_t i = 0; i < motion_quantities; ++i) box.by_distance[i] = {here[i], {least[i], most[i]}};
+}
+
+template <Precise Real>
+void MotionEnclosure<Real>::find_jerk_change(const Stretch<Real>& stretch,
+                                             MotionSurroundings<Real>& box) const {
+  if (is_still_ || stretch.is_anchored) return;
+  box.jerk_seconds = box.seconds;
+  const Interval<Real> speed = not_negative(box.speed.part[0].range());
+  const Interval<Real> change = box.speed.part[1].range();
+  const Interval<Real> second = box.speed.part[2].range();
+  const Interval<Real> square{speed.low * speed.low, speed.high * speed.high};
+  const Real third = inverse_scale_ * stretch.time.second_change[1] / stretch.time.seconds;
+  box.jerk_change = {Interval<Real>{square.low * square.low, square.high * square.high},
+                     (square * change).times(Real(6)),
+                     (change * change).times(Real(3)) + (speed * second).times(Real(4)),
+                     {third, third}};
+  if (!track_.has_profile()) return;
+  const Quartic<Real>& q = shown_.interval.speed_squared;
+  const Interval<Real> squared = box.speed_squared.range();
+  const Interval<Real> slope = centred_slope(q.q, box.tau, box.tau_radius).slope.range();
+  const Interval<Real> by{1 / squared.high,
+                          squared.low > 0 ? 1 / squared.low : std::numeric_limits<Real>::infinity()};
+  box.by_distance_slope = (slope * by).times(Real(3.5));
+  const Interval<Real>& by_square = box.by_distance[1].range;
+  box.by_fourth = {by_square.low * by_square.low, by_square.high * by_square.high};
+  if (side() < 0) box.by_fourth = {-box.by_fourth.high, -box.by_fourth.low};
 }
 
 /// The speed in the units of the path's piece, and its derivatives.
@@ -238,6 +278,7 @@ MotionSurroundings<Real> MotionEnclosure<Real>::around(const Stretch<Real>& stre
                                   .speed_squared = path_speed_squared(box.tau, tau_radius),
                                   .speed = time_factor(stretch.time, box.x, x_radius)};
   divide_by_distance(result);
+  find_jerk_change(stretch, result);
   if (is_still_) {
     result.pace = result.speed.part[0].value / box.tau;
     result.pace_range = pace_range(stretch, box, result);
@@ -284,20 +325,32 @@ Interval<Real> MotionEnclosure<Real>::pace_from_rest(const TimePiece<Real>& time
 template <Precise Real>
 MotionTriple<Real> MotionEnclosure<Real>::here(std::size_t d, const MotionSurroundings<Real>& box) const {
   const AxisTurn<Real>& axis = turns_[d];
-  if (axis.straight) return scaled_up(middle({axis.direction, 0, 0}, d, box));
-  Triple t{value_at(first_of(d), box.tau), value_at(axis.second, box.tau), value_at(axis.third, box.tau)};
-  if (track_.has_profile()) {
-    t = {t[0] * box.by_distance[0].value, side() * t[1] * box.by_distance[1].value,
-         t[2] * box.by_distance[2].value};
+  Triple t{axis.direction, 0, 0};
+  if (!axis.straight) {
+    t = {value_at(first_of(d), box.tau), value_at(axis.second, box.tau), value_at(axis.third, box.tau)};
+    if (track_.has_profile()) {
+      for (std::size_t i = 0; i < t.size(); ++i) t[i] *= box.by_distance[i].value;
+    }
   }
-  return scaled_up(middle(t, d, box));
+  Triple here = middle(t, turns_by_pace(d) ? box.pace : box.speed.part[0].value, box.speed);
+  for (Real& value : here) value *= scale_;
+  return here;
 }
 
 template <Precise Real>
 MotionRange<Real> MotionEnclosure<Real>::range(std::size_t d, const MotionSurroundings<Real>& box) const {
-  const Factor t = path_factor(d, box);
-  const Triple here = middle({t.part[0].value, t.part[1].value, t.part[2].value}, d, box);
-  return {scaled_up(here), scaled_up(bounds_of(t, d, box, here))};
+  const AxisTurn<Real>& axis = turns_[d];
+  MotionFactor<Real> t{{{{axis.direction, 0}, {}, {}}}};
+  if (!axis.straight) t = path_factor(first_of(d), axis.second, axis.third, track_.has_profile(), box);
+  if (turns_by_pace(d)) return motion_range(t, steepest(d), box.pace, box.pace_range, box, scale_);
+  const Centred<Real>& speed = box.speed.part[0];
+  return motion_range(t, steepest(d), speed.value, not_negative(speed.range()), box, scale_);
+}
+
+template <Precise Real>
+void MotionEnclosure<Real>::range_in_lanes(std::size_t group, const MotionSurroundings<Real>& box,
+                                           MotionRange<WideLanes<Real>>& out) const {
+  if constexpr (lanes_are_quick) range_of(lanes_[group], track_.has_profile(), box, scale_, out);
 }
 
 /// How far the place at a time may be off in tau: near an anchor as LengthFromAnchor says, elsewhere because
@@ -319,34 +372,6 @@ template <Precise Real>
 Real MotionEnclosure<Real>::steepest(std::size_t d) const {
   const Real weight = track_.path().weights()[d];
   return track_.has_profile() && weight > 0 ? 1 / weight : std::numeric_limits<Real>::infinity();
-}
-
-template <Precise Real>
-MotionTriple<Real> MotionEnclosure<Real>::bounds_of(const Factor& t, std::size_t d,
-                                                    const MotionSurroundings<Real>& box,
-                                                    const Triple& here) const {
-  const Factor& w = box.speed;
-  Interval<Real> speed = w.part[0].range();
-  if (speed.low == 0 && speed.high == 0) return {};  // a rest, wherever it is
-  speed.low = std::max(speed.low, Real(0));
-  const Interval<Real> pace = turns_by_pace(d) ? box.pace_range : speed;
-  const Interval<Real> cube{pace.low * pace.low * pace.low, pace.high * pace.high * pace.high};
-  const Interval<Real> change = w.part[1].range();
-  const Real steepest = this->steepest(d);
-  Interval<Real> first = t.part[0].range();
-  if (!(first.low >= -steepest)) first.low = -steepest;
-  if (!(first.high <= steepest)) first.high = steepest;
-  const Interval<Real> second = t.part[1].range();
-  Triple bound;
-  bound[2] = or_infinity(
-      (t.part[2].range() * cube + Real(3) * (second * (pace * change)) + first * w.part[2].range())
-          .magnitude());
-  // By the mean value theorem from the middle, or directly.
-  bound[1] = std::min(or_infinity((second * (pace * speed) + first * change).magnitude()),
-                      or_infinity(std::fabs(here[1]) + box.seconds * bound[2]));
-  bound[0] = std::min(or_infinity((first * speed).magnitude()),
-                      or_infinity(std::fabs(here[0]) + box.seconds * bound[1]));
-  return bound;
 }
 
 template <Precise Real>

@@ -24,9 +24,11 @@ template <Precise Real>
 inline constexpr Real bound_rounding = std::numeric_limits<Real>::digits > 30 ? Real(1e-6) : Real(1e-3);
 
 /// One factor and its derivatives: T, T', T'' along the path, or w, w', w'' in time.
-template <Precise Real>
+template <class Number>
 struct MotionFactor {
-  std::array<Centred<Real>, motion_quantities> part;
+  std::array<Centred<Number>, motion_quantities> part;
+  Interval<Number> third_slope = {};  ///< T''' along the path
+  Number rounding{};                  ///< of T'' in the middle
 };
 
 /// 1 / b of a number b above 0: in the middle of a box, and anywhere on it.
@@ -58,15 +60,32 @@ struct MotionSurroundings {
   /// What the numerators of an axis' derivatives by distance are multiplied with: q^(-1/2), q^-2, q^(-7/2).
   std::array<Reciprocal<Real>, motion_quantities> by_distance = {};
   MotionFactor<Real> speed;
-  Real pace = 0;  ///< speed / tau, of a piece that stands still at tau = 0
+  /// What T''', T'', T' and T are multiplied with in the derivative of the jerk by time.
+  std::array<Interval<Real>, 4> jerk_change = {};
+  Interval<Real> by_distance_slope = {};  ///< 7/2 q' / q
+  Interval<Real> by_fourth = {};          ///< q^-4
+  Real jerk_seconds =
+      std::numeric_limits<Real>::infinity();  ///< as `seconds`, where the jerk may be taken from the middle
+  Real pace = 0;                              ///< speed / tau, of a piece that stands still at tau = 0
   Interval<Real> pace_range = {};
 };
 
-/// One axis on a box, in axis units and seconds.
-template <Precise Real>
+/// One axis on a box, in axis units and seconds, or a lane of axes.
+template <class Number>
 struct MotionRange {
-  MotionTriple<Real> here;   ///< in the middle
-  MotionTriple<Real> bound;  ///< of the magnitude anywhere on the box; infinity where there is none
+  std::array<Number, motion_quantities> here;   ///< in the middle
+  std::array<Number, motion_quantities> bound;  ///< of the magnitude anywhere on the box; infinity: none
+};
+
+/// The numerators of AxisTurn, of a lane of axes.
+template <Precise Real>
+struct TurnLanes {
+  std::array<WideLanes<Real>, 3> first{};
+  std::array<WideLanes<Real>, 5> second{};
+  std::array<WideLanes<Real>, 8> third{};
+  WideLanes<Real> steepest{};
+  WideLanes<Real> size{};
+  WideLanes<Real> bend{};  ///< above 0 where the axis is not straight
 };
 
 /// The derivative of a row on a piece, as a quadratic in tau, and the size of its terms.
@@ -102,6 +121,22 @@ class MotionEnclosure {
   [[nodiscard]] MotionTriple<Real> here(std::size_t d, const MotionSurroundings<Real>& box) const;
   /// The same, and how far it can be from that on the box. O(1).
   [[nodiscard]] MotionRange<Real> range(std::size_t d, const MotionSurroundings<Real>& box) const;
+  /// Calls visit(d, range(d, box)) for the axes whose bit is set, a lane of them at a time.
+  template <class Visit>
+  void ranges(std::uint64_t axes, const MotionSurroundings<Real>& box, const Visit& visit) const {
+    for (std::size_t begin = 0; begin < axes_; begin += lanes) {
+      const std::uint64_t open = axes >> begin & ((std::uint64_t{1} << lanes) - 1);
+      if (open == 0) continue;
+      MotionRange<WideLanes<Real>> lane;
+      const bool is_in_lanes = lanes_are_quick && (open & (open - 1)) != 0 && is_regular(box);
+      if (is_in_lanes) range_in_lanes(begin / lanes, box, lane);
+      for (std::size_t i = 0; i < lanes && begin + i < axes_; ++i) {
+        if ((open >> i & 1) == 0) continue;
+        const std::size_t d = begin + i;
+        visit(d, is_in_lanes && !turns_[d].straight ? one_of(lane, i) : range(d, box));
+      }
+    }
+  }
 
   /// Inside a segment the path stands still and is passed at a speed, at x = 0 of this stretch: the direction
   /// turns to its opposite.
@@ -112,6 +147,7 @@ class MotionEnclosure {
  private:
   using Triple = MotionTriple<Real>;
   using Factor = MotionFactor<Real>;
+  static constexpr std::size_t lanes = lane_count;
 
   [[nodiscard]] ScaledSlope<Real> slope_of(const Cubic<Real>& c, const PathPiece<Real>& piece) const;
   /// Returns the slope of an axis. The rows behind the axes are guides.
@@ -121,10 +157,27 @@ class MotionEnclosure {
   }
   void show_parameter(std::span<const Cubic<Real>> cubics);
   void turn(std::size_t d);
+  void turn_in_lanes(std::size_t group);
   void turn_where_still(std::size_t d);
   void find_direction(std::size_t d);
-  [[nodiscard]] Factor path_factor(std::size_t d, const MotionSurroundings<Real>& box) const;
-  static Centred<Real> product(const Centred<Real>& a, Real sign, const Reciprocal<Real>& b);
+  void fill_lanes();
+  /// Whether no axis is a special case on a box, but for those that go straight.
+  [[nodiscard]] bool is_regular(const MotionSurroundings<Real>& box) const {
+    return !is_still_ && box.by_distance[0].range.high <= std::numeric_limits<Real>::max() &&
+           box.by_distance[1].range.high <= std::numeric_limits<Real>::max() &&
+           box.by_distance[2].range.high <= std::numeric_limits<Real>::max();
+  }
+  void range_in_lanes(std::size_t group, const MotionSurroundings<Real>& box,
+                      MotionRange<WideLanes<Real>>& out) const;
+  [[nodiscard]] static MotionRange<Real> one_of(const MotionRange<WideLanes<Real>>& lane, std::size_t i) {
+    MotionRange<Real> range;
+    for (std::size_t k = 0; k < motion_quantities; ++k) {
+      range.here[k] = lane.here[k][i];
+      range.bound[k] = lane.bound[k][i];
+    }
+    return range;
+  }
+  void find_jerk_change(const Stretch<Real>& stretch, MotionSurroundings<Real>& box) const;
   void divide_by_distance(MotionSurroundings<Real>& box) const;
   /// The numerator of dP/dL, or that of it over tau.
   [[nodiscard]] std::array<Real, 3> first_of(std::size_t d) const {
@@ -141,27 +194,15 @@ class MotionEnclosure {
                                               const Interval<Real>& speed_squared) const;
   [[nodiscard]] Real tau_rounding(const Stretch<Real>& stretch, Real tau) const;
   [[nodiscard]] Real steepest(std::size_t d) const;
-  [[nodiscard]] Triple bounds_of(const Factor& t, std::size_t d, const MotionSurroundings<Real>& box,
-                                 const Triple& here) const;
   /// Whether the axis turns as `pace` says, and not as a power of the speed alone.
   [[nodiscard]] bool turns_by_pace(std::size_t d) const {
     return is_still_ && turns_[d].first[0] == 0 && !turns_[d].straight;
   }
-  [[nodiscard]] Triple middle(const Triple& t, std::size_t d, const MotionSurroundings<Real>& box) const {
-    const Factor& w = box.speed;
-    const Real pace = turns_by_pace(d) ? box.pace : w.part[0].value;
-    return {t[0] * w.part[0].value, t[1] * pace * w.part[0].value + t[0] * w.part[1].value,
-            t[2] * pace * pace * pace + 3 * t[1] * pace * w.part[1].value + t[0] * w.part[2].value};
-  }
-  /// In the units of the track.
-  [[nodiscard]] Triple scaled_up(const Triple& values) const {
-    return {values[0] * scale_, values[1] * scale_, values[2] * scale_};
-  }
-
   const Track<Real>& track_;
   std::size_t axes_;
   std::span<AxisTurn<Real>> turns_;
   std::array<ScaledSlope<Real>, max_guides> guides_{};
+  std::array<TurnLanes<Real>, lanes_are_quick ? max_bounded_axes / lanes : 0> lanes_;  // filled for axes_
   PathPiece<Real> shown_{.segment = -1, .index = -1, .scale = 1, .interval = {}};
   Real scale_ = 1;
   Real inverse_scale_ = 1;
