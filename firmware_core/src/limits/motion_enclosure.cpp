@@ -236,8 +236,8 @@ void MotionEnclosure<Real>::find_jerk_change(const Stretch<Real>& stretch,
 template <Precise Real>
 MotionFactor<Real> MotionEnclosure<Real>::time_factor(const TimePiece<Real>& time, Real x,
                                                       Real radius) const {
-  Factor result{centred(time.speed, x, radius), centred(time.change, x, radius),
-                centred(time.second_change, x, radius)};
+  Factor result{{centred(time.speed, x, radius), centred(time.change, x, radius),
+                 centred(time.second_change, x, radius)}};
   for (Centred<Real>& part : result.part) {
     part = {part.value * inverse_scale_, part.spread * inverse_scale_};
   }
