@@ -235,8 +235,9 @@ at its ends.
 
 The last line tells in how many frames the move would fit, its locked keys and holds moved in proportion. At
 one frame less it was tried and does not fit. Where slowing down cures nothing, it says why. Where another
-speed curve with as many control values (32 at most) needs fewer, it tells how many; --fit OUT --fewest looks
-for one with more control values too, and writes the move in the fewest frames.
+speed curve with as many control values needs fewer, it tells how many, if such a search is quick (32 values
+at most; segments and values, times the axes of the track, 200 at most). --fit OUT --fewest looks for one with
+more control values too, and writes the move in the fewest frames.
 
 --frames 20..80 checks a part of the move as what it is when it is played alone: from rest, by a pre-roll into
 frame 20 as the move passes it, and by a post-roll out of frame 80 to rest. A part may fit where the whole

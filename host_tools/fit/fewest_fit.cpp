@@ -12,7 +12,9 @@ namespace inbetween {
 namespace {
 
 constexpr std::size_t quick_control_values = 32;
-constexpr std::size_t quick_key_positions = 200;
+/// Segments and control values, for each axis: what a step of the search has to keep within limits grows with
+/// it.
+constexpr std::size_t quick_conditions = 200;
 
 std::optional<FewestFit> fit_in(const Plan& plan, std::int32_t frames, const FitOptions& options) {
   FewestFit found{.move = with_frames(plan.move(), frames), .fit = {}};
@@ -86,9 +88,10 @@ bool is_quick_to_fit(const Plan& plan) {
       std::ranges::any_of(tracks, [](const MoveTrack& track) { return track.timing == Timing::speed; });
   return is_drawn && std::ranges::all_of(plan.tracks(), [](const SolvedTrack<double>& track) {
            const Path<double>& path = track.track().path();
-           const auto positions =
-               static_cast<std::size_t>(path.segment_count()) * static_cast<std::size_t>(path.axis_count());
-           return track.control_values().size() <= quick_control_values && positions <= quick_key_positions;
+           const std::size_t values = track.control_values().size();
+           const std::size_t conditions = (static_cast<std::size_t>(path.segment_count()) + values) *
+                                          static_cast<std::size_t>(path.axis_count());
+           return values <= quick_control_values && conditions <= quick_conditions;
          });
 }
 

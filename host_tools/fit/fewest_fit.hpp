@@ -29,7 +29,8 @@ FewestFit fit_in_fewest_frames(const Plan& plan, const CheckReport& report, cons
 std::string with_frames_of(std::string_view text, const std::string& file_name, const MoveFile& move);
 
 /// Whether there is a drawn curve, and such a search without refinements takes a second or two: no curve has
-/// more than 32 control values, and no path has more than 200 key positions, each axis counted.
+/// more than 32 control values, and no track more than 200 segments and control values, counted for each
+/// axis.
 bool is_quick_to_fit(const Plan& plan);
 
 }  // namespace inbetween

@@ -246,6 +246,11 @@ TEST(SpeedFit, IsTakenForQuickByItsValuesAndByItsKeysAndAxes) {
   std::string many_values = "speed = [0, 0";
   for (int i = 0; i < 40; ++i) many_values += ", 5";
   EXPECT_FALSE(is_quick_to_fit(plan_of(move_of(bends + many_values + ", 0, 0]\n"), {})));
+  std::string both_many = "speed = [0, 0";
+  for (int i = 0; i < 20; ++i) both_many += ", 5";
+  std::string keys = "keys = [";
+  for (int i = 0; i < 90; ++i) keys += fmt::format(" {{ at = [{}, {}] }},", i, i % 3);
+  EXPECT_FALSE(is_quick_to_fit(plan_of(move_of(keys + "]\n" + both_many + ", 0, 0]\n"), {})));
 }
 
 TEST(SpeedFit, OfHundredsOfValuesIsFound) {
