@@ -202,13 +202,8 @@ void find_highest_rate(const Plan& plan, CheckReport& report) {
   if (steps) report.highest_rate = 0;
 }
 
-}  // namespace
-
-bool CheckedPeak::is_exceeded() const {
-  return limit && !(value <= *limit);
-}
-
-CheckReport check(const Plan& plan) {
+/// All but stops.
+CheckReport check_motion(const Plan& plan) {
   CheckReport report;
   for (const RigAxis& axis : plan.rig()->axes) report.axes.push_back(axis_at_rest(axis));
   for (std::size_t t = 0; t < plan.tracks().size(); ++t) {
@@ -223,6 +218,23 @@ CheckReport check(const Plan& plan) {
   }
   bound_motors_of(plan, report);
   for (const RollObstacle& obstacle : plan.roll_obstacles()) refuse_roll(plan, obstacle, report);
+  return report;
+}
+
+}  // namespace
+
+bool CheckedPeak::is_exceeded() const {
+  return limit && !(value <= *limit);
+}
+
+CheckReport check_until_refused(const Plan& plan) {
+  CheckReport report = check_motion(plan);
+  if (report.fits()) prove_stops(plan, report);
+  return report;
+}
+
+CheckReport check(const Plan& plan) {
+  CheckReport report = check_motion(plan);
   prove_stops(plan, report);
   find_highest_rate(plan, report);
   return report;

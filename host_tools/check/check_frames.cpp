@@ -81,8 +81,8 @@ class FrameSearch {
     if (progress_) progress_(1 - std::pow(0.9, tried_++), frames);
     if (frames == plan_.move().frames) return report_.fits();
     try {
-      const CheckReport report =
-          check(Plan(with_frames(plan_.move(), frames), plan_.rig(), {.kinematics = plan_.kinematics()}));
+      const CheckReport report = check_until_refused(
+          Plan(with_frames(plan_.move(), frames), plan_.rig(), {.kinematics = plan_.kinematics()}));
       if (!report.fits()) last_refusal_ = report.refusals.front().message;
       return report.fits();
     } catch (const InputError& error) {  // two keys on one frame, a lock that cannot be met, too many ticks
