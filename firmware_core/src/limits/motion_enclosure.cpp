@@ -51,42 +51,46 @@ void MotionEnclosure<Real>::show(const PathPiece<Real>& piece) {
   }
 }
 
-/// From the array of each axis to that of the lanes, or back.
+/// The numerators of each axis in its lane.
 template <Precise Real>
 void MotionEnclosure<Real>::fill_lanes() {
-  for (std::size_t d = 0; d < axes_; ++d) {
-    TurnLanes<Real>& to = lanes_[d / lanes];
-    const std::size_t i = d % lanes;
-    if (i == 0) to = {};
-    const AxisTurn<Real>& from = turns_[d];
-    for (std::size_t k = 0; k < to.first.size(); ++k) to.first[k].set(i, from.first[k]);
-    for (std::size_t k = 0; k < to.second.size(); ++k) to.second[k].set(i, from.second[k]);
-    for (std::size_t k = 0; k < to.third.size(); ++k) to.third[k].set(i, from.third[k]);
-    to.steepest.set(i, steepest(d));
+  if constexpr (lanes_are_quick) {
+    for (std::size_t d = 0; d < axes_; ++d) {
+      TurnLanes<Real>& to = lanes_[d / lanes];
+      const std::size_t i = d % lanes;
+      if (i == 0) to = {};
+      const AxisTurn<Real>& from = turns_[d];
+      for (std::size_t k = 0; k < to.first.size(); ++k) to.first[k].set(i, from.first[k]);
+      for (std::size_t k = 0; k < to.second.size(); ++k) to.second[k].set(i, from.second[k]);
+      for (std::size_t k = 0; k < to.third.size(); ++k) to.third[k].set(i, from.third[k]);
+      to.steepest.set(i, steepest(d));
+    }
   }
 }
 
 template <Precise Real>
 void MotionEnclosure<Real>::turn_in_lanes(std::size_t group) {
-  const std::span<AxisTurn<Real>> axes =
-      turns_.subspan(group * lanes, std::min(lanes, axes_ - group * lanes));
-  TurnLanes<Real>& lane = lanes_[group];
-  lane = {};
-  for (std::size_t i = 0; i < axes.size(); ++i) {
-    for (std::size_t k = 0; k < lane.first.size(); ++k) lane.first[k].set(i, axes[i].first[k]);
-    lane.size.set(i, axes[i].size);
-    lane.steepest.set(i, steepest(group * lanes + i));
-  }
-  const auto slope_at = [this](std::size_t e) { return slope(e); };
-  turn_lane(lane, track_.path().weights(), slope_at, shown_.interval.speed_squared.q, side());
-  for (std::size_t i = 0; i < axes.size(); ++i) {
-    axes[i].straight = !(lane.bend[i] > 0);
-    if (axes[i].straight) {
-      find_direction(group * lanes + i);
-      continue;
+  if constexpr (lanes_are_quick) {
+    const std::span<AxisTurn<Real>> axes =
+        turns_.subspan(group * lanes, std::min(lanes, axes_ - group * lanes));
+    TurnLanes<Real>& lane = lanes_[group];
+    lane = {};
+    for (std::size_t i = 0; i < axes.size(); ++i) {
+      for (std::size_t k = 0; k < lane.first.size(); ++k) lane.first[k].set(i, axes[i].first[k]);
+      lane.size.set(i, axes[i].size);
+      lane.steepest.set(i, steepest(group * lanes + i));
     }
-    for (std::size_t k = 0; k < lane.second.size(); ++k) axes[i].second[k] = lane.second[k][i];
-    for (std::size_t k = 0; k < lane.third.size(); ++k) axes[i].third[k] = lane.third[k][i];
+    const auto slope_at = [this](std::size_t e) { return slope(e); };
+    turn_lane(lane, track_.path().weights(), slope_at, shown_.interval.speed_squared.q, side());
+    for (std::size_t i = 0; i < axes.size(); ++i) {
+      axes[i].straight = !(lane.bend[i] > 0);
+      if (axes[i].straight) {
+        find_direction(group * lanes + i);
+        continue;
+      }
+      for (std::size_t k = 0; k < lane.second.size(); ++k) axes[i].second[k] = lane.second[k][i];
+      for (std::size_t k = 0; k < lane.third.size(); ++k) axes[i].third[k] = lane.third[k][i];
+    }
   }
 }
 
@@ -112,7 +116,7 @@ void MotionEnclosure<Real>::show_parameter(std::span<const Cubic<Real>> cubics) 
     turns_[d].second = {2 * c.c2, 6 * c.c3, 0, 0, 0};
     turns_[d].third = {6 * c.c3, 0, 0, 0, 0, 0, 0, 0};
   }
-  if constexpr (lanes_are_quick) fill_lanes();
+  fill_lanes();
 }
 
 /// The numerators of the second and third derivative by distance.
