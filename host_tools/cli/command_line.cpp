@@ -4,12 +4,16 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cerrno>
 #include <cstddef>
+#include <cstdio>
 #include <exception>
 #include <iostream>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <vector>
 
 #include "host_tools/check/check.hpp"
@@ -68,6 +72,18 @@ std::string plain(const std::string& what) {
   return colon == std::string::npos ? what : what.substr(0, colon) + " needs a value";
 }
 
+/// Where standard output is written line by line, printing to a full one fails at once, and with fewer words.
+std::string words_of_output(const std::system_error& error) {
+  if (std::ferror(stdout) == 0) return error.what();
+  try {
+    errno = error.code().value();
+    check_standard_output();
+  } catch (const std::runtime_error& full) {
+    return full.what();
+  }
+  return error.what();
+}
+
 }  // namespace
 
 int run_command_line(int argc, const char* const* argv, const EditCommand& edit) {
@@ -121,6 +137,9 @@ Exit status: 0 done; 1 bad input; 2 wrong usage; 3 a limit would be exceeded; 4 
   } catch (const PowerLeftError& error) {
     complain(error.what());
     return exit_fault;
+  } catch (const std::system_error& error) {
+    complain(words_of_output(error));
+    return exit_bad_input;
   } catch (const std::exception& error) {
     complain(error.what());
     return exit_bad_input;

@@ -261,6 +261,14 @@ TEST(CommandLine, StandardOutputThatIsFullIsStatus1) {
     EXPECT_THAT(run.err, HasSubstr("standard output: error: cannot be written: No space left on device; "))
         << fmt::format("{}", fmt::join(command, " "));
   }
+  // Line by line, as on a terminal, it is found where it is printed.
+  const ProgramRun by_line =
+      run_command({"/usr/bin/stdbuf", "-oL", in_build("inbetween"), "check", move, "--rig", rig},
+                  {.out_path = "/dev/full", .err_path = {}});
+  EXPECT_EQ(by_line.status, 1);
+  EXPECT_EQ(
+      by_line.err,
+      "standard output: error: cannot be written: No space left on device; redirect it to another file\n");
 }
 
 TEST(CommandLine, WhereNobodyReadsTheErrorTheStatusStillTells) {
