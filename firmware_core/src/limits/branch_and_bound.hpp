@@ -24,20 +24,23 @@ template <HalvingLimits halvings, Precise Real, class Rules>
 void branch_and_bound(const MotionEnclosure<Real>& enclosure, const StretchWalk<Real>& walk,
                       const Stretch<Real>& stretch, const MotionBox<Real>& part, std::size_t axes,
                       Rules& rules) {
+  // Without the middle of a box, which a stack of them has no use for.
   struct Box {
-    MotionBox<Real> box;
+    Real begin = 0, end = 0;
+    Real tau_begin = 0, tau_end = 0;
     std::uint64_t open = 0;  ///< axes whose bounds are not close enough yet
     std::int32_t halved = 0;
   };
   // Halving does not help any more where rounding alone, at the very point and with that of the place at a
   // time, takes the bound half as far.
-  const auto is_good_enough = [&](std::size_t d, const MotionTriple<Real>& bounds, const Box& whole) {
+  const auto is_good_enough = [&](std::size_t d, const MotionTriple<Real>& bounds, const MotionBox<Real>& box,
+                                  std::int32_t halved) {
     bool is_close = true;
     for (std::size_t i = 0; i < motion_quantities; ++i) {
       is_close = is_close && bounds[i] <= rules.allowed(d, i);
     }
-    if (is_close || whole.halved < halvings.before_rounding) return is_close;
-    const MotionTriple<Real> floor = enclosure.range(d, enclosure.around(stretch, whole.box.middle())).bound;
+    if (is_close || halved < halvings.before_rounding) return is_close;
+    const MotionTriple<Real> floor = enclosure.range(d, enclosure.around(stretch, box.middle())).bound;
     for (std::size_t i = 0; i < motion_quantities; ++i) {
       const Real allowed = rules.allowed(d, i);
       if (!(bounds[i] <= allowed) && !(bounds[i] <= 2 * floor[i] && floor[i] > allowed)) return false;
@@ -46,10 +49,16 @@ void branch_and_bound(const MotionEnclosure<Real>& enclosure, const StretchWalk<
   };
   std::array<Box, static_cast<std::size_t>(halvings.max) + 2> stack;
   std::size_t count = 0;
-  stack[count++] = {part, axes < max_bounded_axes ? (std::uint64_t{1} << axes) - 1 : ~std::uint64_t{0}, 0};
+  stack[count++] = {part.begin,
+                    part.end,
+                    part.tau_begin,
+                    part.tau_end,
+                    axes < max_bounded_axes ? (std::uint64_t{1} << axes) - 1 : ~std::uint64_t{0},
+                    0};
   while (count > 0) {
-    Box next = stack[--count];
-    MotionBox<Real>& box = next.box;
+    const Box next = stack[--count];
+    MotionBox<Real> box{
+        .begin = next.begin, .end = next.end, .tau_begin = next.tau_begin, .tau_end = next.tau_end};
     box.x = stretch.divide(box.begin, box.end);
     box.tau = walk.tau_at(stretch, box.x);
     const MotionSurroundings<Real> surroundings = enclosure.around(stretch, box);
@@ -58,15 +67,15 @@ void branch_and_bound(const MotionEnclosure<Real>& enclosure, const StretchWalk<
     std::uint64_t open = 0;
     enclosure.ranges(next.open, surroundings, [&](std::size_t d, const MotionRange<Real>& range) {
       rules.raise(d, range.here, frame);
-      if (is_last || is_good_enough(d, range.bound, next)) {
+      if (is_last || is_good_enough(d, range.bound, box, next.halved)) {
         rules.accept(d, range.bound, frame);
       } else {
         open |= std::uint64_t{1} << d;
       }
     });
     if (open == 0) continue;
-    stack[count++] = {{box.x, box.end, box.tau, box.tau_end}, open, next.halved + 1};
-    stack[count++] = {{box.begin, box.x, box.tau_begin, box.tau}, open, next.halved + 1};
+    stack[count++] = {box.x, box.end, box.tau, box.tau_end, open, next.halved + 1};
+    stack[count++] = {box.begin, box.x, box.tau_begin, box.tau, open, next.halved + 1};
   }
 }
 

@@ -48,12 +48,16 @@ class TrackCells {
         enclosure_(track, turns) {}
 
   void run() {
-    walk_.run([this](const Stretch<Real>& stretch) { sample(stretch); });
-    walk_.run([this](const Stretch<Real>& stretch) {
-      enclosure_.show(stretch.path);
-      take_reversal(stretch);
-      each_part(stretch, [&](const MotionBox<Real>& part, std::size_t cell) { prove(stretch, part, cell); });
-    });
+    // One walk in the code, for one of them on the stack.
+    for (const bool is_sampled : {false, true}) {
+      walk_.run([this, is_sampled](const Stretch<Real>& stretch) {
+        enclosure_.show(stretch.path);
+        if (!is_sampled) return sample(stretch);
+        take_reversal(stretch);
+        each_part(stretch,
+                  [&](const MotionBox<Real>& part, std::size_t cell) { prove(stretch, part, cell); });
+      });
+    }
   }
 
   // The rules of branch_and_bound.
@@ -83,7 +87,6 @@ class TrackCells {
 
   /// The peaks of the axes, so far as three points of every stretch show them.
   void sample(const Stretch<Real>& stretch) {
-    enclosure_.show(stretch.path);
     for (const Real x : {stretch.from, stretch.from + (stretch.to - stretch.from) / 2, stretch.to}) {
       const MotionSurroundings<Real> point = enclosure_.at(stretch, x, walk_.tau_at(stretch, x));
       for (std::size_t d = 0; d < axes_; ++d) raise_magnitude(peaks_[d], enclosure_.here(d, point));
@@ -120,12 +123,11 @@ class TrackCells {
 
   void prove(const Stretch<Real>& stretch, const MotionBox<Real>& part, std::size_t cell) {
     proven_ = of_cell(cell);
-    const MotionSurroundings<Real> begin = enclosure_.at(stretch, part.begin, part.tau_begin);
-    const MotionSurroundings<Real> end = enclosure_.at(stretch, part.end, part.tau_end);
-    for (std::size_t d = 0; d < axes_; ++d) {
-      found_[d] = {};
-      raise_magnitude(found_[d], enclosure_.here(d, begin));
-      raise_magnitude(found_[d], enclosure_.here(d, end));
+    for (std::size_t d = 0; d < axes_; ++d) found_[d] = {};
+    for (const bool is_end : {false, true}) {
+      const MotionSurroundings<Real> point = is_end ? enclosure_.at(stretch, part.end, part.tau_end)
+                                                    : enclosure_.at(stretch, part.begin, part.tau_begin);
+      for (std::size_t d = 0; d < axes_; ++d) raise_magnitude(found_[d], enclosure_.here(d, point));
     }
     branch_and_bound<cell_halvings>(enclosure_, walk_, stretch, part, axes_, *this);
   }
