@@ -11,6 +11,13 @@
 
 namespace inbetween::can {
 
+/// The script for a drive; one that cannot be written ends the test.
+inline SetupScript script_of(const Cia402Setup& setup) {
+  SetupScript script;
+  static_cast<void>(write_setup_script(setup, script).value());
+  return script;
+}
+
 /// The objects of a CiA 402 drive with node 5, as an SDO server without a drive behind it. They can be
 /// broken.
 class DriveObjects {

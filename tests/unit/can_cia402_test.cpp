@@ -107,7 +107,7 @@ class SetupOfNode5 : public testing::Test {
   DriveObjects objects;
   SetupRunner runner{node(5), 500 * ms};
 
-  void work() { objects.work_off(runner, make_setup_script(setup).value()); }
+  void work() { objects.work_off(runner, script_of(setup)); }
   void expect_refused(DriveFinding finding, int index) {
     work();
     ASSERT_EQ(runner.state(), SetupState::refused);
@@ -348,7 +348,7 @@ TEST_F(SetupOfNode5, WithoutAFiniteWatchdogTheDriveIsRefused) {  // docs/faults.
 }
 
 TEST_F(SetupOfNode5, ASilentDriveIsRefusedAtItsFirstObject) {
-  const SetupScript script = make_setup_script(setup).value();
+  const SetupScript script = script_of(setup);
   runner.begin(script);
   std::vector<Frame> sent;
   for (std::int64_t now = 0; now <= 600 * ms; now += 4 * ms) {
@@ -364,7 +364,8 @@ TEST_F(SetupOfNode5, SettingsThatLeaveADriveUnwatchedAreRefused) {
   const auto refuses = [&](auto change) {
     Cia402Setup bad = good;
     change(bad);
-    return !make_setup_script(bad);
+    SetupScript script;
+    return !write_setup_script(bad, script);
   };
   EXPECT_FALSE(refuses([](Cia402Setup&) {}));
   EXPECT_TRUE(refuses([](Cia402Setup& bad) { bad.host = bad.node; }));

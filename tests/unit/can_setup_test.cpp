@@ -17,7 +17,7 @@ class BrakesOfNode5 : public testing::Test {
   DriveObjects objects;
   SetupRunner runner{NodeId::make(5).value(), 500'000'000};
 
-  void work() { objects.work_off(runner, make_setup_script(setup).value()); }
+  void work() { objects.work_off(runner, script_of(setup)); }
   void expect_done() {
     work();
     EXPECT_EQ(runner.state(), SetupState::done) << words_of(runner.refusal().finding).what << ", object "

@@ -47,14 +47,14 @@ Result<Cia402Drive> Cia402Drive::make(const Cia402Settings& settings) {
                  .what = "a limit or time of a drive is not positive, or its heartbeat is missed after one",
                  .remedy = "give positive limits, and two heartbeats or more before it counts as lost"};
   }
-  const Result<SetupScript> script = make_setup_script(settings.setup);
-  if (!script) return script.error();
-  return Cia402Drive(settings, *script);
+  Result<Cia402Drive> drive = Cia402Drive(settings);
+  if (const Status written = write_setup_script(settings.setup, drive->script_); !written)
+    return written.error();
+  return drive;
 }
 
-Cia402Drive::Cia402Drive(const Cia402Settings& settings, const SetupScript& script)
+Cia402Drive::Cia402Drive(const Cia402Settings& settings)
     : settings_(settings),
-      script_(script),
       runner_(settings.setup.node, settings.sdo_timeout_ns),
       exit_(settings.setup.node, settings.sdo_timeout_ns, settings.setup.is_guarded),
       heartbeat_({.timeout_ns = settings.heartbeat_timeout_ns, .boot_timeout_ns = settings.boot_timeout_ns}),

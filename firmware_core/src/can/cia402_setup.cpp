@@ -305,11 +305,12 @@ Status check(const Cia402Setup& setup) {
 
 }  // namespace
 
-Result<SetupScript> make_setup_script(const Cia402Setup& setup) {
+// In place: a script by value would stand on the stack of a microcontroller twice.
+Status write_setup_script(const Cia402Setup& setup, SetupScript& script) {
   if (const Status valid = check(setup); !valid) return valid.error();
   const Result<InterpolationPeriod> period = interpolation_period(setup.rate_hz);
   if (!period) return period.error();
-  SetupScript script;
+  script.clear();
   ScriptWriter writer(script);
   check_identity(writer, setup);
   set_pdos(writer, setup);
@@ -327,8 +328,7 @@ Result<SetupScript> make_setup_script(const Cia402Setup& setup) {
   // A drive that shows its mode only once it is enabled may be in another one until then.
   writer.add({.action = SetupAction::look, .object = {.index = 0x60FF}});
   writer.add({.action = SetupAction::look, .object = {.index = 0x6071}, .size = 2});
-  if (!writer.status()) return writer.status().error();
-  return script;
+  return writer.status();
 }
 
 }  // namespace inbetween::can

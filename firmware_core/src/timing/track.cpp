@@ -274,41 +274,48 @@ void Track<Real>::locate_frames(std::int32_t first, std::span<PathPoint<Real>> p
   }
 }
 
+// Each calls what is rare from its own frame, not through locate(): a tick on a microcontroller has less
+// stack for it.
 template <Precise Real>
-inline AlongPath<Real> Track<Real>::unbounded_along(const FrameTime<Real>& time) const {
+inline AlongPath<Real> Track<Real>::along_profile(const FrameTime<Real>& time) const {
   AlongPath<Real> result;
-  if (is_outside(time) || !has_profile()) result.point = locate(time);
+  const bool is_end = time.frame >= frames_;
+  if (is_end) result.point = {path_.segment_count(), 0};
   if (is_outside(time)) return result;
-  if (!has_profile()) {
-    // From sigma s' = v by differentiating.
-    const ParameterRates<Real> s = key_frame_rates(time);
-    const Real sigma = path_.parametric_speed(result.point);
-    result.speed = sigma * s.first;
-    if (sigma > 0) {
-      const ScaledSpeed<Real> scaled(path_.segment(result.point.segment), path_.weights(), result.point.t,
-                                     sigma);
-      const Real first = scaled.speed.first / scaled.scale;
-      result.acceleration = first * s.first * s.first + sigma * s.second;
-      result.jerk = scaled.speed.second / scaled.scale * s.first * s.first * s.first +
-                    3 * first * s.first * s.second + sigma * s.third;
-    }
-  } else {
-    const CurvePlace<Real> where = place(time);
-    const bool is_end = time.frame >= frames_;
-    result.point = is_plain_ && !is_end ? locate_at(where) : locate(time);
-    const SpeedSpan<Real>& span = profile_.span(where.span);
-    const Real rate = curve_rate();
-    const Real scale = (portions_.empty() ? constant_ : portion_at(time.frame).constant) * rate;
-    result.speed = scale * span.value(where.t);
-    result.acceleration = scale * rate * span.derivative(where.t);
-    result.jerk = scale * rate * rate * span.second(where.t);
+  const CurvePlace<Real> where = place(time);
+  if (!is_end) result.point = is_plain_ ? locate_at(where) : special_locate(time);
+  const SpeedSpan<Real>& span = profile_.span(where.span);
+  const Real rate = curve_rate();
+  const Real scale = (portions_.empty() ? constant_ : portion_at(time.frame).constant) * rate;
+  result.speed = scale * span.value(where.t);
+  result.acceleration = scale * rate * span.derivative(where.t);
+  result.jerk = scale * rate * rate * span.second(where.t);
+  return result;
+}
+
+template <Precise Real>
+AlongPath<Real> Track<Real>::along_key_frames(const FrameTime<Real>& time) const {
+  AlongPath<Real> result;
+  result.point = locate(time);
+  if (is_outside(time)) return result;
+  // From sigma s' = v by differentiating.
+  const ParameterRates<Real> s = key_frame_rates(time);
+  const Real sigma = path_.parametric_speed(result.point);
+  result.speed = sigma * s.first;
+  if (sigma > 0) {
+    const ScaledSpeed<Real> scaled(path_.segment(result.point.segment), path_.weights(), result.point.t,
+                                   sigma);
+    const Real first = scaled.speed.first / scaled.scale;
+    result.acceleration = first * s.first * s.first + sigma * s.second;
+    result.jerk = scaled.speed.second / scaled.scale * s.first * s.first * s.first +
+                  3 * first * s.first * s.second + sigma * s.third;
   }
   return result;
 }
 
 template <Precise Real>
 AlongPath<Real> Track<Real>::along(const FrameTime<Real>& time) const {
-  AlongPath<Real> result = unbounded_along(time);
+  AlongPath<Real> result = has_profile() ? along_profile(time) : along_key_frames(time);
   for (Real* derivative : {&result.speed, &result.acceleration, &result.jerk}) {
     if (!std::isfinite(*derivative)) *derivative = 0;
   }
@@ -324,7 +331,7 @@ Derivatives Track<Real>::motion(const FrameTime<Real>& time, std::span<AxisMotio
     write_slopes(path_.segment(point.segment), path_.weights(), point.t, axes);
     return pass_in_time(s, axes);
   }
-  const AlongPath<Real> where = unbounded_along(time);
+  const AlongPath<Real> where = along_profile(time);
   const std::span<const Cubic<Real>> cubics = path_.segment(where.point.segment);
   const SlopeProducts<Real> products = write_slopes(cubics, path_.weights(), where.point.t, axes);
   if (is_far_from_standstill(products, distance_rounding())) [[likely]]

@@ -84,7 +84,7 @@ class Cia402Drive {
     return static_cast<Target>(count);
   }
 
-  /// Errors: those of make_setup_script; out_of_range (a limit or time that is not positive, a heartbeat
+  /// Errors: those of write_setup_script; out_of_range (a limit or time that is not positive, a heartbeat
   /// timeout of less than two periods).
   static Result<Cia402Drive> make(const Cia402Settings& settings);
 
@@ -173,7 +173,7 @@ class Cia402Drive {
   [[nodiscard]] std::int32_t target() const { return target_; }
 
  private:
-  Cia402Drive(const Cia402Settings& settings, const SetupScript& script);
+  explicit Cia402Drive(const Cia402Settings& settings);
   bool apply(DriveEvent event, std::int64_t now_ns);
   void enter(DrivePhase phase, std::int64_t now_ns);
   void find(DriveFinding finding);

@@ -118,11 +118,11 @@ struct SetupStep {
 inline constexpr std::size_t setup_steps = 76;
 using SetupScript = FixedVector<SetupStep, setup_steps>;
 
-/// The steps for a drive, in pre-operational: who it is; no PDO but RPDO1 and TPDO1, and those mapped as
-/// command_mapping and feedback_mapping say; the period; what watches over it; the mode.
-/// Errors: those of interpolation_period; out_of_range (a time of 0, an option or a range that leaves the
-/// drive unwatched, host and drive the same node).
-Result<SetupScript> make_setup_script(const Cia402Setup& setup);
+/// Writes the steps for a drive, in pre-operational: who it is; no PDO but RPDO1 and TPDO1, and those mapped
+/// as command_mapping and feedback_mapping say; the period; what watches over it; the mode. Errors: those of
+/// interpolation_period; out_of_range (a time of 0, an option or a range that leaves the drive unwatched,
+/// host and drive the same node).
+Status write_setup_script(const Cia402Setup& setup, SetupScript& script);
 
 /// Why a drive was refused.
 struct SetupRefusal {

@@ -256,8 +256,9 @@ class Track {
     const SpanDistance<Real>& span = span_distances_[static_cast<std::size_t>(place.span)];
     return arc_length_.locate(span.begin, span.way(place.t));
   }
-  /// along() with infinities where it is beyond the range of Real.
-  [[nodiscard]] AlongPath<Real> unbounded_along(const FrameTime<Real>& time) const;
+  /// along() of a drawn curve and of frames, with infinities where it is beyond the range of Real.
+  [[nodiscard]] AlongPath<Real> along_profile(const FrameTime<Real>& time) const;
+  [[nodiscard]] AlongPath<Real> along_key_frames(const FrameTime<Real>& time) const;
   [[nodiscard]] Real distance_rounding() const;
   Derivatives write_slow(AlongPath<Real> where, std::span<AxisMotion<Real>> axes) const;
   [[nodiscard]] TwoSum<Real> special_distance(const FrameTime<Real>& time) const;
