@@ -111,18 +111,19 @@ drive = { type = "cia402", bus = "can0", node = 1, counts_per_unit = 1000 }
 home = { by = "drive", method = 17, fast = 20, slow = 5, acceleration = 200, at = 10 }
 )";
   const TemporaryFile file("table.toml", rig);
-  const std::string name = "--rig '" + file.path().string() + "'";
+  // The bench shares the files of this machine: what a scene writes is in a folder of its own.
+  const std::string folder = file.path().parent_path().string();
   return script_in_bench(
       {"--vcan", "can0", "--virtual-time", "--timeout", "200"},
-      "echo -1 >/proc/sys/kernel/sched_rt_runtime_us\ninbetween sim-drives " + name +
-          " --from slide=70 --record /tmp/drives 2>/tmp/err & drives=$!\nuntil_true grep -q power /tmp/err\n"
-          "inbetween home " +
-          name + " --positions /tmp/positions & run=$!\n" + during +
+      "echo -1 >/proc/sys/kernel/sched_rt_runtime_us\ncd '" + folder +
+          "'\ninbetween sim-drives --rig table.toml --from slide=70 --record drives 2>err & drives=$!\n"
+          "until_true grep -q power err\ninbetween home --rig table.toml --positions positions & run=$!\n" +
+          during +
           "\nstatus=0; wait $run || status=$?\n"
-          "if [ $status = 0 ]; then inbetween goto " +
-          name +
-          " --positions /tmp/positions --yes slide=30; fi\nsleep 1\nkill -TERM $drives; wait $drives\n"
-          "grep -E 'end|emergency' /tmp/drives; exit $status");
+          "if [ $status = 0 ]; then inbetween goto --rig table.toml --positions positions --yes slide=30; "
+          "fi\n"
+          "sleep 1\nkill -TERM $drives; wait $drives || cat err >&2\n"
+          "grep -E 'end|emergency' drives; exit $status");
 }
 
 TEST(CanRun, ADriveHomesItselfAndTheNextCommandGoesOnFromThere) {
