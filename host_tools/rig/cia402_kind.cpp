@@ -66,6 +66,9 @@ std::int32_t in_counts(double counts) {
   return static_cast<std::int32_t>(std::clamp(counts, -most, most));
 }
 
+constexpr can::CountRange whole_range{.min = std::numeric_limits<std::int32_t>::min(),
+                                      .max = std::numeric_limits<std::int32_t>::max()};
+
 /// Half as much again as it was told, and two counts for rounding, is not too fast. One that homes where it
 /// stands may settle.
 can::DriveHomingSpec homing_spec_of(const RigAxis& axis, const DriveHome& home, double scale,
@@ -124,13 +127,15 @@ can::Cia402Settings settings_of(const RigAxis& axis, std::int32_t rate_hz) {
           .coasts = axis.coasts,
           .stops_without_host = axis.stops_without_host,
           .watches_following_error = drive.watches_following_error}};
+  // Where the drive's own count is not the axis' position, it would hold limits that lie elsewhere, or those
+  // of another rig that it has kept.
+  if (axis.reference != Reference::by_drive) settings.setup.position_limits = whole_range;
   if (drive.resets_node) settings.reset = can::NmtCommand::reset_node;
   settings.enable_timeout_ns =
       static_cast<std::int64_t>(drive.enable_timeout_s * static_cast<double>(ns_per_s));
   settings.hold_tolerance_counts = whole_counts(place_tolerance(axis), scale);
   if (drive.homing) {
     settings.setup.homing = homing_setup_of(*drive.homing, scale);
-    settings.setup.position_limits.reset();  // they count from a home that is not known yet
     settings.homing = homing_spec_of(axis, *drive.homing, scale, rate_hz);
   }
   const double tick_s = 1.0 / rate_hz;

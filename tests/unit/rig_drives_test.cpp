@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -70,6 +71,21 @@ TEST(RigDrives, AnAxisTellsItsDriveItsRangeAndItsStep) {
   EXPECT_EQ(settings.setup.position_limits->max, 10'500);
   EXPECT_EQ(settings.max_step_counts, 1'201) << "1.2 times 250 mm/s in 4 ms, and a count for rounding";
   EXPECT_GE(settings.setup.host_timeout_ms, 90);
+}
+
+// Its drive would clip the targets wherever its own limits happen to lie.
+TEST(RigDrives, AnAxisWhoseCountsBeginElsewhereHasNoSoftLimitsInItsDrive) {
+  for (const char* const more :
+       {R"(reference = "operator")",
+        R"(home = { by = "drive", method = 17, fast = 20, slow = 5, acceleration = 200 })"}) {
+    const RigFile rig = parse_rig(rig_text({{.name = "slide", .more = more, .drive = cia402_text(1, 1000)}},
+                                           {.more = "[bus.can0]\nbitrate = 1_000_000\n"}),
+                                  "rig.toml");
+    const can::Cia402Settings settings = settings_of(rig.axes[0], rig.rate_hz);
+    ASSERT_TRUE(settings.setup.position_limits) << more;
+    EXPECT_EQ(settings.setup.position_limits->min, std::numeric_limits<std::int32_t>::min()) << more;
+    EXPECT_EQ(settings.setup.position_limits->max, std::numeric_limits<std::int32_t>::max()) << more;
+  }
 }
 
 TEST(RigDrives, ASlowRigGivesItsDrivesTheTimeOfSeveralTicks) {
