@@ -144,7 +144,7 @@ expect "a build that was killed does not lock out the next" "$path" "$(kernel 2>
 
 expect "a user without a home is told what to set" \
   "sim/bench/kernel: error: there is no HOME to keep the kernel in; set INBETWEEN_BENCH_CACHE" \
-  "$(PATH=$scratch/bin:$PATH env --unset=HOME --unset=XDG_CACHE_HOME bash "$scratch/bench/kernel" 2>&1 || true)"
+  "$(PATH=$scratch/bin:$PATH env --unset=HOME --unset=XDG_CACHE_HOME --unset=INBETWEEN_BENCH_CACHE bash "$scratch/bench/kernel" 2>&1 || true)"
 expect "an unknown argument is refused" \
   "sim/bench/kernel: error: unknown argument 'now'; see --help" "$(kernel now 2>&1 || true)"
 
