@@ -34,6 +34,10 @@ struct Interval {
   }
   /// Of a number that is not below 0.
   [[nodiscard]] constexpr Interval times(const Number& a) const { return {a * low, a * high}; }
+  /// Of an interval that has nothing below 0.
+  [[nodiscard]] constexpr Interval times(const Interval& a) const {
+    return {least(low * a.low, low * a.high), greatest(high * a.low, high * a.high)};
+  }
   /// The product is not a number if an end is none (0 times infinity).
   [[nodiscard]] Number magnitude() const {
     const Number a = absolute(low);

@@ -101,6 +101,17 @@ class Lanes {
     return result;
   }
 
+  /// Without the sign, in one instruction.
+  [[nodiscard]] Lanes magnitude() const {
+    using Bits = decltype(Part{} < Part{});
+    Lanes result;
+    for (std::size_t i = 0; i < part_count; ++i) {
+      result.parts_[i] =
+          reinterpret_cast<Part>(reinterpret_cast<Bits>(parts_[i]) & ~reinterpret_cast<Bits>(-Part{}));
+    }
+    return result;
+  }
+
   /// Rounding may leave a value below 0. Its root is 0.
   [[nodiscard]] Lanes square_root() const {
     Lanes result;
@@ -135,8 +146,11 @@ Number greatest(const Number& a, const Number& b) {
 }
 template <class Number>
 Number absolute(const Number& a) {
-  if constexpr (Precise<Number>) return std::fabs(a);
-  return greatest<Number>(a, -1 * a);
+  if constexpr (Precise<Number>) {
+    return std::fabs(a);
+  } else {
+    return a.magnitude();
+  }
 }
 
 template <Precise Real>

@@ -147,7 +147,8 @@ class MotionBounds {
     for (int i = 0; i <= samples_per_stretch; ++i) {
       const Real x = stretch.from + static_cast<Real>(i) / samples_per_stretch * (stretch.to - stretch.from);
       const MotionSurroundings<Real> point = enclosure_.at(stretch, x, walk_.tau_at(stretch, x));
-      for (std::size_t d = 0; d < axes_; ++d) raise(d, enclosure_.here(d, point), stretch.time.frame(x));
+      const Real frame = stretch.time.frame(x);
+      enclosure_.middles(point, [&](std::size_t d, const Triple<Real>& here) { raise(d, here, frame); });
     }
   }
   void take_reversal(const Stretch<Real>& stretch) {

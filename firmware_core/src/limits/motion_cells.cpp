@@ -23,14 +23,6 @@ void raise_to(MotionTriple<Real>& to, const MotionTriple<Real>& from) {
   for (std::size_t i = 0; i < motion_quantities; ++i) to[i] = std::max(to[i], from[i]);
 }
 
-template <Precise Real>
-void raise_magnitude(MotionTriple<Real>& to, const MotionTriple<Real>& from) {
-  for (std::size_t i = 0; i < motion_quantities; ++i) {
-    // NaN is not found; the enclosure of its surroundings is without bound.
-    if (std::fabs(from[i]) <= std::numeric_limits<Real>::max()) to[i] = std::max(to[i], std::fabs(from[i]));
-  }
-}
-
 /// One track of the move.
 template <Precise Real>
 class TrackCells {
@@ -48,6 +40,10 @@ class TrackCells {
         enclosure_(track, turns) {}
 
   void run() {
+    for (std::size_t d = 0; d < axes_; ++d) {
+      const PeakSlack<Real>& slack = out_.slack[first_axis_ + d];
+      rooms_[d] = {slack.velocity, slack.acceleration, slack.jerk};
+    }
     // One walk in the code, for one of them on the stack.
     for (const bool is_sampled : {false, true}) {
       walk_.run([this, is_sampled](const Stretch<Real>& stretch) {
@@ -63,14 +59,17 @@ class TrackCells {
   // The rules of branch_and_bound.
 
   void raise(std::size_t d, const MotionTriple<Real>& here, Real /*frame*/) {
-    raise_magnitude(found_[d], here);
-    raise_to(peaks_[d], found_[d]);
+    for (std::size_t i = 0; i < motion_quantities; ++i) {
+      const Real value = std::fabs(here[i]);
+      // NaN is not found; the enclosure of its surroundings is without bound.
+      if (!(value > found_[d][i]) || value > std::numeric_limits<Real>::max()) continue;
+      found_[d][i] = value;
+      rooms_[d][i] = std::max(rooms_[d][i], value * peak_closeness<Real>);
+    }
   }
   [[nodiscard]] Real allowed(std::size_t d, std::size_t i) const {
-    const Real more = std::max(found_[d][i] * own_closeness<Real>, peaks_[d][i] * peak_closeness<Real>);
-    const PeakSlack<Real>& slack = out_.slack[first_axis_ + d];
-    const MotionTriple<Real> slacks{slack.velocity, slack.acceleration, slack.jerk};
-    return std::max(found_[d][i] + std::max(more, slacks[i]), proven_[d][i]);
+    const Real found = found_[d][i];
+    return std::max(found + std::max(found * own_closeness<Real>, rooms_[d][i]), proven_[d][i]);
   }
   void accept(std::size_t d, const MotionTriple<Real>& bounds, Real /*frame*/) {
     raise_to(proven_[d], bounds);
@@ -88,9 +87,12 @@ class TrackCells {
   /// The peaks of the axes, so far as three points of every stretch show them.
   void sample(const Stretch<Real>& stretch) {
     for (const Real x : {stretch.from, stretch.from + (stretch.to - stretch.from) / 2, stretch.to}) {
-      const MotionSurroundings<Real> point = enclosure_.at(stretch, x, walk_.tau_at(stretch, x));
-      for (std::size_t d = 0; d < axes_; ++d) raise_magnitude(peaks_[d], enclosure_.here(d, point));
+      raise_at(stretch, x, walk_.tau_at(stretch, x));
     }
+  }
+  void raise_at(const Stretch<Real>& stretch, Real x, Real tau) {
+    enclosure_.middles(enclosure_.at(stretch, x, tau),
+                       [this](std::size_t d, const MotionTriple<Real>& here) { raise(d, here, 0); });
   }
 
   void take_reversal(const Stretch<Real>& stretch) {
@@ -124,11 +126,8 @@ class TrackCells {
   void prove(const Stretch<Real>& stretch, const MotionBox<Real>& part, std::size_t cell) {
     proven_ = of_cell(cell);
     for (std::size_t d = 0; d < axes_; ++d) found_[d] = {};
-    for (const bool is_end : {false, true}) {
-      const MotionSurroundings<Real> point = is_end ? enclosure_.at(stretch, part.end, part.tau_end)
-                                                    : enclosure_.at(stretch, part.begin, part.tau_begin);
-      for (std::size_t d = 0; d < axes_; ++d) raise_magnitude(found_[d], enclosure_.here(d, point));
-    }
+    raise_at(stretch, part.begin, part.tau_begin);
+    raise_at(stretch, part.end, part.tau_end);
     branch_and_bound<cell_halvings>(enclosure_, walk_, stretch, part, axes_, *this);
   }
 
@@ -140,9 +139,10 @@ class TrackCells {
   const MotionCells<Real>& out_;
   StretchWalk<Real> walk_;
   MotionEnclosure<Real> enclosure_;
-  std::array<MotionTriple<Real>, max_bounded_axes> peaks_{};
-  std::array<MotionTriple<Real>, max_bounded_axes> found_{};
-  std::span<MotionTriple<Real>> proven_;  ///< of the cell
+  /// How much above what is found a bound may be: by the slack of the axis and its peak in all cells.
+  std::array<MotionTriple<Real>, max_bounded_axes> rooms_{};
+  std::array<MotionTriple<Real>, max_bounded_axes> found_{};  ///< in the part of a cell
+  std::span<MotionTriple<Real>> proven_;                      ///< of the cell
 };
 
 /// |p1|, |p2|, |p3| of a roll between two times in seconds from the joint, both of one sign.

@@ -3,16 +3,6 @@
 #include "motion_products.hpp"
 
 namespace inbetween {
-namespace {
-
-template <Precise Real, std::size_t Size>
-Real value_at(const std::array<Real, Size>& c, Real x) {
-  Real value = c[Size - 1];
-  for (std::size_t i = Size - 1; i-- > 0;) value = c[i] + x * value;
-  return value;
-}
-
-}  // namespace
 
 // --- the path near a point
 
@@ -349,6 +339,12 @@ MotionRange<Real> MotionEnclosure<Real>::range(std::size_t d, const MotionSurrou
   if (turns_by_pace(d)) return motion_range(t, steepest(d), box.pace, box.pace_range, box, scale_);
   const Centred<Real>& speed = box.speed.part[0];
   return motion_range(t, steepest(d), speed.value, not_negative(speed.range()), box, scale_);
+}
+
+template <Precise Real>
+void MotionEnclosure<Real>::here_in_lanes(std::size_t group, const MotionSurroundings<Real>& box,
+                                          LaneTriple& out) const {
+  if constexpr (lanes_are_quick) here_of(lanes_[group], track_.has_profile(), box, scale_, out);
 }
 
 template <Precise Real>

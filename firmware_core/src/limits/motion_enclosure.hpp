@@ -117,10 +117,21 @@ class MotionEnclosure {
   [[nodiscard]] MotionSurroundings<Real> around(const Stretch<Real>& stretch,
                                                 const MotionBox<Real>& box) const;
 
-  /// The motion of an axis in the middle of a box. O(1).
-  [[nodiscard]] MotionTriple<Real> here(std::size_t d, const MotionSurroundings<Real>& box) const;
-  /// The same, and how far it can be from that on the box. O(1).
+  /// The motion of an axis in the middle of a box, and how far it can be from that on the box. O(1).
   [[nodiscard]] MotionRange<Real> range(std::size_t d, const MotionSurroundings<Real>& box) const;
+  /// Calls visit(d, range(d, box).here) for every axis, a lane of them at a time.
+  template <class Visit>
+  void middles(const MotionSurroundings<Real>& box, const Visit& visit) const {
+    for (std::size_t begin = 0; begin < axes_; begin += lanes) {
+      LaneTriple lane;
+      const bool is_in_lanes = lanes_are_quick && !is_still_;
+      if (is_in_lanes) here_in_lanes(begin / lanes, box, lane);
+      for (std::size_t i = 0; i < lanes && begin + i < axes_; ++i) {
+        const std::size_t d = begin + i;
+        visit(d, is_in_lanes && !turns_[d].straight ? one_of(lane, i) : here(d, box));
+      }
+    }
+  }
   /// Calls visit(d, range(d, box)) for the axes whose bit is set, a lane of them at a time.
   template <class Visit>
   void ranges(std::uint64_t axes, const MotionSurroundings<Real>& box, const Visit& visit) const {
@@ -128,12 +139,14 @@ class MotionEnclosure {
       const std::uint64_t open = axes >> begin & ((std::uint64_t{1} << lanes) - 1);
       if (open == 0) continue;
       MotionRange<WideLanes<Real>> lane;
-      const bool is_in_lanes = lanes_are_quick && (open & (open - 1)) != 0 && is_regular(box);
+      const bool is_in_lanes = lanes_are_quick && is_regular(box);
       if (is_in_lanes) range_in_lanes(begin / lanes, box, lane);
       for (std::size_t i = 0; i < lanes && begin + i < axes_; ++i) {
         if ((open >> i & 1) == 0) continue;
         const std::size_t d = begin + i;
-        visit(d, is_in_lanes && !turns_[d].straight ? one_of(lane, i) : range(d, box));
+        visit(d, is_in_lanes && !turns_[d].straight
+                     ? MotionRange<Real>{one_of(lane.here, i), one_of(lane.bound, i)}
+                     : range(d, box));
       }
     }
   }
@@ -146,6 +159,7 @@ class MotionEnclosure {
 
  private:
   using Triple = MotionTriple<Real>;
+  using LaneTriple = std::array<WideLanes<Real>, motion_quantities>;
   using Factor = MotionFactor<Real>;
   static constexpr std::size_t lanes = lane_count;
 
@@ -167,15 +181,12 @@ class MotionEnclosure {
            box.by_distance[1].range.high <= std::numeric_limits<Real>::max() &&
            box.by_distance[2].range.high <= std::numeric_limits<Real>::max();
   }
+  [[nodiscard]] Triple here(std::size_t d, const MotionSurroundings<Real>& box) const;
+  void here_in_lanes(std::size_t group, const MotionSurroundings<Real>& box, LaneTriple& out) const;
   void range_in_lanes(std::size_t group, const MotionSurroundings<Real>& box,
                       MotionRange<WideLanes<Real>>& out) const;
-  [[nodiscard]] static MotionRange<Real> one_of(const MotionRange<WideLanes<Real>>& lane, std::size_t i) {
-    MotionRange<Real> range;
-    for (std::size_t k = 0; k < motion_quantities; ++k) {
-      range.here[k] = lane.here[k][i];
-      range.bound[k] = lane.bound[k][i];
-    }
-    return range;
+  [[nodiscard]] static Triple one_of(const LaneTriple& lane, std::size_t i) {
+    return {lane[0][i], lane[1][i], lane[2][i]};
   }
   void find_jerk_change(const Stretch<Real>& stretch, MotionSurroundings<Real>& box) const;
   void divide_by_distance(MotionSurroundings<Real>& box) const;

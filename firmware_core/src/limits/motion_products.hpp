@@ -27,8 +27,15 @@ Centred<Number> product(const Centred<Number>& a, const Reciprocal<Real>& b) {
   if (!(b.range.high <= std::numeric_limits<Real>::max())) {
     return {middle, Number(std::numeric_limits<Real>::infinity())};
   }
-  const Interval<Number> range = a.range() * Interval<Number>::of(b.range);
+  const Interval<Number> range = a.range().times(Interval<Number>::of(b.range));
   return {middle, greatest(range.high - middle, middle - range.low)};
+}
+
+template <class Number, Precise Real, std::size_t Size>
+Number value_at(const std::array<Number, Size>& c, Real x) {
+  Number value = c[Size - 1];
+  for (std::size_t i = Size - 1; i-- > 0;) value = c[i] + x * value;
+  return value;
 }
 
 /// The products of the factors in the middle of a box.
@@ -53,20 +60,20 @@ std::array<Number, motion_quantities> bounds_of(const MotionFactor<Number>& t, c
   first.high = least(steepest, first.high);
   const Range second = t.part[1].range();
   std::array<Number, motion_quantities> bound;
-  const Range jerk = t.part[2].range() * Range::of(cube) +
+  const Range jerk = t.part[2].range().times(Range::of(cube)) +
                      (second * Range::of(pace * change)).times(Real(3)) +
                      first * Range::of(box.speed.part[2].range());
   const auto& by = box.jerk_change;
-  const Range change_of_jerk = t.third_slope * Range::of(by[0]) + t.part[2].range() * Range::of(by[1]) +
+  const Range change_of_jerk = t.third_slope.times(Range::of(by[0])) + t.part[2].range() * Range::of(by[1]) +
                                second * Range::of(by[2]) + first * Range::of(by[3]);
   bound[2] = least(or_infinity<Real>(jerk.magnitude()),
                    or_infinity<Real>(absolute(here[2]) + cube.high * t.rounding +
                                      box.jerk_seconds * change_of_jerk.magnitude()));
   // By the mean value theorem from the middle, or directly.
-  const Range acceleration = second * Range::of(pace * speed) + first * Range::of(change);
+  const Range acceleration = second.times(Range::of(pace * speed)) + first * Range::of(change);
   bound[1] = least(or_infinity<Real>(acceleration.magnitude()),
                    or_infinity<Real>(absolute(here[1]) + box.seconds * bound[2]));
-  bound[0] = least(or_infinity<Real>((first * Range::of(speed)).magnitude()),
+  bound[0] = least(or_infinity<Real>(first.times(Range::of(speed)).magnitude()),
                    or_infinity<Real>(absolute(here[0]) + box.seconds * bound[1]));
   return bound;
 }
@@ -146,6 +153,19 @@ template <Precise Real, class SlopeAt>
     }
   }
   for (Number& term : second) term = side * term;
+}
+
+/// What MotionEnclosure::here does for one axis.
+template <Precise Real>
+[[gnu::flatten]] INBETWEEN_PROCESSOR_CLONES void here_of(
+    const TurnLanes<Real>& turn, bool has_profile, const MotionSurroundings<Real>& box, Real scale,
+    std::array<WideLanes<Real>, motion_quantities>& out) {
+  using Number = WideLanes<Real>;
+  std::array<Number, motion_quantities> t{value_at(turn.first, box.tau), value_at(turn.second, box.tau),
+                                          value_at(turn.third, box.tau)};
+  for (std::size_t i = 0; has_profile && i < t.size(); ++i) t[i] = t[i] * box.by_distance[i].value;
+  out = middle(t, box.speed.part[0].value, box.speed);
+  for (Number& value : out) value = scale * value;
 }
 
 template <Precise Real>

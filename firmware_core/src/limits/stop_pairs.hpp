@@ -1,8 +1,10 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 
 #include "inbetween/limits/motion_cells.hpp"
@@ -12,9 +14,9 @@
 
 namespace inbetween {
 
-/// The closeness of the rate change of a pair; its stop time is a thousandth of that off.
+/// How far the stop time of a pair may be from the least there is.
 template <Precise Real>
-inline constexpr Real pair_closeness = Real(1e-3);
+inline constexpr Real pair_closeness = Real(1e-5);
 /// In 1/s and 1/s^2: a stop that takes weeks is none.
 template <Precise Real>
 inline constexpr Real min_bound = Real(1e-6);
@@ -56,22 +58,43 @@ class PairSearch {
   /// There is no obstacle. rate / R1 + R1 / R2 is the greatest of its values for each axis, and each of
   /// those, with R2 = b - s R1, is convex and falls as long as R2^2 rate > b R1^2. At its least R1^2 <= R2
   /// rate, so that it is the time of a stop there.
+  ///
+  /// The least of the two axes that bound R2 at both ends of an interval is sought, and then the interval
+  /// ends there (cutting planes; Kelley 1960): until no third axis bounds R2 there. That takes two or three
+  /// looks at all axes where halving took twelve.
   [[nodiscard]] StopPair<Real> quickest() const {
     Real high = max_change();
-    if (falls_at(high)) return {high, max_jerk(high).value};
+    MaxJerk above = max_jerk(high);
+    if (falls_at(high, above)) return {high, above.value(high)};
     Real low = 0;
-    while (high - low > pair_closeness<Real> * high) {
-      const Real middle = low + (high - low) / 2;
-      (falls_at(middle) ? low : high) = middle;
+    MaxJerk below = max_jerk(low);
+    while (true) {
+      const Real crossing = (below.at_rest - above.at_rest) / (below.slope - above.slope);
+      // The same axis at both ends has no crossing: NaN, which is passed over.
+      const Real change = quickest_of(above) > crossing ? std::min(high, quickest_of(above))
+                                                        : std::min(quickest_of(below), crossing);
+      const MaxJerk here = max_jerk(change);
+      const Real jerk = here.value(change);
+      const Real hoped = std::min(below.value(change), above.value(change));
+      const bool is_inside = change > low && change < high;
+      if (!is_inside || jerk >= hoped * (1 - pair_closeness<Real>)) return {change, jerk};
+      if (falls_at(change, here)) {
+        low = change;
+        below = here;
+      } else {
+        high = change;
+        above = here;
+      }
     }
-    return {low, max_jerk(low).value};
   }
 
  private:
-  /// R2 at an R1, and at R1 = 0 by the same axis.
+  /// R2 by the axis that bounds it at some R1, as a function of R1; below 0 where that leaves no R2.
   struct MaxJerk {
-    Real value = 0;
     Real at_rest = 0;
+    Real slope = 0;
+
+    [[nodiscard]] Real value(Real change) const { return at_rest - slope * change; }
   };
 
   [[nodiscard]] const MotionTriple<Real>& suprema(std::size_t d) const {
@@ -87,21 +110,32 @@ class PairSearch {
     return change;
   }
   [[nodiscard]] MaxJerk max_jerk(Real change) const {
+    // Of an axis that hardly moves R2 would fall too steeply for the digits of a Real.
+    const Real min_share = std::sqrt(std::numeric_limits<Real>::epsilon()) / request_.max_rate_jerk();
     const Real r = request_.rate;
-    MaxJerk jerk{request_.max_rate_jerk(), request_.max_rate_jerk()};
+    MaxJerk jerk{request_.max_rate_jerk(), 0};
+    Real value = jerk.at_rest;
     for (std::size_t d = 0; d < axes_; ++d) {
       const std::optional<Real> limit = request_.limits[d].stop_jerk();
       if (!limit) continue;
       const auto [p1, p2, p3] = suprema(d);
       const Real at_rest = *limit - p3 * r * r * r;
-      const Real left = at_rest - 3 * p2 * r * change;
-      if (p1 * jerk.value > left) jerk = {left > 0 ? left / p1 : Real(0), at_rest / p1};
+      const Real slope = 3 * p2 * r;
+      if (!(p1 * value > at_rest - slope * change)) continue;
+      const Real share = std::max(p1, min_share * *limit);
+      jerk = {at_rest / share, slope / share};
+      value = jerk.value(change);
     }
     return jerk;
   }
-  [[nodiscard]] bool falls_at(Real change) const {
-    const MaxJerk jerk = max_jerk(change);
-    return jerk.value * jerk.value * request_.rate >= jerk.at_rest * change * change;
+  [[nodiscard]] bool falls_at(Real change, const MaxJerk& jerk) const {
+    const Real value = jerk.value(change);
+    return value > 0 && value * value * request_.rate >= jerk.at_rest * change * change;
+  }
+  /// Where the time of a stop that only this axis bounds is least.
+  [[nodiscard]] Real quickest_of(const MaxJerk& jerk) const {
+    return std::sqrt(jerk.at_rest * request_.rate) /
+           (1 + jerk.slope * std::sqrt(request_.rate / jerk.at_rest));
   }
 
   const StopRequest<Real>& request_;
