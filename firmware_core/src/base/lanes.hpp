@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <type_traits>
 
 #include "inbetween/base/precision.hpp"
 
@@ -155,6 +156,28 @@ Number absolute(const Number& a) {
 
 template <Precise Real>
 using WideLanes = Lanes<Real, wide_register_bytes>;
+
+/// Numbers that are computed together: four where that is quick, else one.
+template <Precise Real>
+using Group = std::conditional_t<lanes_are_quick, WideLanes<Real>, Real>;
+inline constexpr std::size_t group_size = lanes_are_quick ? lane_count : 1;
+
+template <Precise Real>
+Real lane_of(Real number, std::size_t /*i*/) {
+  return number;
+}
+template <Precise Real, std::size_t bytes>
+Real lane_of(const Lanes<Real, bytes>& numbers, std::size_t i) {
+  return numbers[i];
+}
+template <Precise Real>
+void set_lane(Real& number, std::size_t /*i*/, Real value) {
+  number = value;
+}
+template <Precise Real, std::size_t bytes>
+void set_lane(Lanes<Real, bytes>& numbers, std::size_t i, Real value) {
+  numbers.set(i, value);
+}
 
 /// c[0] + x (c[1] + x (c[2] + ...)).
 template <Precise Real, class Coefficients>

@@ -16,9 +16,10 @@ struct HalvingLimits {
 };
 
 /// Bounds the motion of every axis of a track on a part of a stretch by branch and bound: a box is halved
-/// for the axes whose bounds are not close enough on it. `rules` decides for axis d:
-/// - raise(d, values, frame): takes what the motion is at a point of the box;
-/// - allowed(d, i): the highest bound of quantity i that is close enough;
+/// for the axes whose bounds are not close enough on it. `rules` decides:
+/// - take(group, open, range, frame): takes what the motion of the open axes of a group is at a point of the
+///   box, and the bounds on it of those whose bounds are all close enough; returns the bits of the others;
+/// - allowed(d, i): the highest bound of quantity i of axis d that is close enough;
 /// - accept(d, bounds, frame): takes the bounds on a box.
 template <HalvingLimits halvings, Precise Real, class Rules>
 void branch_and_bound(const MotionEnclosure<Real>& enclosure, const StretchWalk<Real>& walk,
@@ -33,13 +34,7 @@ void branch_and_bound(const MotionEnclosure<Real>& enclosure, const StretchWalk<
   };
   // Halving does not help any more where rounding alone, at the very point and with that of the place at a
   // time, takes the bound half as far.
-  const auto is_good_enough = [&](std::size_t d, const MotionTriple<Real>& bounds, const MotionBox<Real>& box,
-                                  std::int32_t halved) {
-    bool is_close = true;
-    for (std::size_t i = 0; i < motion_quantities; ++i) {
-      is_close = is_close && bounds[i] <= rules.allowed(d, i);
-    }
-    if (is_close || halved < halvings.before_rounding) return is_close;
+  const auto is_rounding = [&](std::size_t d, const MotionTriple<Real>& bounds, const MotionBox<Real>& box) {
     const MotionTriple<Real> floor = enclosure.range(d, enclosure.around(stretch, box.middle())).bound;
     for (std::size_t i = 0; i < motion_quantities; ++i) {
       const Real allowed = rules.allowed(d, i);
@@ -65,14 +60,19 @@ void branch_and_bound(const MotionEnclosure<Real>& enclosure, const StretchWalk<
     const bool is_last = next.halved >= halvings.max || box.x <= box.begin || box.x >= box.end;
     const Real frame = stretch.time.frame(box.x);
     std::uint64_t open = 0;
-    enclosure.ranges(next.open, surroundings, [&](std::size_t d, const MotionRange<Real>& range) {
-      rules.raise(d, range.here, frame);
-      if (is_last || is_good_enough(d, range.bound, box, next.halved)) {
-        rules.accept(d, range.bound, frame);
-      } else {
-        open |= std::uint64_t{1} << d;
+    const auto take = [&](std::size_t group, std::uint64_t bits, const MotionRange<Group<Real>>& range) {
+      bits = rules.take(group, bits, range, frame);
+      for (std::size_t d = group * group_size; bits != 0; ++d, bits >>= 1) {
+        if ((bits & 1) == 0) continue;
+        const MotionTriple<Real> bounds = lane_of<Real>(range.bound, d % group_size);
+        if (is_last || (next.halved >= halvings.before_rounding && is_rounding(d, bounds, box))) {
+          rules.accept(d, bounds, frame);
+        } else {
+          open |= std::uint64_t{1} << d;
+        }
       }
-    });
+    };
+    enclosure.ranges(next.open, surroundings, take);
     if (open == 0) continue;
     stack[count++] = {box.x, box.end, box.tau, box.tau_end, open, next.halved + 1};
     stack[count++] = {box.begin, box.x, box.tau_begin, box.tau, open, next.halved + 1};

@@ -50,6 +50,25 @@ class MotionBounds {
 
   // The rules of branch_and_bound.
 
+  std::uint64_t take(std::size_t group, std::uint64_t open, const MotionRange<Group<Real>>& range,
+                     Real frame) {
+    std::uint64_t far = 0;
+    for (std::size_t k = 0; k < group_size; ++k) {
+      if ((open >> k & 1) == 0) continue;
+      const std::size_t d = group * group_size + k;
+      raise(d, lane_of<Real>(range.here, k), frame);
+      const Triple<Real> bounds = lane_of<Real>(range.bound, k);
+      bool is_close = true;
+      for (std::size_t i = 0; i < quantities; ++i) is_close = is_close && bounds[i] <= allowed(d, i);
+      if (is_close) {
+        accept(d, bounds, frame);
+      } else {
+        far |= std::uint64_t{1} << k;
+      }
+    }
+    return far;
+  }
+
   void raise(std::size_t d, const Triple<Real>& values, Real frame) {
     const auto peaks = peaks_of(out_[d]);
     for (std::size_t i = 0; i < quantities; ++i) {
@@ -148,7 +167,11 @@ class MotionBounds {
       const Real x = stretch.from + static_cast<Real>(i) / samples_per_stretch * (stretch.to - stretch.from);
       const MotionSurroundings<Real> point = enclosure_.at(stretch, x, walk_.tau_at(stretch, x));
       const Real frame = stretch.time.frame(x);
-      enclosure_.middles(point, [&](std::size_t d, const Triple<Real>& here) { raise(d, here, frame); });
+      enclosure_.middles(point, [&](std::size_t group, const GroupTriple<Real>& here) {
+        for (std::size_t d = group * group_size; d < std::min((group + 1) * group_size, axes_); ++d) {
+          raise(d, lane_of<Real>(here, d % group_size), frame);
+        }
+      });
     }
   }
   void take_reversal(const Stretch<Real>& stretch) {

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "branch_and_bound.hpp"
+#include "inbetween/base/processor_clones.hpp"
 #include "motion_enclosure.hpp"
 
 namespace inbetween {
@@ -21,6 +22,55 @@ constexpr HalvingLimits cell_halvings{.max = 30, .before_rounding = 5};
 template <Precise Real>
 void raise_to(MotionTriple<Real>& to, const MotionTriple<Real>& from) {
   for (std::size_t i = 0; i < motion_quantities; ++i) to[i] = std::max(to[i], from[i]);
+}
+
+/// What is found of a group of axes in the part of a cell, and how much above it a bound may be: by the slack
+/// of the axis and its peak in all cells.
+template <Precise Real>
+struct FoundGroup {
+  GroupTriple<Real> found{};
+  GroupTriple<Real> room{};
+};
+
+template <Precise Real>
+[[gnu::flatten]] INBETWEEN_PROCESSOR_CLONES void raise_found(const GroupTriple<Real>& here,
+                                                             FoundGroup<Real>& group) {
+  using Number = Group<Real>;
+  for (std::size_t i = 0; i < motion_quantities; ++i) {
+    // NaN is not found; the enclosure of its surroundings is without bound.
+    const Number value = absolute(here[i]);
+    const Number unbounded(std::numeric_limits<Real>::infinity());
+    group.found[i] = greatest(group.found[i], if_less(value, unbounded, value, Number(Real(0))));
+    group.room[i] = greatest(group.room[i], peak_closeness<Real> * group.found[i]);
+  }
+}
+
+template <Precise Real>
+Group<Real> allowed_of(const FoundGroup<Real>& group, const GroupTriple<Real>& proven, std::size_t i) {
+  const Group<Real>& found = group.found[i];
+  return greatest(found + greatest(own_closeness<Real> * found, group.room[i]), proven[i]);
+}
+
+/// Returns the bits of the axes that are not close enough, and proves the others.
+template <Precise Real>
+[[gnu::flatten]] INBETWEEN_PROCESSOR_CLONES std::uint64_t take_close(const MotionRange<Group<Real>>& range,
+                                                                     FoundGroup<Real>& group,
+                                                                     GroupTriple<Real>& proven) {
+  using Number = Group<Real>;
+  raise_found<Real>(range.here, group);
+  const Number none(Real(0));
+  Number far = none;
+  for (std::size_t i = 0; i < motion_quantities; ++i) {
+    far = if_less(allowed_of<Real>(group, proven, i), range.bound[i], Number(Real(1)), far);
+  }
+  for (std::size_t i = 0; i < motion_quantities; ++i) {
+    proven[i] = greatest(proven[i], if_less(none, far, none, range.bound[i]));
+  }
+  std::uint64_t bits = 0;
+  for (std::size_t k = 0; k < group_size; ++k) {
+    bits |= static_cast<std::uint64_t>(lane_of(far, k) > 0) << k;
+  }
+  return bits;
 }
 
 /// One track of the move.
@@ -42,7 +92,8 @@ class TrackCells {
   void run() {
     for (std::size_t d = 0; d < axes_; ++d) {
       const PeakSlack<Real>& slack = out_.slack[first_axis_ + d];
-      rooms_[d] = {slack.velocity, slack.acceleration, slack.jerk};
+      set_lane<Real>(groups_[d / group_size].room, d % group_size,
+                     {slack.velocity, slack.acceleration, slack.jerk});
     }
     // One walk in the code, for one of them on the stack.
     for (const bool is_sampled : {false, true}) {
@@ -58,24 +109,28 @@ class TrackCells {
 
   // The rules of branch_and_bound.
 
-  void raise(std::size_t d, const MotionTriple<Real>& here, Real /*frame*/) {
-    for (std::size_t i = 0; i < motion_quantities; ++i) {
-      const Real value = std::fabs(here[i]);
-      // NaN is not found; the enclosure of its surroundings is without bound.
-      if (!(value > found_[d][i]) || value > std::numeric_limits<Real>::max()) continue;
-      found_[d][i] = value;
-      rooms_[d][i] = std::max(rooms_[d][i], value * peak_closeness<Real>);
-    }
+  std::uint64_t take(std::size_t group, std::uint64_t open, const MotionRange<Group<Real>>& range,
+                     Real /*frame*/) {
+    return open & take_close<Real>(range, groups_[group], proven(group));
   }
-  [[nodiscard]] Real allowed(std::size_t d, std::size_t i) const {
-    const Real found = found_[d][i];
-    return std::max(found + std::max(found * own_closeness<Real>, rooms_[d][i]), proven_[d][i]);
+  [[nodiscard]] Real allowed(std::size_t d, std::size_t i) {
+    const std::size_t group = d / group_size;
+    return lane_of(allowed_of<Real>(groups_[group], proven(group), i), d % group_size);
   }
   void accept(std::size_t d, const MotionTriple<Real>& bounds, Real /*frame*/) {
-    raise_to(proven_[d], bounds);
+    MotionTriple<Real> axis = lane_of<Real>(proven(d / group_size), d % group_size);
+    raise_to(axis, bounds);
+    set_lane<Real>(proven(d / group_size), d % group_size, axis);
   }
 
  private:
+  [[nodiscard]] GroupTriple<Real>& proven(std::size_t group) {
+    if constexpr (lanes_are_quick) {
+      return proven_lanes_[group];
+    } else {
+      return proven_[group];
+    }
+  }
   [[nodiscard]] std::span<MotionTriple<Real>> of_cell(std::size_t cell) const {
     return out_.suprema.subspan(cell * all_axes_ + first_axis_, axes_);
   }
@@ -92,7 +147,9 @@ class TrackCells {
   }
   void raise_at(const Stretch<Real>& stretch, Real x, Real tau) {
     enclosure_.middles(enclosure_.at(stretch, x, tau),
-                       [this](std::size_t d, const MotionTriple<Real>& here) { raise(d, here, 0); });
+                       [this](std::size_t group, const GroupTriple<Real>& here) {
+                         raise_found<Real>(here, groups_[group]);
+                       });
   }
 
   void take_reversal(const Stretch<Real>& stretch) {
@@ -125,10 +182,16 @@ class TrackCells {
 
   void prove(const Stretch<Real>& stretch, const MotionBox<Real>& part, std::size_t cell) {
     proven_ = of_cell(cell);
-    for (std::size_t d = 0; d < axes_; ++d) found_[d] = {};
+    for (std::size_t group = 0; group * group_size < axes_; ++group) groups_[group].found = {};
+    for (std::size_t d = 0; lanes_are_quick && d < axes_; ++d) {
+      set_lane<Real>(proven(d / group_size), d % group_size, proven_[d]);
+    }
     raise_at(stretch, part.begin, part.tau_begin);
     raise_at(stretch, part.end, part.tau_end);
     branch_and_bound<cell_halvings>(enclosure_, walk_, stretch, part, axes_, *this);
+    for (std::size_t d = 0; lanes_are_quick && d < axes_; ++d) {
+      proven_[d] = lane_of<Real>(proven(d / group_size), d % group_size);
+    }
   }
 
   std::size_t axes_;
@@ -139,10 +202,10 @@ class TrackCells {
   const MotionCells<Real>& out_;
   StretchWalk<Real> walk_;
   MotionEnclosure<Real> enclosure_;
-  /// How much above what is found a bound may be: by the slack of the axis and its peak in all cells.
-  std::array<MotionTriple<Real>, max_bounded_axes> rooms_{};
-  std::array<MotionTriple<Real>, max_bounded_axes> found_{};  ///< in the part of a cell
-  std::span<MotionTriple<Real>> proven_;                      ///< of the cell
+  std::array<FoundGroup<Real>, max_axis_groups> groups_{};
+  std::span<MotionTriple<Real>> proven_;  ///< of the cell
+  /// The same while it is worked on. Filled for axes_.
+  std::array<GroupTriple<Real>, lanes_are_quick ? max_axis_groups : 0> proven_lanes_;
 };
 
 /// |p1|, |p2|, |p3| of a roll between two times in seconds from the joint, both of one sign.

@@ -343,13 +343,13 @@ MotionRange<Real> MotionEnclosure<Real>::range(std::size_t d, const MotionSurrou
 
 template <Precise Real>
 void MotionEnclosure<Real>::here_in_lanes(std::size_t group, const MotionSurroundings<Real>& box,
-                                          LaneTriple& out) const {
+                                          GroupTriple<Real>& out) const {
   if constexpr (lanes_are_quick) here_of(lanes_[group], track_.has_profile(), box, scale_, out);
 }
 
 template <Precise Real>
 void MotionEnclosure<Real>::range_in_lanes(std::size_t group, const MotionSurroundings<Real>& box,
-                                           MotionRange<WideLanes<Real>>& out) const {
+                                           MotionRange<Group<Real>>& out) const {
   if constexpr (lanes_are_quick) range_of(lanes_[group], track_.has_profile(), box, scale_, out);
 }
 

@@ -77,6 +77,21 @@ struct MotionRange {
   std::array<Number, motion_quantities> bound;  ///< of the magnitude anywhere on the box; infinity: none
 };
 
+/// Of a group of axes.
+template <Precise Real>
+using GroupTriple = std::array<Group<Real>, motion_quantities>;
+inline constexpr std::size_t max_axis_groups = max_bounded_axes / group_size;
+
+/// One axis of a group.
+template <Precise Real>
+MotionTriple<Real> lane_of(const GroupTriple<Real>& group, std::size_t i) {
+  return {lane_of(group[0], i), lane_of(group[1], i), lane_of(group[2], i)};
+}
+template <Precise Real>
+void set_lane(GroupTriple<Real>& group, std::size_t i, const MotionTriple<Real>& values) {
+  for (std::size_t k = 0; k < motion_quantities; ++k) set_lane(group[k], i, values[k]);
+}
+
 /// The numerators of AxisTurn, of a lane of axes.
 template <Precise Real>
 struct TurnLanes {
@@ -119,35 +134,37 @@ class MotionEnclosure {
 
   /// The motion of an axis in the middle of a box, and how far it can be from that on the box. O(1).
   [[nodiscard]] MotionRange<Real> range(std::size_t d, const MotionSurroundings<Real>& box) const;
-  /// Calls visit(d, range(d, box).here) for every axis, a lane of them at a time.
+  /// Calls visit(group, triple) for every group of axes: of each of them range(d, box).here.
   template <class Visit>
   void middles(const MotionSurroundings<Real>& box, const Visit& visit) const {
-    for (std::size_t begin = 0; begin < axes_; begin += lanes) {
-      LaneTriple lane;
-      const bool is_in_lanes = lanes_are_quick && !is_still_;
-      if (is_in_lanes) here_in_lanes(begin / lanes, box, lane);
-      for (std::size_t i = 0; i < lanes && begin + i < axes_; ++i) {
-        const std::size_t d = begin + i;
-        visit(d, is_in_lanes && !turns_[d].straight ? one_of(lane, i) : here(d, box));
+    const bool is_in_lanes = lanes_are_quick && !is_still_;
+    for (std::size_t begin = 0; begin < axes_; begin += group_size) {
+      GroupTriple<Real> group{};
+      if (is_in_lanes) here_in_lanes(begin / group_size, box, group);
+      for (std::size_t i = 0; i < group_size && begin + i < axes_; ++i) {
+        if (!is_in_lanes || turns_[begin + i].straight) set_lane<Real>(group, i, here(begin + i, box));
       }
+      visit(begin / group_size, group);
     }
   }
-  /// Calls visit(d, range(d, box)) for the axes whose bit is set, a lane of them at a time.
+  /// Calls visit(group, open, range) for every group with axes whose bits are set, `open`: of these
+  /// range(d, box), of the others 0.
   template <class Visit>
   void ranges(std::uint64_t axes, const MotionSurroundings<Real>& box, const Visit& visit) const {
-    for (std::size_t begin = 0; begin < axes_; begin += lanes) {
-      const std::uint64_t open = axes >> begin & ((std::uint64_t{1} << lanes) - 1);
+    const bool is_in_lanes = lanes_are_quick && is_regular(box);
+    for (std::size_t begin = 0; begin < axes_; begin += group_size) {
+      const std::uint64_t open = axes >> begin & ((std::uint64_t{1} << group_size) - 1);
       if (open == 0) continue;
-      MotionRange<WideLanes<Real>> lane;
-      const bool is_in_lanes = lanes_are_quick && is_regular(box);
-      if (is_in_lanes) range_in_lanes(begin / lanes, box, lane);
-      for (std::size_t i = 0; i < lanes && begin + i < axes_; ++i) {
-        if ((open >> i & 1) == 0) continue;
-        const std::size_t d = begin + i;
-        visit(d, is_in_lanes && !turns_[d].straight
-                     ? MotionRange<Real>{one_of(lane.here, i), one_of(lane.bound, i)}
-                     : range(d, box));
+      MotionRange<Group<Real>> group{};
+      if (is_in_lanes) range_in_lanes(begin / group_size, box, group);
+      for (std::size_t i = 0; i < group_size && begin + i < axes_; ++i) {
+        const bool is_open = (open >> i & 1) != 0;
+        if (is_in_lanes && is_open && !turns_[begin + i].straight) continue;
+        const MotionRange<Real> axis = is_open ? range(begin + i, box) : MotionRange<Real>{};
+        set_lane<Real>(group.here, i, axis.here);
+        set_lane<Real>(group.bound, i, axis.bound);
       }
+      visit(begin / group_size, open, group);
     }
   }
 
@@ -159,7 +176,6 @@ class MotionEnclosure {
 
  private:
   using Triple = MotionTriple<Real>;
-  using LaneTriple = std::array<WideLanes<Real>, motion_quantities>;
   using Factor = MotionFactor<Real>;
   static constexpr std::size_t lanes = lane_count;
 
@@ -182,12 +198,9 @@ class MotionEnclosure {
            box.by_distance[2].range.high <= std::numeric_limits<Real>::max();
   }
   [[nodiscard]] Triple here(std::size_t d, const MotionSurroundings<Real>& box) const;
-  void here_in_lanes(std::size_t group, const MotionSurroundings<Real>& box, LaneTriple& out) const;
+  void here_in_lanes(std::size_t group, const MotionSurroundings<Real>& box, GroupTriple<Real>& out) const;
   void range_in_lanes(std::size_t group, const MotionSurroundings<Real>& box,
-                      MotionRange<WideLanes<Real>>& out) const;
-  [[nodiscard]] static Triple one_of(const LaneTriple& lane, std::size_t i) {
-    return {lane[0][i], lane[1][i], lane[2][i]};
-  }
+                      MotionRange<Group<Real>>& out) const;
   void find_jerk_change(const Stretch<Real>& stretch, MotionSurroundings<Real>& box) const;
   void divide_by_distance(MotionSurroundings<Real>& box) const;
   /// The numerator of dP/dL, or that of it over tau.
