@@ -59,6 +59,9 @@ TEST(StopPairs, NoOtherRateChangeStopsQuicker) {
               100 * std::pow(10, decades(random))};
     }
     if (i % 10 == 0) suprema[0][0] = 0;
+    if (i % 10 == 1) {
+      for (MotionTriple<double>& axis : suprema) axis[1] = 0;
+    }
     const MotionCells<double> motion{.cells = 1, .slack = {}, .suprema = suprema};
     const PairSearch<double> search(request, motion, 0);
     if (search.obstacle()) continue;

@@ -186,8 +186,17 @@ class TrackCells {
     for (std::size_t d = 0; lanes_are_quick && d < axes_; ++d) {
       set_lane<Real>(proven(d / group_size), d % group_size, proven_[d]);
     }
-    raise_at(stretch, part.begin, part.tau_begin);
     raise_at(stretch, part.end, part.tau_end);
+    // A part begins where the one before it has ended. A microcontroller has no memory to keep what is there.
+    const bool is_known = lanes_are_quick && part.begin > stretch.from;
+    if constexpr (lanes_are_quick) {
+      for (std::size_t group = 0; group * group_size < axes_; ++group) {
+        const GroupTriple<Real> end = groups_[group].found;
+        if (is_known) raise_found<Real>(ends_[group], groups_[group]);
+        ends_[group] = end;
+      }
+    }
+    if (!is_known) raise_at(stretch, part.begin, part.tau_begin);
     branch_and_bound<cell_halvings>(enclosure_, walk_, stretch, part, axes_, *this);
     for (std::size_t d = 0; lanes_are_quick && d < axes_; ++d) {
       proven_[d] = lane_of<Real>(proven(d / group_size), d % group_size);
@@ -204,8 +213,8 @@ class TrackCells {
   MotionEnclosure<Real> enclosure_;
   std::array<FoundGroup<Real>, max_axis_groups> groups_{};
   std::span<MotionTriple<Real>> proven_;  ///< of the cell
-  /// The same while it is worked on. Filled for axes_.
-  std::array<GroupTriple<Real>, lanes_are_quick ? max_axis_groups : 0> proven_lanes_;
+  /// The same while it is worked on, and what is found at the end of a part. Filled for axes_.
+  std::array<GroupTriple<Real>, lanes_are_quick ? max_axis_groups : 0> proven_lanes_, ends_;
 };
 
 /// |p1|, |p2|, |p3| of a roll between two times in seconds from the joint, both of one sign.

@@ -61,7 +61,7 @@ class PairSearch {
   ///
   /// The least of the two axes that bound R2 at both ends of an interval is sought, and then the interval
   /// ends there (cutting planes; Kelley 1960): until no third axis bounds R2 there. That takes two or three
-  /// looks at all axes where halving took twelve.
+  /// looks at all axes, where halving takes twelve.
   [[nodiscard]] StopPair<Real> quickest() const {
     Real high = max_change();
     MaxJerk above = max_jerk(high);
@@ -71,8 +71,9 @@ class PairSearch {
     while (true) {
       const Real crossing = (below.at_rest - above.at_rest) / (below.slope - above.slope);
       // The same axis at both ends has no crossing: NaN, which is passed over.
-      const Real change = quickest_of(above) > crossing ? std::min(high, quickest_of(above))
-                                                        : std::min(quickest_of(below), crossing);
+      const Real best =
+          quickest_of(above) > crossing ? quickest_of(above) : std::min(quickest_of(below), crossing);
+      const Real change = std::min(high, best);
       const MaxJerk here = max_jerk(change);
       const Real jerk = here.value(change);
       const Real hoped = std::min(below.value(change), above.value(change));
