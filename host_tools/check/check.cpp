@@ -202,7 +202,12 @@ void find_highest_rate(const Plan& plan, CheckReport& report) {
   if (steps) report.highest_rate = 0;
 }
 
-/// All but stops.
+}  // namespace
+
+bool CheckedPeak::is_exceeded() const {
+  return limit && !(value <= *limit);
+}
+
 CheckReport check_motion(const Plan& plan) {
   CheckReport report;
   for (const RigAxis& axis : plan.rig()->axes) report.axes.push_back(axis_at_rest(axis));
@@ -219,12 +224,6 @@ CheckReport check_motion(const Plan& plan) {
   bound_motors_of(plan, report);
   for (const RollObstacle& obstacle : plan.roll_obstacles()) refuse_roll(plan, obstacle, report);
   return report;
-}
-
-}  // namespace
-
-bool CheckedPeak::is_exceeded() const {
-  return limit && !(value <= *limit);
 }
 
 CheckReport check_until_refused(const Plan& plan) {

@@ -121,6 +121,8 @@ bool breaks_jerk_limit(const CheckedStep& step, const RigAxis& limits);
 ///
 /// Throws SolverError where a track has more axes than the core can bound.
 CheckReport check(const Plan& plan);
+/// The same without stops.
+CheckReport check_motion(const Plan& plan);
 /// The same, for who only asks whether the move fits: stops are not proven where it is refused already.
 CheckReport check_until_refused(const Plan& plan);
 

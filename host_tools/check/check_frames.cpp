@@ -4,10 +4,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
+#include <vector>
+
+#include "host_tools/check/planned_stops.hpp"
 
 namespace inbetween {
 namespace {
+
+/// A share of a limit that is above 1 by more than the rounding of a motion.
+constexpr double clearly_beyond = 1 + 1e-6;
 
 /// A whole number times frames / whole, rounded to the nearest.
 std::int32_t scaled(std::int32_t number, std::int32_t frames, std::int32_t whole) {
@@ -36,13 +43,48 @@ double needed_slowing(const Plan& plan, const CheckReport& report) {
   return slowing;
 }
 
+/// The most that is used of any limit at the frames of the peaks of another report, `scale` times as late.
+double share_at_peaks_of(const CheckReport& other, double scale, const Plan& plan) {
+  double share = 0;
+  std::vector<AxisMotion<double>> motion;
+  const auto look = [&](const Track<double>& track, const PlanAxis& axis, const CheckedPeak& peak,
+                        double AxisMotion<double>::*quantity) {
+    const double frame = peak.frame * scale;
+    if (!peak.limit || !(frame >= 0 && frame < track.frames())) return;
+    const auto whole = static_cast<std::int32_t>(frame);
+    static_cast<void>(track.motion({whole, frame - whole}, motion));
+    share = std::max(share, std::fabs(motion[axis.track_axis].*quantity) / *peak.limit);
+  };
+  for (std::size_t a = 0; a < plan.axes().size(); ++a) {
+    const PlanAxis& axis = plan.axes()[a];
+    if (!axis.track) continue;
+    const Track<double>& track = plan.tracks()[*axis.track].track();
+    motion.resize(static_cast<std::size_t>(track.path().axis_count()));
+    const CheckedAxis& checked = other.axes[a];
+    look(track, axis, checked.velocity, &AxisMotion<double>::velocity);
+    look(track, axis, checked.acceleration, &AxisMotion<double>::acceleration);
+    look(track, axis, checked.jerk, &AxisMotion<double>::jerk);
+  }
+  return share;
+}
+
 class FrameSearch {
  public:
   FrameSearch(const Plan& plan, const CheckReport& report,
               const std::function<void(double, std::int32_t)>& progress, const std::function<bool()>& is_over)
       : plan_(plan), report_(report), progress_(progress), is_over_(is_over) {}
 
+  /// What is slower can be stopped wherever what is faster can, but for the rounding of locked frames. So
+  /// stops are proven of the answer alone, and of every number that fits where the answer does not keep them.
   SmallestFrames run() {
+    const SmallestFrames found = search();
+    if (!found.frames || !fitting_plan_ || !PlannedStops(*fitting_plan_).obstacle()) return found;
+    proves_stops_ = true;
+    return search();
+  }
+
+ private:
+  SmallestFrames search() {
     const double guess = std::ceil(plan_.move().frames * needed_slowing(plan_, report_));
     const auto first = static_cast<std::int32_t>(std::clamp(guess, 1.0, static_cast<double>(max_frames)));
     std::int32_t refused = 0;
@@ -73,17 +115,27 @@ class FrameSearch {
     return {fitting, ""};
   }
 
- private:
   /// Anything goes once the search was ended: it then tries nothing more.
   bool fits(std::int32_t frames) {
     was_ended_ = was_ended_ || (is_over_ && is_over_());
     if (was_ended_) return true;
     if (progress_) progress_(1 - std::pow(0.9, tried_++), frames);
-    if (frames == plan_.move().frames) return report_.fits();
+    if (frames == plan_.move().frames) {
+      if (report_.fits()) fitting_plan_.reset();
+      return report_.fits();
+    }
     try {
-      const CheckReport report = check_until_refused(
-          Plan(with_frames(plan_.move(), frames), plan_.rig(), {.kinematics = plan_.kinematics()}));
-      if (!report.fits()) last_refusal_ = report.refusals.front().message;
+      Plan plan(with_frames(plan_.move(), frames), plan_);
+      // No proof is needed that a move breaks a limit where one moment of it does.
+      const double scale = static_cast<double>(frames) / plan_.move().frames;
+      const bool is_last = frames == max_frames;  // whose refusal is told
+      if (!is_last && share_at_peaks_of(report_, scale, plan) > clearly_beyond) return false;
+      const CheckReport report = proves_stops_ ? check_until_refused(plan) : check_motion(plan);
+      if (report.fits()) {
+        fitting_plan_ = std::move(plan);
+      } else {
+        last_refusal_ = report.refusals.front().message;
+      }
       return report.fits();
     } catch (const InputError& error) {  // two keys on one frame, a lock that cannot be met, too many ticks
       last_refusal_ = error.message();
@@ -99,6 +151,8 @@ class FrameSearch {
   const CheckReport& report_;
   const std::function<void(double, std::int32_t)>& progress_;
   const std::function<bool()>& is_over_;
+  bool proves_stops_ = false;
+  std::optional<Plan> fitting_plan_;  ///< of the last number that fits, unless it is that of the move
   bool was_ended_ = false;
   int tried_ = 0;
   std::string last_refusal_;

@@ -111,7 +111,7 @@ void draw_limits(const CheckArguments& arguments, const Plan& plan, const CheckR
     return draw_limits_plot(limits_plot_of(plan, report), *arguments.plot, arguments.style);
   MoveFile move = fitted->move;
   for (const TrackFit& track : fitted->fit.tracks) replace_curve(move.tracks[track.track], track.speed);
-  const Plan after(std::move(move), plan.rig(), {.kinematics = plan.kinematics()});
+  const Plan after(std::move(move), plan);
   LimitsPlot plot = limits_plot_of(after, check(after));
   add_fitted_curves(plan, after, fitted->fit, plot);
   draw_limits_plot(plot, *arguments.plot, arguments.style);

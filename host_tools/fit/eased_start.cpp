@@ -124,7 +124,7 @@ std::optional<Plan> with_eases_shared_out(const FittedTrack& fitted) {
   MoveFile move = fitted.played().move();
   replace_curve(move.tracks.front(), std::move(values));
   try {
-    return Plan(std::move(move), fitted.played().rig(), {.kinematics = fitted.played().kinematics()});
+    return Plan(std::move(move), fitted.played());
   } catch (const InputError&) {  // no such curve meets the keys
     return std::nullopt;
   }

@@ -19,7 +19,7 @@ constexpr std::size_t quick_conditions = 200;
 std::optional<FewestFit> fit_in(const Plan& plan, std::int32_t frames, const FitOptions& options) {
   FewestFit found{.move = with_frames(plan.move(), frames), .fit = {}};
   try {
-    const Plan other(found.move, plan.rig(), {.kinematics = plan.kinematics()});
+    const Plan other(found.move, plan);
     found.fit = fit_speed(other, check(other), options);
   } catch (const InputError&) {  // two keys on one frame, a lock that cannot be met
     return std::nullopt;

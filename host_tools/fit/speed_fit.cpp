@@ -324,7 +324,7 @@ TrackFit described(const FittedTrack& fitted, std::size_t index, std::vector<dou
 std::optional<std::string> refusal_of(const Plan& plan, const std::vector<TrackFit>& tracks) {
   MoveFile move = plan.move();
   for (const TrackFit& fit : tracks) replace_curve(move.tracks[fit.track], fit.speed);
-  const CheckReport report = check(Plan(std::move(move), plan.rig(), {.kinematics = plan.kinematics()}));
+  const CheckReport report = check(Plan(std::move(move), plan));
   if (report.fits()) return std::nullopt;
   return report.refusals.front().message;
 }

@@ -200,6 +200,7 @@ FollowedPath follow(const MoveTrack& track, const TrackSpec<double>& spec, const
 
 SolvedTrack<double> solve_track(const MoveTrack& track, const MoveFile& move,
                                 const std::optional<RigFile>& rig, const PlanOptions& options,
+                                const SolvedTrack<double>* same_keys,
                                 std::optional<FollowAccuracy>& accuracy) {
   TrackNumbers numbers(track, move);
   try {
@@ -217,7 +218,7 @@ SolvedTrack<double> solve_track(const MoveTrack& track, const MoveFile& move,
                                                   .knots = followed->knots};
       refuse_open_loop(track, *followed);
     }
-    SolvedTrack<double> solved(numbers.spec, options.solver);
+    SolvedTrack<double> solved(numbers.spec, options.solver, {}, same_keys);
     value_or_throw(check_invariants(solved.track(), solved.table()));
     return solved;
   } catch (const SolverError& refused) {
@@ -269,6 +270,12 @@ SolvedTrack<double> solve_looking(const MoveTrack& track, const MoveFile& move, 
 }  // namespace
 
 Plan::Plan(MoveFile move, std::optional<RigFile> rig, const PlanOptions& options)
+    : Plan(std::move(move), std::move(rig), options, nullptr) {}
+
+Plan::Plan(MoveFile move, const Plan& other)
+    : Plan(std::move(move), other.rig_, {.kinematics = other.kinematics_}, &other) {}
+
+Plan::Plan(MoveFile move, std::optional<RigFile> rig, const PlanOptions& options, const Plan* other)
     : move_(std::move(move)),
       part_(played_frames_of(options.frames, move_.frames, {move_.path, 0, 0})),
       rig_(std::move(rig)),
@@ -279,7 +286,7 @@ Plan::Plan(MoveFile move, std::optional<RigFile> rig, const PlanOptions& options
   warn_of_mixed_units();
   list_tips();
   if (rig_) check_cues(move_, *rig_);
-  solve(options);
+  solve(options, other);
   put_together();
   refuse_too_many_ticks();
 }
@@ -406,12 +413,13 @@ std::string Plan::length_unit(std::size_t track) const {
   return unit ? std::string(to_string(*unit)) : "";
 }
 
-void Plan::solve(const PlanOptions& options) {
+void Plan::solve(const PlanOptions& options, const Plan* other) {
   accuracies_.resize(move_.tracks.size());
   std::vector<std::optional<SolvedTrack<double>>> solved(move_.tracks.size());
   for (std::size_t t = 0; t < solved.size(); ++t) {
     if (looks_at_link(move_.tracks[t])) continue;
-    solved[t].emplace(solve_track(move_.tracks[t], move_, rig_, options, accuracies_[t]));
+    const SolvedTrack<double>* same_keys = other != nullptr ? &other->tracks_[t] : nullptr;
+    solved[t].emplace(solve_track(move_.tracks[t], move_, rig_, options, same_keys, accuracies_[t]));
   }
   const std::vector<DrivenCoordinate> driven = driven_by(solved);
   for (std::size_t t = 0; t < solved.size(); ++t) {

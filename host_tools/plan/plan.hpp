@@ -46,6 +46,9 @@ class Plan {
   /// rig's, where it has not the frames that are asked for, or where what is played, rolls included, has more
   /// than max_ticks ticks of the rig.
   Plan(MoveFile move, std::optional<RigFile> rig, const PlanOptions& options);
+  /// The move of `other` with other speed curves, or in other frames, on the same rig. Its paths are those of
+  /// `other` and are not measured again. Throws as above.
+  Plan(MoveFile move, const Plan& other);
 
   /// The move, the positions of its keys settled (key_positions.hpp).
   [[nodiscard]] const MoveFile& move() const { return move_; }
@@ -83,7 +86,8 @@ class Plan {
   [[nodiscard]] std::string length_unit(std::size_t track) const;
 
  private:
-  void solve(const PlanOptions& options);
+  Plan(MoveFile move, std::optional<RigFile> rig, const PlanOptions& options, const Plan* other);
+  void solve(const PlanOptions& options, const Plan* other);
   void put_together();
   void refuse_too_many_ticks() const;
   void list_axes();

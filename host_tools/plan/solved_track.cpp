@@ -14,6 +14,12 @@ constexpr std::size_t usual_pieces_per_segment = 24;
 /// A path over frames has so many beside a rest.
 constexpr std::size_t max_segments_between_keys = 4;
 
+/// Whether the frames of the keys are the knots of the path.
+template <Precise Real>
+bool is_path_over_frames(const TrackSpec<Real>& spec) {
+  return !spec.key_frames.empty() && !spec.pace && spec.kinetic == Kinetic::curves;
+}
+
 }  // namespace
 
 SolverError::SolverError(const Error& error)
@@ -28,22 +34,32 @@ PathOnHeap<Real>::PathOnHeap(const PathSpec<Real>& spec) {
 }
 
 template <Precise Real>
-SolvedTrack<Real>::SolvedTrack(const TrackSpec<Real>& spec, Solver solver, const OdeOptions<Real>& ode) {
-  const Path<Real> path = make_path(spec);
-  const ArcLength<Real> arc_length = make_arc_length(path, spec.arc_length);
-  track_ = make_track(spec, path, arc_length);
+MeasuredPath<Real>::MeasuredPath(const TrackSpec<Real>& spec)
+    : path_(make_path(spec)), arc_length_(make_arc_length(spec.arc_length)) {}
+
+template <Precise Real>
+SolvedTrack<Real>::SolvedTrack(const TrackSpec<Real>& spec, Solver solver, const OdeOptions<Real>& ode,
+                               const SolvedTrack* same_keys) {
+  if (same_keys != nullptr && !spec.cubics && !is_path_over_frames(spec)) {
+    measured_ = same_keys->measured_;
+    waypoints_ = same_keys->waypoints_;
+  } else {
+    measured_ = std::make_shared<const MeasuredPath<Real>>(spec);
+  }
+  track_ = make_track(spec);
   points_.resize(static_cast<std::size_t>(spec.frames) + 1);
   if (solver == Solver::closed_form) {
     table_ = value_or_throw(closed_form_table<Real>(*track_, points_));
   } else {
-    std::vector<OdeSegment<Real>> segments(static_cast<std::size_t>(path.segment_count()) + 1);
+    std::vector<OdeSegment<Real>> segments(static_cast<std::size_t>(track_->path().segment_count()) + 1);
     table_ = value_or_throw(runge_kutta_table<Real>(*track_, ode, segments, points_));
   }
 }
 
 template <Precise Real>
-Track<Real> SolvedTrack<Real>::make_track(const TrackSpec<Real>& spec, const Path<Real>& path,
-                                          const ArcLength<Real>& arc_length) {
+Track<Real> SolvedTrack<Real>::make_track(const TrackSpec<Real>& spec) {
+  const Path<Real>& path = measured_->path();
+  const ArcLength<Real>& arc_length = measured_->arc_length();
   if (!spec.key_frames.empty()) {
     key_intervals_.resize(static_cast<std::size_t>(path.segment_count()));
     const Track<Real> track = value_or_throw(Track<Real>::make_with_key_frames(
@@ -54,9 +70,11 @@ Track<Real> SolvedTrack<Real>::make_track(const TrackSpec<Real>& spec, const Pat
   control_values_.assign(spec.control_values.begin(), spec.control_values.end());
   if (control_values_.size() == 1) control_values_.push_back(control_values_.front());
   if (spec.pace) {
-    apply_pace(spec, find_waypoints(spec, path, arc_length));
+    find_waypoints(spec);
+    apply_pace(spec);
   } else if (!spec.locks.empty() || spec.ease_corners) {
-    apply_locks(spec, find_waypoints(spec, path, arc_length));
+    find_waypoints(spec);
+    apply_locks(spec);
   }
   const SpeedProfile<Real> profile = make_profile(control_values_, spec.ends);
   span_distances_.resize(control_values_.size() + 1);
@@ -67,18 +85,19 @@ Track<Real> SolvedTrack<Real>::make_track(const TrackSpec<Real>& spec, const Pat
 }
 
 template <Precise Real>
-std::vector<Waypoint> SolvedTrack<Real>::find_waypoints(const TrackSpec<Real>& spec, const Path<Real>& path,
-                                                        const ArcLength<Real>& arc_length) {
+void SolvedTrack<Real>::find_waypoints(const TrackSpec<Real>& spec) {
   if (control_values_.empty()) control_values_ = {Real(1), Real(1)};
   // The profile's own checks come first, so that a bad control value is named as such.
   const SpeedProfile<Real> profile = make_profile(control_values_, spec.ends);
   span_distances_.resize(control_values_.size() + 1);
-  return waypoints_of(value_or_throw(Track<Real>::make(path, arc_length, profile, spec.frames, spec.fps,
-                                                       {.span_distances = span_distances_})));
+  const Track<Real> track =
+      value_or_throw(Track<Real>::make(measured_->path(), measured_->arc_length(), profile, spec.frames,
+                                       spec.fps, {.span_distances = span_distances_}));
+  if (waypoints_.empty()) waypoints_ = waypoints_of(track);
 }
 
 template <Precise Real>
-void SolvedTrack<Real>::apply_pace(const TrackSpec<Real>& spec, std::span<const Waypoint> waypoints) {
+void SolvedTrack<Real>::apply_pace(const TrackSpec<Real>& spec) {
   PaceSpec pace{.key_distances = {},
                 .key_frames = spec.key_frames,
                 .rests_at_start = spec.rests_at_start,
@@ -86,13 +105,13 @@ void SolvedTrack<Real>::apply_pace(const TrackSpec<Real>& spec, std::span<const 
   std::vector<double> distances;
   std::vector<std::int32_t> touches;
   double length = 0;
-  for (const Waypoint& place : waypoints) {
+  for (const Waypoint& place : waypoints_) {
     if (!place.is_key) continue;
     length = place.distance;
     distances.push_back(length);
     const bool is_asked = std::ranges::any_of(
         spec.locks, [&](const KeyLock& lock) { return lock.ease && lock.key == place.key; });
-    const bool is_inside = place.key > 0 && place.key < waypoints.back().key;
+    const bool is_inside = place.key > 0 && place.key < waypoints_.back().key;
     if (is_asked || (spec.ease_corners && place.is_corner && is_inside)) touches.push_back(place.key);
   }
   if (!(length > 0)) return;
@@ -141,11 +160,11 @@ std::vector<KeyLock> locks_on(std::span<const Waypoint> waypoints, std::span<con
 }  // namespace
 
 template <Precise Real>
-void SolvedTrack<Real>::apply_locks(const TrackSpec<Real>& spec, std::span<const Waypoint> waypoints) {
-  const std::vector<KeyLock> wishes = locks_on(waypoints, spec.locks, spec.ease_corners, spec.ends);
+void SolvedTrack<Real>::apply_locks(const TrackSpec<Real>& spec) {
+  const std::vector<KeyLock> wishes = locks_on(waypoints_, spec.locks, spec.ease_corners, spec.ends);
   if (wishes.empty()) return;
   std::vector<Real> distances;
-  for (const Waypoint& place : waypoints) distances.push_back(static_cast<Real>(place.distance));
+  for (const Waypoint& place : waypoints_) distances.push_back(static_cast<Real>(place.distance));
   const std::size_t count = wishes.size();
   std::vector<Real> adjusted(max_lock_values);
   std::vector<Real> drawn(max_lock_values);
@@ -167,7 +186,7 @@ void SolvedTrack<Real>::apply_locks(const TrackSpec<Real>& spec, std::span<const
   if (!adjusting) {
     Error error = adjusting.error();
     const auto place = static_cast<std::size_t>(error.key);
-    if (error.key >= 0 && place < waypoints.size()) error.key = waypoints[place].key;
+    if (error.key >= 0 && place < waypoints_.size()) error.key = waypoints_[place].key;
     throw SolverError(error);
   }
   KeyTiming<Real> timing = *adjusting;
@@ -176,15 +195,15 @@ void SolvedTrack<Real>::apply_locks(const TrackSpec<Real>& spec, std::span<const
   key_timing_ = timing;
   for (KeyLock& lock : completed_locks_) {
     const auto place = static_cast<std::size_t>(lock.key);
-    if (place >= waypoints.size()) continue;  // memory beyond the locks that there are
-    const bool inside = lock.key > 0 && place + 1 < waypoints.size();
-    lock.key = waypoints[place].is_key ? waypoints[place].key : -1;
-    if (lock.breaks && inside) breaks_.push_back({waypoints[place].segment, lock.frame});
+    if (place >= waypoints_.size()) continue;  // memory beyond the locks that there are
+    const bool inside = lock.key > 0 && place + 1 < waypoints_.size();
+    lock.key = waypoints_[place].is_key ? waypoints_[place].key : -1;
+    if (lock.breaks && inside) breaks_.push_back({waypoints_[place].segment, lock.frame});
   }
 }
 
 template <Precise Real>
-Path<Real> SolvedTrack<Real>::make_path(const TrackSpec<Real>& spec) {
+Path<Real> MeasuredPath<Real>::make_path(const TrackSpec<Real>& spec) {
   if (spec.cubics) {
     cubics_.resize(spec.cubics->cubics.size() + spec.cubics->weights.size());
     weights_.resize(spec.cubics->weights.size());
@@ -194,7 +213,7 @@ Path<Real> SolvedTrack<Real>::make_path(const TrackSpec<Real>& spec) {
   PathSpec<Real> path = spec.path;
   const auto axes = static_cast<std::size_t>(std::max(path.axis_count, 1));
   std::size_t rows = path.keys.size() / axes + 1;
-  if (!spec.key_frames.empty() && !spec.pace && spec.kinetic == Kinetic::curves) {
+  if (is_path_over_frames(spec)) {
     path.key_frames = spec.key_frames;
     path.rests_at_start = spec.rests_at_start;
     path.rests_at_end = spec.rests_at_end;
@@ -207,9 +226,8 @@ Path<Real> SolvedTrack<Real>::make_path(const TrackSpec<Real>& spec) {
 }
 
 template <Precise Real>
-ArcLength<Real> SolvedTrack<Real>::make_arc_length(const Path<Real>& path,
-                                                   const ArcLengthOptions<Real>& options) {
-  const auto segments = static_cast<std::size_t>(path.segment_count());
+ArcLength<Real> MeasuredPath<Real>::make_arc_length(const ArcLengthOptions<Real>& options) {
+  const auto segments = static_cast<std::size_t>(path_->segment_count());
   first_pieces_.resize(segments + 1);
   segment_begins_.resize(segments + 1);
   std::size_t pieces = usual_pieces_per_segment * std::max<std::size_t>(segments, 1);
@@ -218,7 +236,7 @@ ArcLength<Real> SolvedTrack<Real>::make_arc_length(const Path<Real>& path,
     begins_.resize(pieces);
     buckets_.resize(4 * pieces);
     const Result<ArcLength<Real>> result =
-        ArcLength<Real>::make(path, options, {pieces_, begins_, buckets_, first_pieces_, segment_begins_});
+        ArcLength<Real>::make(*path_, options, {pieces_, begins_, buckets_, first_pieces_, segment_begins_});
     const bool too_small = !result && result.error().code == ErrorCode::capacity;
     if (!too_small) return value_or_throw(result);
     pieces = static_cast<std::size_t>(result.error().needed);
@@ -233,6 +251,8 @@ SpeedProfile<Real> SolvedTrack<Real>::make_profile(std::span<const Real> control
 }
 
 template class PathOnHeap<double>;
+template class MeasuredPath<double>;
+template class MeasuredPath<float>;
 template class SolvedTrack<double>;
 template class SolvedTrack<float>;
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <span>
 #include <stdexcept>
@@ -75,13 +76,42 @@ class PathOnHeap {
   std::optional<Path<Real>> path_;
 };
 
+/// A path and its arc length with memory of their own, to which they refer. Throws SolverError.
+template <Precise Real>
+class MeasuredPath {
+ public:
+  explicit MeasuredPath(const TrackSpec<Real>& spec);
+  MeasuredPath(const MeasuredPath&) = delete;
+  MeasuredPath& operator=(const MeasuredPath&) = delete;
+
+  [[nodiscard]] const Path<Real>& path() const { return *path_; }
+  [[nodiscard]] const ArcLength<Real>& arc_length() const { return *arc_length_; }
+
+ private:
+  [[nodiscard]] Path<Real> make_path(const TrackSpec<Real>& spec);
+  [[nodiscard]] ArcLength<Real> make_arc_length(const ArcLengthOptions<Real>& options);
+
+  std::vector<Cubic<Real>> cubics_;
+  std::vector<Real> weights_;
+  std::vector<FrameKnot> knots_;
+  std::vector<ArcPiece<Real>> pieces_;
+  std::vector<Real> begins_;
+  std::vector<std::int32_t> buckets_;
+  std::vector<std::int32_t> first_pieces_;
+  std::vector<TwoSum<Real>> segment_begins_;
+  std::optional<Path<Real>> path_;
+  std::optional<ArcLength<Real>> arc_length_;
+};
+
 /// Path, arc length, speed profile, track and frame table of one spec. Movable, not copyable: its
 /// parts refer to its memory, which a move does not displace.
 template <Precise Real>
 class SolvedTrack {
  public:
-  /// Throws SolverError.
-  SolvedTrack(const TrackSpec<Real>& spec, Solver solver, const OdeOptions<Real>& ode = {});
+  /// `same_keys`, if there is one, is solved from the same keys, of which only the frames may differ: its
+  /// path is shared where that does not depend on them. Throws SolverError.
+  SolvedTrack(const TrackSpec<Real>& spec, Solver solver, const OdeOptions<Real>& ode = {},
+              const SolvedTrack* same_keys = nullptr);
   SolvedTrack(SolvedTrack&&) noexcept = default;
   SolvedTrack& operator=(SolvedTrack&&) noexcept = default;
 
@@ -93,26 +123,15 @@ class SolvedTrack {
   [[nodiscard]] const std::optional<KeyTiming<Real>>& key_timing() const { return key_timing_; }
 
  private:
-  [[nodiscard]] Track<Real> make_track(const TrackSpec<Real>& spec, const Path<Real>& path,
-                                       const ArcLength<Real>& arc_length);
+  [[nodiscard]] Track<Real> make_track(const TrackSpec<Real>& spec);
   /// Fills control_values_, and breaks_ with the locks that are breaks.
-  void apply_locks(const TrackSpec<Real>& spec, std::span<const Waypoint> waypoints);
-  void apply_pace(const TrackSpec<Real>& spec, std::span<const Waypoint> waypoints);
-  [[nodiscard]] std::vector<Waypoint> find_waypoints(const TrackSpec<Real>& spec, const Path<Real>& path,
-                                                     const ArcLength<Real>& arc_length);
-  [[nodiscard]] Path<Real> make_path(const TrackSpec<Real>& spec);
-  [[nodiscard]] ArcLength<Real> make_arc_length(const Path<Real>& path,
-                                                const ArcLengthOptions<Real>& options);
+  void apply_locks(const TrackSpec<Real>& spec);
+  void apply_pace(const TrackSpec<Real>& spec);
+  void find_waypoints(const TrackSpec<Real>& spec);
   [[nodiscard]] SpeedProfile<Real> make_profile(std::span<const Real> control_values, CurveEnds ends);
 
-  std::vector<Cubic<Real>> cubics_;
-  std::vector<Real> weights_;
-  std::vector<FrameKnot> knots_;
-  std::vector<ArcPiece<Real>> pieces_;
-  std::vector<Real> begins_;
-  std::vector<std::int32_t> buckets_;
-  std::vector<std::int32_t> first_pieces_;
-  std::vector<TwoSum<Real>> segment_begins_;
+  std::shared_ptr<const MeasuredPath<Real>> measured_;
+  std::vector<Waypoint> waypoints_;  ///< empty where nobody has asked for them
   std::vector<SpeedSpan<Real>> spans_;
   std::vector<TwoSum<Real>> integrals_;
   std::vector<SpanDistance<Real>> span_distances_;

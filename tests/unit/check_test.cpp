@@ -465,5 +465,19 @@ TEST(SmallestFrames, TellsWhatItTries) {
   EXPECT_THAT(tried, testing::Contains(*smallest.frames));
 }
 
+TEST(SmallestFrames, AreMoreWhereTheMotionFitsAndAStopDoesNot) {
+  // A stop may take no more than the motion, which takes nearly all in 192 frames and too much in 191.
+  const CheckReport in_192 = check_of(bends + gently);
+  const double peak = std::max(in_192.axes[0].acceleration.value, in_192.axes[1].acceleration.value);
+  const double limit = peak * (1 + 1e-5);
+  const std::string rig = rig_with(fmt::format("stop_acceleration = {}\n", limit), limit);
+  const CheckReport refused = check_of(bends + gently, rig);
+  ASSERT_FALSE(refused.fits());
+  EXPECT_THAT(refused.refusals[0].message, HasSubstr("could not be stopped"));
+  EXPECT_FALSE(check_of(bends + gently, rig, 191).fits());
+  EXPECT_EQ(smallest_of(plan_of(move_of(bends + gently, 150), rig)).frames, 193);
+  EXPECT_TRUE(check_of(bends + gently, rig, 193).fits());
+}
+
 }  // namespace check_test
 }  // namespace inbetween

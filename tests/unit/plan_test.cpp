@@ -1,6 +1,7 @@
 // A move, solved: what a plan knows of axes and units, and at which place of the file it complains.
 #include "host_tools/plan/plan.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -156,6 +157,37 @@ TEST(Plan, AnAxisThatMovesOnAPathWithoutLengthNamesKeyAndAxis) {
   const std::string move = with(two_tracks, "{ at = [0, 0] }, { at = [30, 40] }",
                                 "{ at = [0, 0] }, { at = [@30, 40] }, { at = [31, 40] }");
   expect_plan_refused(move, {"axis \"pan\"", "key 1"});
+}
+
+/// A bend with a key that is met on a frame, once by a lock and once as a curve over frames.
+std::string bend_in(int frames, int met, const std::string& timing) {
+  return fmt::format(
+      "name = \"bend\"\nfps = 24\nframes = {}\n[[track]]\naxes = [\"pan\", \"tilt\"]\n"
+      "keys = [ {{ at = [0, 0], frame = 0 }}, {{ at = [30, 40], frame = {} }}, {{ at = [60, 10], frame = {} "
+      "}} ]\n{}\n",
+      frames, met, frames, timing);
+}
+
+std::vector<double> positions_of(const Plan& plan) {
+  std::vector<double> all;
+  const Track<double>& track = plan.tracks()[0].track();
+  std::vector<AxisMotion<double>> motion(2);
+  for (std::int32_t frame = 0; frame <= plan.move().frames; ++frame) {
+    static_cast<void>(track.motion({frame, 0}, motion));
+    for (const AxisMotion<double>& axis : motion) all.push_back(axis.position);
+  }
+  return all;
+}
+
+TEST(Plan, OfTheSameKeysInOtherFramesIsTheOneThatIsSolvedAnew) {
+  for (const std::string timing :
+       {"speed = [0, 0, 10, 4, 10, 0, 0]", "timing = \"frames\"", "timing = \"frames\"\nkinetic = \"pace\"",
+        "timing = \"frames\"\nkinetic = \"monotone\""}) {
+    const Plan drawn = plan_of(bend_in(48, 12, timing));
+    const std::string other = bend_in(60, 40, timing);
+    const Plan plan(parse_move(other, "move.toml"), drawn);
+    EXPECT_EQ(positions_of(plan), positions_of(plan_of(other))) << timing;
+  }
 }
 
 }  // namespace plan_test
