@@ -35,11 +35,13 @@ void rest_between(double begin, double end, CurveFrame& frame) {
   }
 }
 
-/// The report of check(). A periodic move is to fit in two turns as well, with its seam between them.
+/// The report of check_until_refused(). A periodic move is to fit in two turns as well, with its seam between
+/// them.
 CheckReport checked(const Plan& plan) {
-  CheckReport once = check(plan);
+  CheckReport once = check_until_refused(plan);
   if (!plan.move().tracks.front().periodic || !once.fits() || max_turns_of(plan) < 2) return once;
-  CheckReport twice = check(Plan(turns_of(plan, 2), plan.rig(), {.kinematics = plan.kinematics()}));
+  CheckReport twice =
+      check_until_refused(Plan(turns_of(plan, 2), plan.rig(), {.kinematics = plan.kinematics()}));
   if (twice.fits()) return once;
   const double frames = plan.move().frames;
   for (CheckedAxis& axis : twice.axes) {
@@ -109,7 +111,7 @@ std::optional<CheckReport> FittedTrack::judge(std::span<const double> values, st
   MoveFile move = played_.move();
   replace_curve(move.tracks.front(), {values.begin(), values.end()});
   try {
-    const Plan plan(std::move(move), played_.rig(), {.kinematics = played_.kinematics()});
+    const Plan plan(std::move(move), played_);
     const std::vector<double>& again = plan.tracks().front().control_values();
     double largest = 0;
     double difference = again.size() == values.size() ? 0 : largest_control_value;

@@ -41,8 +41,8 @@ class FittedTrack {
   /// and at the end. `baseline` is the played curve, refined or not.
   [[nodiscard]] CurveFrame frame_of(std::span<const double> baseline) const;
 
-  /// The report of check() on another curve; of two turns, where a periodic move fits in one and not in two.
-  /// Nothing, with the reason in `trouble`, if the move would not play that curve unchanged.
+  /// The report of check_until_refused() on another curve; of two turns, where a periodic move fits in one
+  /// and not in two. Nothing, with the reason in `trouble`, if the move would not play that curve unchanged.
   [[nodiscard]] std::optional<CheckReport> judge(std::span<const double> values, std::string& trouble) const;
 
  private:

@@ -30,6 +30,12 @@ constexpr double condition_tolerance = 1e-10;
 /// thousands few are active.
 constexpr double looked_at_share = 0.8;
 constexpr int max_looks = 30;
+/// Many keys on few control values make a crowd of moments that say nearly the same. Where there are more
+/// than min_crowded_moments, a look takes of those within 1 / crowds_per_span of a span the one that uses
+/// most of a limit. The last looks take all.
+constexpr std::size_t min_crowded_moments = 5000;
+constexpr double crowds_per_span = 64;
+constexpr int crowded_looks = 8;
 
 /// One step of the descent: the limits as linear conditions, about the curve at which the samples are
 /// evaluated.
@@ -47,36 +53,63 @@ class LinearLimits {
   /// Adds those of which a large share is used.
   void add_tight(BandProgram& program) {
     const std::vector<double> none(here_.size());
-    add(none, looked_at_share - 1, program);
+    add(none, looked_at_share - 1, is_crowded_, program);
   }
   /// Adds those that `values` would break by more than `slack`. Whether there are any.
-  bool add_broken(std::span<const double> values, double slack, BandProgram& program) {
+  bool add_broken(std::span<const double> values, double slack, int look, BandProgram& program) {
     std::vector<double> difference;
     for (std::size_t i = 0; i < here_.size(); ++i) difference.push_back(values[i] - here_[i]);
-    return add(difference, slack + condition_tolerance, program);
+    return add(difference, slack + condition_tolerance, is_crowded_ && look < crowded_looks, program);
   }
 
  private:
-  bool add(std::span<const double> difference, double excess, BandProgram& program) {
+  /// The value of a crowd that is furthest beyond one limit.
+  struct Foremost {
+    double excess = 0;
+    const Moment* moment = nullptr;
+    std::size_t value = 0;
+  };
+
+  bool add(std::span<const double> difference, double excess, bool only_foremost, BandProgram& program) {
     const ControlCurve change(difference, samples_.ends());
+    std::vector<Foremost> crowd(2 * limited_quantities * allowances_.size());
+    std::vector<std::size_t> met;  // of the crowd
+    double crowd_begin = -1;
     bool added = false;
+    const auto take_foremost = [&] {
+      for (const std::size_t i : met) {
+        const bool is_above = i % 2 != 0;
+        const LimitedValue& value = samples_.values()[crowd[i].value];
+        const double allowance = allowances_[value.axis][static_cast<std::size_t>(value.quantity)];
+        taken_[2 * crowd[i].value + (is_above ? 1 : 0)] = true;
+        add(*crowd[i].moment, value, (is_above ? -1 : 1) / allowance, program);
+        crowd[i] = {};
+        added = true;
+      }
+      met.clear();
+    };
     for (const Moment& moment : samples_.moments()) {
       if (!moment.is_linearized_here) continue;
+      const double begin = std::floor((moment.place.span + moment.place.t) * crowds_per_span);
+      if (!only_foremost || begin != crowd_begin) take_foremost();
+      crowd_begin = begin;
       const CurveValues by = change.at(moment.place);
       for (std::size_t k = moment.first; k < moment.end; ++k) {
         const LimitedValue& value = samples_.values()[k];
         const CurveWeights& w = value.weights;
         const double share =
             value.share + w.area * by.area + w.value * by.value + w.first * by.first + w.second * by.second;
-        const double allowance = allowances_[value.axis][static_cast<std::size_t>(value.quantity)];
-        const bool is_above = share > 0;
-        const std::size_t limit = 2 * k + (is_above ? 1 : 0);
-        if (!(std::fabs(share) / allowance - 1 > excess) || taken_[limit]) continue;
-        taken_[limit] = true;
-        add(moment, value, (is_above ? -1 : 1) / allowance, program);
-        added = true;
+        const auto quantity = static_cast<std::size_t>(value.quantity);
+        const double beyond = std::fabs(share) / allowances_[value.axis][quantity] - 1;
+        const std::size_t is_above = share > 0 ? 1 : 0;
+        if (!(beyond > excess) || taken_[2 * k + is_above]) continue;
+        const std::size_t limit = 2 * (value.axis * limited_quantities + quantity) + is_above;
+        if (crowd[limit].moment == nullptr) met.push_back(limit);
+        if (crowd[limit].moment == nullptr || beyond > crowd[limit].excess)
+          crowd[limit] = {beyond, &moment, k};
       }
     }
+    take_foremost();
     return added;
   }
 
@@ -97,6 +130,7 @@ class LinearLimits {
   std::span<const double> here_;
   ControlCurve here_curve_{here_, samples_.ends()};
   double unit_;
+  bool is_crowded_ = samples_.moments().size() > min_crowded_moments;
   std::vector<bool> taken_;  ///< whether the lower and the upper limit of every value is a condition
 };
 
@@ -202,7 +236,7 @@ std::optional<SpeedDescent::Step> SpeedDescent::step_from(const Descent& here, c
   for (int look = 0; look < max_looks; ++look) {
     if (!program.solve(start)) return std::nullopt;
     Step step{values_of(program), program.ease()};
-    if (!limits.add_broken(step.values, step.ease, program)) return step;
+    if (!limits.add_broken(step.values, step.ease, look, program)) return step;
   }
   return std::nullopt;
 }

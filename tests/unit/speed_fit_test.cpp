@@ -356,5 +356,22 @@ TEST(SpeedFit, TheCurvatureStartMakesTheAccelerationAcrossAnEllipseEven) {
   EXPECT_GT(curved.tracks[0].change, drawn.tracks[0].change) << "the price of it";
 }
 
+TEST(SpeedFit, ManyKeysOnALineAreFittedAsItsTwoEnds) {
+  const auto line_of = [](int keys) {
+    std::string track = "keys = [";
+    for (int k = 0; k < keys; ++k) {
+      const double x = 160.0 * k / (keys - 1);
+      track += fmt::format(" {{ at = [{}, {}] }},", x, x / 2);
+    }
+    return move_of(track + " ]\n" + peaked);
+  };
+  const Limits limits{.velocity = 80, .acceleration = 120};
+  const SpeedFit of_two = fit_of(plan_of(line_of(2), limits), FitStart::drawn);
+  const SpeedFit of_many = fit_of(plan_of(line_of(700), limits), FitStart::drawn);
+  ASSERT_TRUE(of_two.found) << of_two.reason;
+  ASSERT_TRUE(of_many.found) << of_many.reason;
+  EXPECT_NEAR(of_many.tracks[0].change, of_two.tracks[0].change, 0.03 * of_two.tracks[0].change);
+}
+
 }  // namespace speed_fit_test
 }  // namespace inbetween
