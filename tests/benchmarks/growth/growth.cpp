@@ -300,7 +300,7 @@ void measure_growth(const std::filesystem::path& folder, bool is_quick) {
   std::vector<Quantity> quantities{{"keys", &Size::keys, {300, 1000, 3000, 10000}},
                                    {"frames", &Size::frames, {1000, 10000, 100000, 1000000}},
                                    {"axes", &Size::axes, {4, 8, 16, 32, 64}},
-                                   {"values", &Size::values, {100, 300, 1000, 2044, 8000}},
+                                   {"values", &Size::values, {100, 300, 1000, 2044}},
                                    {"locks", &Size::locks, {30, 100, 300, 1000}}};
   for (Quantity& quantity : quantities) {
     if (is_quick) quantity.sizes = {4, 8};
