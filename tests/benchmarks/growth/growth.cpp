@@ -301,7 +301,7 @@ void measure_growth(const std::filesystem::path& folder, bool is_quick) {
                                    {"frames", &Size::frames, {1000, 10000, 100000, 1000000}},
                                    {"axes", &Size::axes, {4, 8, 16, 32, 64}},
                                    {"values", &Size::values, {100, 300, 1000, 2044}},
-                                   {"locks", &Size::locks, {30, 100, 300, 1000}}};
+                                   {"locks", &Size::locks, {30, 100, 300, 500}}};
   for (Quantity& quantity : quantities) {
     if (is_quick) quantity.sizes = {4, 8};
     if (is_quick && quantity.size == &Size::frames) quantity.sizes = {240, 480};
