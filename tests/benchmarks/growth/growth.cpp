@@ -122,6 +122,7 @@ std::string rig_for(const Size& size, bool is_tight) {
 
 /// Processor seconds that a program takes, of the system and its own.
 double seconds_of(const std::vector<std::string>& words) {
+  std::fflush(stdout);  // or the child would write what is in the buffer once more
   const pid_t child = ::fork();
   if (child < 0) throw std::runtime_error("growth: cannot start a program");
   if (child == 0) {
