@@ -34,7 +34,7 @@ struct Interval {
   }
   /// Of a number that is not below 0.
   [[nodiscard]] constexpr Interval times(const Number& a) const { return {a * low, a * high}; }
-  /// Of an interval that has nothing below 0.
+  /// `a` has nothing below 0.
   [[nodiscard]] constexpr Interval times(const Interval& a) const {
     return {least(low * a.low, low * a.high), greatest(high * a.low, high * a.high)};
   }

@@ -305,7 +305,7 @@ Status check(const Cia402Setup& setup) {
 
 }  // namespace
 
-// In place: a script by value would stand on the stack of a microcontroller twice.
+// A script by value would stand on the stack of a microcontroller twice.
 Status write_setup_script(const Cia402Setup& setup, SetupScript& script) {
   if (const Status valid = check(setup); !valid) return valid.error();
   const Result<InterpolationPeriod> period = interpolation_period(setup.rate_hz);

@@ -24,8 +24,8 @@ void raise_to(MotionTriple<Real>& to, const MotionTriple<Real>& from) {
   for (std::size_t i = 0; i < motion_quantities; ++i) to[i] = std::max(to[i], from[i]);
 }
 
-/// What is found of a group of axes in the part of a cell, and how much above it a bound may be: by the slack
-/// of the axis and its peak in all cells.
+/// The highest motion found of a group of axes in the part of a cell, and how much above it a bound may be:
+/// that follows from the slack of the axis and its peak in all cells.
 template <Precise Real>
 struct FoundGroup {
   GroupTriple<Real> found{};

@@ -77,7 +77,7 @@ struct MotionRange {
   std::array<Number, motion_quantities> bound;  ///< of the magnitude anywhere on the box; infinity: none
 };
 
-/// Of a group of axes.
+/// A number of each quantity of the motion, for a group of axes.
 template <Precise Real>
 using GroupTriple = std::array<Group<Real>, motion_quantities>;
 inline constexpr std::size_t max_axis_groups = max_bounded_axes / group_size;

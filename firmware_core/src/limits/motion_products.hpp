@@ -155,7 +155,7 @@ template <Precise Real, class SlopeAt>
   for (Number& term : second) term = side * term;
 }
 
-/// What MotionEnclosure::here does for one axis.
+/// Does for a group of axes what MotionEnclosure::here does for one.
 template <Precise Real>
 [[gnu::flatten]] INBETWEEN_PROCESSOR_CLONES void here_of(
     const TurnLanes<Real>& turn, bool has_profile, const MotionSurroundings<Real>& box, Real scale,

@@ -111,7 +111,7 @@ class PairSearch {
     return change;
   }
   [[nodiscard]] MaxJerk max_jerk(Real change) const {
-    // Of an axis that hardly moves R2 would fall too steeply for the digits of a Real.
+    // The R2 of an axis that hardly moves would fall too steeply for the digits of a Real.
     const Real min_share = std::sqrt(std::numeric_limits<Real>::epsilon()) / request_.max_rate_jerk();
     const Real r = request_.rate;
     MaxJerk jerk{request_.max_rate_jerk(), 0};
@@ -133,7 +133,7 @@ class PairSearch {
     const Real value = jerk.value(change);
     return value > 0 && value * value * request_.rate >= jerk.at_rest * change * change;
   }
-  /// Where the time of a stop that only this axis bounds is least.
+  /// The rate change with which a stop that only this axis bounds takes the least time.
   [[nodiscard]] Real quickest_of(const MaxJerk& jerk) const {
     return std::sqrt(jerk.at_rest * request_.rate) /
            (1 + jerk.slope * std::sqrt(request_.rate / jerk.at_rest));

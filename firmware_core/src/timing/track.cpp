@@ -298,7 +298,7 @@ AlongPath<Real> Track<Real>::along_key_frames(const FrameTime<Real>& time) const
   AlongPath<Real> result;
   result.point = locate(time);
   if (is_outside(time)) return result;
-  // From sigma s' = v by differentiating.
+  // These follow from sigma s' = v by differentiating.
   const ParameterRates<Real> s = key_frame_rates(time);
   const Real sigma = path_.parametric_speed(result.point);
   result.speed = sigma * s.first;
