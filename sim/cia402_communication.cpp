@@ -96,7 +96,7 @@ void SimulatedCia402Drive::raise_error(std::uint16_t code, std::uint8_t error_re
 
 void SimulatedCia402Drive::watch_communication() {
   if (is_booting_) return;
-  const std::int64_t period_ns = objects_.value(0x1017) * ms;
+  const std::int64_t period_ns = settings_now().heartbeat_period_ns;
   if (period_ns > 0 && now_ns_ >= heartbeat_ns_) {
     heartbeat_ns_ = now_ns_ + period_ns;
     if (!has_trouble(Kind::lose_heartbeat)) send(can::heartbeat_frame(node(), nmt_));
@@ -146,7 +146,7 @@ void SimulatedCia402Drive::receive(const can::Frame& frame) {
 
 /// A drive that tells that it lives by heartbeats is not guarded. Supervised from the first request on.
 void SimulatedCia402Drive::hear_guard() {
-  if (objects_.value(0x1017) != 0) return;
+  if (settings_now().heartbeat_period_ns != 0) return;
   if (!has_trouble(Kind::lose_heartbeat)) send(can::guard_answer_frame(node(), {nmt_, guard_toggle_}));
   guard_toggle_ = !guard_toggle_;
   has_come(guarding);
@@ -252,20 +252,25 @@ SimulatedCia402Drive::PdoSetting SimulatedCia402Drive::setting_of(const Pdo& pdo
   return setting;
 }
 
-const SimulatedCia402Drive::Settings& SimulatedCia402Drive::settings_now() const {
-  if (settings_revision_ == objects_.revision()) return read_settings_;
+const SimulatedCia402Drive::Settings& SimulatedCia402Drive::read_settings() const {
   for (std::size_t n = 0; n < pdos; ++n) {
     read_settings_.received.at(n) = setting_of(pdo(false, n));
     read_settings_.sent.at(n) = setting_of(pdo(true, n));
   }
+  read_settings_.heartbeat_period_ns = objects_.value(0x1017) * ms;
   read_settings_.sync_id = objects_.value(0x1005) & can::cob_id_number;
   read_settings_.sync_period_ns = std::int64_t{objects_.value(0x1006)} * 1000;
   read_settings_.has_sync_counter = objects_.value(0x1019) != 0;
   const std::uint32_t consumer = objects_.value(0x1016, 1);
   read_settings_.host = consumer >> 16;
   read_settings_.host_timeout_ns = (consumer & 0xFFFF) * ms;
+  read_settings_.mode = objects_.value(0x6060);
   const auto exponent = static_cast<std::int8_t>(objects_.value(0x60C2, 2));
   read_settings_.interpolation_s = objects_.value(0x60C2, 1) * std::pow(10, exponent);
+  read_settings_.min = static_cast<std::int32_t>(objects_.value(0x607D, 1));
+  read_settings_.max = static_cast<std::int32_t>(objects_.value(0x607D, 2));
+  read_settings_.following_window = objects_.value(0x6065);
+  read_settings_.following_ms = objects_.value(0x6066);
   settings_revision_ = objects_.revision();
   return read_settings_;
 }

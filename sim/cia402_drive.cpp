@@ -16,6 +16,7 @@ using Kind = DriveTrouble::Kind;
 /// The motor is integrated in steps that are short against the 30 Hz of the position controller.
 constexpr std::int64_t step_ns = 250'000;
 constexpr std::uint8_t error_of_profile = 0x21;
+constexpr std::uint16_t following_error = 0x8611;
 
 // In the order of Cia402State.
 constexpr std::array<std::uint16_t, can::cia402_states> state_bits{0,      0x0040, 0x0021, 0x0023, 0x0027,
@@ -67,7 +68,6 @@ void SimulatedCia402Drive::advance(std::int64_t now_ns) {
     babble();
     step(static_cast<double>(ns) * 1e-9);
   }
-  show();
 }
 
 std::vector<can::Frame> SimulatedCia402Drive::take_frames() {
@@ -79,22 +79,26 @@ std::vector<can::Frame> SimulatedCia402Drive::take_frames() {
 /// As far as nothing but the motor moves, without asking in every step whether something is due.
 void SimulatedCia402Drive::run_motor_quietly(std::int64_t until_ns) {
   const std::int64_t event_ns = next_event_ns();
+  if (event_ns <= now_ns_) return;
   const MotionObjects objects = motion_objects();
-  while (now_ns_ < until_ns && is_in_operation()) {
+  if (objects.homes) return;
+  while (now_ns_ < until_ns && !is_following_error_) {
     const std::int64_t ns = std::min(step_ns, until_ns - now_ns_);
-    if (now_ns_ + ns >= event_ns) return;
+    if (now_ns_ + ns >= event_ns) break;
     now_ns_ += ns;
     const double seconds = static_cast<double>(ns) * 1e-9;
-    follow(objects, seconds);
+    since_sync_s_ += seconds;
+    follow_target(objects, seconds);
     watch_following_error(objects, seconds);
   }
+  if (is_following_error_) fail(following_error);
 }
 
 /// Now where something may happen in any step.
 std::int64_t SimulatedCia402Drive::next_event_ns() const {
   if (troubles_.has_any() || is_booting_ || is_enabling_ || !is_in_operation()) return now_ns_;
   std::int64_t next_ns = std::numeric_limits<std::int64_t>::max();
-  if (objects_.value(0x1017) > 0) next_ns = heartbeat_ns_;
+  if (settings_now().heartbeat_period_ns > 0) next_ns = heartbeat_ns_;
   for (const auto& deadline_ns :
        {host_deadline_ns_, guard_deadline_ns_, setpoint_deadline_ns_, sync_deadline_ns_}) {
     if (deadline_ns) next_ns = std::min(next_ns, *deadline_ns);
@@ -104,12 +108,14 @@ std::int64_t SimulatedCia402Drive::next_event_ns() const {
 
 SimulatedCia402Drive::MotionObjects SimulatedCia402Drive::motion_objects() const {
   if (!is_in_operation()) return {};
+  const Settings& settings = settings_now();
+  const bool is_watched = settings.following_window != 0xFFFFFFFF;
   return {.period_s = period_s(),
-          .min = as_signed(objects_.value(0x607D, 1)) + zero_,
-          .max = as_signed(objects_.value(0x607D, 2)) + zero_,
+          .min = settings.min + zero_,
+          .max = settings.max + zero_,
           .target = target(),
-          .window = objects_.value(0x6065),
-          .window_ms = objects_.value(0x6066),
+          .window = is_watched ? settings.following_window : std::numeric_limits<double>::infinity(),
+          .window_ms = static_cast<double>(settings.following_ms),
           .homes = is_to_home()};
 }
 
@@ -119,6 +125,7 @@ void SimulatedCia402Drive::step(double seconds) {
     case Cia402State::operation_enabled:
       follow(motion_objects(), seconds);
       watch_following_error(motion_objects(), seconds);
+      if (is_following_error_) fail(following_error);
       break;
     case Cia402State::quick_stop_active:
     case Cia402State::fault_reaction_active:
@@ -134,24 +141,29 @@ void SimulatedCia402Drive::step(double seconds) {
 /// A drive without 60C2 goes by 1006, or by the SYNC that it hears.
 double SimulatedCia402Drive::period_s() const {
   if (settings_now().interpolation_s > 0) return settings_now().interpolation_s;
-  const std::uint32_t sync_us = objects_.value(0x1006);
-  return std::max(sync_us > 0 ? sync_us * 1e-6 : sync_period_s_, static_cast<double>(step_ns) * 1e-9);
+  const std::int64_t sync_ns = settings_now().sync_period_ns;
+  return std::max(sync_ns > 0 ? static_cast<double>(sync_ns) * 1e-9 : sync_period_s_,
+                  static_cast<double>(step_ns) * 1e-9);
 }
 
 void SimulatedCia402Drive::follow(const MotionObjects& objects, double seconds) {
   since_sync_s_ += seconds;
   if (objects.homes) return home(seconds);
+  if (has_trouble(Kind::ignore_target)) {
+    slow_demand_down(seconds);
+    from_ = demand_;
+    return;
+  }
+  follow_target(objects, seconds);
+}
+
+inline void SimulatedCia402Drive::follow_target(const MotionObjects& objects, double seconds) {
   const double period = objects.period_s;
   double target = objects.target.value_or(demand_);
   if (objects.min < objects.max) {
     const double clipped = std::clamp(target, objects.min, objects.max);
     is_limited_ = clipped != target;
     target = clipped;
-  }
-  if (has_trouble(Kind::ignore_target)) {
-    slow_demand_down(seconds);
-    from_ = demand_;
-    return;
   }
   const double part = std::min(1.0, since_sync_s_ / period);
   demand_ = from_ + (target - from_) * part;
@@ -178,12 +190,10 @@ std::optional<double> SimulatedCia402Drive::target() const {
   return {};
 }
 
-void SimulatedCia402Drive::watch_following_error(const MotionObjects& objects, double seconds) {
-  const bool is_beyond =
-      objects.window != 0xFFFFFFFF && std::fabs(demand_ - motor_.position()) > objects.window;
+inline void SimulatedCia402Drive::watch_following_error(const MotionObjects& objects, double seconds) {
+  const bool is_beyond = std::fabs(demand_ - motor_.position()) > objects.window;
   beyond_window_s_ = is_beyond ? beyond_window_s_ + seconds : 0;
   is_following_error_ = is_beyond && beyond_window_s_ * 1000 >= objects.window_ms;
-  if (is_following_error_) fail(0x8611);
 }
 
 /// By the ramp of 6085, the same for a quick stop, for the reaction to a fault and where targets are ignored.
@@ -321,9 +331,7 @@ std::uint16_t SimulatedCia402Drive::statusword() const {
 void SimulatedCia402Drive::show() {
   const bool is_wrong = has_trouble(Kind::wrong_mode);
   objects_.set(0x6041, 0, statusword());
-  objects_.set(
-      0x6061, 0,
-      is_wrong ? static_cast<std::uint32_t>(trouble_value(Kind::wrong_mode)) : objects_.value(0x6060));
+  objects_.set(0x6061, 0, is_wrong ? static_cast<std::uint32_t>(trouble_value(Kind::wrong_mode)) : mode());
   objects_.set(0x6064, 0, as_counts(motor_.position() - zero_));
   objects_.set(0x606C, 0, as_counts(motor_.velocity()));
   objects_.set(0x60F4, 0, as_counts(is_in_operation() ? demand_ - motor_.position() : 0));

@@ -78,6 +78,7 @@ class SimulatedCia402Drive : public SimulatedCanDrive {
   [[nodiscard]] const char* state_name() const override { return can::name_of(state_); }
   [[nodiscard]] double position() const override { return motor_.position(); }
   [[nodiscard]] double velocity() const override { return motor_.velocity(); }
+  /// What it tells of its state there is that of the last SYNC, or of the last request.
   [[nodiscard]] const ObjectDictionary& objects() const { return objects_; }
   /// To make another device of it: these last through a reset.
   void add_object(can::ObjectAddress address, const ObjectDictionary::Object& object);
@@ -102,22 +103,26 @@ class SimulatedCia402Drive : public SimulatedCanDrive {
     unsigned bits = 0;
     std::vector<can::PdoEntry> objects;
   };
-  /// What the objects say of how it communicates, which a client alone changes.
+  /// What the objects say that a client alone changes.
   struct Settings {
     std::array<PdoSetting, pdos> received, sent;
+    std::int64_t heartbeat_period_ns = 0;  ///< 0: it tells nobody that it lives
     std::uint32_t sync_id = 0;
     std::int64_t sync_period_ns = 0;
     bool has_sync_counter = false;
     std::uint32_t host = 0;  ///< whose heartbeat it watches; 0: nobody's
     std::int64_t host_timeout_ns = 0;
+    std::uint32_t mode = 0;
     double interpolation_s = 0;  ///< 60C2; 0: it has none
+    std::int32_t min = 0, max = 0;
+    std::uint32_t following_window = 0, following_ms = 0;
   };
   /// What the objects say of the motion: the same for all steps of the motor between two frames.
   struct MotionObjects {
     double period_s = 0;
     double min = 0, max = 0;         ///< no limits where min is not below max
     std::optional<double> target{};  ///< none: it stays where it is
-    std::uint32_t window = 0, window_ms = 0;
+    double window = 0, window_ms = 0;
     bool homes = false;
   };
   void boot();
@@ -163,8 +168,11 @@ class SimulatedCia402Drive : public SimulatedCanDrive {
   void hear_pdo(const can::Frame& frame);
   void apply_pdo(const PdoSetting& pdo, const can::Frame& frame);
   [[nodiscard]] PdoSetting setting_of(const Pdo& pdo) const;
-  /// Read again where an object has changed.
-  const Settings& settings_now() const;
+  /// Read again where a client has changed an object.
+  [[nodiscard]] const Settings& settings_now() const {
+    return settings_revision_ == objects_.revision() ? read_settings_ : read_settings();
+  }
+  const Settings& read_settings() const;
   void hear_sync(const can::Frame& frame);
   void send_pdos();
 
@@ -189,9 +197,10 @@ class SimulatedCia402Drive : public SimulatedCanDrive {
   void home(double seconds);
   [[nodiscard]] unsigned homing_status() const;
   [[nodiscard]] bool is_to_home() const { return mode() == static_cast<std::uint32_t>(can::homing_mode); }
-  [[nodiscard]] std::uint32_t mode() const { return objects_.value(0x6060); }
+  [[nodiscard]] std::uint32_t mode() const { return settings_now().mode; }
   [[nodiscard]] std::optional<double> target() const;
   void follow(const MotionObjects& objects, double seconds);
+  void follow_target(const MotionObjects& objects, double seconds);
   void watch_following_error(const MotionObjects& objects, double seconds);
   void meet_troubles();
   void meet(const DriveTrouble& trouble);

@@ -29,6 +29,7 @@ std::vector<std::uint8_t> value_of(const SdoMessage& request, std::uint8_t unsai
 
 /// A request that begins a transfer ends the one before it.
 void SimulatedCia402Drive::serve(const can::Frame& frame) {
+  show();
   const std::optional<SdoMessage> request = can::read_sdo_request(frame);
   if (!request && frame.length != 8) return;
   const bool goes_on =

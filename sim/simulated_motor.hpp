@@ -1,5 +1,9 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
 namespace inbetween {
 
 /// A motor with its load behind a position controller: second order, with a current that has a limit and with
@@ -23,11 +27,20 @@ class SimulatedMotor {
   SimulatedMotor(const Settings& settings, double position) : settings_(settings), position_(position) {}
 
   /// Moves for `seconds` and follows the demand.
-  void follow(const Demand& demand, double seconds);
+  void follow(const Demand& demand, double seconds) {
+    const double omega = 2 * std::numbers::pi * settings_.bandwidth_hz;
+    const double wanted = demand.acceleration + omega * omega * (demand.position - position_) +
+                          2 * omega * (demand.velocity - velocity_);
+    integrate(std::clamp(wanted, -settings_.max_acceleration, settings_.max_acceleration), settings_.friction,
+              seconds);
+  }
   /// Moves for `seconds` without current.
-  void coast(double seconds);
+  void coast(double seconds) { integrate(0, settings_.coasting_friction, seconds); }
   /// Somebody moves it by hand.
-  void put(double position);
+  void put(double position) {
+    position_ = position;
+    velocity_ = 0;
+  }
   /// Something holds it, whatever the current.
   void hold(bool is_held) { is_held_ = is_held; }
 
@@ -35,7 +48,18 @@ class SimulatedMotor {
   [[nodiscard]] double velocity() const { return velocity_; }
 
  private:
-  void integrate(double drive, double friction, double seconds);
+  /// Friction stops a motion and never begins one.
+  void integrate(double drive, double friction, double seconds) {
+    if (is_held_) {
+      velocity_ = 0;
+      return;
+    }
+    const double pushed = velocity_ + (drive - settings_.viscous_friction * velocity_) * seconds;
+    const double lost = friction * seconds;
+    velocity_ = std::fabs(pushed) <= lost ? 0 : pushed - std::copysign(lost, pushed);
+    position_ += velocity_ * seconds;
+  }
+
   Settings settings_;
   double position_;
   double velocity_ = 0;
