@@ -222,21 +222,20 @@ std::string number_text(double number) {
   return fmt::format("{:g}", number);
 }
 
-void draw_decades(Canvas& canvas, const Scale& x, const Scale& y) {
+/// Lines at the sizes that were measured, and at 1, 10, 100 parts of a second.
+void draw_grid(Canvas& canvas, const Quantity& quantity, const Scale& x, const Scale& y) {
   const Stroke grid{.color = plot_color::grid};
-  const auto for_each_decade = [](const Range& range, const auto& visit) {
-    for (double decade = std::ceil(range.low); decade <= range.high; ++decade) visit(decade);
-  };
-  for_each_decade(x.range(), [&](double decade) {
-    canvas.line({x(decade), area.y}, {x(decade), area.bottom()}, grid);
-    canvas.text({x(decade), area.bottom() + 16}, number_text(std::pow(10, decade)),
+  for (const int size : quantity.sizes) {
+    const double across = x(std::log10(size));
+    canvas.line({across, area.y}, {across, area.bottom()}, grid);
+    canvas.text({across, area.bottom() + 16}, number_text(size),
                 {.color = plot_color::quiet, .align = Align::center});
-  });
-  for_each_decade(y.range(), [&](double decade) {
+  }
+  for (double decade = std::ceil(y.range().low); decade <= y.range().high; ++decade) {
     canvas.line({area.x, y(decade)}, {area.right(), y(decade)}, grid);
     canvas.text({area.x - 6, y(decade) + 4}, fmt::format("{:g} s", std::pow(10, decade)),
                 {.color = plot_color::quiet, .align = Align::right});
-  });
+  }
 }
 
 void draw(const std::filesystem::path& file, const Quantity& quantity, const std::vector<Curve>& curves) {
@@ -251,9 +250,8 @@ void draw(const std::filesystem::path& file, const Quantity& quantity, const std
   const Scale x(widened(range_of(sizes), 0.03), area.x, area.right());
   const Scale y(widened(range_of(times), 0.05), area.bottom(), area.y);
   draw_heading(canvas, {area.x, 28}, fmt::format("processor time over {}", quantity.name),
-               "both logarithmic; a straight line is a power, and its exponent stands behind the command",
-               page_wide - area.x);
-  draw_decades(canvas, x, y);
+               "both logarithmic; behind a command the exponent of its line", page_wide - area.x);
+  draw_grid(canvas, quantity, x, y);
   canvas.outline(area, {.color = plot_color::frame});
   for (std::size_t i = 0; i < curves.size(); ++i) {
     std::vector<Point> line;
