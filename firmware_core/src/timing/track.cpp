@@ -49,14 +49,16 @@ struct SlopeProducts {
 /// sigma = |W P'| and its derivatives in t.
 template <Precise Real>
 struct ParametricSpeed {
-  Real sigma = 0, inverse = 0;
-  Real first = 0, second = 0;
+  Real inverse = 0;            ///< 1 / sigma
+  Real first = 0, second = 0;  ///< sigma' / sigma, sigma'' / sigma
 
-  explicit ParametricSpeed(const SlopeProducts<Real>& products)
-      : sigma(std::sqrt(products.p11)),
-        inverse(1 / sigma),
-        first(products.p12 * inverse),
-        second((products.p22 - first * first + products.p13) * inverse) {}
+  /// The root and the division do not wait for each other.
+  explicit ParametricSpeed(const SlopeProducts<Real>& products) {
+    const Real inverse_square = 1 / products.p11;
+    inverse = std::sqrt(products.p11) * inverse_square;
+    first = products.p12 * inverse_square;
+    second = (products.p22 + products.p13) * inverse_square - first * first;
+  }
 };
 
 /// The same of a place where the products over- or underflow; sigma, above 0, is known there. Everything is
@@ -93,10 +95,10 @@ ParameterRates<Real> parameter_rates(const AlongPath<Real>& along, const Paramet
                                      Real scale = 1) {
   ParameterRates<Real> s;
   s.first = scale * along.speed * speed.inverse;
-  s.second = (scale * along.acceleration - speed.first * s.first * s.first) * speed.inverse;
-  s.third = (scale * along.jerk - speed.second * s.first * s.first * s.first -
-             3 * speed.first * s.first * s.second) *
-            speed.inverse;
+  const Real square = s.first * s.first;
+  s.second = scale * along.acceleration * speed.inverse - speed.first * square;
+  s.third = scale * along.jerk * speed.inverse - speed.second * (square * s.first) -
+            3 * (speed.first * s.first) * s.second;
   return s;
 }
 
@@ -305,10 +307,9 @@ AlongPath<Real> Track<Real>::along_key_frames(const FrameTime<Real>& time) const
   if (sigma > 0) {
     const ScaledSpeed<Real> scaled(path_.segment(result.point.segment), path_.weights(), result.point.t,
                                    sigma);
-    const Real first = scaled.speed.first / scaled.scale;
-    result.acceleration = first * s.first * s.first + sigma * s.second;
-    result.jerk = scaled.speed.second / scaled.scale * s.first * s.first * s.first +
-                  3 * first * s.first * s.second + sigma * s.third;
+    const auto [inverse, first, second] = scaled.speed;
+    result.acceleration = sigma * (first * s.first * s.first + s.second);
+    result.jerk = sigma * (second * s.first * s.first * s.first + 3 * first * s.first * s.second + s.third);
   }
   return result;
 }
