@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstring>
+#include <span>
 #include <type_traits>
 
 #include "inbetween/base/precision.hpp"
@@ -45,6 +47,12 @@ class Lanes {
   /// The same in all lanes.
   Lanes(Real value) {  // NOLINT(google-explicit-constructor): a number is as good as four of it
     for (Part& part : parts_) part = Part{} + value;
+  }
+  /// The first of `numbers`, which are as many or more.
+  static Lanes from(std::span<const Real> numbers) {
+    Lanes result;
+    std::memcpy(&result.parts_, numbers.data(), sizeof(result.parts_));
+    return result;
   }
   /// `first`, then the first three of `others`.
   static Lanes shifted(Real first, const Lanes& others) {
@@ -180,9 +188,9 @@ void set_lane(Lanes<Real, bytes>& numbers, std::size_t i, Real value) {
 }
 
 /// c[0] + x (c[1] + x (c[2] + ...)).
-template <Precise Real, class Coefficients>
-Lanes<Real> polynomial(const Coefficients& c, const Lanes<Real>& x) {
-  Lanes<Real> sum = c[c.size() - 2] + c[c.size() - 1] * x;
+template <class Coefficients, class Number>
+Number polynomial(const Coefficients& c, const Number& x) {
+  Number sum = c[c.size() - 2] + c[c.size() - 1] * x;
   for (std::size_t i = c.size() - 2; i-- > 0;) sum = c[i] + x * sum;
   return sum;
 }

@@ -4,7 +4,9 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <type_traits>
 
+#include "base/lanes.hpp"
 #include "inbetween/base/processor_clones.hpp"
 #include "inverse_builder.hpp"
 
@@ -51,14 +53,88 @@ void fill_buckets(std::span<const Real> next_begins, Real buckets_per_length,
   }
 }
 
-/// Puts in the place of every way its t. Two loops, so that the compiler makes lanes of the one that counts.
+/// Ways whose distances stand on the stack at a time: 1 KB in double precision.
+constexpr std::size_t ways_per_block = 128;
+
+/// Writes the distances of the ways from the start, and returns whether none is before the one in front of
+/// it: ways that rise may, rounded, fall by a bit.
 template <Precise Real>
-INBETWEEN_PROCESSOR_CLONES void find_places(const ArcPiece<Real>& piece, Real offset, std::span<Real> ways) {
-  if (piece.kind == ArcPiece<Real>::Kind::plain) {
-    const ArcPiece<Real> plain = piece;
-    for (Real& way : ways) way = plain.plain_t(offset + way);
-  } else {
-    for (Real& way : ways) way = piece.t_at(offset + way);
+bool add_up(Real begin, std::span<const Real> ways, std::span<Real> distances) {
+  for (std::size_t i = 0; i < ways.size(); ++i) distances[i] = begin + ways[i];
+  // Counted in numbers as wide as Real, of which the compiler makes lanes.
+  std::conditional_t<sizeof(Real) == sizeof(std::int64_t), std::int64_t, std::int32_t> falls = 0;
+  for (std::size_t i = 1; i < ways.size(); ++i) falls += distances[i] < distances[i - 1] ? 1 : 0;
+  return falls == 0;
+}
+
+/// ArcPiece::plain_t in lanes, with the bits that each would have alone.
+template <Precise Real>
+WideLanes<Real> within(const WideLanes<Real>& x) {
+  const WideLanes<Real> zero(Real(0));
+  const WideLanes<Real> one(Real(1));
+  const WideLanes<Real> nonnegative = if_less(zero, x, x, zero);
+  return if_less(nonnegative, one, nonnegative, one);
+}
+template <Precise Real>
+WideLanes<Real> plain_places(const ArcPiece<Real>& piece, const WideLanes<Real>& offset) {
+  const std::array<Real, 6>& c = piece.c;
+  const WideLanes<Real> u = within<Real>(piece.inverse_step * offset);
+  const WideLanes<Real> square = u * u;
+  return within<Real>((c[0] + c[1] * u) + square * ((c[2] + c[3] * u) + square * (c[4] + c[5] * u)));
+}
+
+/// Finds the points of ways whose distances rise, from the first to the last before `to`, all on one plain
+/// piece, and returns how many they are. Points behind those may be overwritten: four are evaluated at once,
+/// and the next ones without waiting for how many of the four are before `to`.
+template <Precise Real>
+std::size_t find_points(const ArcPiece<Real>& piece, Real offset, Real to, std::span<const Real> distances,
+                        std::span<const Real> ways, std::span<PathPoint<Real>> points) {
+  std::size_t done = 0;
+  for (; lanes_are_quick && done + lane_count <= ways.size(); done += lane_count) {
+    const WideLanes<Real> t = plain_places(piece, offset + WideLanes<Real>::from(ways.subspan(done)));
+    for (std::size_t i = 0; i < lane_count; ++i) points[done + i] = {piece.segment, t[i]};
+    if (distances[done + lane_count - 1] < to) continue;
+    std::size_t inside = 0;
+    for (std::size_t i = 0; i + 1 < lane_count; ++i) inside += distances[done + i] < to ? 1U : 0U;
+    return done + inside;
+  }
+  for (; done < ways.size() && distances[done] < to; ++done)
+    points[done] = {piece.segment, piece.plain_t(offset + ways[done])};
+  return done;
+}
+
+/// Locates a block of ways. `find` gives the piece of a distance, `locate` the point of a way.
+template <Precise Real, class Find, class Locate>
+[[gnu::flatten]] INBETWEEN_PROCESSOR_CLONES void locate_block(std::span<const ArcPiece<Real>> pieces,
+                                                              std::span<const Real> next_begins,
+                                                              Real path_end, const TwoSum<Real>& begin,
+                                                              const Find& find, const Locate& locate,
+                                                              std::span<const Real> ways,
+                                                              std::span<PathPoint<Real>> points) {
+  std::array<Real, ways_per_block> memory;
+  const std::span<const Real> distances = std::span(memory).first(ways.size());
+  const bool rises = add_up<Real>(begin.high, ways, memory);
+  std::size_t index = pieces.size();
+  for (std::size_t i = 0; i < ways.size();) {
+    const Real distance = distances[i];
+    const bool is_inside = distance > 0 && distance < path_end;  // the ends are exact
+    if (is_inside && rises) {
+      if (index + 1 < pieces.size() && distance < next_begins[index + 1]) {
+        ++index;
+      } else {
+        index = find(distance);
+      }
+      const ArcPiece<Real>& piece = pieces[index];
+      if (piece.kind == ArcPiece<Real>::Kind::plain) {
+        const Real to = std::min(next_begins[index], path_end);
+        i += find_points(piece, piece.offset(begin), to, distances.subspan(i), ways.subspan(i),
+                         points.subspan(i));
+        continue;
+      }
+    }
+    points[i] = locate(ways[i]);
+    index = pieces.size();
+    ++i;
   }
 }
 
@@ -147,25 +223,13 @@ std::size_t ArcLength<Real>::piece_in_crowd(std::size_t piece, std::size_t bucke
 }
 
 template <Precise Real>
-void ArcLength<Real>::locate(const TwoSum<Real>& begin, std::span<Real> ways,
+void ArcLength<Real>::locate(const TwoSum<Real>& begin, std::span<const Real> ways,
                              std::span<PathPoint<Real>> points) const {
-  for (std::size_t i = 0; i < ways.size();) {
-    const Real first = begin.high + ways[i];
-    if (first <= 0 || first >= end_.high) {  // the exact ends
-      points[i] = locate(begin, ways[i]);
-      ++i;
-      continue;
-    }
-    const std::size_t index = piece_at(first);
-    const ArcPiece<Real>& piece = pieces_[index];
-    // Ways that rise may, rounded, fall by a bit.
-    const Real from = index > 0 ? next_begins_[index - 1] : Real(0);
-    const Real to = std::min(next_begins_[index], end_.high);
-    std::size_t end = i + 1;
-    while (end < ways.size() && begin.high + ways[end] >= from && begin.high + ways[end] < to) ++end;
-    const std::span<Real> run = ways.subspan(i, end - i);
-    find_places(piece, piece.offset(begin), run);
-    for (const Real t : run) points[i++] = {piece.segment, t};
+  for (std::size_t i = 0; i < ways.size(); i += ways_per_block) {
+    const std::span<const Real> block = ways.subspan(i, std::min(ways.size() - i, ways_per_block));
+    locate_block<Real>(
+        pieces_, next_begins_, end_.high, begin, [&](Real distance) { return piece_at(distance); },
+        [&](Real way) { return locate(begin, way); }, block, points.subspan(i, block.size()));
   }
 }
 

@@ -94,7 +94,7 @@ class Stride {
   [[nodiscard]] bool at_end() const { return begin_ >= extent_; }
   /// Sets the ends of the next stretches, all of one length, and returns how many they are; the ends of more
   /// are the last end again. Near the end what is left is divided evenly, so that no sliver remains.
-  [[nodiscard]] std::size_t divide(Lanes<Real>& ends) const {
+  [[nodiscard]] std::size_t divide(WideLanes<Real>& ends) const {
     constexpr auto lanes = static_cast<Real>(lane_count);
     const Real rest = extent_ - begin_;
     Real length = std::max(length_, min_length());
@@ -116,7 +116,7 @@ class Stride {
   [[nodiscard]] bool is_divisible(Real end) const { return end - begin_ > 2 * min_length(); }
   /// Goes on behind the first `done` stretches, of which a later one was refused. The error grows with the
   /// fifth power of the length (quintic Hermite interpolation); 0.7 of what is allowed is aimed at.
-  void shorten(const Lanes<Real>& ends, std::size_t done, Real worst) {
+  void shorten(const WideLanes<Real>& ends, std::size_t done, Real worst) {
     const Real length = ends[0] - begin_;
     // Not finite: the derivatives at an end are useless, and much shorter is the only remedy.
     length_ = std::isfinite(worst) ? length / rough_fifth_root(worst / Real(0.7)) : length / 8;
@@ -125,7 +125,7 @@ class Stride {
   /// Goes on behind the last stretch, with lengths chosen by comparisons: the processor guesses them and
   /// begins with the next batch before the errors of this one are known. The steps were found by measurement
   /// (pieces and time over random paths); hard_cases_test holds the number of pieces.
-  void advance(const Lanes<Real>& ends, const BatchErrors<Real>& errors) {
+  void advance(const WideLanes<Real>& ends, const BatchErrors<Real>& errors) {
     length_ = (ends[0] - begin_) * factor(errors);
     begin_ = ends[lane_count - 1];
   }

@@ -5,6 +5,7 @@
 #include <cstddef>
 
 #include "base/lanes.hpp"
+#include "inbetween/base/processor_clones.hpp"
 #include "segment_speed.hpp"
 
 /// The quintic inverse of arc length over stretches of an anchored interval.
@@ -38,15 +39,15 @@ struct PieceEnd {
 template <Precise Real>
 struct PieceBatch {
   PieceEnd<Real> near;  ///< where the first stretch begins
-  Lanes<Real> tau;      ///< where each of them ends
-  Lanes<Real> y;        ///< y there, d tau / d y and d2 tau / d y2
-  Lanes<Real> first;
-  Lanes<Real> second;
-  Lanes<Real> length;                   ///< l over the stretch
-  Lanes<Real> step;                     ///< y over the stretch
-  Lanes<Real> inverse_step;             ///< 1 / step
-  std::array<Lanes<Real>, 6> c;         ///< the quintics
-  std::array<Lanes<Real>, 2> residual;  ///< q t'^2 - 1 at two places, see PieceFitter::fit
+  WideLanes<Real> tau;  ///< where each of them ends
+  WideLanes<Real> y;    ///< y there, d tau / d y and d2 tau / d y2
+  WideLanes<Real> first;
+  WideLanes<Real> second;
+  WideLanes<Real> length;                   ///< l over the stretch
+  WideLanes<Real> step;                     ///< y over the stretch
+  WideLanes<Real> inverse_step;             ///< 1 / step
+  std::array<WideLanes<Real>, 6> c;         ///< the quintics
+  std::array<WideLanes<Real>, 2> residual;  ///< q t'^2 - 1 at two places, see PieceFitter::fit
 
   [[nodiscard]] PieceEnd<Real> far_end(std::size_t i) const { return {tau[i], y[i], first[i], second[i]}; }
   [[nodiscard]] PieceEnd<Real> near_end(std::size_t i) const { return i == 0 ? near : far_end(i - 1); }
@@ -89,10 +90,10 @@ class PieceFitter {
   /// Fits the pieces of a batch of which `near` and `tau` are given; `distance` is l at `near`. The residual
   /// is taken at the two extremes of the error of quintic Hermite interpolation, u = (1 -+ 1/sqrt(5)) / 2.
   /// Flat, so that the lanes stay in registers from one step to the next.
-  [[gnu::flatten]] void fit(Real distance, PieceBatch<Real>& batch) const {
-    const Lanes<Real> begin = Lanes<Real>::shifted(batch.near.tau, batch.tau);
-    const Lanes<Real> rise = batch.tau - begin;
-    const Lanes<Real>& start = interval_.forward ? begin : batch.tau;
+  [[gnu::flatten]] INBETWEEN_PROCESSOR_CLONES void fit(Real distance, PieceBatch<Real>& batch) const {
+    const WideLanes<Real> begin = WideLanes<Real>::shifted(batch.near.tau, batch.tau);
+    const WideLanes<Real> rise = batch.tau - begin;
+    const WideLanes<Real>& start = interval_.forward ? begin : batch.tau;
     batch.length = lengths(begin, rise);
     differentiate(distance, batch);
     interpolate(start, rise, batch);
@@ -105,22 +106,22 @@ class PieceFitter {
   [[nodiscard]] Real certified_residual(const PieceBatch<Real>& batch, std::size_t index) const;
 
  private:
-  [[nodiscard]] Lanes<Real> lengths(const Lanes<Real>& begin, const Lanes<Real>& rise) const {
+  [[nodiscard]] WideLanes<Real> lengths(const WideLanes<Real>& begin, const WideLanes<Real>& rise) const {
     using Rule = GaussLegendre6<Real>;
     const std::array<Real, 5>& q = interval_.speed_squared.q;
-    Lanes<Real> sum;
+    WideLanes<Real> sum;
     for (std::size_t i = 0; i < 3; ++i) {
-      const Lanes<Real> low = polynomial<Real>(q, begin + Rule::node[i] * rise);
-      const Lanes<Real> high = polynomial<Real>(q, begin + Rule::node[5 - i] * rise);
+      const WideLanes<Real> low = polynomial(q, begin + Rule::node[i] * rise);
+      const WideLanes<Real> high = polynomial(q, begin + Rule::node[5 - i] * rise);
       sum = sum + Rule::weight[i] * (low.square_root() + high.square_root());
     }
     return rise * sum;
   }
 
   void differentiate(Real distance, PieceBatch<Real>& batch) const {
-    const Lanes<Real> first = 1 / polynomial<Real>(interval_.speed_squared.q, batch.tau).square_root();
-    const Lanes<Real> inverse_q = first * first;
-    const Lanes<Real> second = Real(-0.5) * polynomial<Real>(slope_, batch.tau) * (inverse_q * inverse_q);
+    const WideLanes<Real> first = 1 / polynomial(interval_.speed_squared.q, batch.tau).square_root();
+    const WideLanes<Real> inverse_q = first * first;
+    const WideLanes<Real> second = Real(-0.5) * polynomial(slope_, batch.tau) * (inverse_q * inverse_q);
     for (std::size_t i = 0; i < lane_count; ++i) {
       distance += batch.length[i];
       batch.y.set(i, distance);
@@ -134,22 +135,22 @@ class PieceFitter {
       batch.first = 2 * batch.y * first;
       batch.second = 4 * (batch.y * batch.y) * second + 2 * first;
       // The difference of two y from the difference of their squares: no digits cancel.
-      batch.step = batch.length / (Lanes<Real>::shifted(batch.near.y, batch.y) + batch.y);
+      batch.step = batch.length / (WideLanes<Real>::shifted(batch.near.y, batch.y) + batch.y);
     }
     batch.inverse_step = 1 / batch.step;
   }
 
   /// Hermite data at both ends to monomials. Where the interval is seen backwards, tau falls as t rises:
   /// second derivatives change sign and first ones keep theirs.
-  void interpolate(const Lanes<Real>& start, const Lanes<Real>& rise, PieceBatch<Real>& batch) const {
-    const Lanes<Real> near_first = Lanes<Real>::shifted(batch.near.first, batch.first);
-    const Lanes<Real> near_second = Lanes<Real>::shifted(batch.near.second, batch.second);
+  void interpolate(const WideLanes<Real>& start, const WideLanes<Real>& rise, PieceBatch<Real>& batch) const {
+    const WideLanes<Real> near_first = WideLanes<Real>::shifted(batch.near.first, batch.first);
+    const WideLanes<Real> near_second = WideLanes<Real>::shifted(batch.near.second, batch.second);
     const bool forward = interval_.forward;
-    const Lanes<Real> square = direction_ / 2 * batch.step * batch.step;
-    const Lanes<Real> d0 = batch.step * (forward ? near_first : batch.first);
-    const Lanes<Real> d1 = batch.step * (forward ? batch.first : near_first);
-    const Lanes<Real> s0 = square * (forward ? near_second : batch.second);
-    const Lanes<Real> s1 = square * (forward ? batch.second : near_second);
+    const WideLanes<Real> square = direction_ / 2 * batch.step * batch.step;
+    const WideLanes<Real> d0 = batch.step * (forward ? near_first : batch.first);
+    const WideLanes<Real> d1 = batch.step * (forward ? batch.first : near_first);
+    const WideLanes<Real> s0 = square * (forward ? near_second : batch.second);
+    const WideLanes<Real> s1 = square * (forward ? batch.second : near_second);
     batch.c = {interval_.anchor + direction_ * start,
                d0,
                s0,
@@ -158,18 +159,18 @@ class PieceFitter {
                6 * rise - 3 * (d0 + d1) - s0 + s1};
   }
 
-  [[nodiscard]] Lanes<Real> residuals_at(Real u, const Lanes<Real>& start,
-                                         const PieceBatch<Real>& batch) const {
-    const std::array<Lanes<Real>, 6>& c = batch.c;
-    const Lanes<Real> travelled = u * (c[1] + u * (c[2] + u * (c[3] + u * (c[4] + u * c[5]))));
-    const Lanes<Real> slope = c[1] + u * (2 * c[2] + u * (3 * c[3] + u * (4 * c[4] + u * (5 * c[5]))));
-    const Lanes<Real> tau = start + direction_ * travelled;
-    Lanes<Real> rate = slope * batch.inverse_step;
+  [[nodiscard]] WideLanes<Real> residuals_at(Real u, const WideLanes<Real>& start,
+                                             const PieceBatch<Real>& batch) const {
+    const std::array<WideLanes<Real>, 6>& c = batch.c;
+    const WideLanes<Real> travelled = u * (c[1] + u * (c[2] + u * (c[3] + u * (c[4] + u * c[5]))));
+    const WideLanes<Real> slope = c[1] + u * (2 * c[2] + u * (3 * c[3] + u * (4 * c[4] + u * (5 * c[5]))));
+    const WideLanes<Real> tau = start + direction_ * travelled;
+    WideLanes<Real> rate = slope * batch.inverse_step;
     if (interval_.stands_still) {
-      const Lanes<Real> near_y = Lanes<Real>::shifted(batch.near.y, batch.y);
+      const WideLanes<Real> near_y = WideLanes<Real>::shifted(batch.near.y, batch.y);
       rate = rate / (2 * (near_y + (interval_.forward ? u : 1 - u) * batch.step));
     }
-    return Real(-1) + polynomial<Real>(interval_.speed_squared.q, tau) * rate * rate;
+    return Real(-1) + polynomial(interval_.speed_squared.q, tau) * rate * rate;
   }
 
   const AnchoredInterval<Real>& interval_;

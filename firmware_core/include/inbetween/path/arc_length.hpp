@@ -140,9 +140,8 @@ class ArcLength {
   }
 
   /// The same for many ways from one begin, bit for bit; quickest where they rise, because then one piece
-  /// is evaluated for a run of them without looking anything up. Both spans have the same size; what is in
-  /// `ways` is lost.
-  void locate(const TwoSum<Real>& begin, std::span<Real> ways, std::span<PathPoint<Real>> points) const;
+  /// is evaluated for a run of them without looking anything up. Both spans have the same size.
+  void locate(const TwoSum<Real>& begin, std::span<const Real> ways, std::span<PathPoint<Real>> points) const;
 
   /// The distance from the start to a point, by quadrature within its piece: full precision of Real.
   [[nodiscard]] TwoSum<Real> distance(const Path<Real>& path, const PathPoint<Real>& point) const;
