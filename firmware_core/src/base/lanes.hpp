@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <cstring>
 #include <span>
 #include <type_traits>
 
@@ -51,7 +50,7 @@ class Lanes {
   /// The first of `numbers`, which are as many or more.
   static Lanes from(std::span<const Real> numbers) {
     Lanes result;
-    std::memcpy(&result.parts_, numbers.data(), sizeof(result.parts_));
+    __builtin_memcpy(&result.parts_, numbers.data(), sizeof(result.parts_));
     return result;
   }
   /// `first`, then the first three of `others`.
