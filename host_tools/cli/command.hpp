@@ -40,13 +40,15 @@ struct CommandTitle {
   const char* what;
 };
 
-/// Adds a command to the program: `describe` gives it its options and its help, `run` does it.
+/// Adds a command to the program: `describe` gives it its options and its help, `run` does it. Only the
+/// command that is named is described: to make the options of all of them would take longer than all else
+/// that a start does.
 template <class Arguments>
 void add_command(CLI::App& program, Command& chosen, const CommandTitle& title,
                  void (*describe)(CLI::App&, Arguments&), const std::function<int(const Arguments&)>& run) {
   CLI::App* const command = program.add_subcommand(title.name, title.what);
   const auto arguments = std::make_shared<Arguments>();
-  describe(*command, *arguments);
+  command->preparse_callback([command, arguments, describe](std::size_t) { describe(*command, *arguments); });
   command->callback([arguments, run, &chosen] { chosen = [arguments, run] { return run(*arguments); }; });
 }
 template <class Arguments>
