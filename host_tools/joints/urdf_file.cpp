@@ -1,7 +1,6 @@
 #include "host_tools/joints/urdf_file.hpp"
 
 #include <fmt/format.h>
-#include <tinyxml2.h>
 
 #include <algorithm>
 #include <map>
@@ -237,18 +236,12 @@ std::string_view to_string(UrdfJointKind kind) {
 }
 
 UrdfFile parse_urdf(std::string_view text, const std::string& file_name) {
-  tinyxml2::XMLDocument document;
-  if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS) {
-    const auto line = static_cast<std::uint32_t>(std::max(document.ErrorLineNum(), 0));
-    throw InputError({file_name, line, 0},
-                     fmt::format("not valid XML ({}); correct it here",
-                                 tinyxml2::XMLDocument::ErrorIDToName(document.ErrorID())));
-  }
-  const tinyxml2::XMLElement* root = document.RootElement();
-  if (root == nullptr || std::string_view(root->Name()) != "robot") {
+  const XmlDocument document(text, file_name);
+  const XmlElement root = document.root();
+  if (root.name() != "robot") {
     throw InputError({file_name, 1, 0}, "the file does not begin with <robot>; is it a URDF file?");
   }
-  return ordered(ReadParts(XmlElement(*root, file_name)), file_name);
+  return ordered(ReadParts(root), file_name);
 }
 
 UrdfFile read_urdf_file(const std::filesystem::path& path) {

@@ -1,8 +1,7 @@
 // The links and joints of a URDF file (Unified Robot Description Format). docs/formats.md says what is read.
 //
 // Everything that places a link is checked: what is misspelt or doubled there would put a link where nobody
-// expects it. What else a URDF file holds (shapes, masses, sensors, colours) is passed over. tinyxml2 parses
-// the XML and knows the lines.
+// expects it. What else a URDF file holds (shapes, masses, sensors, colours) is passed over.
 #pragma once
 
 #include <array>

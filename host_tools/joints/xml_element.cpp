@@ -1,23 +1,22 @@
 #include "host_tools/joints/xml_element.hpp"
 
+#include <expat.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <memory>
 #include <system_error>
 
 namespace inbetween {
 namespace {
 
 constexpr std::size_t max_name_bytes = 255;
-
-Place line_of(int line, const std::string& file_name) {
-  return {file_name, static_cast<std::uint32_t>(std::max(line, 1)), 0};
-}
+constexpr std::string_view blanks = " \t\n\r";
 
 constexpr bool is_blank(char c) {
-  return c == ' ' || c == '\t' || c == '\n' || c == '\r';
+  return blanks.find(c) != blanks.npos;
 }
 
 /// Numbers with blanks between; nothing where something else stands there. Independent of the locale.
@@ -41,41 +40,100 @@ std::string_view hint_for(std::string_view value) {
   return value.find("${") != value.npos ? "; this file is for xacro, run that first" : "";
 }
 
+/// What expat calls back for each element.
+struct XmlReading {
+  XML_Parser parser;
+  std::string_view text;
+  std::vector<XmlNode>& nodes;
+  std::vector<std::size_t> open = {};  // the nodes that have begun and not ended
+
+  [[nodiscard]] std::uint32_t line() const {
+    return static_cast<std::uint32_t>(XML_GetCurrentLineNumber(parser));
+  }
+
+  /// expat says where an element begins, and not where its attributes are. They come in their order, and
+  /// well-formed: the first quote behind a name opens its value, and the same quote closes it.
+  void begin(const char* name, const char** names_and_values) {
+    open.push_back(nodes.size());
+    XmlNode& node = nodes.emplace_back(XmlNode{.name = name, .line = line(), .attributes = {}});
+    std::uint32_t line = node.line;
+    std::size_t at = static_cast<std::size_t>(XML_GetCurrentByteIndex(parser)) + 1 + node.name.size();
+    const auto go_to = [&](std::size_t next) {
+      line += static_cast<std::uint32_t>(std::ranges::count(text.substr(at, next - at), '\n'));
+      at = next;
+    };
+    for (const char** pair = names_and_values; pair[0] != nullptr; pair += 2) {
+      go_to(text.find_first_not_of(blanks, at));
+      node.attributes.push_back({.name = pair[0], .value = pair[1], .line = line});
+      go_to(text.find_first_of("\"'", at));
+      go_to(text.find(text[at], at + 1) + 1);
+    }
+  }
+
+  void end() {
+    nodes[open.back()].size = std::ssize(nodes) - static_cast<std::ptrdiff_t>(open.back());
+    open.pop_back();
+  }
+};
+
 }  // namespace
 
-Place XmlElement::place() const {
-  return line_of(element_->GetLineNum(), *file_name_);
+XmlDocument::XmlDocument(std::string_view text, const std::string& file_name) : file_name_(file_name) {
+  // Where every second byte is zero, expat would read UTF-16, and a byte would not be a character.
+  if (text.find('\0') != text.npos) {
+    throw InputError({file_name}, "not valid XML (it has bytes that are zero); save it as UTF-8");
+  }
+  const std::unique_ptr<XML_ParserStruct, decltype(&XML_ParserFree)> parser(XML_ParserCreate("UTF-8"),
+                                                                            &XML_ParserFree);
+  XmlReading reading{.parser = parser.get(), .text = text, .nodes = nodes_};
+  XML_SetUserData(parser.get(), &reading);
+  XML_SetElementHandler(
+      parser.get(),
+      [](void* to, const char* name, const char** attributes) {
+        static_cast<XmlReading*>(to)->begin(name, attributes);
+      },
+      [](void* to, const char*) { static_cast<XmlReading*>(to)->end(); });
+  XML_SetStartDoctypeDeclHandler(parser.get(), [](void* to, const char*, const char*, const char*, int) {
+    XML_StopParser(static_cast<XmlReading*>(to)->parser, XML_FALSE);
+  });
+  if (XML_Parse(parser.get(), text.data(), static_cast<int>(text.size()), 1) == XML_STATUS_OK) return;
+  const XML_Error error = XML_GetErrorCode(parser.get());
+  throw InputError({file_name, reading.line(), 0},
+                   error == XML_ERROR_ABORTED
+                       ? "a document type is not read; remove <!DOCTYPE ...>"
+                       : fmt::format("not valid XML ({}); correct it here", XML_ErrorString(error)));
 }
 
-std::vector<XmlElement> XmlElement::children(const char* name) const {
+Place XmlElement::place() const {
+  return {*file_name_, node_->line, 0};
+}
+
+std::vector<XmlElement> XmlElement::children(std::string_view name) const {
   std::vector<XmlElement> found;
-  for (const auto* child = element_->FirstChildElement(name); child != nullptr;
-       child = child->NextSiblingElement(name)) {
-    found.emplace_back(*child, *file_name_);
+  for (const XmlNode* child = node_ + 1; child != node_ + node_->size; child += child->size) {
+    if (name.empty() || child->name == name) found.emplace_back(*child, *file_name_);
   }
   return found;
 }
 
-std::optional<XmlElement> XmlElement::child(const char* name) const {
+std::optional<XmlElement> XmlElement::child(std::string_view name) const {
   const std::vector<XmlElement> found = children(name);
   if (found.size() > 1) found[1].refuse("is given a second time; keep one of the two");
   return found.empty() ? std::nullopt : std::optional(found.front());
 }
 
-XmlElement XmlElement::required_child(const char* name, std::string_view example) const {
+XmlElement XmlElement::required_child(std::string_view name, std::string_view example) const {
   const std::optional<XmlElement> found = child(name);
   if (!found) refuse(fmt::format("has no <{}>; add {}", name, example));
   return *found;
 }
 
 void XmlElement::allow_attributes(std::initializer_list<std::string_view> known) const {
-  for (const auto* attribute = element_->FirstAttribute(); attribute != nullptr;
-       attribute = attribute->Next()) {
-    const std::string_view unknown = attribute->Name();
-    if (std::ranges::find(known, unknown) != known.end()) continue;
-    throw InputError(line_of(attribute->GetLineNum(), *file_name_),
+  for (const XmlAttribute& attribute : node_->attributes) {
+    if (std::ranges::find(known, attribute.name) != known.end()) continue;
+    throw InputError({*file_name_, attribute.line, 0},
                      fmt::format("<{}>: unknown attribute {}; its attributes are {}", name(),
-                                 in_quotes(unknown), comma_separated(known)));
+                                 in_quotes(attribute.name), comma_separated(known)));
   }
 }
 
@@ -86,13 +144,18 @@ void XmlElement::allow_children(std::span<const std::string_view> known) const {
   }
 }
 
-std::string_view XmlElement::value(const char* attribute, std::string_view example) const {
-  const char* value = element_->Attribute(attribute);
-  if (value == nullptr) refuse(fmt::format("has no {}; write {}", attribute, example));
-  return value;
+const XmlAttribute* XmlElement::find(std::string_view attribute) const {
+  const auto found = std::ranges::find(node_->attributes, attribute, &XmlAttribute::name);
+  return found == node_->attributes.end() ? nullptr : &*found;
 }
 
-std::string XmlElement::text(const char* attribute, std::string_view example) const {
+std::string_view XmlElement::value(std::string_view attribute, std::string_view example) const {
+  const XmlAttribute* found = find(attribute);
+  if (found == nullptr) refuse(fmt::format("has no {}; write {}", attribute, example));
+  return found->value;
+}
+
+std::string XmlElement::text(std::string_view attribute, std::string_view example) const {
   const std::string_view text = value(attribute, example);
   if (text.empty()) refuse_value(attribute, fmt::format("is empty; write {}", example));
   if (text.size() > max_name_bytes) {
@@ -104,7 +167,8 @@ std::string XmlElement::text(const char* attribute, std::string_view example) co
   return std::string(text);
 }
 
-double XmlElement::number(const char* attribute, std::optional<double> otherwise, double magnitude) const {
+double XmlElement::number(std::string_view attribute, std::optional<double> otherwise,
+                          double magnitude) const {
   if (otherwise && !has(attribute)) return *otherwise;
   const std::string_view text = value(attribute, fmt::format("{}=\"1.0\", say", attribute));
   const auto found = numbers_in(text);
@@ -115,7 +179,7 @@ double XmlElement::number(const char* attribute, std::optional<double> otherwise
   return found->front();
 }
 
-std::array<double, 3> XmlElement::numbers(const char* attribute, const std::array<double, 3>& otherwise,
+std::array<double, 3> XmlElement::numbers(std::string_view attribute, const std::array<double, 3>& otherwise,
                                           double magnitude) const {
   if (!has(attribute)) return otherwise;
   const std::string_view text = value(attribute, "");
@@ -134,8 +198,8 @@ void XmlElement::refuse(std::string_view problem) const {
   throw InputError(place(), fmt::format("<{}> {}", name(), problem));
 }
 
-void XmlElement::refuse_value(const char* attribute, std::string_view problem) const {
-  throw InputError(line_of(element_->FindAttribute(attribute)->GetLineNum(), *file_name_),
+void XmlElement::refuse_value(std::string_view attribute, std::string_view problem) const {
+  throw InputError({*file_name_, find(attribute)->line, 0},
                    fmt::format("<{}>: {} {}", name(), attribute, problem));
 }
 

@@ -1,9 +1,9 @@
-// The elements and attributes of a parsed XML file, each with its line, checked as they are read.
+// The elements and attributes of a parsed XML file, each with its line, checked as they are read. expat
+// parses.
 #pragma once
 
-#include <tinyxml2.h>
-
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <initializer_list>
 #include <optional>
@@ -16,42 +16,68 @@
 
 namespace inbetween {
 
+struct XmlAttribute {
+  std::string name, value;
+  std::uint32_t line = 0;
+};
+
+/// In an XmlDocument. The nodes within it stand behind it.
+struct XmlNode {
+  std::string name;
+  std::uint32_t line = 0;
+  std::vector<XmlAttribute> attributes;
+  std::ptrdiff_t size = 0;  // itself and all within
+};
+
 /// Refers into the document that it came from.
 class XmlElement {
  public:
-  XmlElement(const tinyxml2::XMLElement& element, const std::string& file_name)
-      : element_(&element), file_name_(&file_name) {}
+  XmlElement(const XmlNode& node, const std::string& file_name) : node_(&node), file_name_(&file_name) {}
 
-  [[nodiscard]] std::string_view name() const { return element_->Name(); }
+  [[nodiscard]] std::string_view name() const { return node_->name; }
   [[nodiscard]] Place place() const;
   /// The elements within, those of one name or all.
-  [[nodiscard]] std::vector<XmlElement> children(const char* name = nullptr) const;
+  [[nodiscard]] std::vector<XmlElement> children(std::string_view name = {}) const;
   /// The only element of this name within; refuses a second one.
-  [[nodiscard]] std::optional<XmlElement> child(const char* name) const;
-  [[nodiscard]] XmlElement required_child(const char* name, std::string_view example) const;
+  [[nodiscard]] std::optional<XmlElement> child(std::string_view name) const;
+  [[nodiscard]] XmlElement required_child(std::string_view name, std::string_view example) const;
 
   /// Refuses the first attribute that is not one of these.
   void allow_attributes(std::initializer_list<std::string_view> known) const;
   /// Refuses the first element within that is not one of these.
   void allow_children(std::span<const std::string_view> known) const;
 
-  [[nodiscard]] bool has(const char* attribute) const { return element_->Attribute(attribute) != nullptr; }
+  [[nodiscard]] bool has(std::string_view attribute) const { return find(attribute) != nullptr; }
   /// Text of 1 to 255 bytes without control characters.
-  [[nodiscard]] std::string text(const char* attribute, std::string_view example) const;
+  [[nodiscard]] std::string text(std::string_view attribute, std::string_view example) const;
   /// A finite number within the magnitude, or what stands in for an attribute that is not there.
-  [[nodiscard]] double number(const char* attribute, std::optional<double> otherwise, double magnitude) const;
+  [[nodiscard]] double number(std::string_view attribute, std::optional<double> otherwise,
+                              double magnitude) const;
   /// Three of them with blanks between.
-  [[nodiscard]] std::array<double, 3> numbers(const char* attribute, const std::array<double, 3>& otherwise,
-                                              double magnitude) const;
+  [[nodiscard]] std::array<double, 3> numbers(std::string_view attribute,
+                                              const std::array<double, 3>& otherwise, double magnitude) const;
 
   [[noreturn]] void refuse(std::string_view problem) const;
 
  private:
-  [[nodiscard]] std::string_view value(const char* attribute, std::string_view example) const;
-  [[noreturn]] void refuse_value(const char* attribute, std::string_view problem) const;
+  [[nodiscard]] const XmlAttribute* find(std::string_view attribute) const;
+  [[nodiscard]] std::string_view value(std::string_view attribute, std::string_view example) const;
+  [[noreturn]] void refuse_value(std::string_view attribute, std::string_view problem) const;
 
-  const tinyxml2::XMLElement* element_;
+  const XmlNode* node_;
   const std::string* file_name_;
+};
+
+class XmlDocument {
+ public:
+  /// Refuses text that is not well-formed, and a document type, which could define words and defaults of its
+  /// own.
+  XmlDocument(std::string_view text, const std::string& file_name);
+  [[nodiscard]] XmlElement root() const { return {nodes_.front(), file_name_}; }
+
+ private:
+  std::string file_name_;
+  std::vector<XmlNode> nodes_;  // in the order of the file
 };
 
 }  // namespace inbetween

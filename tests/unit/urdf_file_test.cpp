@@ -100,6 +100,13 @@ TEST(UrdfFile, AMisspeltWordIsRefusedAtItsLine) {
   expect_refused_at("<joint name=\"tilt\" type", "<joint nam=\"tilt\" type", {"\"nam\""});
 }
 
+TEST(UrdfFile, AnAttributeIsRefusedAtItsOwnLine) {
+  expect_refused_at("effort=\"100\" velocity", "effort\n =\t'\n\"&gt;velocity=' velocity=\"1\"\n\n speed",
+                    {"\"speed\""}, 4);
+  expect_refused_at("upper=\"1\" effort=\"100\"", "effort='>'\r\n  upper = \"&lt;>'\"", {"upper is \"<>'\""},
+                    1);
+}
+
 TEST(UrdfFile, AWrongNumberIsRefusedAtItsLine) {
   for (const char* numbers : {"0 1", "0 1 0 0", "0 1 x", "0 1 0,5", "nan 0 0", "inf 0 0", "0 1e400 0",
                               "0 2e6 0", "", "0 0 +-1", "0x1 0 0", "${a} 0 0"}) {
@@ -146,7 +153,7 @@ TEST(UrdfFile, AMimicFollowsAnotherJointThatMoves) {
 }
 
 TEST(UrdfFile, WhatIsNoUrdfSaysSo) {
-  const auto message = [](const char* text) -> std::string {
+  const auto message = [](const std::string& text) -> std::string {
     try {
       parse_urdf(text, "r.urdf");
     } catch (const InputError& error) {
@@ -154,21 +161,24 @@ TEST(UrdfFile, WhatIsNoUrdfSaysSo) {
     }
     return "accepted";
   };
-  EXPECT_THAT(message(""), testing::StartsWith("r.urdf: error: not valid XML"));
+  EXPECT_THAT(message(""), testing::StartsWith("r.urdf:1: error: not valid XML"));
   EXPECT_THAT(message("name = \"crane\"\n"), testing::HasSubstr("error: not valid XML"));
   EXPECT_THAT(message("<robot>\n<link name=\"a\">\n</robot>"),
-              testing::StartsWith("r.urdf:2: error: not valid"));
+              testing::StartsWith("r.urdf:3: error: not valid XML (mismatched tag)"));
+  EXPECT_THAT(message("<?xml version=\"1.0\"?>\n<!DOCTYPE robot [<!ENTITY a 'b'>]>\n<robot/>"),
+              testing::StartsWith("r.urdf:2: error: a document type is not read"));
+  EXPECT_THAT(message("<robot name=\"\xe4\"/>"), testing::HasSubstr("error: not valid XML"));
+  EXPECT_THAT(message(std::string("\xff\xfe<\0a\0/\0>\0", 10)), testing::HasSubstr("save it as UTF-8"));
   EXPECT_THAT(message("<sdf/>"),
               testing::StartsWith("r.urdf:1: error: the file does not begin with <robot>"));
   EXPECT_THAT(message("<robot><link/></robot>"), testing::StartsWith("r.urdf:1: error: <link> has no name"));
-  EXPECT_THAT(message(std::string(100'000, '<').c_str()), testing::HasSubstr("not valid XML"));
+  EXPECT_THAT(message(std::string(100'000, '<')), testing::HasSubstr("not valid XML"));
   std::string deep;
   for (int i = 0; i < 100'000; ++i) deep += "<a>";
-  EXPECT_THAT(message(deep.c_str()), testing::HasSubstr("not valid XML"));
+  EXPECT_THAT(message(deep), testing::HasSubstr("not valid XML"));
   std::string many = "<robot>";
   for (std::size_t i = 0; i <= max_urdf_links; ++i) many += "\n<link name=\"l" + std::to_string(i) + "\"/>";
-  EXPECT_THAT(message((many + "</robot>").c_str()),
-              testing::StartsWith("r.urdf:258: error: <link> is one more"));
+  EXPECT_THAT(message(many + "</robot>"), testing::StartsWith("r.urdf:258: error: <link> is one more"));
 }
 
 /// urdfdom, the reader that the format comes with, is the oracle.
