@@ -14,6 +14,10 @@ cmake --install "$build" --prefix "$scratch/usr" >"$scratch/said" || { cat "$scr
 PATH=$scratch/usr/bin:$PATH
 commands=$(inbetween --help | sed --quiet '/^Subcommands:/,/^$/s/^  \([a-z-]*\) .*/\1/p')
 
+# --- the start ---
+expect "no shared library of C++ is loaded, which takes longer than the whole start" '' \
+  "$(readelf --dynamic "$scratch/usr/bin/inbetween" | grep --only-matching --extended-regexp 'lib(stdc|fmt|toml)[^]]*' || true)"
+
 # --- the manual ---
 pages=$(cd "$scratch/usr/share/man/man1" && ls)
 expect "a page for the program and for each command" \
