@@ -15,6 +15,10 @@ namespace {
 
 /// A share of a limit that is above 1 by more than the rounding of a motion.
 constexpr double clearly_beyond = 1 + 1e-6;
+/// A bound near its limit is at most 1 % above what is found: one further above it is loose.
+constexpr double loose = 1.01;
+/// The search follows the guesses so often that a number which was tried gives for the next.
+constexpr int max_guesses = 4;
 
 /// A whole number times frames / whole, rounded to the nearest.
 std::int32_t scaled(std::int32_t number, std::int32_t frames, std::int32_t whole) {
@@ -43,17 +47,19 @@ double needed_slowing(const Plan& plan, const CheckReport& report) {
   return slowing;
 }
 
-/// The most that is used of any limit at the frames of the peaks of another report, `scale` times as late.
-double share_at_peaks_of(const CheckReport& other, double scale, const Plan& plan) {
-  double share = 0;
+/// The slowing that single moments show to be needed: those of the peaks of another report, `scale` times as
+/// late. 0 where none of them uses more than `min_share` of a limit.
+double slowing_at_peaks_of(const CheckReport& other, double scale, const Plan& plan, double min_share) {
+  double slowing = 0;
   std::vector<AxisMotion<double>> motion;
   const auto look = [&](const Track<double>& track, const PlanAxis& axis, const CheckedPeak& peak,
-                        double AxisMotion<double>::*quantity) {
+                        double AxisMotion<double>::*quantity, double power) {
     const double frame = peak.frame * scale;
     if (!peak.limit || !(frame >= 0 && frame < track.frames())) return;
     const auto whole = static_cast<std::int32_t>(frame);
     static_cast<void>(track.motion({whole, frame - whole}, motion));
-    share = std::max(share, std::fabs(motion[axis.track_axis].*quantity) / *peak.limit);
+    const double share = std::fabs(motion[axis.track_axis].*quantity) / *peak.limit;
+    if (share > min_share) slowing = std::max(slowing, std::pow(share, 1 / power));
   };
   for (std::size_t a = 0; a < plan.axes().size(); ++a) {
     const PlanAxis& axis = plan.axes()[a];
@@ -61,11 +67,11 @@ double share_at_peaks_of(const CheckReport& other, double scale, const Plan& pla
     const Track<double>& track = plan.tracks()[*axis.track].track();
     motion.resize(static_cast<std::size_t>(track.path().axis_count()));
     const CheckedAxis& checked = other.axes[a];
-    look(track, axis, checked.velocity, &AxisMotion<double>::velocity);
-    look(track, axis, checked.acceleration, &AxisMotion<double>::acceleration);
-    look(track, axis, checked.jerk, &AxisMotion<double>::jerk);
+    look(track, axis, checked.velocity, &AxisMotion<double>::velocity, 1);
+    look(track, axis, checked.acceleration, &AxisMotion<double>::acceleration, 2);
+    look(track, axis, checked.jerk, &AxisMotion<double>::jerk, 3);
   }
-  return share;
+  return slowing;
 }
 
 class FrameSearch {
@@ -85,34 +91,42 @@ class FrameSearch {
 
  private:
   SmallestFrames search() {
-    const double guess = std::ceil(plan_.move().frames * needed_slowing(plan_, report_));
-    const auto first = static_cast<std::int32_t>(std::clamp(guess, 1.0, static_cast<double>(max_frames)));
     std::int32_t refused = 0;
-    std::int32_t fitting = 0;
-    if (fits(first)) {
-      fitting = first;
-      for (std::int32_t step = 1; fitting > 1; step *= 2) {
-        const std::int32_t next = std::max(first - step, 1);
-        if (!fits(next)) {
-          refused = next;
-          break;
-        }
-        fitting = next;
+    std::int32_t fitting = 0;  // none yet
+    std::int32_t next = first_guess();
+    std::int32_t step = 1;
+    int guesses = max_guesses;
+    while (fitting == 0 || fitting - refused > 1) {
+      const std::int32_t here = next;
+      (fits(here) ? fitting : refused) = here;
+      if (was_ended_) return {std::nullopt, "the search for the frames that would do was ended", true};
+      if (refused == max_frames) return {std::nullopt, too_slow()};
+      const bool guesses_further = guesses > 0 && guess_ > refused && (fitting == 0 || guess_ < fitting) &&
+                                   std::abs(guess_ - here) > 1;
+      if (guesses_further) {
+        next = guess_;
+        step = 1;
+        --guesses;
+        continue;
       }
-    } else {
-      refused = first;
-      for (std::int32_t step = 1; fitting == 0; step *= 2) {
-        if (refused == max_frames) return {std::nullopt, too_slow()};
-        const std::int32_t next = first > max_frames - step ? max_frames : first + step;
-        (fits(next) ? fitting : refused) = next;
-      }
+      // Away from a guess in steps that double, then to the middle of what is left.
+      const std::int32_t most = fitting > 0 ? std::max((fitting - refused) / 2, 1) : max_frames - refused;
+      next = here == refused ? refused + std::min(step, most) : fitting - std::min(step, most);
+      step = std::min(2 * step, max_frames);
     }
-    while (fitting - refused > 1) {
-      const std::int32_t middle = refused + (fitting - refused) / 2;
-      (fits(middle) ? fitting : refused) = middle;
-    }
-    if (was_ended_) return {std::nullopt, "the search for the frames that would do was ended", true};
     return {fitting, ""};
+  }
+
+  /// Where the bounds of the peaks lie far above what moments show, far from a limit nobody has refined them:
+  /// near it they will be as the moments are.
+  [[nodiscard]] std::int32_t first_guess() const {
+    const double bounds = needed_slowing(plan_, report_);
+    const double moments = slowing_at_peaks_of(report_, 1, plan_, 0);
+    return frames_for(moments > 0 && bounds > loose * moments ? moments : bounds, plan_.move().frames);
+  }
+  [[nodiscard]] static std::int32_t frames_for(double slowing, std::int32_t frames) {
+    return static_cast<std::int32_t>(
+        std::clamp(std::ceil(frames * slowing), 1.0, static_cast<double>(max_frames)));
   }
 
   /// Anything goes once the search was ended: it then tries nothing more.
@@ -120,23 +134,31 @@ class FrameSearch {
     was_ended_ = was_ended_ || (is_over_ && is_over_());
     if (was_ended_) return true;
     if (progress_) progress_(1 - std::pow(0.9, tried_++), frames);
+    guess_ = 0;
     if (frames == plan_.move().frames) {
+      guess_ = frames_for(needed_slowing(plan_, report_), frames);
       if (report_.fits()) fitting_plan_.reset();
       return report_.fits();
     }
     try {
       Plan plan(with_frames(plan_.move(), frames), plan_);
       // No proof is needed that a move breaks a limit where one moment of it does.
-      const double scale = static_cast<double>(frames) / plan_.move().frames;
+      const double scale = static_cast<double>(frames) / (nearest_ ? nearest_frames_ : plan_.move().frames);
+      const double slowing = slowing_at_peaks_of(nearest_ ? *nearest_ : report_, scale, plan, clearly_beyond);
       const bool is_last = frames == max_frames;  // whose refusal is told
-      if (!is_last && share_at_peaks_of(report_, scale, plan) > clearly_beyond) return false;
-      const CheckReport report = proves_stops_ ? check_until_refused(plan) : check_motion(plan);
-      if (report.fits()) {
+      if (slowing > 0 && !is_last) {
+        guess_ = frames_for(slowing, frames);
+        return false;
+      }
+      nearest_ = proves_stops_ ? check_until_refused(plan) : check_motion(plan);
+      nearest_frames_ = frames;
+      guess_ = frames_for(needed_slowing(plan, *nearest_), frames);
+      if (nearest_->fits()) {
         fitting_plan_ = std::move(plan);
       } else {
-        last_refusal_ = report.refusals.front().message;
+        last_refusal_ = nearest_->refusals.front().message;
       }
-      return report.fits();
+      return nearest_->fits();
     } catch (const InputError& error) {  // two keys on one frame, a lock that cannot be met, too many ticks
       last_refusal_ = error.message();
       return false;
@@ -152,7 +174,10 @@ class FrameSearch {
   const std::function<void(double, std::int32_t)>& progress_;
   const std::function<bool()>& is_over_;
   bool proves_stops_ = false;
-  std::optional<Plan> fitting_plan_;  ///< of the last number that fits, unless it is that of the move
+  std::optional<Plan> fitting_plan_;    ///< of the last number that fits, unless it is that of the move
+  std::optional<CheckReport> nearest_;  ///< of the last number that was checked as a whole
+  std::int32_t nearest_frames_ = 0;
+  std::int32_t guess_ = 0;  ///< by the peaks of the last number tried; 0 without
   bool was_ended_ = false;
   int tried_ = 0;
   std::string last_refusal_;

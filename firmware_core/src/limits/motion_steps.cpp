@@ -46,18 +46,35 @@ Pace<Real> pace_at(const Track<Real>& track, const CurvePlace<Real>& place, Real
 /// where it is not.
 template <Precise Real>
 FrameTime<Real> first_time(const Track<Real>& track, const TwoSum<Real>& target, Real offset) {
-  const auto is_there = [&](const FrameTime<Real>& time) {
-    return track.distance(time).minus(target) >= offset;
+  const auto way_beyond = [&](const FrameTime<Real>& time) {
+    return track.distance(time).minus(target) - offset;
   };
   std::int32_t before = 0;
   std::int32_t reached = track.frames();
   while (reached - before > 1) {
     const std::int32_t middle = before + (reached - before) / 2;
-    (is_there({middle, 0}) ? reached : before) = middle;
+    (way_beyond({middle, 0}) >= 0 ? reached : before) = middle;
   }
-  if (!is_there({reached, 0})) return {reached, 0};
-  const auto is_before = [&](Real fraction) { return !is_there({before, fraction}); };
-  const Real high = bisected<Real>({0, 1}, std::numeric_limits<Real>::digits, is_before).high;
+  if (!(way_beyond({reached, 0}) >= 0)) return {reached, 0};
+  constexpr int halvings = std::numeric_limits<Real>::digits;
+  const auto beyond = [&](Real fraction) { return way_beyond({before, fraction}); };
+  const auto is_before = [](Real way) { return !(way >= 0); };
+  const SpeedProfile<Real>& profile = track.profile();
+  const std::int32_t first = track.place({before, 0}).span;
+  const std::int32_t last = track.place({reached, 0}).span;
+  Real high = 1;
+  if (track.portions().empty() && last <= first + 1) {
+    const auto slope = [&](Real fraction) {
+      const CurvePlace<Real> place = track.place({before, fraction});
+      return track.constant() * profile.span(place.span).value(place.t) *
+             static_cast<Real>(profile.span_count()) / static_cast<Real>(track.frames());
+    };
+    const Real way = track.constant() * (profile.span(first).integral() + profile.span(last).integral());
+    high = bisected_near_zero<Real>({0, 1}, halvings, distance_rounding<Real> * way, beyond, slope, is_before)
+               .high;
+  } else {
+    high = bisected<Real>({0, 1}, halvings, [&](Real fraction) { return is_before(beyond(fraction)); }).high;
+  }
   return high < 1 ? FrameTime<Real>{before, high} : FrameTime<Real>{reached, 0};
 }
 

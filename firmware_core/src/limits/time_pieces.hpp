@@ -378,8 +378,17 @@ class StretchWalk {
 
   /// The x, to the last bit, at which the piece of the path is left.
   [[nodiscard]] Real crossing(const CurvePart& part, Real begin) const {
-    const auto is_before = [&](Real x) { return !(distance_at(part, x).minus(end_distance_) > 0); };
-    return bisected<Real>({begin, part.end}, std::numeric_limits<Real>::digits + 8, is_before).high;
+    constexpr int halvings = std::numeric_limits<Real>::digits + 8;
+    const auto beyond = [&](Real x) { return distance_at(part, x).minus(end_distance_); };
+    const auto is_before = [](Real way) { return !(way > 0); };
+    if (!track_.portions().empty()) {
+      // Sums that are much larger than the way have a rounding that is, too.
+      const auto is_before_at = [&](Real x) { return is_before(beyond(x)); };
+      return bisected<Real>({begin, part.end}, halvings, is_before_at).high;
+    }
+    const auto slope = [&](Real x) { return part.constant * part.stretch * part.span.value(x); };
+    const Real rounding = distance_rounding<Real> * part.constant * part.span.integral();
+    return bisected_near_zero<Real>({begin, part.end}, halvings, rounding, beyond, slope, is_before).high;
   }
 
   [[nodiscard]] TwoSum<Real> distance_of_curve(const CurvePart& part, Real x) const {

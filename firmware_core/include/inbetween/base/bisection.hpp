@@ -21,4 +21,39 @@ constexpr Bracket<Real> bisected(Bracket<Real> bracket, int max_halvings, Predic
   return bracket;
 }
 
+/// What bisected() returns, to the last bit, for the place where a smooth `value` that rises passes 0, with
+/// fewer values: Newton's method finds what surrounds it, and outside of that the outcome of a halving is
+/// certain. It is, because the computed value falls by no more than `rounding` from any place to a later one.
+/// `is_below` tells on which side of 0 a value is. `slope` is about that of the value: where it is 0 or
+/// misleads, more values are computed.
+template <Precise Real, class Value, class Slope, class IsBelow>
+constexpr Bracket<Real> bisected_near_zero(Bracket<Real> bracket, int max_halvings, Real rounding,
+                                           Value&& value, Slope&& slope, IsBelow&& is_below) {
+  constexpr int max_newton_steps = 6;
+  Bracket<Real> around = bracket;
+  Real x = bracket.low;
+  for (int i = 0; i < max_newton_steps; ++i) {
+    const Real y = value(x);
+    (y > 0 ? around.high : around.low) = x;
+    if (y <= rounding && -y <= rounding) break;
+    const Real next = x - y / slope(x);
+    x = next > around.low && next < around.high ? next : around.low + (around.high - around.low) / 2;
+  }
+  Bracket<Real> certain = bracket;  // up to `low` a value is below, from `high` on it is not
+  const Real narrow = 2 * rounding / slope(x);
+  for (Real reach = narrow; reach > 0 && x - reach > bracket.low; reach *= 8) {
+    if (!(value(x - reach) < -rounding)) continue;
+    certain.low = x - reach;
+    break;
+  }
+  for (Real reach = narrow; reach > 0 && x + reach < bracket.high; reach *= 8) {
+    if (!(value(x + reach) > rounding)) continue;
+    certain.high = x + reach;
+    break;
+  }
+  return bisected(bracket, max_halvings, [&](Real middle) {
+    return middle <= certain.low || (middle < certain.high && is_below(value(middle)));
+  });
+}
+
 }  // namespace inbetween
