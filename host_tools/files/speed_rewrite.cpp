@@ -159,6 +159,14 @@ std::string with_numbers(std::string_view text, std::vector<NumberAt> numbers) {
   return result;
 }
 
+void refuse_too_many_values(const MoveFile& move, std::size_t track, std::size_t values) {
+  if (values <= max_control_values) return;
+  throw InputError(move.tracks.at(track).speed_place,
+                   fmt::format("the new speed curve of track {} has {} control values, and a file holds at "
+                               "most {}; draw it with fewer",
+                               track, values, max_control_values));
+}
+
 std::string with_speed(std::string_view text, const std::string& file_name, std::size_t track,
                        std::span<const double> speed) {
   refuse_unusable(speed);
@@ -170,12 +178,7 @@ std::string with_speed(std::string_view text, const std::string& file_name, std:
                                  "give its keys other frames, or time it by speed",
                                  track));
   }
-  if (speed.size() > max_control_values) {
-    throw InputError(changed.speed_place,
-                     fmt::format("the new speed curve of track {} has {} control values, and a file holds at "
-                                 "most {}; draw it with fewer",
-                                 track, speed.size(), max_control_values));
-  }
+  refuse_too_many_values(before, track, speed.size());
   const std::string plain = without_wishes(std::string(text), changed);
   const Place list = parse_move(plain, file_name).tracks.at(track).speed_place;
   std::string result = rewritten(plain, written_list(plain, offset_of(plain, list)), speed);

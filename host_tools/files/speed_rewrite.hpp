@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "host_tools/files/diagnostics.hpp"
+#include "host_tools/files/move_file.hpp"
 
 namespace inbetween {
 
@@ -38,5 +39,8 @@ std::string with_numbers(std::string_view text, std::vector<NumberAt> numbers);
 /// Cost: the text is parsed twice.
 std::string with_speed(std::string_view text, const std::string& file_name, std::size_t track,
                        std::span<const double> speed);
+
+/// Throws the InputError of with_speed() for a curve of so many values.
+void refuse_too_many_values(const MoveFile& move, std::size_t track, std::size_t values);
 
 }  // namespace inbetween

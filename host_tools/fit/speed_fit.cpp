@@ -11,6 +11,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "host_tools/files/speed_rewrite.hpp"
 #include "host_tools/fit/eased_start.hpp"
 #include "host_tools/fit/fitted_track.hpp"
 #include "host_tools/fit/speed_descent.hpp"
@@ -364,6 +365,7 @@ SpeedFit fit_speed(const Plan& plan, const CheckReport& report, const FitOptions
                       fewest.by_acceleration ? "max_velocity and max_acceleration" : "max_velocity",
                       in_quotes(plan.rig()->axes[fewest.axis].name)));
     }
+    refuse_too_many_values(plan.move(), t, fitted.solved().control_values().size());
     FitOptions of_track = options;
     if (options.progress) {
       of_track.progress = [&](double share) { options.progress((static_cast<double>(t) + share) / count); };

@@ -75,7 +75,8 @@ struct FitOptions {
 /// the margins shrink to the excess of check() over the samples. The result is a local minimum; a smaller
 /// change may exist. If no curve is found, one may still exist; only `fewest` proves that none does. The
 /// search does not begin if slowing cures nothing (CheckRefusal::slower_helps), if a track has timing =
-/// "frames", or if the move has fewer frames than `fewest`.
+/// "frames", or if the move has fewer frames than `fewest`. It throws InputError where the played curve of a
+/// track that has to change has more control values than a file holds.
 ///
 /// `report` is that of the plan. Cost: linear in control values, keys and axes.
 SpeedFit fit_speed(const Plan& plan, const CheckReport& report, const FitOptions& options);

@@ -229,6 +229,23 @@ TEST(SpeedFit, FewerFramesThanAnyCurveNeedsAreRefusedAtOnce) {
   EXPECT_THAT(fit.reason, HasSubstr(fmt::format("at least {} frames", fit.fewest.frames)));
 }
 
+TEST(SpeedFit, ACurveThatNoFileHoldsIsRefusedBeforeTheSearch) {
+  std::string speed = "speed = [0, 0";
+  for (int i = 0; i < 1000; ++i) speed += ", 10";
+  const std::string eased = with(bends, "[60, 40] }", "[60, 40], ease = true }");
+  const Plan plan = plan_of(move_of(eased + speed + ", 0, 0]\n", 2400), {.velocity = 4});
+  ASSERT_GT(plan.tracks()[0].control_values().size(), max_control_values);
+  bool has_begun = false;
+  try {
+    fit_speed(plan, check(plan), {.progress = [&](double) { has_begun = true; }});
+    ADD_FAILURE() << "was not refused";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), AllOf(HasSubstr("move.toml:6:9: "), HasSubstr("4013 control values"),
+                                    HasSubstr("at most 2048; draw it with fewer")));
+  }
+  EXPECT_FALSE(has_begun);
+}
+
 TEST(SpeedFit, WhereNoneIsFoundTheNearestTellsWhatIsInTheWay) {
   const Plan plan = plan_of(move_of(bends + peaked, 72), {.velocity = 150, .acceleration = 182});
   const SpeedFit fit = fit_of(plan);
