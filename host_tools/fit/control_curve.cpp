@@ -25,7 +25,10 @@ CurveValues ControlCurve::at(const CurvePlace<double>& place) const {
           .third = span.third()};
 }
 
-CurvePlace<double> ControlCurve::place_of_area(double area) const {
+CurvePlace<double> ControlCurve::place_of_area(double area, const CurvePlace<double>& near) const {
+  // Newton's method doubles the digits: after such a step, as a share of what is left to either end, the next
+  // one would change nothing but rounding.
+  constexpr double last_step = 1e-9;
   const auto above = std::ranges::lower_bound(areas_, area);
   if (above == areas_.begin()) return {0, 0};
   if (above == areas_.end()) return {static_cast<std::int32_t>(spans_.size()) - 1, 1};
@@ -35,13 +38,16 @@ CurvePlace<double> ControlCurve::place_of_area(double area) const {
   double low = 0;
   double high = 1;
   double t = span.integral() > 0 ? wanted / span.integral() : 0.5;
+  if (near.span == static_cast<std::int32_t>(index) && near.t > 0) t = near.t;
   for (int i = 0; i < std::numeric_limits<double>::digits; ++i) {
     const double excess = span.integral(t) - wanted;
     (excess < 0 ? low : high) = t;
     const double newton = t - excess / span.value(t);
     const double next = newton > low && newton < high ? newton : (low + high) / 2;
-    if (std::fabs(next - t) <= std::numeric_limits<double>::epsilon()) break;
+    const double step = std::fabs(next - t);
+    if (step <= std::numeric_limits<double>::epsilon()) break;
     t = next;
+    if (next == newton && step <= last_step * std::min(t, 1 - t)) break;
   }
   return {static_cast<std::int32_t>(index), t};
 }

@@ -36,8 +36,8 @@ class ControlCurve {
   /// The mean of phi over a.
   [[nodiscard]] double mean() const { return total() / static_cast<double>(span_count()); }
   /// The place where Phi first reaches `area`. The curve is nowhere negative. An area beyond the ends gives
-  /// the nearer end. O(log f).
-  [[nodiscard]] CurvePlace<double> place_of_area(double area) const;
+  /// the nearer end. `near` is a place not far from it, if one is known. O(log f).
+  [[nodiscard]] CurvePlace<double> place_of_area(double area, const CurvePlace<double>& near = {}) const;
   /// The largest |phi|, and its a. Exact: at the ends of spans and where phi' = 0.
   struct Largest {
     double value = 0, a = 0;

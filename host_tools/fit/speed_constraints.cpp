@@ -258,11 +258,13 @@ void MotionSamples::evaluate_curve_moment(const ControlCurve& curve, double a) {
                       .is_linearized_here = moment.turns.scale > at.constant * at.curve.value / 4});
 }
 
-void MotionSamples::evaluate_path_moment(const ControlCurve& curve, const PathMoment& moment) {
+void MotionSamples::evaluate_path_moment(const ControlCurve& curve, const PathMoment& moment,
+                                         CurvePlace<double>& near) {
   const auto next = std::ranges::upper_bound(stretches_, moment.distance, {}, &Stretch::begin_distance);
   const Stretch& stretch = next == stretches_.begin() ? *next : *(next - 1);
   const double area = (moment.distance - stretch.offset) / stretch.constant;
-  const Pace at = pace(curve, curve.place_of_area(area), stretch);
+  near = curve.place_of_area(area, near);
+  const Pace at = pace(curve, near, stretch);
   if (!(at.curve.value > standing_)) return;
   const std::size_t first = values_.size();
   if (moment.turn_steps.empty()) {
@@ -281,7 +283,8 @@ void MotionSamples::evaluate(const ControlCurve& curve) {
   moments_.clear();
   values_.clear();
   for (const double a : curve_moments_) evaluate_curve_moment(curve, a);
-  for (const PathMoment& moment : path_moments_) evaluate_path_moment(curve, moment);
+  CurvePlace<double> near;
+  for (const PathMoment& moment : path_moments_) evaluate_path_moment(curve, moment, near);
 }
 
 Excess MotionSamples::worst(std::span<const Allowance> allowances) const {

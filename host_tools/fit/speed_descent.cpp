@@ -26,6 +26,8 @@ constexpr double min_gain = 1e-4;
 constexpr double smallest_cost = 1e-6;
 /// Rounding of the linear conditions.
 constexpr double condition_tolerance = 1e-10;
+/// As a share, and more than a product and a quotient differ by.
+constexpr double comparison_rounding = 1e-14;
 /// At first a step looks only at limits of which so much is used, and then at those that it broke: of
 /// thousands few are active.
 constexpr double looked_at_share = 0.8;
@@ -72,6 +74,11 @@ class LinearLimits {
 
   bool add(std::span<const double> difference, double excess, bool only_foremost, BandProgram& program) {
     const ControlCurve change(difference, samples_.ends());
+    // Of the many values nearly all are far below: a product tells so more quickly than a quotient.
+    std::vector<Allowance> least(allowances_.begin(), allowances_.end());
+    for (Allowance& allowance : least) {
+      for (double& value : allowance) value *= (1 + excess) * (1 - comparison_rounding);
+    }
     std::vector<Foremost> crowd(2 * limited_quantities * allowances_.size());
     std::vector<std::size_t> met;  // of the crowd
     double crowd_begin = -1;
@@ -100,6 +107,7 @@ class LinearLimits {
         const double share =
             value.share + w.area * by.area + w.value * by.value + w.first * by.first + w.second * by.second;
         const auto quantity = static_cast<std::size_t>(value.quantity);
+        if (std::fabs(share) < least[value.axis][quantity]) continue;
         const double beyond = std::fabs(share) / allowances_[value.axis][quantity] - 1;
         const std::size_t is_above = share > 0 ? 1 : 0;
         if (!(beyond > excess) || taken_[2 * k + is_above]) continue;

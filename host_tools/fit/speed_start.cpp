@@ -12,7 +12,11 @@ namespace inbetween {
 namespace {
 
 constexpr double ramp_spans = 2;
+/// A segment has so many points, or fewer if the path would have more than max_points, but never fewer than
+/// min_points_per_segment.
 constexpr int points_per_segment = 64;
+constexpr int min_points_per_segment = 8;
+constexpr int max_points = 64'000;
 constexpr int bisections = 100;
 
 /// 0 at the rests, 1 far from them, for every control value.
@@ -44,26 +48,30 @@ std::vector<double> scaled(std::vector<double> values, const StartWishes& wishes
 
 /// A short stretch of the path.
 struct Reach {
-  double begin = 0, end = 0;  ///< distance
-  double curvature = 0;
-  double fastest = 0;  ///< unit/s
+  double fastest = 0;   ///< unit/s
+  double bend = 0;      ///< the root of the curvature
+  double seconds = 0;   ///< at the fastest
+  double per_pace = 0;  ///< seconds, times the pace, where the curvature says how fast
 };
 
 std::vector<Reach> reaches_of(const Track<double>& track, std::span<const RigAxis> axes) {
   std::vector<Reach> reaches;
   PathTurns turns;
   const Path<double>& path = track.path();
+  const int points =
+      std::clamp(max_points / std::max(path.segment_count(), 1), min_points_per_segment, points_per_segment);
   double begin = 0;
   for (std::int32_t i = 0; i < path.segment_count(); ++i) {
-    for (int k = 0; k < points_per_segment; ++k) {
-      const double t = (k + 1.0) / points_per_segment;
+    for (int k = 0; k < points; ++k) {
+      const double t = (k + 1.0) / points;
       const double end = track.arc_length().distance(path, {i, t}).high;
-      if (!(end > begin) || !turns.find(path, {i, (k + 0.5) / points_per_segment})) continue;
+      if (!(end > begin) || !turns.find(path, {i, (k + 0.5) / points})) continue;
       double fastest = std::numeric_limits<double>::infinity();
       for (std::size_t d = 0; d < axes.size(); ++d) {
         fastest = std::min(fastest, axes[d].max_velocity / std::fabs(turns.axes[d][0]));
       }
-      reaches.push_back({begin, end, turns.curvature, fastest});
+      const double bend = std::sqrt(turns.curvature);
+      reaches.push_back({fastest, bend, (end - begin) / fastest, (end - begin) * bend});
       begin = end;
     }
   }
@@ -71,12 +79,16 @@ std::vector<Reach> reaches_of(const Track<double>& track, std::span<const RigAxi
 }
 
 double speed_of(const Reach& reach, double pace) {
-  return reach.curvature > 0 ? std::min(reach.fastest, pace / std::sqrt(reach.curvature)) : reach.fastest;
+  return reach.bend > 0 ? std::min(reach.fastest, pace / reach.bend) : reach.fastest;
+}
+
+double seconds_of(const Reach& reach, double slowness) {
+  return std::max(reach.seconds, reach.per_pace * slowness);
 }
 
 double seconds_of(std::span<const Reach> reaches, double pace) {
   double seconds = 0;
-  for (const Reach& reach : reaches) seconds += (reach.end - reach.begin) / speed_of(reach, pace);
+  for (const Reach& reach : reaches) seconds += seconds_of(reach, 1 / pace);
   return seconds;
 }
 
@@ -113,8 +125,7 @@ std::vector<double> curvature_start(const Track<double>& track, std::span<const 
     const CurveValues at = ramp_curve.at(place_at(static_cast<double>(i), ramp_curve.span_count()));
     const double wanted = all * at.area / ramp_curve.total();
     while (next + 1 < reaches.size()) {
-      const Reach& reach = reaches[next];
-      const double takes = (reach.end - reach.begin) / speed_of(reach, pace);
+      const double takes = seconds_of(reaches[next], 1 / pace);
       if (elapsed + takes >= wanted) break;
       elapsed += takes;
       ++next;
