@@ -74,10 +74,12 @@ void bound_rolls(const Plan& plan, CheckReport& report) {
   }
 }
 
-/// 0 where it is no more than rounding.
+/// A step that is no larger is no more than rounding.
+double rounding_of(const CheckedPeak& peak) {
+  return step_rounding * std::max(std::isfinite(peak.value) ? peak.value : 0, peak.limit.value_or(0));
+}
 double without_rounding(double step, const CheckedPeak& peak) {
-  const double largest = std::max(std::isfinite(peak.value) ? peak.value : 0, peak.limit.value_or(0));
-  return step > step_rounding * largest ? step : 0;
+  return step > rounding_of(peak) ? step : 0;
 }
 
 void add_steps(const std::vector<std::size_t>& axes, const std::vector<AxisStep<double>>& steps,
@@ -115,9 +117,22 @@ void list_steps(const Plan& plan, std::size_t index, CheckReport& report) {
   const Track<double>& track = plan.tracks()[index].track();
   const std::int32_t segments = track.path().segment_count();
   std::vector<AxisStep<double>> steps(axes.size());
+  const PaceBounds<double> pace = pace_bounds(track);
+  const auto may_step = [&](std::int32_t key) {
+    bound_steps_at_key<double>(track, key, pace, steps);
+    for (std::size_t d = 0; d < axes.size(); ++d) {
+      const CheckedAxis& axis = report.axes[axes[d]];
+      const bool is_rounding = 2 * steps[d].velocity <= rounding_of(axis.velocity) &&
+                               2 * steps[d].acceleration <= rounding_of(axis.acceleration);
+      if (!is_rounding) return true;
+    }
+    return false;
+  };
   for (std::int32_t i = 0; i <= segments; ++i) {
-    const double frame = steps_at_key<double>(track, i, steps);
-    if (is_played(plan, index, frame)) add_steps(axes, steps, track.path().key_at(i), frame, report);
+    if (may_step(i)) {
+      const double frame = steps_at_key<double>(track, i, steps);
+      if (is_played(plan, index, frame)) add_steps(axes, steps, track.path().key_at(i), frame, report);
+    }
     if (i == segments) break;
     const Standstills<double> standstills = standstills_within(track, i);
     for (std::size_t k = 0; k < standstills.count; ++k) {

@@ -38,7 +38,9 @@ CurvePlace<double> ControlCurve::place_of_area(double area, const CurvePlace<dou
   double low = 0;
   double high = 1;
   double t = span.integral() > 0 ? wanted / span.integral() : 0.5;
-  if (near.span == static_cast<std::int32_t>(index) && near.t > 0) t = near.t;
+  if (near.span == static_cast<std::int32_t>(index) && near.t > 0 && near.t < 1) {
+    t = near.t;
+  }
   for (int i = 0; i < std::numeric_limits<double>::digits; ++i) {
     const double excess = span.integral(t) - wanted;
     (excess < 0 ? low : high) = t;

@@ -54,8 +54,8 @@ CheckReport checked(const Plan& plan) {
 
 }  // namespace
 
-FittedTrack::FittedTrack(const Plan& plan, std::size_t index)
-    : played_(plan_of(plan, index)), report_(check(played_)) {
+FittedTrack::FittedTrack(const Plan& plan, const CheckReport& report, std::size_t index)
+    : played_(plan_of(plan, index)), report_(plan.tracks().size() == 1 ? report : check(played_)) {
   axes_.resize(file().axes.size());
   rig_axes_.resize(axes_.size());
   for (std::size_t a = 0; a < played_.axes().size(); ++a) {

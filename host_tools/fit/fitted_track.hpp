@@ -18,8 +18,8 @@ namespace inbetween {
 
 class FittedTrack {
  public:
-  /// The plan has a rig.
-  FittedTrack(const Plan& plan, std::size_t index);
+  /// The plan has a rig, and `report` is that of the plan.
+  FittedTrack(const Plan& plan, const CheckReport& report, std::size_t index);
 
   /// The track as it is.
   [[nodiscard]] const Plan& played() const { return played_; }

@@ -69,6 +69,12 @@ struct MotionSamples::Pace {
   double constant = 0;         ///< K
   std::array<double, 3> w{};   ///< along the path and its derivatives in time
   std::array<double, 3> by{};  ///< of them by phi and its derivatives
+
+  /// About where Phi is a little more or less: by Taylor's series of its inverse.
+  [[nodiscard]] CurvePlace<double> place_near(double area) const {
+    const double step = (area - curve.area) / curve.value;
+    return {place.span, place.t + step * (1 - step * curve.first / (2 * curve.value))};
+  }
 };
 
 MotionSamples::MotionSamples(const Track<double>& track, std::span<const RigAxis> axes, int refinements,
@@ -258,13 +264,12 @@ void MotionSamples::evaluate_curve_moment(const ControlCurve& curve, double a) {
                       .is_linearized_here = moment.turns.scale > at.constant * at.curve.value / 4});
 }
 
-void MotionSamples::evaluate_path_moment(const ControlCurve& curve, const PathMoment& moment,
-                                         CurvePlace<double>& near) {
+void MotionSamples::evaluate_path_moment(const ControlCurve& curve, const PathMoment& moment, Pace& near) {
   const auto next = std::ranges::upper_bound(stretches_, moment.distance, {}, &Stretch::begin_distance);
   const Stretch& stretch = next == stretches_.begin() ? *next : *(next - 1);
   const double area = (moment.distance - stretch.offset) / stretch.constant;
-  near = curve.place_of_area(area, near);
-  const Pace at = pace(curve, near, stretch);
+  const Pace at = pace(curve, curve.place_of_area(area, near.place_near(area)), stretch);
+  near = at;
   if (!(at.curve.value > standing_)) return;
   const std::size_t first = values_.size();
   if (moment.turn_steps.empty()) {
@@ -283,7 +288,7 @@ void MotionSamples::evaluate(const ControlCurve& curve) {
   moments_.clear();
   values_.clear();
   for (const double a : curve_moments_) evaluate_curve_moment(curve, a);
-  CurvePlace<double> near;
+  Pace near;
   for (const PathMoment& moment : path_moments_) evaluate_path_moment(curve, moment, near);
 }
 

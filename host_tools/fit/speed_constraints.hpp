@@ -105,8 +105,8 @@ class MotionSamples {
                           const Stretch& stretch) const;
   void add_end_step(std::size_t first);
   void evaluate_curve_moment(const ControlCurve& curve, double a);
-  /// `near` is the place of a moment beside it on the path, and becomes its own.
-  void evaluate_path_moment(const ControlCurve& curve, const PathMoment& moment, CurvePlace<double>& near);
+  /// `near` is the pace of a moment beside it on the path, and becomes its own.
+  void evaluate_path_moment(const ControlCurve& curve, const PathMoment& moment, Pace& near);
   void add_values(const Pace& pace, const PathMoment& moment, bool stays_on_path);
   void add_step(const Pace& pace, const PathMoment& moment);
 

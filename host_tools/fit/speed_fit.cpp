@@ -354,7 +354,7 @@ SpeedFit fit_speed(const Plan& plan, const CheckReport& report, const FitOptions
   }
   const auto count = static_cast<double>(plan.tracks().size());
   for (std::size_t t = 0; t < plan.tracks().size(); ++t) {
-    const FittedTrack fitted(plan, t);
+    const FittedTrack fitted(plan, report, t);
     if (fitted.report().fits()) continue;
     if (std::string reason = hopeless(fitted); !reason.empty()) return give_up(std::move(reason));
     if (const FewestFrames fewest = fewest_frames(fitted.played()); fewest.frames > fitted.frames()) {
@@ -375,7 +375,7 @@ SpeedFit fit_speed(const Plan& plan, const CheckReport& report, const FitOptions
     FitStart start = search.start();
     if (!values && !options.ends()) {
       if (const std::optional<Plan> shared_out = with_eases_shared_out(fitted)) {
-        const FittedTrack eased(*shared_out, 0);
+        const FittedTrack eased(*shared_out, check(*shared_out), 0);
         TrackSearch other(eased, of_track);
         values = other.run();
         start = other.start();

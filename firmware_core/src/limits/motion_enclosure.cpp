@@ -336,9 +336,10 @@ MotionRange<Real> MotionEnclosure<Real>::range(std::size_t d, const MotionSurrou
   const AxisTurn<Real>& axis = turns_[d];
   MotionFactor<Real> t{{{{axis.direction, 0}, {}, {}}}};
   if (!axis.straight) t = path_factor(first_of(d), axis.second, axis.third, track_.has_profile(), box);
-  if (turns_by_pace(d)) return motion_range(t, steepest(d), box.pace, box.pace_range, box, scale_);
-  const Centred<Real>& speed = box.speed.part[0];
-  return motion_range(t, steepest(d), speed.value, not_negative(speed.range()), box, scale_);
+  if (turns_by_pace(d)) {
+    return motion_range(t, steepest(d), box.pace, SpeedRanges<Real>(box.speed, box.pace_range), box, scale_);
+  }
+  return motion_range(t, steepest(d), box.speed.part[0].value, SpeedRanges<Real>(box.speed), box, scale_);
 }
 
 template <Precise Real>
@@ -349,8 +350,9 @@ void MotionEnclosure<Real>::here_in_lanes(std::size_t group, const MotionSurroun
 
 template <Precise Real>
 void MotionEnclosure<Real>::range_in_lanes(std::size_t group, const MotionSurroundings<Real>& box,
+                                           const SpeedRanges<Real>& ranges,
                                            MotionRange<Group<Real>>& out) const {
-  if constexpr (lanes_are_quick) range_of(lanes_[group], track_.has_profile(), box, scale_, out);
+  if constexpr (lanes_are_quick) range_of(lanes_[group], track_.has_profile(), box, ranges, scale_, out);
 }
 
 /// How far the place at a time may be off in tau: near an anchor as LengthFromAnchor says, elsewhere because

@@ -70,6 +70,33 @@ struct MotionSurroundings {
   Interval<Real> pace_range = {};
 };
 
+template <Precise Real>
+Interval<Real> not_negative(Interval<Real> range) {
+  range.low = std::max(range.low, Real(0));
+  return range;
+}
+
+/// What all axes that turn as one pace says have in common in their products on a box.
+template <Precise Real>
+struct SpeedRanges {
+  Interval<Real> speed, change, second;
+  Interval<Real> pace_speed, pace_change, cube;  ///< pace * speed, pace * change, pace^3
+
+  SpeedRanges() = default;
+  SpeedRanges(const MotionFactor<Real>& factor, const Interval<Real>& pace)
+      : speed(factor.part[0].range()),
+        change(factor.part[1].range()),
+        second(factor.part[2].range()),
+        pace_speed(pace * not_negative(speed)),
+        pace_change(pace * change),
+        cube{pace.low * pace.low * pace.low, pace.high * pace.high * pace.high} {}
+  /// Where the pace is the speed.
+  explicit SpeedRanges(const MotionFactor<Real>& factor)
+      : SpeedRanges(factor, not_negative(factor.part[0].range())) {}
+
+  [[nodiscard]] bool is_rest() const { return speed.low == 0 && speed.high == 0; }
+};
+
 /// One axis on a box, in axis units and seconds, or a lane of axes.
 template <class Number>
 struct MotionRange {
@@ -152,11 +179,12 @@ class MotionEnclosure {
   template <class Visit>
   void ranges(std::uint64_t axes, const MotionSurroundings<Real>& box, const Visit& visit) const {
     const bool is_in_lanes = lanes_are_quick && is_regular(box);
+    const SpeedRanges<Real> of_speed = is_in_lanes ? SpeedRanges<Real>(box.speed) : SpeedRanges<Real>();
     for (std::size_t begin = 0; begin < axes_; begin += group_size) {
       const std::uint64_t open = axes >> begin & ((std::uint64_t{1} << group_size) - 1);
       if (open == 0) continue;
       MotionRange<Group<Real>> group{};
-      if (is_in_lanes) range_in_lanes(begin / group_size, box, group);
+      if (is_in_lanes) range_in_lanes(begin / group_size, box, of_speed, group);
       for (std::size_t i = 0; i < group_size && begin + i < axes_; ++i) {
         const bool is_open = (open >> i & 1) != 0;
         if (is_in_lanes && is_open && !turns_[begin + i].straight) continue;
@@ -199,7 +227,7 @@ class MotionEnclosure {
   }
   [[nodiscard]] Triple here(std::size_t d, const MotionSurroundings<Real>& box) const;
   void here_in_lanes(std::size_t group, const MotionSurroundings<Real>& box, GroupTriple<Real>& out) const;
-  void range_in_lanes(std::size_t group, const MotionSurroundings<Real>& box,
+  void range_in_lanes(std::size_t group, const MotionSurroundings<Real>& box, const SpeedRanges<Real>& ranges,
                       MotionRange<Group<Real>>& out) const;
   void find_jerk_change(const Stretch<Real>& stretch, MotionSurroundings<Real>& box) const;
   void divide_by_distance(MotionSurroundings<Real>& box) const;

@@ -49,31 +49,30 @@ std::array<Number, motion_quantities> middle(const std::array<Number, motion_qua
 /// What the products can be on a box, where the speed is not 0 all the time. |dP/dL| is at most `steepest`.
 template <class Number, Precise Real>
 std::array<Number, motion_quantities> bounds_of(const MotionFactor<Number>& t, const Number& steepest,
-                                                const Interval<Real>& speed, const Interval<Real>& pace,
+                                                const SpeedRanges<Real>& ranges,
                                                 const MotionSurroundings<Real>& box,
                                                 const std::array<Number, motion_quantities>& here) {
-  const Interval<Real> cube{pace.low * pace.low * pace.low, pace.high * pace.high * pace.high};
-  const Interval<Real> change = box.speed.part[1].range();
   using Range = Interval<Number>;
   Range first = t.part[0].range();
   first.low = greatest(Real(-1) * steepest, first.low);
   first.high = least(steepest, first.high);
   const Range second = t.part[1].range();
+  const Range third = t.part[2].range();
   std::array<Number, motion_quantities> bound;
-  const Range jerk = t.part[2].range().times(Range::of(cube)) +
-                     (second * Range::of(pace * change)).times(Real(3)) +
-                     first * Range::of(box.speed.part[2].range());
+  const Range jerk = third.times(Range::of(ranges.cube)) +
+                     (second * Range::of(ranges.pace_change)).times(Real(3)) +
+                     first * Range::of(ranges.second);
   const auto& by = box.jerk_change;
-  const Range change_of_jerk = t.third_slope.times(Range::of(by[0])) + t.part[2].range() * Range::of(by[1]) +
+  const Range change_of_jerk = t.third_slope.times(Range::of(by[0])) + third * Range::of(by[1]) +
                                second * Range::of(by[2]) + first * Range::of(by[3]);
   bound[2] = least(or_infinity<Real>(jerk.magnitude()),
-                   or_infinity<Real>(absolute(here[2]) + cube.high * t.rounding +
+                   or_infinity<Real>(absolute(here[2]) + ranges.cube.high * t.rounding +
                                      box.jerk_seconds * change_of_jerk.magnitude()));
   // By the mean value theorem from the middle, or directly.
-  const Range acceleration = second.times(Range::of(pace * speed)) + first * Range::of(change);
+  const Range acceleration = second.times(Range::of(ranges.pace_speed)) + first * Range::of(ranges.change);
   bound[1] = least(or_infinity<Real>(acceleration.magnitude()),
                    or_infinity<Real>(absolute(here[1]) + box.seconds * bound[2]));
-  bound[0] = least(or_infinity<Real>(first.times(Range::of(speed)).magnitude()),
+  bound[0] = least(or_infinity<Real>(first.times(Range::of(not_negative(ranges.speed))).magnitude()),
                    or_infinity<Real>(absolute(here[0]) + box.seconds * bound[1]));
   return bound;
 }
@@ -81,25 +80,17 @@ std::array<Number, motion_quantities> bounds_of(const MotionFactor<Number>& t, c
 /// The motion and its bounds, from the derivatives by distance.
 template <class Number, Precise Real>
 MotionRange<Number> motion_range(const MotionFactor<Number>& t, const Number& steepest, Real pace,
-                                 const Interval<Real>& pace_range, const MotionSurroundings<Real>& box,
+                                 const SpeedRanges<Real>& ranges, const MotionSurroundings<Real>& box,
                                  Real scale) {
   MotionRange<Number> range;
   range.here = middle<Number>({t.part[0].value, t.part[1].value, t.part[2].value}, pace, box.speed);
-  Interval<Real> speed = box.speed.part[0].range();
-  if (speed.low == 0 && speed.high == 0) {
-    range.bound = {};  // a rest, wherever it is
+  if (ranges.is_rest()) {
+    range.bound = {};  // wherever it is
   } else {
-    speed.low = std::max(speed.low, Real(0));
-    range.bound = bounds_of(t, steepest, speed, pace_range, box, range.here);
+    range.bound = bounds_of(t, steepest, ranges, box, range.here);
   }
   for (Number& value : range.here) value = scale * value;
   for (Number& value : range.bound) value = scale * value;
-  return range;
-}
-
-template <Precise Real>
-Interval<Real> not_negative(Interval<Real> range) {
-  range.low = std::max(range.low, Real(0));
   return range;
 }
 
@@ -170,11 +161,11 @@ template <Precise Real>
 
 template <Precise Real>
 [[gnu::flatten]] INBETWEEN_PROCESSOR_CLONES void range_of(const TurnLanes<Real>& turn, bool has_profile,
-                                                          const MotionSurroundings<Real>& box, Real scale,
+                                                          const MotionSurroundings<Real>& box,
+                                                          const SpeedRanges<Real>& ranges, Real scale,
                                                           MotionRange<WideLanes<Real>>& out) {
-  const Centred<Real>& speed = box.speed.part[0];
   out = motion_range(path_factor(turn.first, turn.second, turn.third, has_profile, box), turn.steepest,
-                     speed.value, not_negative(speed.range()), box, scale);
+                     box.speed.part[0].value, ranges, box, scale);
 }
 
 }  // namespace inbetween

@@ -1,5 +1,6 @@
 #include "inbetween/limits/motion_steps.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -341,6 +342,48 @@ Real steps_at_key(const Track<Real>& track, std::int32_t key, std::span<AxisStep
 }
 
 template <Precise Real>
+PaceBounds<Real> pace_bounds(const Track<Real>& track) {
+  constexpr Real infinity = std::numeric_limits<Real>::infinity();
+  if (!track.has_profile() || !track.portions().empty()) return {infinity, infinity};
+  Real highest = 0;
+  Real steepest = 0;
+  for (std::int32_t i = 0; i < track.profile().span_count(); ++i) {
+    const auto [b0, b1, b2, b3] = track.profile().span(i);
+    highest = std::max({highest, b0, b1, b2, b3});
+    steepest = std::max({steepest, std::fabs(b1 - b0), std::fabs(b2 - b1), std::fabs(b3 - b2)});
+  }
+  const Real rate = track.curve_rate();
+  return {track.constant() * rate * highest, track.constant() * rate * rate * (3 * steepest)};
+}
+
+template <Precise Real>
+void bound_steps_at_key(const Track<Real>& track, std::int32_t key, const PaceBounds<Real>& pace,
+                        std::span<AxisStep<Real>> out) {
+  const std::span<AxisStep<Real>> axes = out.first(static_cast<std::size_t>(track.path().axis_count()));
+  constexpr Real infinity = std::numeric_limits<Real>::infinity();
+  for (AxisStep<Real>& axis : axes) axis = {infinity, infinity};
+  const bool is_inside = key > 0 && key < track.path().segment_count();
+  if (!is_inside || !(pace.speed < infinity) || !has_length(track, key - 1) || !has_length(track, key))
+    return;
+  // With the speed w the velocity is T w and the acceleration T' w^2 + T w', T = dP/dL: at the unit speed
+  // that stays they are T and T'.
+  const SidedMotion<Real> before(track, Side<Real>{key - 1, Real(1), true, {1, 0}});
+  const SidedMotion<Real> after(track, Side<Real>{key, Real(0), false, {1, 0}});
+  constexpr Real rounding = 64 * std::numeric_limits<Real>::epsilon();
+  const auto step = [](Real from, Real to) {
+    return std::fabs(to - from) + rounding * (std::fabs(to) + std::fabs(from));
+  };
+  for (std::size_t d = 0; d < axes.size(); ++d) {
+    const AxisStep<Real> one = before.axis(d);
+    const AxisStep<Real> other = after.axis(d);
+    const Real turn = step(one.velocity, other.velocity);
+    axes[d].velocity = turn * pace.speed;
+    axes[d].acceleration =
+        step(one.acceleration, other.acceleration) * pace.speed * pace.speed + turn * pace.acceleration;
+  }
+}
+
+template <Precise Real>
 void motion_beside(const Track<Real>& track, std::int32_t frame, bool arriving,
                    std::span<AxisMotion<Real>> out) {
   const std::span<AxisMotion<Real>> axes = out.first(static_cast<std::size_t>(track.path().axis_count()));
@@ -384,6 +427,12 @@ Real steps_at_standstill(const Track<Real>& track, const PathPoint<Real>& point,
 
 template double steps_at_key(const Track<double>&, std::int32_t, std::span<AxisStep<double>>);
 template float steps_at_key(const Track<float>&, std::int32_t, std::span<AxisStep<float>>);
+template PaceBounds<double> pace_bounds(const Track<double>&);
+template PaceBounds<float> pace_bounds(const Track<float>&);
+template void bound_steps_at_key(const Track<double>&, std::int32_t, const PaceBounds<double>&,
+                                 std::span<AxisStep<double>>);
+template void bound_steps_at_key(const Track<float>&, std::int32_t, const PaceBounds<float>&,
+                                 std::span<AxisStep<float>>);
 template void motion_beside(const Track<double>&, std::int32_t, bool, std::span<AxisMotion<double>>);
 template void motion_beside(const Track<float>&, std::int32_t, bool, std::span<AxisMotion<float>>);
 template Standstills<double> standstills_within(const Track<double>&, std::int32_t);

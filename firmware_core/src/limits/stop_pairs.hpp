@@ -33,7 +33,12 @@ template <Precise Real>
 class PairSearch {
  public:
   PairSearch(const StopRequest<Real>& request, const MotionCells<Real>& motion, std::size_t cell)
-      : request_(request), motion_(motion), axes_(request.limits.size()), cell_(cell) {}
+      : request_(request),
+        motion_(motion),
+        axes_(request.limits.size()),
+        cell_(cell),
+        max_rate_jerk_(request.max_rate_jerk()),
+        min_share_(std::sqrt(std::numeric_limits<Real>::epsilon()) / max_rate_jerk_) {}
 
   /// Why there is no pair, with the axis.
   [[nodiscard]] std::optional<StopObstacle<Real>> obstacle() const {
@@ -111,10 +116,8 @@ class PairSearch {
     return change;
   }
   [[nodiscard]] MaxJerk max_jerk(Real change) const {
-    // The R2 of an axis that hardly moves would fall too steeply for the digits of a Real.
-    const Real min_share = std::sqrt(std::numeric_limits<Real>::epsilon()) / request_.max_rate_jerk();
     const Real r = request_.rate;
-    MaxJerk jerk{request_.max_rate_jerk(), 0};
+    MaxJerk jerk{max_rate_jerk_, 0};
     Real value = jerk.at_rest;
     for (std::size_t d = 0; d < axes_; ++d) {
       const std::optional<Real> limit = request_.limits[d].stop_jerk();
@@ -123,7 +126,7 @@ class PairSearch {
       const Real at_rest = *limit - p3 * r * r * r;
       const Real slope = 3 * p2 * r;
       if (!(p1 * value > at_rest - slope * change)) continue;
-      const Real share = std::max(p1, min_share * *limit);
+      const Real share = std::max(p1, min_share_ * *limit);
       jerk = {at_rest / share, slope / share};
       value = jerk.value(change);
     }
@@ -143,6 +146,8 @@ class PairSearch {
   const MotionCells<Real>& motion_;
   std::size_t axes_;
   std::size_t cell_;
+  Real max_rate_jerk_;
+  Real min_share_;  ///< the R2 of an axis that hardly moves would fall too steeply for the digits of a Real
 };
 
 }  // namespace inbetween

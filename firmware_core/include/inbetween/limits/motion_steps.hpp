@@ -34,6 +34,24 @@ struct AxisStep {
 template <Precise Real>
 Real steps_at_key(const Track<Real>& track, std::int32_t key, std::span<AxisStep<Real>> out);
 
+/// Bounds of the speed along the path and of its change, anywhere on a drawn curve.
+template <Precise Real>
+struct PaceBounds {
+  Real speed = 0;         ///< unit/s
+  Real acceleration = 0;  ///< unit/s^2, of the magnitude
+};
+
+/// Those of a track; infinite if it has no drawn curve, or breaks. O(f).
+template <Precise Real>
+PaceBounds<Real> pace_bounds(const Track<Real>& track);
+
+/// Bounds of what steps_at_key() finds, without looking for the time: of the steps that the path alone makes,
+/// taken at the fastest pace. Infinite at both ends, and where several keys lie in one place. O(axes), a
+/// fifth of the cost.
+template <Precise Real>
+void bound_steps_at_key(const Track<Real>& track, std::int32_t key, const PaceBounds<Real>& pace,
+                        std::span<AxisStep<Real>> out);
+
 /// The motion of every axis with which a track leaves a frame or, `arriving`, comes to it: position, velocity
 /// and acceleration; no jerk. The two differ where a key on which the motion steps is met on that frame,
 /// within what a lock promises. Of frame 0 and N the inner side. A track that rests there has no velocity and
