@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "inbetween/limits/motion_bounds.hpp"
+#include "inbetween/limits/motion_steps.hpp"
 #include "tests/support/oracle_limits.hpp"
 #include "tests/support/property.hpp"
 #include "tests/support/random_move.hpp"
@@ -173,6 +174,38 @@ TEST(MotionBoundsProperty, NoPeakIsAboveItsBoundAndNoBoundIsOnePercentAboveItsPe
             << " moves a peak is narrower than time is known; " << parts << " parts of moves\n";
   EXPECT_TRUE(!counts_mean_something() || parts >= compared / 5);
   EXPECT_LE(unresolved, compared / 20 + 3);
+}
+
+TEST(MotionStepsProperty, NoStepAtAKeyIsAboveItsBound) {
+  int bounded = 0;
+  int none = 0;
+  check_property(many_moves, [&] {
+    const RandomMove move = *regular_move();
+    show(move);
+    const TrackInput<double> input(move);
+    const SolvedTrack<double> solution(input.spec, Solver::closed_form);
+    const Track<double>& track = solution.track();
+    const PaceBounds<double> pace = pace_bounds(track);
+    const auto axes = static_cast<std::size_t>(track.path().axis_count());
+    std::vector<AxisStep<double>> bounds(axes);
+    std::vector<AxisStep<double>> steps(axes);
+    for (std::int32_t key = 0; key <= track.path().segment_count(); ++key) {
+      bound_steps_at_key<double>(track, key, pace, bounds);
+      steps_at_key<double>(track, key, steps);
+      for (std::size_t d = 0; d < axes; ++d) {
+        RC_LOG() << "key " << key << ", axis " << d << ": " << steps[d].velocity << " of "
+                 << bounds[d].velocity << ", " << steps[d].acceleration << " of " << bounds[d].acceleration
+                 << '\n';
+        RC_ASSERT(steps[d].velocity <= bounds[d].velocity);
+        RC_ASSERT(steps[d].acceleration <= bounds[d].acceleration);
+        if (!std::isfinite(bounds[d].acceleration)) continue;
+        ++bounded;
+        if (bounds[d].acceleration <= 1e-9 * pace.speed * pace.speed) ++none;
+      }
+    }
+  });
+  std::cout << bounded << " steps are bounded, " << none << " of them to none\n";
+  EXPECT_TRUE(!counts_mean_something() || bounded > many_moves);
 }
 
 }  // namespace motion_bounds_property_test

@@ -358,7 +358,7 @@ double height_of_picture(const std::string& svg) {
 TEST(CheckCommand, FitsInTheFewestFramesForWhichACurveIsFound) {
   const std::string move =
       "name = \"slide\"\nfps = 24\nframes = 120 # five seconds\n[[track]]\naxes = [\"slide\"]\n"
-      "keys = [{ at = [60] }, { at = [500], frame = 60 }, { at = [1240] }]\nspeed = [0, 0, 2, 30, 2, 0, 0]\n";
+      "keys = [{ at = [60] }, { at = [500], frame = 55 }, { at = [1240] }]\nspeed = [0, 0, 2, 30, 2, 0, 0]\n";
   const TemporaryFolder folder;
   const auto file = [&](const char* name) { return (folder.path() / name).string(); };
   const ProgramRun run = check_text(move, {"--fit", file("fitted.toml"), "--fewest", "--json",
@@ -376,7 +376,7 @@ TEST(CheckCommand, FitsInTheFewestFramesForWhichACurveIsFound) {
   EXPECT_GE(Json::parse(file_contents(file("plain.json")))["smallest_frames_other_curve"], fewest);
   const std::string text = file_contents(file("fitted.toml"));
   EXPECT_THAT(text, HasSubstr("frames = " + std::to_string(fewest) + " # five seconds"));
-  EXPECT_THAT(text, HasSubstr("frame = " + std::to_string((fewest + 1) / 2) + " }"));
+  EXPECT_THAT(text, HasSubstr("frame = " + std::to_string((110 * fewest + 120) / 240) + " }"));
   EXPECT_EQ(check_text(text).status, 0);
   EXPECT_EQ(check_text(move, {"--plot", file("drawn.svg")}).status, 3);
   EXPECT_GT(height_of_picture(file("fitted.svg")), height_of_picture(file("drawn.svg")) + 100)
