@@ -233,14 +233,16 @@ TEST(SpeedFit, ACurveThatNoFileHoldsIsRefusedBeforeTheSearch) {
   std::string speed = "speed = [0, 0";
   for (int i = 0; i < 1000; ++i) speed += ", 10";
   const std::string eased = with(bends, "[60, 40] }", "[60, 40], ease = true }");
-  const Plan plan = plan_of(move_of(eased + speed + ", 0, 0]\n", 2400), {.velocity = 4});
+  const std::string move = move_of(eased + speed + ", 0, 0]\n", 2400);
+  const Plan plan = plan_of(move, {.velocity = 0.97 * check(plan_of(move, {})).axes[0].velocity.value});
+  ASSERT_FALSE(check(plan).fits());
   ASSERT_GT(plan.tracks()[0].control_values().size(), max_control_values);
   bool has_begun = false;
   try {
     fit_speed(plan, check(plan), {.progress = [&](double) { has_begun = true; }});
     ADD_FAILURE() << "was not refused";
   } catch (const InputError& error) {
-    EXPECT_THAT(error.what(), AllOf(HasSubstr("move.toml:6:9: "), HasSubstr("4013 control values"),
+    EXPECT_THAT(error.what(), AllOf(HasSubstr("move.toml:7:9: "), HasSubstr("4013 control values"),
                                     HasSubstr("at most 2048; draw it with fewer")));
   }
   EXPECT_FALSE(has_begun);
