@@ -124,6 +124,9 @@ class SidedMotion {
     rate_change_ = (side.pace.acceleration - change * rate_ * rate_) / sigma_;
   }
 
+  /// |P''| / |P'|^2, of which the part across the path is its curvature.
+  [[nodiscard]] Real bend() const { return stands_still_ ? Real(0) : second_ / sigma_ / sigma_; }
+
   [[nodiscard]] AxisStep<Real> axis(std::size_t d) const {
     const Cubic<Real>& cubic = cubics_[d];
     const Real t = side_.t;
@@ -373,13 +376,16 @@ void bound_steps_at_key(const Track<Real>& track, std::int32_t key, const PaceBo
   const auto step = [](Real from, Real to) {
     return std::fabs(to - from) + rounding * (std::fabs(to) + std::fabs(from));
   };
+  const Real bend = before.bend() + after.bend();
   for (std::size_t d = 0; d < axes.size(); ++d) {
     const AxisStep<Real> one = before.axis(d);
     const AxisStep<Real> other = after.axis(d);
     const Real turn = step(one.velocity, other.velocity);
     axes[d].velocity = turn * pace.speed;
-    axes[d].acceleration =
-        step(one.acceleration, other.acceleration) * pace.speed * pace.speed + turn * pace.acceleration;
+    // What is along the path cancels, and leaves its rounding.
+    const Real along = rounding * bend * (std::fabs(one.velocity) + std::fabs(other.velocity));
+    axes[d].acceleration = (step(one.acceleration, other.acceleration) + along) * pace.speed * pace.speed +
+                           turn * pace.acceleration;
   }
 }
 
