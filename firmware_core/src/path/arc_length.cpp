@@ -68,30 +68,30 @@ bool add_up(Real begin, std::span<const Real> ways, std::span<Real> distances) {
 }
 
 /// ArcPiece::plain_t in lanes, with the bits that each would have alone.
-template <Precise Real>
-WideLanes<Real> within(const WideLanes<Real>& x) {
-  const WideLanes<Real> zero(Real(0));
-  const WideLanes<Real> one(Real(1));
-  const WideLanes<Real> nonnegative = if_less(zero, x, x, zero);
+template <class Number>
+Number within(const Number& x) {
+  const Number zero(0);
+  const Number one(1);
+  const Number nonnegative = if_less(zero, x, x, zero);
   return if_less(nonnegative, one, nonnegative, one);
 }
-template <Precise Real>
-WideLanes<Real> plain_places(const ArcPiece<Real>& piece, const WideLanes<Real>& offset) {
+template <Precise Real, class Number>
+Number plain_places(const ArcPiece<Real>& piece, const Number& offset) {
   const std::array<Real, 6>& c = piece.c;
-  const WideLanes<Real> u = within<Real>(piece.inverse_step * offset);
-  const WideLanes<Real> square = u * u;
-  return within<Real>((c[0] + c[1] * u) + square * ((c[2] + c[3] * u) + square * (c[4] + c[5] * u)));
+  const Number u = within(piece.inverse_step * offset);
+  const Number square = u * u;
+  return within((c[0] + c[1] * u) + square * ((c[2] + c[3] * u) + square * (c[4] + c[5] * u)));
 }
 
 /// Finds the points of ways whose distances rise, from the first to the last before `to`, all on one plain
 /// piece, and returns how many they are. Points behind those may be overwritten: four are evaluated at once,
 /// and the next ones without waiting for how many of the four are before `to`.
-template <Precise Real>
+template <class Number, Precise Real>
 std::size_t find_points(const ArcPiece<Real>& piece, Real offset, Real to, std::span<const Real> distances,
                         std::span<const Real> ways, std::span<PathPoint<Real>> points) {
   std::size_t done = 0;
   for (; lanes_are_quick && done + lane_count <= ways.size(); done += lane_count) {
-    const WideLanes<Real> t = plain_places(piece, offset + WideLanes<Real>::from(ways.subspan(done)));
+    const Number t = plain_places(piece, offset + Number::from(ways.subspan(done)));
     for (std::size_t i = 0; i < lane_count; ++i) points[done + i] = {piece.segment, t[i]};
     if (distances[done + lane_count - 1] < to) continue;
     std::size_t inside = 0;
@@ -114,6 +114,7 @@ template <Precise Real, class Find, class Locate>
   std::array<Real, ways_per_block> memory;
   const std::span<const Real> distances = std::span(memory).first(ways.size());
   const bool rises = add_up<Real>(begin.high, ways, memory);
+  const bool is_wide = has_wide_registers();
   std::size_t index = pieces.size();
   for (std::size_t i = 0; i < ways.size();) {
     const Real distance = distances[i];
@@ -127,8 +128,12 @@ template <Precise Real, class Find, class Locate>
       const ArcPiece<Real>& piece = pieces[index];
       if (piece.kind == ArcPiece<Real>::Kind::plain) {
         const Real to = std::min(next_begins[index], path_end);
-        i += find_points(piece, piece.offset(begin), to, distances.subspan(i), ways.subspan(i),
-                         points.subspan(i));
+        const Real offset = piece.offset(begin);
+        const auto rest = points.subspan(i);
+        i += is_wide ? find_points<WideLanes<Real>, Real>(piece, offset, to, distances.subspan(i),
+                                                          ways.subspan(i), rest)
+                     : find_points<Lanes<Real>, Real>(piece, offset, to, distances.subspan(i),
+                                                      ways.subspan(i), rest);
         continue;
       }
     }

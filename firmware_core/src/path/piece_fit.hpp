@@ -1,8 +1,10 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstddef>
+#include <type_traits>
 
 #include "base/lanes.hpp"
 #include "inbetween/base/processor_clones.hpp"
@@ -36,18 +38,19 @@ struct PieceEnd {
 /// Consecutive stretches, outward from the anchor, and the pieces that are fitted to them: four side by side
 /// take little longer than one, which would wait for its own square roots and divisions. A piece is in the
 /// order of t, u in [0, 1].
-template <Precise Real>
+template <Precise Real, std::size_t bytes = wide_register_bytes>
 struct PieceBatch {
+  using Number = Lanes<Real, bytes>;
   PieceEnd<Real> near;  ///< where the first stretch begins
-  WideLanes<Real> tau;  ///< where each of them ends
-  WideLanes<Real> y;    ///< y there, d tau / d y and d2 tau / d y2
-  WideLanes<Real> first;
-  WideLanes<Real> second;
-  WideLanes<Real> length;                   ///< l over the stretch
-  WideLanes<Real> step;                     ///< y over the stretch
-  WideLanes<Real> inverse_step;             ///< 1 / step
-  std::array<WideLanes<Real>, 6> c;         ///< the quintics
-  std::array<WideLanes<Real>, 2> residual;  ///< q t'^2 - 1 at two places, see PieceFitter::fit
+  Number tau;           ///< where each of them ends
+  Number y;             ///< y there, d tau / d y and d2 tau / d y2
+  Number first;
+  Number second;
+  Number length;                   ///< l over the stretch
+  Number step;                     ///< y over the stretch
+  Number inverse_step;             ///< 1 / step
+  std::array<Number, 6> c;         ///< the quintics
+  std::array<Number, 2> residual;  ///< q t'^2 - 1 at two places, see PieceFitter::fit
 
   [[nodiscard]] PieceEnd<Real> far_end(std::size_t i) const { return {tau[i], y[i], first[i], second[i]}; }
   [[nodiscard]] PieceEnd<Real> near_end(std::size_t i) const { return i == 0 ? near : far_end(i - 1); }
@@ -91,14 +94,14 @@ class PieceFitter {
   /// is taken at the two extremes of the error of quintic Hermite interpolation, u = (1 -+ 1/sqrt(5)) / 2.
   /// Flat, so that the lanes stay in registers from one step to the next.
   [[gnu::flatten]] INBETWEEN_PROCESSOR_CLONES void fit(Real distance, PieceBatch<Real>& batch) const {
-    const WideLanes<Real> begin = WideLanes<Real>::shifted(batch.near.tau, batch.tau);
-    const WideLanes<Real> rise = batch.tau - begin;
-    const WideLanes<Real>& start = interval_.forward ? begin : batch.tau;
-    batch.length = lengths(begin, rise);
-    differentiate(distance, batch);
-    interpolate(start, rise, batch);
-    batch.residual[0] = residuals_at(Real(0.27639320225002103), start, batch);
-    batch.residual[1] = residuals_at(Real(0.72360679774997897), start, batch);
+    using Narrow = PieceBatch<Real, register_bytes>;
+    if (std::is_same_v<Narrow, PieceBatch<Real>> || has_wide_registers()) {
+      fit_lanes(distance, batch);
+    } else {
+      auto narrow = std::bit_cast<Narrow>(batch);
+      fit_lanes(distance, narrow);
+      batch = std::bit_cast<PieceBatch<Real>>(narrow);
+    }
   }
 
   /// An upper bound of |q t'^2 - 1| on the whole of a piece, by the Bernstein coefficients of the polynomial.
@@ -106,22 +109,38 @@ class PieceFitter {
   [[nodiscard]] Real certified_residual(const PieceBatch<Real>& batch, std::size_t index) const;
 
  private:
-  [[nodiscard]] WideLanes<Real> lengths(const WideLanes<Real>& begin, const WideLanes<Real>& rise) const {
+  template <std::size_t bytes>
+  void fit_lanes(Real distance, PieceBatch<Real, bytes>& batch) const {
+    using Number = Lanes<Real, bytes>;
+    const Number begin = Number::shifted(batch.near.tau, batch.tau);
+    const Number rise = batch.tau - begin;
+    const Number& start = interval_.forward ? begin : batch.tau;
+    batch.length = lengths(begin, rise);
+    differentiate(distance, batch);
+    interpolate(start, rise, batch);
+    batch.residual[0] = residuals_at(Real(0.27639320225002103), start, batch);
+    batch.residual[1] = residuals_at(Real(0.72360679774997897), start, batch);
+  }
+
+  template <class Number>
+  [[nodiscard]] Number lengths(const Number& begin, const Number& rise) const {
     using Rule = GaussLegendre6<Real>;
     const std::array<Real, 5>& q = interval_.speed_squared.q;
-    WideLanes<Real> sum;
+    Number sum;
     for (std::size_t i = 0; i < 3; ++i) {
-      const WideLanes<Real> low = polynomial(q, begin + Rule::node[i] * rise);
-      const WideLanes<Real> high = polynomial(q, begin + Rule::node[5 - i] * rise);
+      const Number low = polynomial(q, begin + Rule::node[i] * rise);
+      const Number high = polynomial(q, begin + Rule::node[5 - i] * rise);
       sum = sum + Rule::weight[i] * (low.square_root() + high.square_root());
     }
     return rise * sum;
   }
 
-  void differentiate(Real distance, PieceBatch<Real>& batch) const {
-    const WideLanes<Real> first = 1 / polynomial(interval_.speed_squared.q, batch.tau).square_root();
-    const WideLanes<Real> inverse_q = first * first;
-    const WideLanes<Real> second = Real(-0.5) * polynomial(slope_, batch.tau) * (inverse_q * inverse_q);
+  template <std::size_t bytes>
+  void differentiate(Real distance, PieceBatch<Real, bytes>& batch) const {
+    using Number = Lanes<Real, bytes>;
+    const Number first = 1 / polynomial(interval_.speed_squared.q, batch.tau).square_root();
+    const Number inverse_q = first * first;
+    const Number second = Real(-0.5) * polynomial(slope_, batch.tau) * (inverse_q * inverse_q);
     for (std::size_t i = 0; i < lane_count; ++i) {
       distance += batch.length[i];
       batch.y.set(i, distance);
@@ -135,22 +154,25 @@ class PieceFitter {
       batch.first = 2 * batch.y * first;
       batch.second = 4 * (batch.y * batch.y) * second + 2 * first;
       // The difference of two y from the difference of their squares: no digits cancel.
-      batch.step = batch.length / (WideLanes<Real>::shifted(batch.near.y, batch.y) + batch.y);
+      batch.step = batch.length / (Number::shifted(batch.near.y, batch.y) + batch.y);
     }
     batch.inverse_step = 1 / batch.step;
   }
 
   /// Hermite data at both ends to monomials. Where the interval is seen backwards, tau falls as t rises:
   /// second derivatives change sign and first ones keep theirs.
-  void interpolate(const WideLanes<Real>& start, const WideLanes<Real>& rise, PieceBatch<Real>& batch) const {
-    const WideLanes<Real> near_first = WideLanes<Real>::shifted(batch.near.first, batch.first);
-    const WideLanes<Real> near_second = WideLanes<Real>::shifted(batch.near.second, batch.second);
+  template <std::size_t bytes>
+  void interpolate(const Lanes<Real, bytes>& start, const Lanes<Real, bytes>& rise,
+                   PieceBatch<Real, bytes>& batch) const {
+    using Number = Lanes<Real, bytes>;
+    const Number near_first = Number::shifted(batch.near.first, batch.first);
+    const Number near_second = Number::shifted(batch.near.second, batch.second);
     const bool forward = interval_.forward;
-    const WideLanes<Real> square = direction_ / 2 * batch.step * batch.step;
-    const WideLanes<Real> d0 = batch.step * (forward ? near_first : batch.first);
-    const WideLanes<Real> d1 = batch.step * (forward ? batch.first : near_first);
-    const WideLanes<Real> s0 = square * (forward ? near_second : batch.second);
-    const WideLanes<Real> s1 = square * (forward ? batch.second : near_second);
+    const Number square = direction_ / 2 * batch.step * batch.step;
+    const Number d0 = batch.step * (forward ? near_first : batch.first);
+    const Number d1 = batch.step * (forward ? batch.first : near_first);
+    const Number s0 = square * (forward ? near_second : batch.second);
+    const Number s1 = square * (forward ? batch.second : near_second);
     batch.c = {interval_.anchor + direction_ * start,
                d0,
                s0,
@@ -159,15 +181,17 @@ class PieceFitter {
                6 * rise - 3 * (d0 + d1) - s0 + s1};
   }
 
-  [[nodiscard]] WideLanes<Real> residuals_at(Real u, const WideLanes<Real>& start,
-                                             const PieceBatch<Real>& batch) const {
-    const std::array<WideLanes<Real>, 6>& c = batch.c;
-    const WideLanes<Real> travelled = u * (c[1] + u * (c[2] + u * (c[3] + u * (c[4] + u * c[5]))));
-    const WideLanes<Real> slope = c[1] + u * (2 * c[2] + u * (3 * c[3] + u * (4 * c[4] + u * (5 * c[5]))));
-    const WideLanes<Real> tau = start + direction_ * travelled;
-    WideLanes<Real> rate = slope * batch.inverse_step;
+  template <std::size_t bytes>
+  [[nodiscard]] Lanes<Real, bytes> residuals_at(Real u, const Lanes<Real, bytes>& start,
+                                                const PieceBatch<Real, bytes>& batch) const {
+    using Number = Lanes<Real, bytes>;
+    const std::array<Number, 6>& c = batch.c;
+    const Number travelled = u * (c[1] + u * (c[2] + u * (c[3] + u * (c[4] + u * c[5]))));
+    const Number slope = c[1] + u * (2 * c[2] + u * (3 * c[3] + u * (4 * c[4] + u * (5 * c[5]))));
+    const Number tau = start + direction_ * travelled;
+    Number rate = slope * batch.inverse_step;
     if (interval_.stands_still) {
-      const WideLanes<Real> near_y = WideLanes<Real>::shifted(batch.near.y, batch.y);
+      const Number near_y = Number::shifted(batch.near.y, batch.y);
       rate = rate / (2 * (near_y + (interval_.forward ? u : 1 - u) * batch.step));
     }
     return Real(-1) + polynomial(interval_.speed_squared.q, tau) * rate * rate;

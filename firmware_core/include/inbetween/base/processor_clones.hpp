@@ -12,6 +12,22 @@
 #if defined(__x86_64__) && defined(__linux__) && defined(__GNUC__) && !defined(__clang__) && \
     !defined(__AVX512F__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define INBETWEEN_PROCESSOR_CLONES [[gnu::target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")]]
+#define INBETWEEN_HAS_WIDE_REGISTERS __builtin_cpu_supports("avx2") != 0
 #else
 #define INBETWEEN_PROCESSOR_CLONES
+#if defined(__AVX2__)
+#define INBETWEEN_HAS_WIDE_REGISTERS true
+#else
+#define INBETWEEN_HAS_WIDE_REGISTERS false
 #endif
+#endif
+
+namespace inbetween {
+
+/// Whether registers hold 32 bytes where a function with INBETWEEN_PROCESSOR_CLONES runs. Vectors of that
+/// size would otherwise live in memory, and take twice as long as those of 16 bytes.
+inline bool has_wide_registers() {
+  return INBETWEEN_HAS_WIDE_REGISTERS;
+}
+
+}  // namespace inbetween

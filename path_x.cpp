@@ -1,0 +1,372 @@
+#include "inbetween/path/path.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/scaled_norm.hpp"
+#include "inbetween/base/processor_clones.hpp"
+#include "path/frame_curves.hpp"
+#include "path/path_checks.hpp"
+#include "path/tcb_tangent.hpp"
+
+namespace inbetween {
+namespace {
+
+template <Precise Real>
+INBETWEEN_PROCESSOR_CLONES void evaluate(const Cubic<Real>& cubic, std::span<const PathPoint<Real>> points,
+                                         std::span<Real> out) {
+  const Cubic<Real> own = cubic;
+  for (std::size_t i = 0; i < points.size(); ++i) out[i] = own.value(points[i].t);
+}
+
+/// The keys of a spec and where the coefficients go, while the path is being made.
+template <Precise Real>
+class Construction {
+ public:
+  Construction(const PathSpec<Real>& spec, const PathMemory<Real>& memory)
+      : spec_(spec),
+        memory_(memory),
+        cubics_(memory.cubics),
+        axes_(static_cast<std::size_t>(spec.axis_count)),
+        keys_(spec.keys.size() / axes_),
+        segments_(spec.closed && keys_ > 1 ? keys_ : keys_ - 1) {
+    std::ranges::copy(spec.weights, memory.weights.begin());
+    if (spec.weights.empty()) std::ranges::fill(memory.weights.first(axes_), Real(1));
+    weights_ = memory.weights.first(axes_);
+  }
+
+  void build() {
+    if (!spec_.key_frames.empty()) {
+      FrameCurves<Real> curves(spec_, memory_);
+      segments_ = curves.segments();
+      curves.write();
+      return append_continuation();
+    }
+    switch (spec_.spline) {
+      case Spline::linear:
+        for (std::size_t i = 0; i < segments_; ++i) straight(i);
+        break;
+      case Spline::smooth:
+        build_smooth();
+        break;
+      case Spline::catmull_rom:
+      case Spline::tcb:
+        build_tcb();
+        break;
+    }
+    if (!spec_.overshoot && segments_ > 0) limit_slopes();
+    append_continuation();
+  }
+
+  /// The first segment on which the path swings beyond the numbers: a smooth path does where an axis of
+  /// little weight goes far between keys that are near to each other as weighted.
+  [[nodiscard]] Status check_range() const {
+    // An ordinary path overshoots a few times; the square of this is still finite for every axis.
+    const Real max_magnitude = 1000 * Precision<Real>::largest;
+    for (std::size_t i = 0; i < segments_ * axes_; ++i) {
+      const Cubic<Real>& c = cubics_[i];
+      const auto inside = [&](Real x) { return std::fabs(x) <= max_magnitude; };  // false for a NaN
+      if (inside(c.c1) && inside(c.c2) && inside(c.c3)) continue;
+      return Error{.code = ErrorCode::out_of_range,
+                   .what = "the path swings beyond the range of numbers after this key",
+                   .remedy = "make the weights less unequal, or use a spline that is not smooth",
+                   .key = key_of(i / axes_),
+                   .axis = static_cast<std::int32_t>(i % axes_)};
+    }
+    return Done{};
+  }
+
+  /// The first segment in which an axis moves although the weighted length does not grow.
+  [[nodiscard]] Status check_measured() const {
+    for (std::size_t i = 0; i < segments_; ++i) {
+      std::int32_t moving_axis = -1;
+      bool measured = false;
+      for (std::size_t d = 0; d < axes_; ++d) {
+        const Cubic<Real>& c = cubics_[i * axes_ + d];
+        if (c.c1 == 0 && c.c2 == 0 && c.c3 == 0) continue;
+        if (weights_[d] > 0) measured = true;
+        if (moving_axis < 0) moving_axis = static_cast<std::int32_t>(d);
+      }
+      if (moving_axis >= 0 && !measured) {
+        return Error{
+            .code = ErrorCode::unmeasured,
+            .what = "an axis moves after this key, but with its weight of 0 the path has no length there",
+            .remedy = "give the axis a weight above 0, or a track of its own",
+            .key = key_of(i),
+            .axis = moving_axis};
+      }
+    }
+    return Done{};
+  }
+
+  [[nodiscard]] std::size_t segments() const { return segments_; }
+  [[nodiscard]] std::size_t keys() const { return keys_; }
+  [[nodiscard]] std::span<const Real> weights() const { return weights_; }
+
+ private:
+  [[nodiscard]] Real key(std::size_t i, std::size_t d) const { return spec_.key(i, d); }
+  [[nodiscard]] Real chord(std::size_t i, std::size_t d) const { return key(i + 1, d) - key(i, d); }
+  /// The key from which a segment leads.
+  [[nodiscard]] std::int32_t key_of(std::size_t segment) const {
+    const bool by_frames = !spec_.key_frames.empty();
+    return static_cast<std::int32_t>(by_frames ? FrameCurves<Real>(spec_, memory_).key_of(segment) : segment);
+  }
+  [[nodiscard]] Cubic<Real>& cubic(std::size_t i, std::size_t d) { return cubics_[i * axes_ + d]; }
+
+  void straight(std::size_t i) {
+    for (std::size_t d = 0; d < axes_; ++d) cubic(i, d) = {key(i, d), chord(i, d), 0, 0};
+  }
+
+  void build_tcb() {
+    for (std::size_t i = 0; i < segments_; ++i) {
+      for (std::size_t d = 0; d < axes_; ++d) {
+        const Real delta = chord(i, d);
+        const Real leaving = tcb_tangent(spec_, i, d, KeySide::leaving);
+        const Real arriving = tcb_tangent(spec_, i + 1, d, KeySide::arriving);
+        cubic(i, d) = {key(i, d), leaving, 3 * delta - 2 * leaving - arriving,
+                       leaving + arriving - 2 * delta};
+      }
+    }
+  }
+
+  // The smooth spline. Neighbouring equal keys share a knot, so the unknowns are the second
+  // derivatives M_k at the distinct knots k = 0..m, m steps h_k apart. Until the coefficients are
+  // written, the slots of cubic(k, 0) hold c0 = h_k, c1 = 1 / pivot_k, c3 = z_k (the answer of row k
+  // to the last unknown of a closed path), and cubic(k, d).c2 holds the right-hand side, then M_k.
+
+  void build_smooth() {
+    std::size_t steps = 0;
+    exponent_ = chord_exponent();
+    for (std::size_t i = 0; i < segments_; ++i) {
+      if (same_knot(i)) continue;
+      cubic(steps, 0).c0 = std::sqrt(scaled_chord(i));
+      for (std::size_t d = 0; d < axes_; ++d) cubic(steps, d).c2 = chord(i, d) / cubic(steps, 0).c0;
+      ++steps;
+    }
+    if (steps < 2) {
+      for (std::size_t i = 0; i < segments_; ++i) straight(i);
+      return;
+    }
+    for (std::size_t d = 0; d < axes_; ++d) slopes_to_right_hand_side(d, steps);
+    if (spec_.closed) {
+      solve_periodic(steps);
+    } else {
+      factor(1, steps);
+      for (std::size_t d = 0; d < axes_; ++d) {
+        solve(1, steps, [&](std::size_t k) -> Real& { return cubic(k, d).c2; });
+        cubic(0, d).c2 = 0;
+        cubic(steps, d).c2 = 0;
+      }
+    }
+    for (std::size_t d = axes_; d-- > 0;) write_smooth(d, steps);  // axis 0 last: its slots hold h
+  }
+
+  /// The power of two that makes the longest chord about 1: only ratios of knots matter, and the roots of
+  /// scaled chords round as those of unscaled ones.
+  [[nodiscard]] int chord_exponent() const {
+    Real longest = 0;
+    for (std::size_t i = 0; i < segments_; ++i) longest = std::max(longest, weighted_chord(i));
+    int exponent = 0;
+    static_cast<void>(std::frexp(longest, &exponent));
+    return exponent;
+  }
+
+  [[nodiscard]] Real weighted_chord(std::size_t i) const {
+    return scaled_norm<Real>(axes_, [&](std::size_t d) { return weights_[d] * chord(i, d); });
+  }
+
+  [[nodiscard]] Real scaled_chord(std::size_t i) const { return std::ldexp(weighted_chord(i), -exponent_); }
+  /// Equal keys, or nearer to each other than the longest chord lets them be told apart.
+  [[nodiscard]] bool same_knot(std::size_t i) const {
+    return scaled_chord(i) < std::numeric_limits<Real>::min();
+  }
+
+  void slopes_to_right_hand_side(std::size_t d, std::size_t steps) {
+    const Real first = cubic(0, d).c2;
+    const Real last = cubic(steps - 1, d).c2;
+    for (std::size_t k = steps - 1; k > 0; --k) {
+      cubic(k, d).c2 = 6 * (cubic(k, d).c2 - cubic(k - 1, d).c2);
+    }
+    cubic(0, d).c2 = 6 * (first - last);  // the row of knot 0, which only a closed path has
+  }
+
+  [[nodiscard]] Real step(std::size_t k) { return cubic(k, 0).c0; }
+
+  /// Rows first..end-1 of h_k-1 M_k-1 + 2 (h_k-1 + h_k) M_k + h_k M_k+1 = r_k, with the unknowns
+  /// outside taken to the right-hand side. In a closed path the step before 0 is the last.
+  void factor(std::size_t first, std::size_t end) {
+    Real inverse_before = 0;
+    for (std::size_t k = first; k < end; ++k) {
+      const Real before = k > 0 ? step(k - 1) : step(end);
+      const Real eliminated = k > first ? before * before * inverse_before : Real(0);
+      inverse_before = 1 / (2 * (before + step(k)) - eliminated);
+      cubic(k, 0).c1 = inverse_before;
+    }
+  }
+  template <class Unknown>
+  void solve(std::size_t first, std::size_t end, Unknown unknown) {
+    for (std::size_t k = first; k < end; ++k) {
+      const Real carried = k > first ? step(k - 1) * unknown(k - 1) : Real(0);
+      unknown(k) = (unknown(k) - carried) * cubic(k, 0).c1;
+    }
+    for (std::size_t k = end - 1; k-- > first;) {
+      unknown(k) -= step(k) * cubic(k, 0).c1 * unknown(k + 1);
+    }
+  }
+
+  /// Rows 0..m-2 are solved with M_m-1 as a parameter; the last row then gives it.
+  void solve_periodic(std::size_t m) {
+    const std::size_t last = m - 1;
+    factor(0, last);
+    const auto z = [&](std::size_t k) -> Real& { return cubic(k, 0).c3; };
+    for (std::size_t k = 0; k < last; ++k) z(k) = 0;
+    z(0) -= step(last);
+    z(last - 1) -= step(last - 1);
+    solve(0, last, z);
+    const Real diagonal =
+        2 * (step(last - 1) + step(last)) + step(last - 1) * z(last - 1) + step(last) * z(0);
+    for (std::size_t d = 0; d < axes_; ++d) {
+      const auto moment = [&](std::size_t k) -> Real& { return cubic(k, d).c2; };
+      solve(0, last, moment);
+      const Real known = step(last - 1) * moment(last - 1) + step(last) * moment(0);
+      moment(last) = (moment(last) - known) / diagonal;
+      for (std::size_t k = 0; k < last; ++k) moment(k) += z(k) * moment(last);
+    }
+  }
+
+  /// From the last segment to the first, because knot k stands at or before its segment's own slot.
+  void write_smooth(std::size_t d, std::size_t steps) {
+    std::size_t k = steps;
+    Real moment_after = spec_.closed ? cubic(0, d).c2 : cubic(steps, d).c2;
+    for (std::size_t i = segments_; i-- > 0;) {
+      const Real delta = chord(i, d);
+      if (same_knot(i)) {
+        cubic(i, d) = {key(i, d), delta, 0, 0};
+        continue;
+      }
+      --k;
+      const Real moment = cubic(k, d).c2;
+      const Real square = step(k) * step(k);
+      cubic(i, d) = {key(i, d), delta - square * (2 * moment + moment_after) / 6, square * moment / 2,
+                     square * (moment_after - moment) / 6};
+      moment_after = moment;
+    }
+  }
+
+  /// Fritsch and Carlson 1980: slopes of one sign, none above 3 times either chord's, make a cubic monotone.
+  /// A segment without length keeps its straight line, and no slope goes through it.
+  void limit_slopes() {
+    for (std::size_t d = 0; d < axes_; ++d) {
+      Real leaving = limited_slope(0, d);
+      const Real first = leaving;
+      for (std::size_t i = 0; i < segments_; ++i) {
+        const bool is_ring = spec_.closed && i + 1 == segments_;
+        const Real next = is_ring ? first : limited_slope(i + 1, d);
+        Cubic<Real>& c = cubic(i, d);
+        if (duration(i) > 0) {
+          const Real out = leaving * duration(i);
+          const Real in = next * duration(i);
+          const Real delta = chord(i, d);
+          if (out != c.c1 || in != c.derivative(1))
+            c = {c.c0, out, 3 * delta - 2 * out - in, out + in - 2 * delta};
+        }
+        leaving = next;
+      }
+    }
+  }
+  /// How long a segment takes on the parameter on which the path is C1; 0 where it has no length.
+  [[nodiscard]] Real duration(std::size_t i) const {
+    if (spec_.spline != Spline::smooth) return 1;
+    return same_knot(i) ? Real(0) : std::sqrt(scaled_chord(i));
+  }
+  /// The slope at key i, before the cubic of the segment that begins there is changed.
+  [[nodiscard]] Real limited_slope(std::size_t i, std::size_t d) {
+    const auto slope_of_chord = [&](std::size_t k) {
+      return duration(k) > 0 ? chord(k, d) / duration(k) : Real(0);
+    };
+    const bool has_before = i > 0 || spec_.closed;
+    const bool has_behind = i < segments_;
+    const std::size_t before = i > 0 ? i - 1 : segments_ - 1;
+    const Real one = slope_of_chord(has_before ? before : i);
+    const Real other = slope_of_chord(has_behind ? i : before);
+    if (!(one * other > 0)) return 0;
+    const Real time = duration(has_behind ? i : before);
+    const Real slope = (has_behind ? cubic(i, d).c1 : cubic(before, d).derivative(1)) / time;
+    const Real most = 3 * std::min(std::fabs(one), std::fabs(other));
+    if (slope * one <= 0) return 0;
+    return slope > most ? most : (slope < -most ? -most : slope);
+  }
+
+  void append_continuation() {
+    for (std::size_t d = 0; d < axes_; ++d) {
+      Cubic<Real>& end = cubic(segments_, d);
+      if (segments_ == 0) {
+        end = {key(0, d), 0, 0, 0};
+        continue;
+      }
+      const Cubic<Real>& c = cubic(segments_ - 1, d);
+      end = {key(spec_.closed ? keys_ : keys_ - 1, d), c.derivative(1), c.c2 + 3 * c.c3, c.c3};
+    }
+  }
+
+  const PathSpec<Real>& spec_;
+  PathMemory<Real> memory_;
+  std::span<Cubic<Real>> cubics_;
+  std::span<const Real> weights_;
+  std::size_t axes_;
+  std::size_t keys_;
+  std::size_t segments_;
+  int exponent_ = 0;
+};
+
+}  // namespace
+
+template <Precise Real>
+Result<Path<Real>> Path<Real>::make(const PathSpec<Real>& spec, const PathMemory<Real>& memory) {
+  if (const Status counts = check_counts(spec); !counts) return counts.error();
+  if (const Status numbers = check_numbers(spec); !numbers) return numbers.error();
+  if (const Status frames = check_key_frames(spec); !frames) return frames.error();
+  if (const Status enough = check_memory(spec, memory); !enough) return enough.error();
+
+  Construction<Real> construction(spec, memory);
+  construction.build();
+  if (const Status in_range = construction.check_range(); !in_range) return in_range.error();
+  if (const Status measured = construction.check_measured(); !measured) return measured.error();
+
+  Path path;
+  path.axis_count_ = spec.axis_count;
+  path.key_count_ = static_cast<std::int32_t>(construction.keys());
+  path.segment_count_ = static_cast<std::int32_t>(construction.segments());
+  path.cubics_ =
+      memory.cubics.first((construction.segments() + 1) * static_cast<std::size_t>(spec.axis_count));
+  path.weights_ = construction.weights();
+  if (!spec.key_frames.empty()) path.knots_ = memory.knots.first(construction.segments());
+  path.over_frames_ = !spec.key_frames.empty();
+  path.spline_ = spec.spline;
+  path.closed_ = spec.closed;
+  return path;
+}
+
+template <Precise Real>
+void Path<Real>::positions(std::span<const PathPoint<Real>> points, std::span<Real> out) const {
+  for (std::size_t begin = 0, end = 0; begin < points.size(); begin = end) {
+    while (end < points.size() && points[end].segment == points[begin].segment) ++end;
+    const std::span<const Cubic<Real>> cubics = segment(points[begin].segment);
+    for (std::size_t d = 0; d < static_cast<std::size_t>(axis_count_); ++d) {
+      evaluate(cubics[d], points.subspan(begin, end - begin),
+               out.subspan(d * points.size() + begin, end - begin));
+    }
+  }
+}
+
+template <Precise Real>
+Real Path<Real>::parametric_speed(const PathPoint<Real>& point) const {
+  const std::span<const Cubic<Real>> cubics = segment(point.segment);
+  return scaled_norm<Real>(cubics.size(),
+                           [&](std::size_t d) { return weights_[d] * cubics[d].derivative(point.t); });
+}
+
+template class Path<double>;
+
+}  // namespace inbetween

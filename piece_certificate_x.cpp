@@ -1,0 +1,101 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <span>
+
+#include "piece_fit.hpp"
+
+namespace inbetween {
+namespace {
+
+/// Degree 5 * 4 of q(t(u)) plus 2 * 4 of t'(u)^2.
+inline constexpr std::size_t residual_degree = 28;
+
+template <Precise Real>
+using Polynomial = std::array<Real, residual_degree + 1>;
+
+/// The product of two polynomials given by their coefficients, lowest first.
+template <Precise Real>
+Polynomial<Real> product(std::span<const Real> a, std::span<const Real> b) {
+  Polynomial<Real> result{};
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    for (std::size_t j = 0; j < b.size(); ++j) result[i + j] += a[i] * b[j];
+  }
+  return result;
+}
+
+/// A bound of |p| over u in [0, 1]: its largest Bernstein coefficient, b_j = sum_i C(j,i)/C(n,i) p_i,
+/// plus a bound of the rounding of the sums.
+template <Precise Real>
+Real bernstein_bound(const Polynomial<Real>& p) {
+  constexpr std::size_t n = residual_degree;
+  Real bound = 0;
+  Real magnitude = 0;
+  for (const Real c : p) magnitude += std::fabs(c);
+  for (std::size_t j = 0; j <= n; ++j) {
+    Real ordinate = p[0];
+    Real ratio = 1;  // C(j,i) / C(n,i)
+    for (std::size_t i = 1; i <= j; ++i) {
+      ratio *= static_cast<Real>(j - i + 1) / static_cast<Real>(n - i + 1);
+      ordinate += ratio * p[i];
+    }
+    bound = std::max(bound, std::fabs(ordinate));
+  }
+  return bound + 4 * std::numeric_limits<Real>::epsilon() * magnitude;
+}
+
+}  // namespace
+
+template <Precise Real>
+Real PieceFitter<Real>::certified_residual(const PieceBatch<Real>& batch, std::size_t index) const {
+  const PieceEnd<Real> near = batch.near_end(index);
+  const PieceEnd<Real> far = batch.far_end(index);
+  const Real outward_step = batch.step[index];
+  // tau(u), and its square of the slope per unit of y.
+  std::array<Real, 6> tau = batch.coefficients(index);
+  if (interval_.forward) {
+    tau[0] = near.tau;
+  } else {
+    for (Real& c : tau) c = -c;
+    tau[0] = far.tau;
+  }
+  std::array<Real, 5> slope;
+  for (std::size_t i = 0; i < 5; ++i) slope[i] = static_cast<Real>(i + 1) * tau[i + 1] / outward_step;
+
+  Polynomial<Real> q{};  // q(tau(u)) by Horner's rule in polynomials
+  q[0] = interval_.speed_squared.q[4];
+  std::size_t count = 1;
+  for (std::size_t power = 4; power-- > 0;) {
+    q = product<Real>(std::span(q).first(count), tau);
+    q[0] += interval_.speed_squared.q[power];
+    count += 5;
+  }
+  const Polynomial<Real> slope_squared = product<Real>(slope, slope);
+  Polynomial<Real> residual = product<Real>(std::span(q).first(count), std::span(slope_squared).first(9));
+  if (!interval_.stands_still) {
+    residual[0] -= 1;
+    return bernstein_bound<Real>(residual);
+  }
+  // Compare with (2 y)^2, y linear in u, relative to its least value on the piece.
+  const Real y0 = interval_.forward ? near.y : far.y;
+  const Real step = interval_.forward ? outward_step : -outward_step;
+  residual[0] -= 4 * y0 * y0;
+  residual[1] -= 8 * y0 * step;
+  residual[2] -= 4 * step * step;
+  if (near.y > 0) return bernstein_bound<Real>(residual) / (4 * near.y * near.y);
+  // On the first piece both sides vanish as y^2: divide it out where y = step * u (or step * (1 - u)).
+  if (!interval_.forward) {  // reverse to v = 1 - u by Taylor shift at 1
+    for (std::size_t i = 0; i <= residual_degree; ++i) {
+      for (std::size_t j = residual_degree; j-- > i;) residual[j] += residual[j + 1];
+    }
+    for (std::size_t i = 1; i <= residual_degree; i += 2) residual[i] = -residual[i];
+  }
+  Polynomial<Real> divided{};
+  for (std::size_t i = 2; i <= residual_degree; ++i) divided[i - 2] = residual[i] / (4 * step * step);
+  return bernstein_bound<Real>(divided);
+}
+
+template class PieceFitter<double>;
+
+}  // namespace inbetween
