@@ -53,8 +53,9 @@ void fill_buckets(std::span<const Real> next_begins, Real buckets_per_length,
   }
 }
 
-/// Ways whose distances stand on the stack at a time: 1 KB in double precision.
-constexpr std::size_t ways_per_block = 128;
+/// Ways whose distances stand on the stack at a time: 1 KB in double precision, and less on a
+/// microcontroller.
+constexpr std::size_t ways_per_block = lanes_are_quick ? 128 : 16;
 
 /// Writes the distances of the ways from the start, and returns whether none is before the one in front of
 /// it: ways that rise may, rounded, fall by a bit.

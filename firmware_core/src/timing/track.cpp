@@ -12,9 +12,9 @@
 namespace inbetween {
 namespace {
 
-/// Frames whose ways stand on the stack at a time: enough to fill the vector registers often, 1 KB in double
-/// precision.
-constexpr std::size_t frames_per_block = 128;
+/// Frames whose ways stand on the stack at a time: enough to fill the vector registers often, less than 1 KB
+/// in double precision.
+constexpr std::size_t frames_per_block = 120;
 
 /// The ways of frames of one span; `phase` is that of the first, in parts of a span.
 template <Precise Real>
