@@ -46,9 +46,9 @@ class Plan {
   /// rig's, where it has not the frames that are asked for, or where what is played, rolls included, has more
   /// than max_ticks ticks of the rig.
   Plan(MoveFile move, std::optional<RigFile> rig, const PlanOptions& options);
-  /// The move of `other` with other speed curves, or in other frames, on the same rig: to be judged, not to be
-  /// played. Its paths are those of `other` and are not measured again, and its frame tables are not checked.
-  /// Throws as above.
+  /// The move of `other` with other speed curves, or in other frames, on the same rig: to be judged, not to
+  /// be played. Its paths are those of `other` and are not measured again, and its frame tables are not
+  /// checked. Throws as above.
   Plan(MoveFile move, const Plan& other);
 
   /// The move, the positions of its keys settled (key_positions.hpp).
