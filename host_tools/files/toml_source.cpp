@@ -57,15 +57,27 @@ void refuse_invalid_utf8(std::string_view text, const std::string& file_name) {
   }
 }
 
+/// Refuses a character beyond ASCII behind the backslash at `backslash`, or behind the white space that it
+/// joins.
+void refuse_beyond_ascii_behind(std::string_view text, std::size_t backslash, const std::string& file_name) {
+  const std::size_t at = text.find_first_not_of(" \t\r\n\v\f", backslash + 1);
+  if (at == text.npos || static_cast<unsigned char>(text[at]) < 0x80) return;
+  throw InputError(place_at(text, at, file_name),
+                   fmt::format("{} directly after a backslash; leave the backslash out",
+                               in_quotes(text.substr(at, character_length(text.substr(at))))));
+}
+
 /// Offset behind the string, one-line or multi-line, that begins at `begin`. A one-line string that its line
 /// does not close ends there: toml++ refuses it.
-std::size_t end_of_string(std::string_view text, std::size_t begin) {
+std::size_t end_of_string(std::string_view text, std::size_t begin, const std::string& file_name) {
   const char quote = text[begin];
   const std::string three(3, quote);
   const bool multi_line = text.substr(begin, 3) == three;
   std::size_t at = begin + (multi_line ? 3 : 1);
   while (at < text.size()) {
     if (text[at] == '\\' && quote == '"') {
+      // Only in a string of several lines does toml++ ask whether what follows is white space.
+      if (multi_line) refuse_beyond_ascii_behind(text, at, file_name);
       at += 2;
     } else if (multi_line && text.substr(at, 3) == three) {
       at += 3;
@@ -80,10 +92,37 @@ std::size_t end_of_string(std::string_view text, std::size_t begin) {
   return text.size();
 }
 
-bool is_of_bare_word(char c) {
-  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-' ||
-         c == '+';
-}
+/// The brackets that are open, and whether a value or a name comes next.
+class TomlPosition {
+ public:
+  /// Takes up a character outside strings and comments.
+  void pass(char c, bool line_begins) {
+    if (c == '[' || c == '{') {
+      const bool of_header =
+          c == '[' && !after_equals_ && (open_.empty() ? line_begins : open_.back() == header);
+      open_ += of_header ? header : c;
+      after_equals_ = false;
+    } else if (c == ']' || c == '}') {
+      if (!open_.empty()) {
+        // What is closed here was the value of a name, unless it was a header.
+        after_equals_ = open_.back() != header;
+        open_.pop_back();
+      }
+    } else if (c == '=') {
+      after_equals_ = true;
+    } else if (c == ',' || (c == '\n' && open_.empty())) {
+      after_equals_ = false;
+    }
+  }
+
+  std::size_t depth() const { return open_.size(); }
+  bool in_value() const { return after_equals_ || (!open_.empty() && open_.back() == '['); }
+
+ private:
+  static constexpr char header = 'h';
+  std::string open_;
+  bool after_equals_ = false;
+};
 
 /// Refuses text that would nest too deep for the stack or have too many fields, by brackets, the dots of each
 /// key and the equals signs outside strings and comments. Characters beyond ASCII are refused there as well:
@@ -91,7 +130,7 @@ bool is_of_bare_word(char c) {
 /// reaches its unreachable default). This pass need not be right about text that is not TOML: toml++ stops at
 /// the first error, and up to there both agree.
 void refuse_unsafe_structure(std::string_view text, const std::string& file_name) {
-  std::size_t brackets = 0;
+  TomlPosition position;
   std::size_t dots = 0;
   std::size_t fields = 0;
   bool line_begins = true;
@@ -102,13 +141,14 @@ void refuse_unsafe_structure(std::string_view text, const std::string& file_name
   while (at < text.size()) {
     const char c = text[at];
     if (c == '"' || c == '\'') {
-      // toml++ takes what is in these quotes for more of the bare word, where it must not meet such
-      // characters.
-      if (at > 0 && is_of_bare_word(text[at - 1])) {
+      // toml++ takes what is in quotes that follow directly on a word for more of the word, where it must not
+      // meet such characters. A part of a name may be in quotes: bus."can 0".
+      const std::string_view may_precede = position.in_value() ? " \t\r\n=[,\"'" : " \t\r\n[{,.\"'";
+      if (at > 0 && may_precede.find(text[at - 1]) == may_precede.npos) {
         refuse(fmt::format("a quote directly after {}; is a blank or an = missing?",
                            in_quotes(text.substr(at - 1, 1))));
       }
-      at = end_of_string(text, at);
+      at = end_of_string(text, at, file_name);
       line_begins = false;
       continue;
     }
@@ -121,15 +161,12 @@ void refuse_unsafe_structure(std::string_view text, const std::string& file_name
       const std::string_view character = text.substr(at, character_length(text.substr(at)));
       refuse(fmt::format("{} outside quotes; put the text in double quotes", in_quotes(character)));
     }
-    const bool opens = c == '[' || c == '{';
-    const bool closes = c == ']' || c == '}';
-    if (opens) ++brackets;
-    if (closes && brackets > 0) --brackets;
+    position.pass(c, line_begins);
     if (c == '.') ++dots;
-    if (opens || closes || c == '=' || c == ',' || c == '\n') dots = 0;
+    if (std::string_view("[]{}=,\n").find(c) != std::string_view::npos) dots = 0;
     if (c == '=' || (c == '[' && line_begins)) ++fields;
     line_begins = c == '\n' || (line_begins && (c == ' ' || c == '\t' || c == '\r'));
-    if (brackets + dots > max_toml_nesting) {
+    if (position.depth() + dots > max_toml_nesting) {
       refuse(fmt::format("nested deeper than {} levels; remove brackets or dots", max_toml_nesting));
     }
     if (fields > max_toml_fields) {
