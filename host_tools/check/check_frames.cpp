@@ -83,7 +83,7 @@ class FrameSearch {
   /// What is slower can be stopped wherever what is faster can, but for the rounding of locked frames. So
   /// stops are proven of the answer alone, and of every number that fits where the answer does not keep them.
   SmallestFrames run() {
-    const SmallestFrames found = search();
+    SmallestFrames found = search();
     if (!found.frames || !fitting_plan_ || !PlannedStops(*fitting_plan_).obstacle()) return found;
     proves_stops_ = true;
     return search();

@@ -280,9 +280,8 @@ int run_command(const RunArguments& arguments) {
   return exit_status_of(report, arguments.is_shot());
 }
 
-void explain(CLI::App& app) {
-  app.footer(
-      R"(Before the first setpoint is sent, the move is held against the limits of the rig as inbetween check
+constexpr char explanation[] =
+    R"(Before the first setpoint is sent, the move is held against the limits of the rig as inbetween check
 does, and every setpoint against its positions: a move that does not fit moves nothing (exit status 3). A rig
 that does not stand where the move starts goes there first, at a tenth of its limits and only after somebody
 agreed: with Enter on a terminal, with --yes in a script.
@@ -354,8 +353,7 @@ Examples:
   inbetween run move.toml --rig rig.toml --sim --from pan=10 from elsewhere, slowly to its start first
   inbetween run move.toml --rig rig.toml --sim --step        stop motion
   inbetween run move.toml --rig rig.toml --sim --shutter 0..180 --exposure 0.5
-  inbetween run move.toml --rig rig.toml --sim --fast --cue-log cues.csv)");
-}
+  inbetween run move.toml --rig rig.toml --sim --fast --cue-log cues.csv)";
 
 /// The help shows the options in these groups; those of a shoot have one of their own.
 void group_options(CLI::App& app) {
@@ -410,7 +408,7 @@ void describe(CLI::App& app, RunArguments& arguments) {
   app.add_flag("--latency", arguments.latency, "at the end show how late the loop woke up, by octaves");
   add_shoot_options(app, arguments);
   group_options(app);
-  explain(app);
+  app.footer(explanation);
 }
 
 }  // namespace

@@ -23,8 +23,7 @@ class BusVisit {
   using Host = typename Kind::Bus::Drive;
   using Frame = typename Kind::Bus::Frame;
   BusVisit(const RigFile& rig, const Bus& bus, RigHardware& hardware, const NextTick& next_tick)
-      : rig_(rig), hardware_(hardware), next_tick_(next_tick) {
-    axes_ = axes_of_kind<Kind>(rig, bus.name);
+      : rig_(rig), hardware_(hardware), next_tick_(next_tick), axes_(axes_of_kind<Kind>(rig, bus.name)) {
     if (axes_.empty()) return;
     for (const std::size_t a : axes_) hosts_.push_back(Kind::host_of(rig.axes[a], rig.rate_hz));
     bus_.emplace(Kind::bus_of(hosts_, rig.rate_hz, rig.axes[axes_.front()]));

@@ -242,7 +242,7 @@ class EdsReader {
   static std::uint64_t real_in(const IniValue& value, std::string_view text, const EdsType& type) {
     double number = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-    constexpr double max_float = std::numeric_limits<float>::max();
+    constexpr auto max_float = static_cast<double>(std::numeric_limits<float>::max());
     const double max = type.bytes == 8 ? std::numeric_limits<double>::max() : max_float;
     if (error != std::errc{} || end != text.data() + text.size() || !(std::fabs(number) <= max)) {
       value.refuse(fmt::format("is {}; write a number such as 1.5", in_quotes(value.text())));

@@ -62,9 +62,8 @@ const IniValue& IniSection::at(std::string_view key, std::string_view example) c
   throw InputError(place_, fmt::format("section {} lacks a line; add {}, say", in_quotes(name_), example));
 }
 
-void IniSection::add(const std::string& key, std::string text, std::uint32_t line) {
-  const auto [place, is_new] =
-      values_.try_emplace(lower_case(key), key, std::move(text), Place{place_.file, line, 0});
+void IniSection::add(const std::string& key, const std::string& text, std::uint32_t line) {
+  const auto [place, is_new] = values_.try_emplace(lower_case(key), key, text, Place{place_.file, line, 0});
   if (is_new) return;
   throw InputError({place_.file, line, 0}, fmt::format("{} is in section {} already; remove one of the two",
                                                        in_quotes(key), in_quotes(name_)));

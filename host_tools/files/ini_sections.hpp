@@ -50,7 +50,7 @@ class IniSection {
   /// Throws InputError at the section where it is missing.
   [[nodiscard]] const IniValue& at(std::string_view key, std::string_view example = "") const;
   /// Throws InputError where it is there already.
-  void add(const std::string& key, std::string text, std::uint32_t line);
+  void add(const std::string& key, const std::string& text, std::uint32_t line);
 
  private:
   std::string name_;

@@ -246,8 +246,7 @@ OdriveDrive read_odrive(const TomlTable& table, OdriveDrive drive, const RigAxis
 RmdDrive read_rmd(const TomlTable& table, RigAxis axis, const RigContext& rig) {
   const auto [bus, node] = read_can_address(table, {1, 32}, rig);
   const double turns_per_unit = read_scale(table, "turns_per_unit", axis, max_turns);
-  const RmdDrive drive{bus, node, turns_per_unit, read_following_error(table, axis),
-                       accepts_no_watchdog(table)};
+  RmdDrive drive{bus, node, turns_per_unit, read_following_error(table, axis), accepts_no_watchdog(table)};
   axis.drive = drive;
   const double deg_per_s = max_rmd_deg_per_s_of(axis);
   if (deg_per_s > max_rmd_deg_per_s) {

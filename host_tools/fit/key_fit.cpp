@@ -159,23 +159,18 @@ double KeyFit::deviation() const {
   return std::sqrt(most);
 }
 
-bool KeyFit::step(double& damping) {
+/// What sliding along the path would take away of it is left out. At an end of the path nothing slides.
+std::optional<KeyFit::Effects> KeyFit::effects_of_keys() const {
   const std::size_t d = counted_.size();
-  const std::size_t n = key_count() * d;
   const double last = path_->segment_count();
-  // How each point's distance follows each coordinate of the keys that it feels: what is across the path, of
-  // which sliding takes nothing away. At an end of the path nothing slides.
-  std::vector<double> gram(n * n);
-  std::vector<double> right(n);
-  std::vector<std::vector<double>> rows(places_.size() * d);
-  std::vector<std::size_t> first_column(places_.size());
+  Effects effects{std::vector<std::vector<double>>(places_.size() * d),
+                  std::vector<std::size_t>(places_.size())};
   std::vector<std::vector<double>> tangents(places_.size());
-  std::vector<Cubic<double>> cubics;
   for (std::size_t i = 0; i < places_.size(); ++i) {
     const auto first = static_cast<std::size_t>(std::max(std::ceil(places_[i] - key_reach), 0.0));
     const auto end = static_cast<std::size_t>(std::min(std::floor(places_[i] + key_reach), last)) + 1;
-    first_column[i] = first * d;
-    for (std::size_t a = 0; a < d; ++a) rows[i * d + a].resize((end - first) * d);
+    effects.first_column[i] = first * d;
+    for (std::size_t a = 0; a < d; ++a) effects.rows[i * d + a].resize((end - first) * d);
     const PathPoint<double> place = point_of(*path_, places_[i]);
     double length = 0;
     for (const std::size_t a : counted_) {
@@ -185,33 +180,44 @@ bool KeyFit::step(double& damping) {
     const bool slides = places_[i] > 0 && places_[i] < last && length > 0;
     for (double& one : tangents[i]) one = slides ? one / std::sqrt(length) : 0;
   }
-  for (std::size_t column = 0; column < n; ++column) {
+  std::vector<double> weights(points_->axes);
+  for (std::size_t column = 0; column < key_count() * d; ++column) {
     const std::size_t key = column / d;
     const std::size_t axis = counted_[column % d];
-    const double shift = 1e-4 / points_->scales[axis];
     std::vector<double> shifted = keys_;
-    shifted[key * points_->axes + axis] += shift;
-    std::vector<double> weights(points_->axes);
+    shifted[key * points_->axes + axis] += 1e-4 / points_->scales[axis];
     std::optional<Path<double>> other;
-    cubics = cubics_of(*points_, shifted, weights, other);
-    if (!other) return false;
+    const std::vector<Cubic<double>> cubics = cubics_of(*points_, shifted, weights, other);
+    if (!other) return std::nullopt;
     for (std::size_t i = 0; i < places_.size(); ++i) {
       if (std::fabs(places_[i] - static_cast<double>(key)) > key_reach) continue;
       const PathPoint<double> place = point_of(*path_, places_[i]);
+      const std::size_t at = column - effects.first_column[i];
       double along = 0;
       for (std::size_t a = 0; a < d; ++a) {
         const auto row = static_cast<std::int32_t>(counted_[a]);
         const double by =
             (other->position(place, row) - path_->position(place, row)) * points_->scales[counted_[a]] * 1e4;
-        rows[i * d + a][column - first_column[i]] = by;
+        effects.rows[i * d + a][at] = by;
         along += by * tangents[i][a];
       }
-      for (std::size_t a = 0; a < d; ++a) rows[i * d + a][column - first_column[i]] -= along * tangents[i][a];
+      for (std::size_t a = 0; a < d; ++a) effects.rows[i * d + a][at] -= along * tangents[i][a];
     }
   }
+  return effects;
+}
+
+bool KeyFit::step(double& damping) {
+  const std::size_t d = counted_.size();
+  const std::size_t n = key_count() * d;
+  const std::optional<Effects> effects = effects_of_keys();
+  if (!effects) return false;
+  const std::vector<std::vector<double>>& rows = effects->rows;
+  std::vector<double> gram(n * n);
+  std::vector<double> right(n);
   const std::vector<double> missed = misses();
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    const std::size_t first = first_column[i / d];
+    const std::size_t first = effects->first_column[i / d];
     for (std::size_t j = 0; j < rows[i].size(); ++j) {
       right[first + j] += rows[i][j] * missed[i];
       for (std::size_t k = 0; k < rows[i].size(); ++k)

@@ -48,10 +48,18 @@ class KeyFit {
   [[nodiscard]] double distance(std::size_t point) const;
 
  private:
+  /// How each point's distance, axis after axis, follows the coordinates of the keys that it feels: those
+  /// from `first_column` of the point on.
+  struct Effects {
+    std::vector<std::vector<double>> rows;
+    std::vector<std::size_t> first_column;
+  };
   void make_path();
   void slide(double reach);
   [[nodiscard]] std::vector<double> misses() const;
   [[nodiscard]] double square_at(std::size_t point, double s) const;
+  /// Nothing where shifted keys make no path.
+  [[nodiscard]] std::optional<Effects> effects_of_keys() const;
   [[nodiscard]] bool step(double& damping);
 
   const PassedPoints* points_;

@@ -24,7 +24,7 @@ void rotate(Matrix& a, Matrix& vectors, std::size_t p, std::size_t q) {
     x = cosine * before - sine * y;
     y = sine * before + cosine * y;
   };
-  for (std::size_t k = 0; k < a.size(); ++k) turn(a[k][p], a[k][q]);
+  for (std::vector<double>& row : a) turn(row[p], row[q]);
   for (std::size_t k = 0; k < a.size(); ++k) turn(a[p][k], a[q][k]);
   for (std::size_t k = 0; k < a.size(); ++k) turn(vectors[p][k], vectors[q][k]);
 }

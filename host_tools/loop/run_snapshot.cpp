@@ -66,7 +66,7 @@ std::string phase_of(const RunSnapshot& snapshot) {
 
 std::string state_line(const RunSnapshot& snapshot) {
   if (snapshot.jog) return state_of_jog(*snapshot.jog);
-  const std::string phase = phase_of(snapshot);
+  std::string phase = phase_of(snapshot);
   if (snapshot.frames == 0 && !snapshot.shoot) return phase;
   if (const auto& shoot = snapshot.shoot) {
     return fmt::format("{}  frame {} of {}  {} shot{}", phase, shoot->frame, shoot->frames, shoot->exposures,

@@ -107,7 +107,7 @@ SetupEnd home(const RigFile& rig, const std::vector<std::size_t>& axes, RigRefer
   for (const std::size_t a : axes) {
     if (rig.axes[a].home) by_switch.push_back(a);
     if (!rig.axes[a].drive_home) continue;
-    const SetupEnd homed = home_by_drive(rig, a, reference, options);
+    SetupEnd homed = home_by_drive(rig, a, reference, options);
     if (!homed.is_done) return homed;
     end.positions[a] = homed.positions[a];
     others.standing.erase(rig.axes[a].name);

@@ -41,6 +41,7 @@ std::vector<PlannedStops> rungs_of(const Plan& plan, const PlannedStops& stops, 
 
 std::vector<StopBounds<double>> bounds_of(const std::vector<PlannedStops>& rungs) {
   std::vector<StopBounds<double>> bounds;
+  bounds.reserve(rungs.size());
   for (const PlannedStops& rung : rungs) bounds.push_back(*rung.bounds());
   return bounds;
 }

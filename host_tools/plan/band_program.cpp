@@ -159,11 +159,14 @@ void BandProgram::begin(std::span<const double> start) {
 /// The linear equations of one step. The ease is a border around the band.
 class BandProgram::Newton {
  public:
-  explicit Newton(const BandProgram& program) : in_(program), matrix_(*in_.constant_), base_(in_.right_) {
+  explicit Newton(const BandProgram& program)
+      : in_(program),
+        matrix_(*in_.constant_),
+        base_(in_.right_),
+        border_(in_.size_),
+        corner_(in_.curvature_),
+        ease_base_(-in_.curvature_ * in_.ease_ - in_.price_) {
     in_.constant_->subtract_product(in_.x_, base_);
-    border_.assign(in_.size_, 0);
-    corner_ = in_.curvature_;
-    ease_base_ = -in_.curvature_ * in_.ease_ - in_.price_;
     for (std::size_t k = 0; k < in_.inequalities_.size(); ++k) {
       const Row& row = in_.inequalities_[k];
       const double stiffness = in_.dual_[k] / in_.slack_[k];

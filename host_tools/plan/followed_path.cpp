@@ -60,6 +60,7 @@ class Construction {
   [[nodiscard]] std::vector<Cubic<double>> stretch(std::size_t segment, std::int16_t part, std::size_t step,
                                                    const std::vector<std::size_t>& rows) const {
     std::vector<Cubic<double>> cubics;
+    cubics.reserve(rows.size());
     for (const std::size_t row : rows) cubics.push_back(cubic(segment, part, step, row));
     return cubics;
   }

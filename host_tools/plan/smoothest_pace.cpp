@@ -196,9 +196,9 @@ class PaceProgram {
     std::vector<Term> here = second_derivative(0);
     for (std::int32_t knot = 0; knot < f_; ++knot) {
       const std::vector<Term> next = second_derivative(knot + 1);
-      const auto add = [&](const std::vector<Term>& one, const std::vector<Term>& other, double factor) {
-        for (const Term& x : one) {
-          for (const Term& y : other) {
+      const auto add = [&](const std::vector<Term>& row, const std::vector<Term>& column, double factor) {
+        for (const Term& x : row) {
+          for (const Term& y : column) {
             visit(place_of_sum_[x.unknown], place_of_sum_[y.unknown], factor * x.weight * y.weight);
           }
         }

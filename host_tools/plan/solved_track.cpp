@@ -26,12 +26,10 @@ SolverError::SolverError(const Error& error)
     : std::runtime_error(fmt::format("{}: {}", error.what, error.remedy)), error_(error) {}
 
 template <Precise Real>
-PathOnHeap<Real>::PathOnHeap(const PathSpec<Real>& spec) {
-  const auto axes = static_cast<std::size_t>(std::max(spec.axis_count, 1));
-  cubics_.resize((spec.keys.size() / axes + 1) * axes);
-  weights_.resize(axes);
-  path_ = value_or_throw(Path<Real>::make(spec, {cubics_, weights_}));
-}
+PathOnHeap<Real>::PathOnHeap(const PathSpec<Real>& spec)
+    : weights_(static_cast<std::size_t>(std::max(spec.axis_count, 1))),
+      cubics_((spec.keys.size() / weights_.size() + 1) * weights_.size()),
+      path_(value_or_throw(Path<Real>::make(spec, {cubics_, weights_}))) {}
 
 template <Precise Real>
 MeasuredPath<Real>::MeasuredPath(const TrackSpec<Real>& spec)

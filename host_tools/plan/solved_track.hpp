@@ -68,12 +68,12 @@ template <Precise Real>
 class PathOnHeap {
  public:
   explicit PathOnHeap(const PathSpec<Real>& spec);
-  [[nodiscard]] const Path<Real>& path() const { return *path_; }
+  [[nodiscard]] const Path<Real>& path() const { return path_; }
 
  private:
-  std::vector<Cubic<Real>> cubics_;
   std::vector<Real> weights_;
-  std::optional<Path<Real>> path_;
+  std::vector<Cubic<Real>> cubics_;
+  Path<Real> path_;
 };
 
 /// A path and its arc length with memory of their own, to which they refer. Throws SolverError.

@@ -248,6 +248,7 @@ class Tracking {
     double speed = 0;
     for (std::size_t step = 0; step < steps_; ++step) {
       std::vector<Cubic<double>> axes;
+      axes.reserve(rows.size());
       for (const std::vector<Cubic<double>>& row : rows) axes.push_back(row[step]);
       const std::vector<Cubic<double>> place = cubics_of(places_, step);
       const std::vector<Cubic<double>> aim = cubics_of(aims_, step);

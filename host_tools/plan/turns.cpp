@@ -119,10 +119,12 @@ MoveFile turns_of(const Plan& plan, std::int32_t turns) {
 
 std::int32_t max_turns_of(const Plan& plan) {
   const MoveFile& move = plan.move();
-  double most = max_frames / move.frames;
+  const std::int32_t of_frames = max_frames / move.frames;
+  double most = of_frames;
   for (std::size_t t = 0; t < move.tracks.size(); ++t) {
     const std::vector<double>& speed = plan.tracks()[t].control_values();
-    most = std::min(most, static_cast<double>(max_keys / move.tracks[t].keys.size()));
+    const std::size_t of_keys = max_keys / move.tracks[t].keys.size();
+    most = std::min(most, static_cast<double>(of_keys));
     if (move.tracks[t].timing == Timing::frames || is_even(speed)) continue;
     const double product = static_cast<double>(speed.size() - 1) * move.frames;
     most = std::min(most, std::sqrt(std::numeric_limits<std::int32_t>::max() / product));

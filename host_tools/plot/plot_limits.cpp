@@ -183,6 +183,7 @@ void draw_curve(Canvas& canvas, const Box& area, const LimitsPlot& plot, const F
   canvas.outline(area, {plot_color::frame});
   const auto line_of_curve = [&](const std::vector<Point>& samples) {
     std::vector<Point> line;
+    line.reserve(samples.size());
     for (const Point& sample : samples) line.push_back({x(sample.x), y(sample.y)});
     return simplified(line, 0.1);
   };

@@ -116,6 +116,7 @@ PictureScale fitted(const std::vector<Point>& points, const Box& area) {
 std::vector<Point> on_page(const std::vector<PlotPlace>& places, const Projection& projection,
                            const PictureScale& scale) {
   std::vector<Point> points;
+  points.reserve(places.size());
   for (const PlotPlace& place : places) points.push_back(scale(projection(place)));
   return points;
 }
@@ -192,6 +193,7 @@ void draw_view(Canvas& canvas, const Box& panel, const PlotMove& move, const Plo
   if (view == View::perspective) places.insert(places.end(), shadow.begin(), shadow.end());
   const Projection projection(view, places);
   std::vector<Point> flat;
+  flat.reserve(places.size());
   for (const PlotPlace& place : places) flat.push_back(projection(place));
   const PictureScale scale = fitted(flat, area);
   const std::vector<Point> way = on_page(tip.places, projection, scale);

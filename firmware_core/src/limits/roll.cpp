@@ -30,11 +30,6 @@ bool is_finite(const AxisMotion<Real>& joint) {
 }
 
 template <Precise Real>
-void raise(Peak<Real>& peak, Real value, Real frame) {
-  if (value > peak.value) peak = {value, frame};
-}
-
-template <Precise Real>
 void lower(Peak<Real>& peak, Real value, Real frame) {
   if (value < peak.value) peak = {value, frame};
 }
@@ -154,7 +149,7 @@ void RollAxis<Real>::bound_position(Real rounding, AxisPeaks<Real>& peaks) const
     if (from_below) {
       lower(peaks.lowest, rest - slack, frame_at(0));
     } else {
-      raise(peaks.highest, rest + slack, frame_at(0));
+      peaks.highest.raise(rest + slack, frame_at(0));
     }
     return;
   }
@@ -162,9 +157,9 @@ void RollAxis<Real>::bound_position(Real rounding, AxisPeaks<Real>& peaks) const
   const Real turn = joint_.position - h * (v * (m * (6 - m * (4 - m)) / 12));
   if (from_below) {
     lower(peaks.lowest, turn - slack, frame_at(1 - m));
-    raise(peaks.highest, rest + slack, frame_at(0));
+    peaks.highest.raise(rest + slack, frame_at(0));
   } else {
-    raise(peaks.highest, turn + slack, frame_at(1 - m));
+    peaks.highest.raise(turn + slack, frame_at(1 - m));
     lower(peaks.lowest, rest - slack, frame_at(0));
   }
 }
@@ -177,7 +172,7 @@ void RollAxis<Real>::bound_velocity(Real rounding, AxisPeaks<Real>& peaks) const
   const bool from_standstill = v == 0 && quartic_ != 0;
   if (!overshoots && !turns_back() && !from_standstill) return;
   const Real u = std::min(-2 * rise / (3 * quartic_), Real{1});
-  raise(peaks.velocity, u * u * std::fabs(rise) / 3 + rounding, frame_at(u));
+  peaks.velocity.raise(u * u * std::fabs(rise) / 3 + rounding, frame_at(u));
 }
 
 template <Precise Real>
@@ -189,15 +184,15 @@ void RollAxis<Real>::bound_acceleration(Real rounding, AxisPeaks<Real>& peaks) c
   if (v == 0 || 2 * along >= 3 * std::fabs(v) * (1 + rounding_share<Real>)) return;
   const Real rise = 3 * v - drift();
   const Real u = std::min(-rise / (3 * quartic_), Real{1});
-  raise(peaks.acceleration, (u * std::fabs(rise) + rounding) / seconds(), frame_at(u));
+  peaks.acceleration.raise((u * std::fabs(rise) + rounding) / seconds(), frame_at(u));
 }
 
 template <Precise Real>
 void RollAxis<Real>::bound_jerk(Real rounding, AxisPeaks<Real>& peaks) const {
   const Real at_rest = std::fabs(6 * joint_.velocity - 2 * drift());
   const Real at_joint = std::fabs(4 * drift() - 6 * joint_.velocity);
-  raise(peaks.jerk, (at_joint + rounding) / seconds() / seconds(), frame_at(1));
-  raise(peaks.jerk, (at_rest + rounding) / seconds() / seconds(), frame_at(0));
+  peaks.jerk.raise((at_joint + rounding) / seconds() / seconds(), frame_at(1));
+  peaks.jerk.raise((at_rest + rounding) / seconds() / seconds(), frame_at(0));
 }
 
 template class RollAxis<double>;

@@ -170,11 +170,6 @@ Error refusal(const StopObstacle<Real>& obstacle) {
 }
 
 template <Precise Real>
-void raise(Peak<Real>& peak, Real value, Real frame) {
-  if (value > peak.value) peak = {value, frame};
-}
-
-template <Precise Real>
 void find_peaks(const StopRequest<Real>& request, const MotionCells<Real>& motion,
                 std::span<const StopCell<Real>> cells, std::span<AxisPeaks<Real>> out) {
   const Real r = request.rate;
@@ -188,9 +183,9 @@ void find_peaks(const StopRequest<Real>& request, const MotionCells<Real>& motio
     }
     for (std::size_t d = 0; d < out.size(); ++d) {
       const auto [p1, p2, p3] = motion.suprema[cell * out.size() + d];
-      raise(out[d].velocity, p1 * r, frame);
-      raise(out[d].acceleration, p2 * r * r + p1 * change, frame);
-      raise(out[d].jerk, p3 * r * r * r + 3 * p2 * r * change + p1 * cells[cell].rate_jerk, frame);
+      out[d].velocity.raise(p1 * r, frame);
+      out[d].acceleration.raise(p2 * r * r + p1 * change, frame);
+      out[d].jerk.raise(p3 * r * r * r + 3 * p2 * r * change + p1 * cells[cell].rate_jerk, frame);
     }
   }
 }

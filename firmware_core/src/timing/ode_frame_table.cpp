@@ -139,18 +139,18 @@ Real polygon_constant(const Track<Real>& track) {
 
 /// Two values of K whose moves end before and behind the end of the path.
 template <Precise Real>
-struct Bracket {
+struct ConstantBracket {
   Sample<Real> low;
   Sample<Real> high;
 };
 
 template <Precise Real>
-Result<Bracket<Real>> bracket(Integration<Real>& integration, Real guess) {
+Result<ConstantBracket<Real>> bracket(Integration<Real>& integration, Real guess) {
   Sample<Real> low{0, 0};
   Sample<Real> trial{guess, integration.overshoot(guess)};
   Real factor = Real(1.125);
   while (integration.count() < max_integrations && std::isfinite(trial.y)) {
-    if (trial.y >= 0 && low.x > 0) return Bracket<Real>{low, trial};
+    if (trial.y >= 0 && low.x > 0) return ConstantBracket<Real>{low, trial};
     if (trial.y < 0) {
       low = trial;
       trial.x *= factor;
@@ -236,7 +236,7 @@ Result<FrameTable<Real>> runge_kutta_table(const Track<Real>& track, const OdeOp
   if (const Status ready = prepare(path, segments); !ready) return ready.error();
 
   Integration<Real> integration(track, options.substeps, segments);
-  const Result<Bracket<Real>> bracketed = bracket(integration, polygon_constant(track));
+  const Result<ConstantBracket<Real>> bracketed = bracket(integration, polygon_constant(track));
   if (!bracketed) return bracketed.error();
   const Sample<Real> best =
       zeroin<Real>([&](Real k) { return integration.overshoot(k); }, bracketed->low, bracketed->high,

@@ -21,6 +21,10 @@ template <Precise Real>
 struct Peak {
   Real value = 0;
   Real frame = 0;
+
+  constexpr void raise(Real to, Real at_frame) {
+    if (to > value) *this = {to, at_frame};
+  }
 };
 
 /// One axis over a move or a part of it, in axis units and seconds. Velocity, acceleration and jerk are
