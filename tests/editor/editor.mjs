@@ -35,6 +35,14 @@ export async function until(page, ask, argument) {
   throw new Error(`never: ${ask}`);
 }
 
+/** Waits until what was done is in the picture: the page solves and draws before the next one, and not at once. */
+export const settled = (page) => page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+/** Hashes of the tables that the page shows. */
+export async function shown(page) {
+  await settled(page);
+  return page.locator("#verdict").getAttribute("data-hash");
+}
+
 /** Starts `inbetween edit` on a copy of the examples, with `text` in place of the move if it is given. */
 export async function edit(move, rig, { text, viewport = { width: 1280, height: 720 }, touch = false } = {}) {
   const folder = mkdtempSync(join(tmpdir(), "inbetween-editor-"));
@@ -70,10 +78,9 @@ export async function edit(move, rig, { text, viewport = { width: 1280, height: 
     page, path, folder, address, complaints,
     read: () => readFileSync(path, "utf8"),
     plan,
-    /** Hashes of the tables that the page shows. */
-    shown: () => page.locator("#verdict").getAttribute("data-hash"),
+    shown: () => shown(page),
     planned: () => plan().tracks.map((track) => track.hash ?? track.provenance?.hash).join(" "),
-    settled: () => page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))),
+    settled: () => settled(page),
     saved: () => until(page, () => document.getElementById("saved").textContent === "saved"),
     picture: (name) => page.screenshot({ path: join(pictures, `${name}.png`) }),
     async end() {
