@@ -7,6 +7,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -32,6 +33,9 @@ constexpr std::size_t max_refined_values = 600;
 /// Each doubling of the control values gains this share of the gain before, unless the levels show more.
 constexpr double usual_gain_ratio = 0.5;
 constexpr double hopeless_share = 0.2;
+/// A detour is gone on with unless it is further away by this factor than what was found: so much a smaller
+/// margin hardly gains.
+constexpr double detour_reach = 1.05;
 /// A curve with this many values or fewer is cheap enough to try all margins.
 constexpr std::size_t max_values_tried_again = 64;
 /// The curve leans on a limit if it uses this share of the allowance.
@@ -73,13 +77,12 @@ class TrackSearch {
         reason_ = error.what();
         continue;
       }
-      if (refinements == 0 && options_.start == FitStart::either) detour_ = by_way_of_curvature();
-      if (detour_ && !is_small) return nearer(back_from_detour());
+      if (refinements == 0 && options_.start == FitStart::either) take_detour();
+      if (detour_ && !is_small) break;
       levels.push_back(level);
       if (is_hopeless(levels)) break;
     }
-    Found found = from_elsewhere(levels);
-    return nearer(found || !detour_ ? std::move(found) : back_from_detour());
+    return nearer(detour_ && !is_small ? std::nullopt : from_elsewhere(levels));
   }
   [[nodiscard]] const std::string& reason() const { return reason_; }
   /// Where the search began that found the curve.
@@ -142,31 +145,39 @@ class TrackSearch {
     return from(with.descent.nearest(refined(before.back().nearest, fitted_.ends())), with, level);
   }
 
-  /// A curve that follows the curvature.
-  [[nodiscard]] Found by_way_of_curvature() const {
+  /// Searches from a curve that follows the curvature.
+  void take_detour() {
     FitOptions options = options_;
     options.start = FitStart::curvature;
     options.progress = {};
-    return TrackSearch(fitted_, std::move(options)).run();
+    detour_ = std::make_unique<TrackSearch>(fitted_, std::move(options));
+    detour_->is_detour_ = true;
+    if (!detour_->run()) detour_.reset();
   }
-  /// From the detour towards the drawn curve, with as many values as the detour has.
-  [[nodiscard]] Found back_from_detour() {
+  /// From such a curve towards the drawn one, with as many values.
+  [[nodiscard]] Found back_from(const std::vector<double>& curve) {
     if (options_.ends()) return std::nullopt;
     Level level{.baseline = fitted_.solved().control_values()};
-    for (; level.baseline.size() < detour_->size(); ++level.refinements) {
+    for (; level.baseline.size() < curve.size(); ++level.refinements) {
       level.baseline = refined(level.baseline, fitted_.ends());
     }
-    came_back_ = true;
     Tools with = tools(level);
-    return from(*detour_, with, level);
+    return from(curve, with, level);
   }
 
-  /// The one that was found, or the detour if that is nearer.
+  /// The one that was found, or the detour if that is nearer. If none was found, the detour or what is found
+  /// from there.
   Found nearer(Found found) {
-    const bool is_detour = detour_ && (!found || change_of(*detour_) < change_of(*found));
-    const bool is_curved = is_detour || came_back_ || options_.start == FitStart::curvature;
-    found_from_ = is_curved ? FitStart::curvature : FitStart::drawn;
-    return is_detour ? std::move(detour_) : std::move(found);
+    found_from_ = options_.start == FitStart::curvature ? FitStart::curvature : FitStart::drawn;
+    if (!detour_) return found;
+    auto& [best, with] = *detour_->draft_;
+    if (found && change_of(best.values) > detour_reach * change_of(*found)) return found;
+    const std::vector<double> detour = detour_->nearest_within(std::move(best), with);
+    const bool comes_back = !found;
+    if (comes_back) found = back_from(detour);
+    const bool is_detour = !found || change_of(detour) < change_of(*found);
+    if (is_detour || comes_back) found_from_ = FitStart::curvature;
+    return is_detour ? detour : std::move(found);
   }
   [[nodiscard]] double change_of(const std::vector<double>& values) const {
     return mean_square(difference_from_played(fitted_, values), fitted_.ends());
@@ -217,7 +228,9 @@ class TrackSearch {
       }
       reached = with.descent.run(reached.values, with.samples, allowances, options_.is_over);
     }
-    if (!best.values.empty()) return nearest_within(best, with);
+    if (is_detour_ && !best.values.empty())
+      return draft_.emplace(std::move(best), std::move(with)).first.values;
+    if (!best.values.empty()) return nearest_within(std::move(best), with);
     if (reached.excess.share < level.excess) {
       level.excess = reached.excess.share;
       level.nearest = reached.values;
@@ -229,19 +242,19 @@ class TrackSearch {
     return std::nullopt;
   }
 
-  /// The nearest of `best` and of the curves that some fixed margins give. The excess of check() over the
-  /// truth differs from curve to curve, and may be 0.
+  /// The nearest of `best` and of the curves that some fixed margins give, of which the least is the nearest.
+  /// The excess of check() over the truth differs from curve to curve, and may be 0.
   [[nodiscard]] std::vector<double> nearest_within(Best best, Tools& with) {
     if (best.values.size() > max_values_tried_again) return best.values;
-    for (const double margin : {0.005, 0.004, 0.003, 0.002, 0.001, 5e-4, 2e-5}) {
+    for (const double margin : {2e-5, 5e-4, 0.001, 0.002, 0.003, 0.004, 0.005}) {
       if (options_.ends()) break;
       std::vector<Allowance> allowances(fitted_.axes().size());
       for (Allowance& allowance : allowances) allowance.fill(1 / (1 + margin));
       const Descent reached = with.descent.run(best.values, with.samples, allowances, options_.is_over);
-      if (!(reached.change < 0.998 * best.change)) continue;
+      if (!(reached.change < 0.998 * best.change)) break;
       std::string trouble;
       const std::optional<CheckReport> report = fitted_.judge(reached.values, trouble);
-      if (report && report->fits()) best = {reached.values, reached.change};
+      if (report && report->fits()) return reached.values;
     }
     return best.values;
   }
@@ -278,8 +291,9 @@ class TrackSearch {
   const FittedTrack& fitted_;
   FitOptions options_;
   std::string reason_;
-  Found detour_;
-  bool came_back_ = false;
+  std::unique_ptr<TrackSearch> detour_;  ///< one that has found a curve
+  bool is_detour_ = false;
+  std::optional<std::pair<Best, Tools>> draft_;  ///< what a detour finds, and how it goes on to the nearest
   FitStart found_from_ = FitStart::drawn;
 };
 
