@@ -89,22 +89,16 @@ void set_slack(const StopRequest<Real>& request, std::span<PeakSlack<Real>> out)
   }
 }
 
-/// Every cell takes in its neighbours.
+/// Every cell takes in its neighbours: first the one after it, and then, from the end on, the one before with
+/// what that has taken in.
 template <Precise Real>
 void widen(const MotionCells<Real>& motion, std::size_t axes) {
-  for (std::size_t d = 0; d < axes; ++d) {
-    MotionTriple<Real> before{};
-    for (std::size_t cell = 0; cell < motion.cells; ++cell) {
-      MotionTriple<Real>& supremum = motion.suprema[cell * axes + d];
-      const MotionTriple<Real> own = supremum;
-      for (std::size_t i = 0; i < motion_quantities; ++i) {
-        supremum[i] = std::max(supremum[i], before[i]);
-        if (cell + 1 < motion.cells)
-          supremum[i] = std::max(supremum[i], motion.suprema[(cell + 1) * axes + d][i]);
-      }
-      before = own;
-    }
-  }
+  const std::span<MotionTriple<Real>> suprema = motion.suprema;
+  const auto take_in = [](MotionTriple<Real>& supremum, const MotionTriple<Real>& other) {
+    for (std::size_t i = 0; i < motion_quantities; ++i) supremum[i] = std::max(supremum[i], other[i]);
+  };
+  for (std::size_t i = 0; i + axes < suprema.size(); ++i) take_in(suprema[i], suprema[i + axes]);
+  for (std::size_t i = suprema.size(); i-- > axes;) take_in(suprema[i], suprema[i - axes]);
 }
 
 template <Precise Real>
