@@ -16,9 +16,8 @@ void SimulatedBus<Frame>::post(const Waiting& sent, std::int64_t now_ns) {
 template <class Frame>
 void SimulatedBus<Frame>::collect(std::int64_t now_ns) {
   for (std::size_t i = 0; i < drives_.size(); ++i) {
-    for (const Frame& frame : drives_[i]->take_frames()) {
-      post({.frame = frame, .sender = static_cast<int>(i)}, now_ns);
-    }
+    drives_[i]->hand_frames(
+        [&](const Frame& frame) { post({.frame = frame, .sender = static_cast<int>(i)}, now_ns); });
   }
 }
 

@@ -25,7 +25,7 @@ unsigned bits_of(const std::vector<can::PdoEntry>& objects) {
 }  // namespace
 
 void SimulatedCia402Drive::send(const can::Frame& frame) {
-  if (!takes_frame(Kind::lose_sent)) frames_.push_back(frame);
+  if (!takes_frame(Kind::lose_sent)) put_frame(frame);
 }
 
 void SimulatedCia402Drive::boot() {
@@ -246,9 +246,13 @@ SimulatedCia402Drive::PdoSetting SimulatedCia402Drive::setting_of(const Pdo& pdo
       .id = objects_.value(pdo.communication, can::pdo_sub_cob_id) & can::cob_id_number,
       .type = objects_.value(pdo.communication, can::pdo_sub_type),
       .timer_ms = objects_.value(pdo.communication, can::pdo_sub_event_timer),
-      .objects = objects_in(pdo, objects_.value(pdo.mapping)),
   };
-  setting.bits = bits_of(setting.objects);
+  const std::vector<can::PdoEntry> mapped = objects_in(pdo, objects_.value(pdo.mapping));
+  setting.bits = bits_of(mapped);
+  for (const auto& [object, bits] : mapped) {
+    setting.objects.push_back({.place = objects_.place_of(object.index, object.sub), .size = bits / 8U});
+    setting.has_controlword = setting.has_controlword || object.index == 0x6040;
+  }
   return setting;
 }
 
@@ -271,6 +275,14 @@ const SimulatedCia402Drive::Settings& SimulatedCia402Drive::read_settings() cons
   read_settings_.max = static_cast<std::int32_t>(objects_.value(0x607D, 2));
   read_settings_.following_window = objects_.value(0x6065);
   read_settings_.following_ms = objects_.value(0x6066);
+  read_settings_.controlword = objects_.place_of(0x6040);
+  read_settings_.statusword = objects_.place_of(0x6041);
+  read_settings_.mode_display = objects_.place_of(0x6061);
+  read_settings_.position = objects_.place_of(0x6064);
+  read_settings_.velocity = objects_.place_of(0x606C);
+  read_settings_.target = objects_.place_of(0x607A);
+  read_settings_.set_point = objects_.place_of(0x60C1, 1);
+  read_settings_.following_error = objects_.place_of(0x60F4);
   settings_revision_ = objects_.revision();
   return read_settings_;
 }
@@ -296,16 +308,13 @@ void SimulatedCia402Drive::hear_pdo(const can::Frame& frame) {
 
 void SimulatedCia402Drive::apply_pdo(const PdoSetting& pdo, const can::Frame& frame) {
   std::size_t offset = 0;
-  bool has_controlword = false;
-  for (const can::PdoEntry& mapped : pdo.objects) {
+  for (const auto& [place, size] : pdo.objects) {
     std::uint32_t value = 0;
-    for (std::size_t i = 0; i < mapped.bits / 8U; ++i) {
-      value |= std::uint32_t{frame.data.at(offset++)} << (8 * i);
-    }
-    objects_.set(mapped.object.index, mapped.object.sub, value);
-    has_controlword = has_controlword || mapped.object.index == 0x6040;
+    for (std::size_t i = 0; i < size; ++i) value |= std::uint32_t{frame.data.at(offset++)} << (8 * i);
+    objects_.set(place, value);
   }
-  if (has_controlword) obey_controlword(static_cast<std::uint16_t>(objects_.value(0x6040)));
+  if (pdo.has_controlword)
+    obey_controlword(static_cast<std::uint16_t>(objects_.value(settings_now().controlword)));
 }
 
 void SimulatedCia402Drive::hear_sync(const can::Frame& frame) {
@@ -330,8 +339,8 @@ void SimulatedCia402Drive::hear_sync(const can::Frame& frame) {
   take_set_point();
   const bool is_interpolated = mode() == interpolated_position;
   if (is_interpolated ? is_interpolating_ : is_in_operation() && !is_to_home()) {
-    const auto target =
-        static_cast<std::int32_t>(is_interpolated ? objects_.value(0x60C1, 1) : objects_.value(0x607A));
+    const auto target = static_cast<std::int32_t>(
+        objects_.value(is_interpolated ? settings_now().set_point : settings_now().target));
     if (!first_target_) first_target_ = target;
     has_been_moved_ = has_been_moved_ || target != *first_target_;
     if (settings_.keeps_record) applied_.push_back({.at_ns = now_ns_, .target = target});
@@ -344,11 +353,10 @@ void SimulatedCia402Drive::send_pdos() {
   for (const PdoSetting& told : settings_now().sent) {
     if (!told.is_valid || told.type == 0 || told.type > 240 || syncs_ % told.type != 0) continue;
     can::Frame frame{.id = told.id};
-    for (const can::PdoEntry& mapped : told.objects) {
-      const std::uint32_t value = objects_.value(mapped.object.index, mapped.object.sub);
-      for (std::size_t i = 0; i < mapped.bits / 8U; ++i) {
+    for (const auto& [place, size] : told.objects) {
+      const std::uint32_t value = objects_.value(place);
+      for (std::size_t i = 0; i < size; ++i)
         frame.data.at(frame.length++) = static_cast<std::uint8_t>(value >> (8 * i));
-      }
     }
     if (takes_frame(Kind::shorten)) --frame.length;
     send(frame);

@@ -70,12 +70,6 @@ void SimulatedCia402Drive::advance(std::int64_t now_ns) {
   }
 }
 
-std::vector<can::Frame> SimulatedCia402Drive::take_frames() {
-  std::vector<can::Frame> frames;
-  frames.swap(frames_);
-  return frames;
-}
-
 /// As far as nothing but the motor moves, without asking in every step whether something is due.
 void SimulatedCia402Drive::run_motor_quietly(std::int64_t until_ns) {
   const std::int64_t event_ns = next_event_ns();
@@ -178,14 +172,14 @@ inline void SimulatedCia402Drive::follow_target(const MotionObjects& objects, do
 void SimulatedCia402Drive::take_set_point() {
   const bool is_wished =
       mode() == interpolated_position && is_in_operation() && (last_word_ & can::control_interpolate) != 0;
-  const std::int32_t told = as_signed(objects_.value(0x60C1, 1));
+  const std::int32_t told = as_signed(objects_.value(settings_now().set_point));
   set_point_ = is_interpolating_ ? next_set_point_ : told;
   next_set_point_ = told;
   is_interpolating_ = is_wished;
 }
 
 std::optional<double> SimulatedCia402Drive::target() const {
-  if (mode() != interpolated_position) return as_signed(objects_.value(0x607A)) + zero_;
+  if (mode() != interpolated_position) return as_signed(objects_.value(settings_now().target)) + zero_;
   if (is_interpolating_) return set_point_ + zero_;
   return {};
 }
@@ -330,11 +324,13 @@ std::uint16_t SimulatedCia402Drive::statusword() const {
 
 void SimulatedCia402Drive::show() {
   const bool is_wrong = has_trouble(Kind::wrong_mode);
-  objects_.set(0x6041, 0, statusword());
-  objects_.set(0x6061, 0, is_wrong ? static_cast<std::uint32_t>(trouble_value(Kind::wrong_mode)) : mode());
-  objects_.set(0x6064, 0, as_counts(motor_.position() - zero_));
-  objects_.set(0x606C, 0, as_counts(motor_.velocity()));
-  objects_.set(0x60F4, 0, as_counts(is_in_operation() ? demand_ - motor_.position() : 0));
+  const Settings& at = settings_now();
+  objects_.set(at.statusword, statusword());
+  objects_.set(at.mode_display,
+               is_wrong ? static_cast<std::uint32_t>(trouble_value(Kind::wrong_mode)) : at.mode);
+  objects_.set(at.position, as_counts(motor_.position() - zero_));
+  objects_.set(at.velocity, as_counts(motor_.velocity()));
+  objects_.set(at.following_error, as_counts(is_in_operation() ? demand_ - motor_.position() : 0));
 }
 
 }  // namespace inbetween

@@ -47,7 +47,6 @@ class SimulatedCia402Drive : public SimulatedCanDrive {
 
   void advance(std::int64_t now_ns) override;
   void receive(const can::Frame& frame) override;
-  std::vector<can::Frame> take_frames() override;
 
   /// A target that was applied by SYNC while the drive was in operation.
   struct Applied {
@@ -101,7 +100,12 @@ class SimulatedCia402Drive : public SimulatedCanDrive {
     std::uint32_t type = 0;
     std::uint32_t timer_ms = 0;
     unsigned bits = 0;
-    std::vector<can::PdoEntry> objects;
+    struct Object {
+      ObjectDictionary::Place place{};
+      std::size_t size = 0;  ///< bytes
+    };
+    std::vector<Object> objects = {};
+    bool has_controlword = false;
   };
   /// What the objects say that a client alone changes.
   struct Settings {
@@ -116,6 +120,9 @@ class SimulatedCia402Drive : public SimulatedCanDrive {
     double interpolation_s = 0;  ///< 60C2; 0: it has none
     std::int32_t min = 0, max = 0;
     std::uint32_t following_window = 0, following_ms = 0;
+    /// Where the objects are that every SYNC needs.
+    ObjectDictionary::Place controlword{}, statusword{}, mode_display{}, target{}, set_point{}, position{},
+        velocity{}, following_error{};
   };
   /// What the objects say of the motion: the same for all steps of the motor between two frames.
   struct MotionObjects {
@@ -221,7 +228,6 @@ class SimulatedCia402Drive : public SimulatedCanDrive {
   ObjectDictionary defaults_;
   SimulatedMotor motor_;
   std::int64_t now_ns_;
-  std::vector<can::Frame> frames_;
   std::vector<Applied> applied_;
   std::vector<Entered> entered_;
   std::vector<Reported> reported_;

@@ -24,11 +24,7 @@ SimulatedCubemars::SimulatedCubemars(const SimulatedCubemarsSettings& settings, 
       feedback_ns_(boot_ns_ + settings.motor_number.value() * std::int64_t{70'000}) {}
 
 void SimulatedCubemars::send(const can::Frame& frame) {
-  if (!troubles_.takes_frame(Kind::lose_sent, now_ns_)) frames_.push_back(frame);
-}
-
-std::vector<can::Frame> SimulatedCubemars::take_frames() {
-  return std::exchange(frames_, {});
+  if (!troubles_.takes_frame(Kind::lose_sent, now_ns_)) put_frame(frame);
 }
 
 DriveRecord SimulatedCubemars::take_record() {

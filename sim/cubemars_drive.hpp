@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <optional>
-#include <vector>
 
 #include "inbetween/can/cubemars.hpp"
 #include "sim/drive_trouble.hpp"
@@ -32,7 +31,6 @@ class SimulatedCubemars final : public SimulatedCanDrive {
 
   void advance(std::int64_t now_ns) override;
   void receive(const can::Frame& frame) override;
-  std::vector<can::Frame> take_frames() override;
   void add_trouble(const DriveTrouble& trouble) override { troubles_.add(trouble); }
   [[nodiscard]] bool has_been_moved() const override { return has_been_moved_; }
   [[nodiscard]] double position() const override { return motor_.position(); }
@@ -66,7 +64,6 @@ class SimulatedCubemars final : public SimulatedCanDrive {
   SimulatedRamp demand_;
   std::optional<std::int32_t> first_target_;
   bool has_been_moved_ = false;
-  std::vector<can::Frame> frames_;
   DriveRecord record_;
   DriveTroubles troubles_;
 };

@@ -34,10 +34,6 @@ SimulatedMoteus::SimulatedMoteus(const SimulatedMoteusSettings& settings, std::i
       now_ns_(now_ns),
       boot_ns_(now_ns + boot_delay_ns) {}
 
-std::vector<FdFrame> SimulatedMoteus::take_frames() {
-  return std::exchange(frames_, {});
-}
-
 DriveRecord SimulatedMoteus::take_record() {
   return std::exchange(record_, {});
 }
@@ -172,7 +168,7 @@ void SimulatedMoteus::send(FdFrame frame) {
     do --frame.length;
     while (!can::is_fd_length(frame.length));
   }
-  frames_.push_back(frame);
+  put_frame(frame);
 }
 
 void SimulatedMoteus::receive(const FdFrame& frame) {

@@ -3,7 +3,6 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
-#include <vector>
 
 #include "inbetween/can/moteus.hpp"
 #include "inbetween/can/moteus_register.hpp"
@@ -38,7 +37,6 @@ class SimulatedMoteus final : public SimulatedFdDrive {
 
   void advance(std::int64_t now_ns) override;
   void receive(const can::FdFrame& frame) override;
-  std::vector<can::FdFrame> take_frames() override;
   void add_trouble(const DriveTrouble& trouble) override { troubles_.add(trouble); }
   [[nodiscard]] bool has_been_moved() const override { return has_been_moved_; }
   [[nodiscard]] double position() const override { return motor_.position(); }
@@ -89,7 +87,6 @@ class SimulatedMoteus final : public SimulatedFdDrive {
   bool watches_ = true;
   std::optional<double> first_target_;
   bool has_been_moved_ = false;
-  std::vector<can::FdFrame> frames_;
   DriveRecord record_;
   DriveTroubles troubles_;
 };

@@ -1,7 +1,6 @@
 #include "sim/object_dictionary.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cstddef>
 #include <stdexcept>
 
@@ -12,11 +11,6 @@ std::uint32_t number_of(const std::vector<std::uint8_t>& bytes) {
   std::uint32_t value = 0;
   for (std::size_t i = 0; i < bytes.size(); ++i) value |= std::uint32_t{bytes[i]} << (8 * i);
   return value;
-}
-
-/// The upper bits of a product are well spread (Knuth, The Art of Computer Programming, 6.4).
-std::size_t slot_of(std::uint32_t key) {
-  return (key * 0x9E3779B1U) >> 16;
 }
 
 }  // namespace
@@ -34,32 +28,23 @@ void ObjectDictionary::add(can::ObjectAddress address, const Object& object) {
     return;
   }
   objects_.insert(next, {key(address), object});
-  slots_.clear();
 }
 
 void ObjectDictionary::remove(can::ObjectAddress address) {
   ++revision_;
   std::erase_if(objects_, [&](const Entry& entry) { return entry.first == key(address); });
-  slots_.clear();
 }
 
-void ObjectDictionary::fill_slots() const {
-  slots_.assign(std::bit_ceil(4 * objects_.size() + 1), 0);
-  for (std::size_t i = 0; i < objects_.size(); ++i) {
-    std::size_t slot = slot_of(objects_[i].first) & (slots_.size() - 1);
-    while (slots_[slot] != 0) slot = (slot + 1) & (slots_.size() - 1);
-    slots_[slot] = static_cast<std::uint16_t>(i + 1);
-  }
+ObjectDictionary::Place ObjectDictionary::place_of(std::uint16_t index, std::uint8_t sub) const {
+  const can::ObjectAddress address{.index = index, .sub = sub};
+  const auto found = from(address);
+  const bool is_there = found != objects_.end() && found->first == key(address);
+  return static_cast<Place>((is_there ? found : objects_.end()) - objects_.begin());
 }
 
 const ObjectDictionary::Object* ObjectDictionary::find(can::ObjectAddress address) const {
-  if (slots_.empty()) fill_slots();
-  std::size_t slot = slot_of(key(address)) & (slots_.size() - 1);
-  for (; slots_[slot] != 0; slot = (slot + 1) & (slots_.size() - 1)) {
-    const Entry& entry = objects_[slots_[slot] - std::size_t{1}];
-    if (entry.first == key(address)) return &entry.second;
-  }
-  return nullptr;
+  const auto place = static_cast<std::size_t>(place_of(address.index, address.sub));
+  return place < objects_.size() ? &objects_[place].second : nullptr;
 }
 
 const ObjectDictionary::Object& ObjectDictionary::at(can::ObjectAddress address) const {
@@ -68,13 +53,11 @@ const ObjectDictionary::Object& ObjectDictionary::at(can::ObjectAddress address)
 }
 
 std::uint32_t ObjectDictionary::value(std::uint16_t index, std::uint8_t sub) const {
-  const Object* const object = find({.index = index, .sub = sub});
-  return object == nullptr ? 0 : object->value;
+  return value(place_of(index, sub));
 }
 
 void ObjectDictionary::set(std::uint16_t index, std::uint8_t sub, std::uint32_t value) {
-  Object* const object = find_own({.index = index, .sub = sub});
-  if (object != nullptr) object->value = value & (0xFFFFFFFFU >> (8U * (4U - object->size)));
+  set(place_of(index, sub), value);
 }
 
 std::vector<std::uint8_t> ObjectDictionary::read(can::ObjectAddress address) const {

@@ -39,7 +39,6 @@ class ObjectDictionary {
   void add(can::ObjectAddress address, const Object& object);
   /// A device that does not have it.
   void remove(can::ObjectAddress address);
-  /// O(1): a device looks at dozens of them for every frame that it hears.
   [[nodiscard]] const Object* find(can::ObjectAddress address) const;
   /// Grows whenever anything changes but by set().
   [[nodiscard]] std::uint64_t revision() const { return revision_; }
@@ -51,6 +50,20 @@ class ObjectDictionary {
   /// As the device itself sees it; 0 where there is none.
   [[nodiscard]] std::uint32_t value(std::uint16_t index, std::uint8_t sub = 0) const;
   void set(std::uint16_t index, std::uint8_t sub, std::uint32_t value);
+  /// Where an object is, or that it is nowhere, for as long as revision() stays: a device looks at a dozen of
+  /// them for every frame that it hears.
+  enum class Place : std::size_t {};
+  [[nodiscard]] Place place_of(std::uint16_t index, std::uint8_t sub = 0) const;
+  [[nodiscard]] std::uint32_t value(Place place) const {
+    const auto at = static_cast<std::size_t>(place);
+    return at < objects_.size() ? objects_[at].second.value : 0;
+  }
+  void set(Place place, std::uint32_t value) {
+    const auto at = static_cast<std::size_t>(place);
+    if (at >= objects_.size()) return;
+    Object& object = objects_[at].second;
+    object.value = value & (0xFFFFFFFFU >> (8U * (4U - object.size)));
+  }
   /// As a client reads it, a number from its lowest byte on, once nothing refuses that.
   [[nodiscard]] std::vector<std::uint8_t> read(can::ObjectAddress address) const;
   /// As a client writes it, once nothing refuses that.
@@ -80,11 +93,8 @@ class ObjectDictionary {
   }
   /// One that is there. Throws std::out_of_range.
   [[nodiscard]] const Object& at(can::ObjectAddress address) const;
-  void fill_slots() const;
 
   std::vector<Entry> objects_;  ///< in the order of their addresses
-  /// A hash table of places in objects_, each plus 1; empty until somebody looks.
-  mutable std::vector<std::uint16_t> slots_;
   std::uint64_t revision_ = 0;
 };
 

@@ -36,11 +36,7 @@ SimulatedOdrive::SimulatedOdrive(const SimulatedOdriveSettings& settings, std::i
       fed_ns_(boot_ns_) {}
 
 void SimulatedOdrive::send(const can::Frame& frame) {
-  if (!troubles_.takes_frame(Kind::lose_sent, now_ns_)) frames_.push_back(frame);
-}
-
-std::vector<can::Frame> SimulatedOdrive::take_frames() {
-  return std::exchange(frames_, {});
+  if (!troubles_.takes_frame(Kind::lose_sent, now_ns_)) put_frame(frame);
 }
 
 DriveRecord SimulatedOdrive::take_record() {

@@ -28,11 +28,7 @@ SimulatedRmd::SimulatedRmd(const SimulatedRmdSettings& settings, std::int64_t no
       boot_ns_(now_ns + boot_delay_ns) {}
 
 void SimulatedRmd::send(const can::Frame& frame) {
-  if (!troubles_.takes_frame(Kind::lose_sent, now_ns_)) frames_.push_back(frame);
-}
-
-std::vector<can::Frame> SimulatedRmd::take_frames() {
-  return std::exchange(frames_, {});
+  if (!troubles_.takes_frame(Kind::lose_sent, now_ns_)) put_frame(frame);
 }
 
 DriveRecord SimulatedRmd::take_record() {

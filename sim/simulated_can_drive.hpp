@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "inbetween/can/fd_frame.hpp"
@@ -59,7 +60,19 @@ class SimulatedDriveOn : public SimulatedDrive {
   /// A frame that it hears at the time to which it was advanced.
   virtual void receive(const Frame& frame) = 0;
   /// Takes the frames that it has to send since the last call, in order.
-  virtual std::vector<Frame> take_frames() = 0;
+  std::vector<Frame> take_frames() { return std::exchange(frames_, {}); }
+  /// The same, one by one, in memory that it keeps.
+  template <class Take>
+  void hand_frames(const Take& take) {
+    for (const Frame& frame : frames_) take(frame);
+    frames_.clear();
+  }
+
+ protected:
+  void put_frame(const Frame& frame) { frames_.push_back(frame); }
+
+ private:
+  std::vector<Frame> frames_;
 };
 using SimulatedCanDrive = SimulatedDriveOn<can::Frame>;
 using SimulatedFdDrive = SimulatedDriveOn<can::FdFrame>;

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -21,7 +20,6 @@ class SimulatedMotor {
   struct Demand {
     double position = 0;
     double velocity = 0;
-    double acceleration = 0;
   };
 
   SimulatedMotor(const Settings& settings, double position) : settings_(settings), position_(position) {}
@@ -29,10 +27,14 @@ class SimulatedMotor {
   /// Moves for `seconds` and follows the demand.
   void follow(const Demand& demand, double seconds) {
     const double omega = 2 * std::numbers::pi * settings_.bandwidth_hz;
-    const double wanted = demand.acceleration + omega * omega * (demand.position - position_) +
-                          2 * omega * (demand.velocity - velocity_);
-    integrate(std::clamp(wanted, -settings_.max_acceleration, settings_.max_acceleration), settings_.friction,
-              seconds);
+    const double wanted =
+        omega * omega * (demand.position - position_) + 2 * omega * (demand.velocity - velocity_);
+    const double most = settings_.max_acceleration;
+    // Branches, because a step waits for the one before, and the processor foresees them.
+    if (std::fabs(wanted) > most) [[unlikely]] {
+      return integrate(std::copysign(most, wanted), settings_.friction, seconds);
+    }
+    integrate(wanted, settings_.friction, seconds);
   }
   /// Moves for `seconds` without current.
   void coast(double seconds) { integrate(0, settings_.coasting_friction, seconds); }
@@ -56,7 +58,13 @@ class SimulatedMotor {
     }
     const double pushed = velocity_ + (drive - settings_.viscous_friction * velocity_) * seconds;
     const double lost = friction * seconds;
-    velocity_ = std::fabs(pushed) <= lost ? 0 : pushed - std::copysign(lost, pushed);
+    if (pushed > lost) {
+      velocity_ = pushed - lost;
+    } else if (pushed < -lost) {
+      velocity_ = pushed + lost;
+    } else {
+      velocity_ = 0;
+    }
     position_ += velocity_ * seconds;
   }
 
