@@ -375,6 +375,36 @@ TEST(SpeedFit, TheCurvatureStartMakesTheAccelerationAcrossAnEllipseEven) {
   EXPECT_GT(curved.tracks[0].change, drawn.tracks[0].change) << "the price of it";
 }
 
+TEST(SpeedFit, TheDetourIsTakenWhereItLeadsNearer) {
+  std::vector<AxisText> axes{{.name = "x"}, {.name = "y"}, {.name = "z"}};
+  for (AxisText& axis : axes) {
+    axis.min = -1000;
+    axis.max_acceleration = 20000;
+  }
+  axes[0].max_velocity = 149.725;
+  axes[1].max_velocity = 165.742;
+  axes[2].max_velocity = 175.277;
+  const std::string move =
+      "name = \"m\"\nfps = 24\nframes = 225\n[[track]]\naxes = [\"x\", \"y\", \"z\"]\nspline = \"tcb\"\nkeys "
+      "= [\n"
+      "{ at = [75, 86, 27], tension = 0.24, bias = -0.11 },\n"
+      "{ at = [71.5, 108.5, 76.5], tension = -0.06, bias = 0.12 },\n"
+      "{ at = [173, -88, 21], tension = -0.41, bias = 0.02 },\n"
+      "{ at = [-135.5, 61.5, -22.5], tension = 0.41, bias = -0.34 },\n"
+      "{ at = [79, 18, 143], tension = -0.24, bias = -0.2 } ]\n"
+      "speed = [0, 0, 15, 16, 0, 0]\n";
+  const Plan plan(parse_move(move, "move.toml"), parse_rig(rig_text(axes), "rig.toml"), {});
+  const auto change_from = [&](FitStart start) {
+    const SpeedFit fit = fit_of(plan, start);
+    return fit.tracks.empty() ? 0 : fit.tracks.front().change;
+  };
+  const double drawn = change_from(FitStart::drawn);
+  const double curved = change_from(FitStart::curvature);
+  EXPECT_GT(curved, 0);
+  EXPECT_LT(curved, drawn);
+  EXPECT_DOUBLE_EQ(change_from(FitStart::either), curved);
+}
+
 TEST(SpeedFit, ManyKeysOnALineAreFittedAsItsTwoEnds) {
   const auto line_of = [](int keys) {
     std::string track = "keys = [";
