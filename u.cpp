@@ -1,8 +1,0 @@
-#include "segment_speed_x.cpp"
-#include "piece_certificate_x.cpp"
-#include "arc_length_x.cpp"
-#include "path_x.cpp"
-#include "speed_profile_x.cpp"
-#include "track_timing_x.cpp"
-#include "track_x.cpp"
-#include "frame_table_x.cpp"
