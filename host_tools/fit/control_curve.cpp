@@ -15,24 +15,18 @@ ControlCurve::ControlCurve(std::span<const double> values, CurveEnds ends) {
   }
 }
 
-CurveValues ControlCurve::at(const CurvePlace<double>& place) const {
-  const auto index = static_cast<std::size_t>(place.span);
-  const SpeedSpan<double>& span = spans_[index];
-  return {.area = areas_[index] + span.integral(place.t),
-          .value = span.value(place.t),
-          .first = span.derivative(place.t),
-          .second = span.second(place.t),
-          .third = span.third()};
-}
-
 CurvePlace<double> ControlCurve::place_of_area(double area, const CurvePlace<double>& near) const {
   // Newton's method doubles the digits: after such a step, as a share of what is left to either end, the next
   // one would change nothing but rounding.
   constexpr double last_step = 1e-9;
-  const auto above = std::ranges::lower_bound(areas_, area);
-  if (above == areas_.begin()) return {0, 0};
-  if (above == areas_.end()) return {static_cast<std::int32_t>(spans_.size()) - 1, 1};
-  const auto index = static_cast<std::size_t>(above - areas_.begin()) - 1;
+  const auto guess = static_cast<std::size_t>(near.span);
+  const bool is_same_span = guess < spans_.size() && areas_[guess] < area && area <= areas_[guess + 1];
+  const std::size_t above =
+      is_same_span ? guess + 1
+                   : static_cast<std::size_t>(std::ranges::lower_bound(areas_, area) - areas_.begin());
+  if (above == 0) return {0, 0};
+  if (above == areas_.size()) return {static_cast<std::int32_t>(spans_.size()) - 1, 1};
+  const std::size_t index = above - 1;
   const SpeedSpan<double>& span = spans_[index];
   const double wanted = area - areas_[index];
   double low = 0;

@@ -31,7 +31,15 @@ class ControlCurve {
 
   /// f
   [[nodiscard]] std::size_t span_count() const { return spans_.size(); }
-  [[nodiscard]] CurveValues at(const CurvePlace<double>& place) const;
+  [[nodiscard]] CurveValues at(const CurvePlace<double>& place) const {
+    const auto index = static_cast<std::size_t>(place.span);
+    const SpeedSpan<double>& span = spans_[index];
+    return {.area = areas_[index] + span.integral(place.t),
+            .value = span.value(place.t),
+            .first = span.derivative(place.t),
+            .second = span.second(place.t),
+            .third = span.third()};
+  }
   [[nodiscard]] double total() const { return areas_.back(); }
   /// The mean of phi over a.
   [[nodiscard]] double mean() const { return total() / static_cast<double>(span_count()); }

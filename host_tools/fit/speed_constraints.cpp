@@ -69,11 +69,17 @@ struct MotionSamples::Pace {
   double constant = 0;         ///< K
   std::array<double, 3> w{};   ///< along the path and its derivatives in time
   std::array<double, 3> by{};  ///< of them by phi and its derivatives
+};
+
+/// A place of the curve whose area, value and slope are known.
+struct MotionSamples::KnownPlace {
+  CurvePlace<double> place;
+  double area = 0, value = 0, first = 0;
 
   /// About where Phi is a little more or less: by Taylor's series of its inverse.
-  [[nodiscard]] CurvePlace<double> place_near(double area) const {
-    const double step = (area - curve.area) / curve.value;
-    return {place.span, place.t + step * (1 - step * curve.first / (2 * curve.value))};
+  [[nodiscard]] CurvePlace<double> place_near(double wanted_area) const {
+    const double step = (wanted_area - area) / value;
+    return {place.span, place.t + step * (1 - step * first / (2 * value))};
   }
 };
 
@@ -184,15 +190,15 @@ void MotionSamples::find_stretches() {
 
 MotionSamples::Pace MotionSamples::pace(const ControlCurve& curve, const CurvePlace<double>& place,
                                         const Stretch& stretch) const {
-  Pace pace{.place = place, .curve = curve.at(place), .constant = stretch.constant};
-  double by = pace.constant;
-  const std::array<double, 3> values = {pace.curve.value, pace.curve.first, pace.curve.second};
-  for (std::size_t i = 0; i < 3; ++i) {
-    by *= per_span_;
-    pace.by[i] = by;
-    pace.w[i] = by * values[i];
-  }
-  return pace;
+  const CurveValues values = curve.at(place);
+  const double by_0 = stretch.constant * per_span_;
+  const double by_1 = by_0 * per_span_;
+  const double by_2 = by_1 * per_span_;
+  return {.place = place,
+          .curve = values,
+          .constant = stretch.constant,
+          .w = {by_0 * values.value, by_1 * values.first, by_2 * values.second},
+          .by = {by_0, by_1, by_2}};
 }
 
 void MotionSamples::add_values(const Pace& pace, const PathMoment& moment, bool stays_on_path) {
@@ -264,12 +270,13 @@ void MotionSamples::evaluate_curve_moment(const ControlCurve& curve, double a) {
                       .is_linearized_here = moment.turns.scale > at.constant * at.curve.value / 4});
 }
 
-void MotionSamples::evaluate_path_moment(const ControlCurve& curve, const PathMoment& moment, Pace& near) {
+void MotionSamples::evaluate_path_moment(const ControlCurve& curve, const PathMoment& moment,
+                                         KnownPlace& near) {
   const auto next = std::ranges::upper_bound(stretches_, moment.distance, {}, &Stretch::begin_distance);
   const Stretch& stretch = next == stretches_.begin() ? *next : *(next - 1);
   const double area = (moment.distance - stretch.offset) / stretch.constant;
   const Pace at = pace(curve, curve.place_of_area(area, near.place_near(area)), stretch);
-  near = at;
+  near = {at.place, at.curve.area, at.curve.value, at.curve.first};
   if (!(at.curve.value > standing_)) return;
   const std::size_t first = values_.size();
   if (moment.turn_steps.empty()) {
@@ -288,7 +295,7 @@ void MotionSamples::evaluate(const ControlCurve& curve) {
   moments_.clear();
   values_.clear();
   for (const double a : curve_moments_) evaluate_curve_moment(curve, a);
-  Pace near;
+  KnownPlace near;
   for (const PathMoment& moment : path_moments_) evaluate_path_moment(curve, moment, near);
 }
 

@@ -94,6 +94,7 @@ class MotionSamples {
     double offset = 0;
   };
   struct Pace;
+  struct KnownPlace;
 
   void find_stretches();
   [[nodiscard]] const Stretch& stretch_at(double a) const;
@@ -105,8 +106,8 @@ class MotionSamples {
                           const Stretch& stretch) const;
   void add_end_step(std::size_t first);
   void evaluate_curve_moment(const ControlCurve& curve, double a);
-  /// `near` is the pace of a moment beside it on the path, and becomes its own.
-  void evaluate_path_moment(const ControlCurve& curve, const PathMoment& moment, Pace& near);
+  /// `near` is the place of a moment beside it on the path, and becomes its own.
+  void evaluate_path_moment(const ControlCurve& curve, const PathMoment& moment, KnownPlace& near);
   void add_values(const Pace& pace, const PathMoment& moment, bool stays_on_path);
   void add_step(const Pace& pace, const PathMoment& moment);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <stdexcept>
 #include <utility>
@@ -81,7 +82,7 @@ class LinearLimits {
     }
     std::vector<Foremost> crowd(2 * limited_quantities * allowances_.size());
     std::vector<std::size_t> met;  // of the crowd
-    double crowd_begin = -1;
+    std::int64_t crowd_begin = -1;
     bool added = false;
     const auto take_foremost = [&] {
       for (const std::size_t i : met) {
@@ -97,7 +98,8 @@ class LinearLimits {
     };
     for (const Moment& moment : samples_.moments()) {
       if (!moment.is_linearized_here) continue;
-      const double begin = std::floor((moment.place.span + moment.place.t) * crowds_per_span);
+      const auto begin =
+          static_cast<std::int64_t>((moment.place.span + moment.place.t) * crowds_per_span);  // not below 0
       if (!only_foremost || begin != crowd_begin) take_foremost();
       crowd_begin = begin;
       const CurveValues by = change.at(moment.place);
