@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
+#include <utility>
 
 #include "host_tools/plan/band_matrix.hpp"
 
@@ -12,14 +14,17 @@ namespace {
 constexpr int max_steps = 200;
 /// The share of a step that is taken, so that no slack reaches 0.
 constexpr double step_share = 0.995;
-/// A condition may be missed by so much, and so much may be left between the cost and its bound from below.
-constexpr double row_rounding = 1e-14;  // as a share of the largest unknown
+/// The search ends with so little slope, and so little between the cost and its bound from below.
 constexpr double slope_tolerance = 1e-8;
 constexpr double gap_tolerance = 1e-12;
 /// Where rounding ends the search, this is still good: more is no rounding.
 constexpr double acceptable_miss = 1e-9;
 constexpr double acceptable_slope = 1e-6;
 constexpr double acceptable_gap = 1e-7;
+/// So many steps without a better one end the search: rounding is in the way, and further steps lead astray.
+/// Of what is acceptable already, a better one has a tenth left.
+constexpr int max_idle_steps = 10;
+constexpr double better_share = 0.1;
 /// A slack of a first point that is nearer to 0 is taken for this.
 constexpr double first_slack = 0.1;
 constexpr double shortest_step = 1e-9;
@@ -256,18 +261,32 @@ bool BandProgram::solve(std::span<const double> start) {
     return length;
   };
   const double count = std::max<double>(static_cast<double>(slack_.size()), 1);
-  for (int i = 0; i < max_steps; ++i) {
+  Direction best;
+  double least = std::numeric_limits<double>::infinity();  // what the best leaves, over what is acceptable
+  double missed_before = least;
+  double to_be_better = least;
+  int idle = 0;
+  for (int i = 0; i < max_steps && idle < max_idle_steps; ++i) {
     const Newton newton(*this);
-    if (!std::isfinite(newton.slope())) return false;
-    const double largest = std::ranges::max(x_, {}, [](double x) { return std::fabs(x); });
-    const double rounding = row_rounding * std::max(std::fabs(largest), 1.0);
-    const bool is_met = newton.miss() <= rounding && newton.slope() <= slope_tolerance;
-    if (is_met && gap() <= gap_tolerance) return true;
+    if (!std::isfinite(newton.slope())) break;
+    // An unknown may be off by the root of the gap, and so its root stands beside miss and slope.
+    const double left = std::max({newton.miss() / acceptable_miss, newton.slope() / acceptable_slope,
+                                  std::sqrt(gap() / acceptable_gap)});
+    if (left < least) {
+      least = left;
+      best = {.x = x_, .slack = slack_, .dual = dual_, .ease = ease_};
+    }
+    idle = left < to_be_better ? 0 : idle + 1;
+    if (idle == 0) to_be_better = left <= 1 ? better_share * left : left;
+    // The steps meet the conditions more and more exactly until only rounding is missed.
+    const bool is_met = newton.miss() <= acceptable_miss && newton.miss() > missed_before / 2;
+    if (is_met && newton.slope() <= slope_tolerance && gap() <= gap_tolerance) break;
+    missed_before = newton.miss();
     const Direction straight = newton.direction(0, nullptr);
     const double share = gap() > 0 ? gap_after(straight, longest(straight)) / gap() : 0;
     // Slacks that vanish long before the conditions are met would leave no room to meet them.
-    const double left = std::max(newton.miss(), newton.slope());
-    const double min_aim = left > acceptable_slope ? min_aim_share * left : 0;
+    const double to_meet = std::max(newton.miss(), newton.slope());
+    const double min_aim = to_meet > acceptable_slope ? min_aim_share * to_meet : 0;
     const double aim = std::max(share * share * share * gap() / count, min_aim);
     Direction turned = newton.direction(aim, &straight);
     double length = longest(turned);
@@ -279,8 +298,12 @@ bool BandProgram::solve(std::span<const double> start) {
     if (!(length > shortest_step) || !std::isfinite(gap_after(turned, length))) break;
     move(turned, length);
   }
-  const Newton last(*this);
-  return last.miss() <= acceptable_miss && last.slope() <= acceptable_slope && gap() <= acceptable_gap;
+  if (!(least <= 1)) return false;
+  x_ = std::move(best.x);
+  slack_ = std::move(best.slack);
+  dual_ = std::move(best.dual);
+  ease_ = best.ease;
+  return true;
 }
 
 }  // namespace inbetween

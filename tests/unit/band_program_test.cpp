@@ -3,7 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstddef>
+#include <random>
 #include <vector>
 
 #include "tests/support/property.hpp"
@@ -76,6 +79,61 @@ TEST(BandProgram, AnEaseIsTakenWhereItIsCheaperThanTheWay) {
     const double wanted = std::min(2.0, (price + 0.004) / 1.002);
     EXPECT_NEAR(program.value(x), wanted, 1e-8);
     EXPECT_NEAR(program.ease(), 2 - wanted, 1e-8);
+  }
+}
+
+/// A smooth curve nearest to a drawn one and below a ceiling at many moments, as a fit asks for it. Its
+/// conditions are nearly parallel, and with large factors in them rounding hides the last steps.
+struct CrowdedCurve {
+  CrowdedCurve(std::size_t values, double price, double factor, const auto& number)
+      : program(values), start(values) {
+    for (std::size_t i = 0; i < values; ++i) {
+      start[i] = number(0, 3);
+      const Sum one{{i, 1}};
+      program.add_cost(one, one, 1);
+      program.add_gain(one, number(0, 3));
+      program.demand_at_least(one, 0);
+    }
+    program.allow_ease(price, price);
+    ceiling = -factor * number(0.3, 1.2);
+    constexpr int moments = 250;
+    for (int k = 0; k < moments; ++k) {
+      const double a = static_cast<double>(values - 3) * (k + 0.5) / moments;
+      const double u = a - std::floor(a);
+      const std::array weights{(1 - u) * (1 - u) * (1 - u) / 6, ((3 * u - 6) * u * u + 4) / 6,
+                               (((-3 * u + 3) * u + 3) * u + 1) / 6, u * u * u / 6};
+      Sum& sum = sums.emplace_back();
+      for (const double weight : weights)
+        sum.push_back({static_cast<std::size_t>(a) + sum.size(), -factor * weight});
+      program.demand_at_least(sum, ceiling, true);
+    }
+  }
+
+  BandProgram program;
+  std::vector<double> start;
+  std::vector<Sum> sums;
+  double ceiling = 0;
+};
+
+TEST(BandProgram, ACrowdedOneHasTheSameAnswerFromEveryStart) {
+  std::mt19937 random(2);
+  const auto number = [&](double low, double high) {
+    return low + (high - low) * static_cast<double>(random()) / 0x1p32;
+  };
+  for (std::size_t i = 0; i < 400; ++i) {
+    const double price = std::pow(10, number(0, 5));
+    const double factor = std::pow(10, number(-1, 4));
+    SCOPED_TRACE(testing::Message() << "program " << i << ", price " << price << ", factor " << factor);
+    CrowdedCurve curve(10 + i % 40, price, factor, number);
+    BandProgram other = curve.program;
+    ASSERT_TRUE(curve.program.solve(std::vector<double>(curve.start.size())));
+    ASSERT_TRUE(other.solve(curve.start));
+    for (std::size_t k = 0; k < curve.start.size(); ++k) {
+      ASSERT_NEAR(curve.program.value(Sum{{k, 1}}), other.value(Sum{{k, 1}}), 1e-5);
+    }
+    for (const Sum& sum : curve.sums) {
+      ASSERT_GE(curve.program.value(sum) + curve.program.ease(), curve.ceiling - 1e-9);
+    }
   }
 }
 
