@@ -282,13 +282,12 @@ class BusPort {
     if (unsent_ticks_[axis.lane] >= unsent_ticks_limit)
       worst = std::max(worst, DriveCondition::cannot_follow);
     PortDrive& known = lane.drives[axis.drive];
-    for (std::size_t f = 0; f < drive_findings; ++f) {
-      const auto finding = static_cast<DriveFinding>(f);
-      const bool is_new = drive.findings().has(finding) && !known.seen.has(finding);
-      const bool lasts = drive.phase() == DrivePhase::following && drive.lasting().has(finding);
-      if (is_new || lasts) worst = std::max(worst, condition_of(words_of(finding).reaction));
-    }
+    DriveFindings reported = drive.findings().without(known.seen);
+    if (drive.phase() == DrivePhase::following) reported.add(drive.lasting());
     known.seen = drive.findings();
+    while (!reported.empty()) {
+      worst = std::max(worst, condition_of(words_of(reported.take()).reaction));
+    }
     return worst;
   }
   static constexpr DriveCondition condition_of(DriveReaction reaction) {

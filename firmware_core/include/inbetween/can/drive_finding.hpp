@@ -1,5 +1,6 @@
 #pragma once
 
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 
@@ -88,7 +89,19 @@ bool loses_reference(const DriveFindings& findings);
 class DriveFindings {
  public:
   constexpr void add(DriveFinding finding) { bits_ |= bit(finding); }
+  constexpr void add(const DriveFindings& others) { bits_ |= others.bits_; }
   constexpr void clear() { bits_ = 0; }
+  /// Takes one out. Only where there is one.
+  constexpr DriveFinding take() {
+    const auto taken = static_cast<DriveFinding>(std::countr_zero(bits_));
+    bits_ &= bits_ - 1;
+    return taken;
+  }
+  [[nodiscard]] constexpr DriveFindings without(const DriveFindings& others) const {
+    DriveFindings rest = *this;
+    rest.bits_ &= ~others.bits_;
+    return rest;
+  }
   [[nodiscard]] constexpr bool has(DriveFinding finding) const { return (bits_ & bit(finding)) != 0; }
   [[nodiscard]] constexpr bool empty() const { return bits_ == 0; }
   friend constexpr bool operator==(const DriveFindings&, const DriveFindings&) = default;
