@@ -76,15 +76,18 @@ void SimulatedCia402Drive::run_motor_quietly(std::int64_t until_ns) {
   if (event_ns <= now_ns_) return;
   const MotionObjects objects = motion_objects();
   if (objects.homes) return;
+  // A copy stays in registers. A step waits for the one before, and would wait for the memory too.
+  SimulatedMotor motor = motor_;
   while (now_ns_ < until_ns && !is_following_error_) {
     const std::int64_t ns = std::min(step_ns, until_ns - now_ns_);
     if (now_ns_ + ns >= event_ns) break;
     now_ns_ += ns;
     const double seconds = static_cast<double>(ns) * 1e-9;
     since_sync_s_ += seconds;
-    follow_target(objects, seconds);
-    watch_following_error(objects, seconds);
+    follow_target(objects, seconds, motor);
+    watch_following_error(objects, seconds, motor);
   }
+  motor_ = motor;
   if (is_following_error_) fail(following_error);
 }
 
@@ -118,7 +121,7 @@ void SimulatedCia402Drive::step(double seconds) {
   switch (state_) {
     case Cia402State::operation_enabled:
       follow(motion_objects(), seconds);
-      watch_following_error(motion_objects(), seconds);
+      watch_following_error(motion_objects(), seconds, motor_);
       if (is_following_error_) fail(following_error);
       break;
     case Cia402State::quick_stop_active:
@@ -148,10 +151,11 @@ void SimulatedCia402Drive::follow(const MotionObjects& objects, double seconds) 
     from_ = demand_;
     return;
   }
-  follow_target(objects, seconds);
+  follow_target(objects, seconds, motor_);
 }
 
-inline void SimulatedCia402Drive::follow_target(const MotionObjects& objects, double seconds) {
+inline void SimulatedCia402Drive::follow_target(const MotionObjects& objects, double seconds,
+                                                SimulatedMotor& motor) {
   const double period = objects.period_s;
   double target = objects.target.value_or(demand_);
   if (objects.min < objects.max) {
@@ -164,7 +168,7 @@ inline void SimulatedCia402Drive::follow_target(const MotionObjects& objects, do
   // The last step of a period ends with the next SYNC.
   const bool is_between = since_sync_s_ < period + seconds / 2;
   demand_velocity_ = is_between ? (target - from_) / period : 0;
-  motor_.follow({.position = demand_, .velocity = demand_velocity_}, seconds);
+  motor.follow({.position = demand_, .velocity = demand_velocity_}, seconds);
 }
 
 /// At SYNC. It needs the set-point after the one that it goes to, so that it is a period behind; without bit
@@ -184,8 +188,9 @@ std::optional<double> SimulatedCia402Drive::target() const {
   return {};
 }
 
-inline void SimulatedCia402Drive::watch_following_error(const MotionObjects& objects, double seconds) {
-  const bool is_beyond = std::fabs(demand_ - motor_.position()) > objects.window;
+inline void SimulatedCia402Drive::watch_following_error(const MotionObjects& objects, double seconds,
+                                                        const SimulatedMotor& motor) {
+  const bool is_beyond = std::fabs(demand_ - motor.position()) > objects.window;
   beyond_window_s_ = is_beyond ? beyond_window_s_ + seconds : 0;
   is_following_error_ = is_beyond && beyond_window_s_ * 1000 >= objects.window_ms;
 }

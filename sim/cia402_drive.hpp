@@ -207,8 +207,8 @@ class SimulatedCia402Drive : public SimulatedCanDrive {
   [[nodiscard]] std::uint32_t mode() const { return settings_now().mode; }
   [[nodiscard]] std::optional<double> target() const;
   void follow(const MotionObjects& objects, double seconds);
-  void follow_target(const MotionObjects& objects, double seconds);
-  void watch_following_error(const MotionObjects& objects, double seconds);
+  void follow_target(const MotionObjects& objects, double seconds, SimulatedMotor& motor);
+  void watch_following_error(const MotionObjects& objects, double seconds, const SimulatedMotor& motor);
   void meet_troubles();
   void meet(const DriveTrouble& trouble);
   [[nodiscard]] bool has_trouble(DriveTrouble::Kind kind) const { return troubles_.has(kind, now_ns_); }

@@ -27,10 +27,11 @@ class SimulatedMotor {
   /// Moves for `seconds` and follows the demand.
   void follow(const Demand& demand, double seconds) {
     const double omega = 2 * std::numbers::pi * settings_.bandwidth_hz;
-    const double wanted =
-        omega * omega * (demand.position - position_) + 2 * omega * (demand.velocity - velocity_);
-    const double most = settings_.max_acceleration;
-    // Branches, because a step waits for the one before, and the processor foresees them.
+    // Velocities and not accelerations, because a step waits for the one before: so it has less to wait for.
+    const double wanted = omega * omega * seconds * (demand.position - position_) +
+                          2 * omega * seconds * (demand.velocity - velocity_);
+    const double most = settings_.max_acceleration * seconds;
+    // A branch, because the processor foresees it.
     if (std::fabs(wanted) > most) [[unlikely]] {
       return integrate(std::copysign(most, wanted), settings_.friction, seconds);
     }
@@ -50,13 +51,13 @@ class SimulatedMotor {
   [[nodiscard]] double velocity() const { return velocity_; }
 
  private:
-  /// Friction stops a motion and never begins one.
-  void integrate(double drive, double friction, double seconds) {
+  /// The current adds `driven` to the velocity. Friction stops a motion and never begins one.
+  void integrate(double driven, double friction, double seconds) {
     if (is_held_) {
       velocity_ = 0;
       return;
     }
-    const double pushed = velocity_ + (drive - settings_.viscous_friction * velocity_) * seconds;
+    const double pushed = velocity_ - settings_.viscous_friction * seconds * velocity_ + driven;
     const double lost = friction * seconds;
     if (pushed > lost) {
       velocity_ = pushed - lost;
