@@ -13,75 +13,12 @@
 #include "inbetween/timing/ode_frame_table.hpp"
 #include "inbetween/timing/speed_profile.hpp"
 #include "inbetween/timing/track.hpp"
+#include "tests/benchmarks/subject.hpp"
 
 /// The speed of a frame table by both solvers, building the path included, and of the tick.
 
 namespace inbetween {
 namespace {
-
-/// A move of the size that the benchmark's name says, with all memory that any solver needs.
-class Subject {
- public:
-  Subject(std::size_t keys, std::size_t control_values, std::size_t axes, std::int32_t frames)
-      : axes_(axes), frames_(frames) {
-    std::mt19937 random(1989);
-    std::uniform_real_distribution<double> coordinate(0.0, 100.0);
-    std::uniform_real_distribution<double> height(1.0, 20.0);
-    keys_.resize(keys * axes);
-    for (double& value : keys_) value = coordinate(random);
-    control_values_.resize(control_values);
-    for (double& value : control_values_) value = height(random);
-    cubics_.resize((keys + 1) * axes);
-    weights_.resize(axes);
-    pieces_.resize(64 * keys);
-    begins_.resize(pieces_.size());
-    buckets_.resize(2 * pieces_.size());
-    first_pieces_.resize(keys + 1);
-    segment_begins_.resize(keys + 1);
-    spans_.resize(control_values);
-    integrals_.resize(control_values + 1);
-    span_distances_.resize(control_values + 1);
-    points_.resize(static_cast<std::size_t>(frames) + 1);
-    segments_.resize(keys + 1);
-  }
-
-  [[nodiscard]] Track<double> make_track() {
-    const Path<double> path = *Path<double>::make(
-        {.spline = Spline::tcb, .axis_count = static_cast<std::int32_t>(axes_), .keys = keys_},
-        {cubics_, weights_});
-    const ArcLength<double> arc_length =
-        *ArcLength<double>::make(path, {}, {pieces_, begins_, buckets_, first_pieces_, segment_begins_});
-    const SpeedProfile<double> profile = *SpeedProfile<double>::make(control_values_, {spans_, integrals_});
-    return *Track<double>::make(path, arc_length, profile, frames_, {24, 1}, {span_distances_});
-  }
-  [[nodiscard]] FrameTable<double> closed_form_of(const Track<double>& track) {
-    return *closed_form_table<double>(track, points_);
-  }
-  [[nodiscard]] FrameTable<double> closed_form() { return closed_form_of(make_track()); }
-  [[nodiscard]] FrameTable<double> runge_kutta() {
-    return *runge_kutta_table<double>(make_track(), {}, segments_, points_);
-  }
-  [[nodiscard]] std::size_t axes() const { return axes_; }
-  [[nodiscard]] std::int32_t frames() const { return frames_; }
-
- private:
-  std::size_t axes_;
-  std::int32_t frames_;
-  std::vector<double> keys_, control_values_, weights_, begins_;
-  std::vector<Cubic<double>> cubics_;
-  std::vector<ArcPiece<double>> pieces_;
-  std::vector<std::int32_t> buckets_, first_pieces_;
-  std::vector<TwoSum<double>> segment_begins_, integrals_;
-  std::vector<SpanDistance<double>> span_distances_;
-  std::vector<SpeedSpan<double>> spans_;
-  std::vector<PathPoint<double>> points_;
-  std::vector<OdeSegment<double>> segments_;
-};
-
-/// A short move as an animator makes it: 8 keys, 7 control values. A long one: 100 keys, 64.
-Subject subject_of(std::int32_t frames) {
-  return frames <= 1000 ? Subject(8, 7, 3, frames) : Subject(100, 64, 3, frames);
-}
 
 void report_speed_error(benchmark::State& state, Subject& subject, const FrameTable<double>& table) {
   const Track<double> track = subject.make_track();
