@@ -13,7 +13,7 @@
 namespace inbetween {
 namespace {
 
-/// A share of a limit that is above 1 by more than the rounding of a motion.
+/// A slowing that is above 1 by more than the rounding of a motion.
 constexpr double clearly_beyond = 1 + 1e-6;
 /// A bound near its limit is at most 1 % above what is found: one further above it is loose.
 constexpr double loose = 1.01;
@@ -48,8 +48,8 @@ double needed_slowing(const Plan& plan, const CheckReport& report) {
 }
 
 /// The slowing that single moments show to be needed: those of the peaks of another report, `scale` times as
-/// late. 0 where none of them uses more than `min_share` of a limit.
-double slowing_at_peaks_of(const CheckReport& other, double scale, const Plan& plan, double min_share) {
+/// late. 0 where none of them lies on a track.
+double slowing_at_peaks_of(const CheckReport& other, double scale, const Plan& plan) {
   double slowing = 0;
   std::vector<AxisMotion<double>> motion;
   const auto look = [&](const Track<double>& track, const PlanAxis& axis, const CheckedPeak& peak,
@@ -59,7 +59,7 @@ double slowing_at_peaks_of(const CheckReport& other, double scale, const Plan& p
     const auto whole = static_cast<std::int32_t>(frame);
     static_cast<void>(track.motion({whole, frame - whole}, motion));
     const double share = std::fabs(motion[axis.track_axis].*quantity) / *peak.limit;
-    if (share > min_share) slowing = std::max(slowing, std::pow(share, 1 / power));
+    slowing = std::max(slowing, std::pow(share, 1 / power));
   };
   for (std::size_t a = 0; a < plan.axes().size(); ++a) {
     const PlanAxis& axis = plan.axes()[a];
@@ -96,10 +96,16 @@ class FrameSearch {
     std::int32_t next = first_guess();
     std::int32_t step = 1;
     int guesses = max_guesses;
-    while (fitting == 0 || fitting - refused > 1) {
-      const std::int32_t here = next;
-      (fits(here) ? fitting : refused) = here;
+    proven_ = 0;
+    believes_moments_ = !proves_stops_;
+    while (fitting == 0 || fitting - refused > 1 || fitting != proven_) {
+      const bool is_found = fitting > 0 && fitting - refused == 1;
+      const std::int32_t here = is_found ? fitting : next;
+      if (is_found) believes_moments_ = false;
+      const bool is_guess = here == guess_;  // it is checked, because its bounds make the next guess
+      (fits(here, believes_moments_ && proven_ > 0 && !is_guess) ? fitting : refused) = here;
       if (was_ended_) return {std::nullopt, "the search for the frames that would do was ended", true};
+      if (refused == fitting) fitting = proven_;  // the moments have misled
       if (refused == max_frames) return {std::nullopt, too_slow()};
       const bool guesses_further = guesses > 0 && guess_ > refused && (fitting == 0 || guess_ < fitting) &&
                                    std::abs(guess_ - here) > 1;
@@ -109,7 +115,9 @@ class FrameSearch {
         --guesses;
         continue;
       }
-      // Away from a guess in steps that double, then to the middle of what is left.
+      // Away from a guess in steps that double, then to the middle of what is left: at once where this
+      // number asks for more than one that fits.
+      if (here == refused && fitting > 0 && guess_ > fitting) step = max_frames;
       const std::int32_t most = fitting > 0 ? std::max((fitting - refused) / 2, 1) : max_frames - refused;
       next = here == refused ? refused + std::min(step, most) : fitting - std::min(step, most);
       step = std::min(2 * step, max_frames);
@@ -119,9 +127,10 @@ class FrameSearch {
 
   /// Where the bounds of the peaks lie far above what moments show, far from a limit nobody has refined them:
   /// near it they will be as the moments are.
-  [[nodiscard]] std::int32_t first_guess() const {
+  [[nodiscard]] std::int32_t first_guess() {
     const double bounds = needed_slowing(plan_, report_);
-    const double moments = slowing_at_peaks_of(report_, 1, plan_, 0);
+    const double moments = slowing_at_peaks_of(report_, 1, plan_);
+    bounds_over_moments_ = bounds / moments;
     return frames_for(moments > 0 && bounds > loose * moments ? moments : bounds, plan_.move().frames);
   }
   [[nodiscard]] static std::int32_t frames_for(double slowing, std::int32_t frames) {
@@ -129,32 +138,39 @@ class FrameSearch {
         std::clamp(std::ceil(frames * slowing), 1.0, static_cast<double>(max_frames)));
   }
 
-  /// Anything goes once the search was ended: it then tries nothing more.
-  bool fits(std::int32_t frames) {
+  /// Anything goes once the search was ended: it then tries nothing more. With `believes` moments may speak
+  /// for a number as well as against it.
+  bool fits(std::int32_t frames, bool believes) {
     was_ended_ = was_ended_ || (is_over_ && is_over_());
     if (was_ended_) return true;
     if (progress_) progress_(1 - std::pow(0.9, tried_++), frames);
     guess_ = 0;
     if (frames == plan_.move().frames) {
       guess_ = frames_for(needed_slowing(plan_, report_), frames);
-      if (report_.fits()) fitting_plan_.reset();
-      return report_.fits();
+      if (!report_.fits()) return false;
+      fitting_plan_.reset();
+      proven_ = frames;
+      return true;
     }
     try {
       Plan plan(with_frames(plan_.move(), frames), plan_);
       // No proof is needed that a move breaks a limit where one moment of it does.
       const double scale = static_cast<double>(frames) / (nearest_ ? nearest_frames_ : plan_.move().frames);
-      const double slowing = slowing_at_peaks_of(nearest_ ? *nearest_ : report_, scale, plan, clearly_beyond);
+      const double slowing = slowing_at_peaks_of(nearest_ ? *nearest_ : report_, scale, plan);
       const bool is_last = frames == max_frames;  // whose refusal is told
-      if (slowing > 0 && !is_last) {
+      if (slowing > clearly_beyond && !is_last) {
         guess_ = frames_for(slowing, frames);
         return false;
       }
+      if (believes && slowing > 0 && slowing * bounds_over_moments_ < 1 / clearly_beyond) return true;
       nearest_ = proves_stops_ ? check_until_refused(plan) : check_motion(plan);
       nearest_frames_ = frames;
-      guess_ = frames_for(needed_slowing(plan, *nearest_), frames);
+      const double needed = needed_slowing(plan, *nearest_);
+      guess_ = frames_for(needed, frames);
+      bounds_over_moments_ = needed / slowing_at_peaks_of(*nearest_, 1, plan);
       if (nearest_->fits()) {
         fitting_plan_ = std::move(plan);
+        proven_ = frames;
       } else {
         last_refusal_ = nearest_->refusals.front().message;
       }
@@ -174,10 +190,17 @@ class FrameSearch {
   const std::function<void(double, std::int32_t)>& progress_;
   const std::function<bool()>& is_over_;
   bool proves_stops_ = false;
+  /// A check takes three times as long as a plan. Therefore a number below one that is proven to fit is taken
+  /// to fit if the last peaks, as moments of its plan, do: its bounds are expected as far above them as
+  /// theirs were. Only the answer is checked. If it does not fit, the moments have misled, and no more are
+  /// believed.
+  bool believes_moments_ = true;
+  std::int32_t proven_ = 0;             ///< the last number that was checked as a whole and fits
   std::optional<Plan> fitting_plan_;    ///< of the last number that fits, unless it is that of the move
   std::optional<CheckReport> nearest_;  ///< of the last number that was checked as a whole
   std::int32_t nearest_frames_ = 0;
-  std::int32_t guess_ = 0;  ///< by the peaks of the last number tried; 0 without
+  double bounds_over_moments_ = 0;  ///< the slowing that its bounds need, over that of its peaks as moments
+  std::int32_t guess_ = 0;          ///< by the peaks of the last number tried; 0 without
   bool was_ended_ = false;
   int tried_ = 0;
   std::string last_refusal_;

@@ -465,6 +465,30 @@ TEST(SmallestFrames, TellsWhatItTries) {
   EXPECT_THAT(tried, testing::Contains(*smallest.frames));
 }
 
+/// Every number of frames rounds the frames of the locked keys anew, and one of these needs the most.
+TEST(SmallestFrames, OfManyLockedKeysTakeFewTrials) {
+  std::string track = "keys = [";
+  for (int key = 0; key <= 600; ++key) {
+    track += fmt::format("{{ at = [{:.4f}, {:.4f}]", 10 * key + 2 * std::sin(1.7 * key), std::cos(1.7 * key));
+    if (key % 2 == 1) track += fmt::format(", frame = {}", 20 * key + key % 3 - 1);
+    track += " },";
+  }
+  track += "]\nspeed = [0, 0, 30, 32, 30, 28, 30, 0, 0]\n";
+  const std::string rig =
+      rig_text({{.name = "x", .min = -1e4, .max = 1e4, .max_velocity = 30, .max_acceleration = 1e3},
+                {.name = "y", .min = -1e4, .max = 1e4, .max_velocity = 1e3, .max_acceleration = 1e3}});
+  const Plan plan = plan_of(move_of(track, 12000), rig);
+  int trials = 0;
+  const SmallestFrames smallest = smallest_frames(plan, check(plan), [&](double, std::int32_t) { ++trials; });
+  ASSERT_TRUE(smallest.frames.has_value()) << smallest.reason;
+  EXPECT_LE(trials, 10);
+  const auto fits_in = [&](std::int32_t frames) {
+    return check(Plan(with_frames(plan.move(), frames), plan)).fits();
+  };
+  EXPECT_TRUE(fits_in(*smallest.frames));
+  EXPECT_FALSE(fits_in(*smallest.frames - 1));
+}
+
 TEST(SmallestFrames, AreMoreWhereTheMotionFitsAndAStopDoesNot) {
   // A stop may take no more than the motion, which takes nearly all in 192 frames and too much in 191.
   const CheckReport in_192 = check_of(bends + gently);
