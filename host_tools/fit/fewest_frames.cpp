@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -17,6 +18,9 @@ constexpr double turn_rounding = 1e-9;
 constexpr double sum_rounding = 1e-9;
 /// A way is shortened by this share of its ends for their rounding.
 constexpr double position_rounding = 1e-15;
+/// A stretch is too short if more than this share of its frames is missing: a lock is met within 1e-12 of the
+/// length of the path.
+constexpr double lock_rounding = 1e-6;
 
 /// The way between two positions, never longer than the true one.
 double way_between(double begin, double end) {
@@ -24,23 +28,40 @@ double way_between(double begin, double end) {
   return std::max(std::fabs(end - begin) - rounding, 0.0);
 }
 
-/// The places where one axis turns round, and the ends: its positions there.
+/// A part of the path, and whether the motion rests at its ends.
+struct Way {
+  PathPoint<double> begin, end;
+  bool begins_at_rest = false;
+  bool ends_at_rest = false;
+};
+
+/// visit(cubics of the segment, t where it begins, t where it ends) for every segment of a way.
+template <class Visit>
+void for_each_segment(const Path<double>& path, const Way& way, const Visit& visit) {
+  const std::int32_t last = std::min(way.end.segment, path.segment_count() - 1);
+  for (std::int32_t i = way.begin.segment; i <= last; ++i) {
+    const double begin = i == way.begin.segment ? way.begin.t : 0;
+    const double end = i == way.end.segment ? way.end.t : 1;
+    if (begin < end) visit(path.segment(i), begin, end);
+  }
+}
+
+/// The places where one axis turns round on its way, and the ends: its positions there.
 class TurningPoints {
  public:
-  TurningPoints(const Path<double>& path, std::size_t axis) {
-    for (std::int32_t i = 0; i < path.segment_count(); ++i) {
-      const Cubic<double>& cubic = path.segment(i)[axis];
-      visit(cubic.value(0));
-      visit_extremes(cubic);
-      visit(cubic.value(1));
-    }
+  TurningPoints(const Path<double>& path, const Way& way, std::size_t axis) {
+    for_each_segment(path, way, [&](std::span<const Cubic<double>> cubics, double begin, double end) {
+      visit(cubics[axis].value(begin));
+      visit_extremes(cubics[axis], begin, end);
+      visit(cubics[axis].value(end));
+    });
     drop_rounding();
   }
   [[nodiscard]] std::span<const double> positions() const { return positions_; }
 
  private:
   void visit(double position) { visited_.push_back(position); }
-  void visit_extremes(const Cubic<double>& cubic) {
+  void visit_extremes(const Cubic<double>& cubic, double begin, double end) {
     // P' = c1 + 2 c2 t + 3 c3 t^2
     const double root = std::sqrt(std::max(cubic.c2 * cubic.c2 - 3 * cubic.c1 * cubic.c3, 0.0));
     const double larger = -(cubic.c2 + std::copysign(root, cubic.c2));
@@ -49,7 +70,7 @@ class TurningPoints {
     if (larger != 0) places.push_back(cubic.c1 / larger);
     std::ranges::sort(places);
     for (const double t : places) {
-      if (t > 0 && t < 1) visit(cubic.value(t));
+      if (t > begin && t < end) visit(cubic.value(t));
     }
   }
   /// Keeps the first, the last and every extreme from which the axis comes back by more than rounding.
@@ -81,10 +102,11 @@ class TurningPoints {
   std::vector<double> positions_;
 };
 
-/// The time that one track needs, in seconds.
+/// The time that one track needs for its way or a part of it, in seconds.
 class TrackTime {
  public:
-  TrackTime(const Plan& plan, std::size_t index) : track_(plan.tracks()[index].track()) {
+  TrackTime(const Plan& plan, std::size_t index)
+      : track_(plan.tracks()[index].track()), whole_{{0, 0}, {track_.path().segment_count(), 0}} {
     axes_.resize(static_cast<std::size_t>(track_.path().axis_count()));
     for (std::size_t a = 0; a < plan.axes().size(); ++a) {
       if (plan.axes()[a].track == index) axes_[plan.axes()[a].track_axis] = {a, &plan.rig()->axes[a]};
@@ -92,8 +114,8 @@ class TrackTime {
     // A periodic curve has no ends at which two zeros would be a rest.
     if (!track_.has_profile() || plan.move().tracks[index].periodic) return;
     const std::vector<bool> rests = rests_of(plan.tracks()[index].control_values());
-    begins_at_rest_ = rests.front();
-    ends_at_rest_ = rests.back();
+    whole_.begins_at_rest = rests.front();
+    whole_.ends_at_rest = rests.back();
   }
 
   struct Bound {
@@ -101,10 +123,11 @@ class TrackTime {
     std::size_t axis = 0;
     bool by_acceleration = false;
   };
-  [[nodiscard]] Bound bound() const {
-    Bound slowest = by_velocity();
+  [[nodiscard]] const Way& whole() const { return whole_; }
+  [[nodiscard]] Bound bound(const Way& way) const {
+    Bound slowest = by_velocity(way);
     for (std::size_t d = 0; d < axes_.size(); ++d) {
-      const double seconds = by_acceleration(d);
+      const double seconds = by_acceleration(way, d);
       if (seconds > slowest.seconds * (1 + sum_rounding)) slowest = {seconds, axes_[d].index, true};
     }
     return slowest;
@@ -116,14 +139,13 @@ class TrackTime {
     const RigAxis* limits = nullptr;
   };
 
-  [[nodiscard]] Bound by_velocity() const {
+  [[nodiscard]] Bound by_velocity(const Way& way) const {
     std::vector<double> share(axes_.size());
     double seconds = 0;
-    for (std::int32_t i = 0; i < track_.path().segment_count(); ++i) {
-      const std::span<const Cubic<double>> cubics = track_.path().segment(i);
+    for_each_segment(track_.path(), way, [&](std::span<const Cubic<double>> cubics, double from, double to) {
       for (int k = 0; k < stretches_per_segment; ++k) {
-        const double begin = static_cast<double>(k) / stretches_per_segment;
-        const double end = static_cast<double>(k + 1) / stretches_per_segment;
+        const double begin = from + (to - from) * k / stretches_per_segment;
+        const double end = from + (to - from) * (k + 1) / stretches_per_segment;
         std::size_t slowest = 0;
         double longest = 0;
         for (std::size_t d = 0; d < axes_.size(); ++d) {
@@ -136,19 +158,19 @@ class TrackTime {
         seconds += longest;
         share[slowest] += longest;
       }
-    }
+    });
     const auto slowest = static_cast<std::size_t>(std::ranges::max_element(share) - share.begin());
     return {seconds, axes_[slowest].index, false};
   }
 
-  [[nodiscard]] double by_acceleration(std::size_t axis) const {
-    const TurningPoints turns(track_.path(), axis);
+  [[nodiscard]] double by_acceleration(const Way& way, std::size_t axis) const {
+    const TurningPoints turns(track_.path(), way, axis);
     const std::span<const double> places = turns.positions();
     double seconds = 0;
     for (std::size_t i = 0; i + 1 < places.size(); ++i) {
       const bool first = i == 0;
       const bool last = i + 2 == places.size();
-      const int rests = (first && !begins_at_rest_ ? 0 : 1) + (last && !ends_at_rest_ ? 0 : 1);
+      const int rests = (first && !way.begins_at_rest ? 0 : 1) + (last && !way.ends_at_rest ? 0 : 1);
       seconds += quickest(way_between(places[i], places[i + 1]), *axes_[axis].limits, rests);
     }
     return seconds;
@@ -156,9 +178,33 @@ class TrackTime {
 
   const Track<double>& track_;
   std::vector<Axis> axes_;
-  bool begins_at_rest_ = false;
-  bool ends_at_rest_ = false;
+  Way whole_;
 };
+
+/// A frame on which the move has to be at a place of its path, from which it goes on `hold` frames later.
+struct Meeting {
+  std::int32_t key = 0;
+  std::int32_t frame = 0;
+  std::int32_t hold = 0;
+  bool rests = false;
+};
+
+/// The keys of a track that have a frame, and its ends.
+std::vector<Meeting> meetings_of(const Plan& plan, std::size_t index, const Way& whole) {
+  const MoveTrack& file = plan.move().tracks[index];
+  const std::int32_t frames = plan.move().frames;
+  std::vector<Meeting> meetings;
+  for (const KeyLock& lock : plan.tracks()[index].key_timing()->locks) {
+    const bool is_end = lock.frame == 0 || lock.frame + lock.hold == frames;
+    const bool has_frame = lock.key >= 0 && static_cast<std::size_t>(lock.key) < file.keys.size() &&
+                           file.keys[static_cast<std::size_t>(lock.key)].frame;
+    if (is_end || has_frame)
+      meetings.push_back({lock.key, lock.frame, lock.hold, lock.hold > 0 || lock.ease});
+  }
+  if (whole.begins_at_rest) meetings.front().rests = true;
+  if (whole.ends_at_rest) meetings.back().rests = true;
+  return meetings;
+}
 
 }  // namespace
 
@@ -178,7 +224,8 @@ FewestFrames fewest_frames(const Plan& plan) {
   FewestFrames fewest;
   const double fps = plan.move().fps.rate.frames_per_second();
   for (std::size_t t = 0; t < plan.tracks().size(); ++t) {
-    const TrackTime::Bound bound = TrackTime(plan, t).bound();
+    const TrackTime time(plan, t);
+    const TrackTime::Bound bound = time.bound(time.whole());
     const double frames = std::ceil(bound.seconds * fps * (1 - sum_rounding));
     if (!(frames > fewest.frames)) continue;
     const bool is_countable = frames < max_frames;
@@ -186,6 +233,29 @@ FewestFrames fewest_frames(const Plan& plan) {
               bound.by_acceleration};
   }
   return fewest;
+}
+
+std::optional<ShortStretch> shortest_stretch(const Plan& plan, std::size_t track) {
+  if (!plan.tracks()[track].key_timing()) return std::nullopt;
+  const TrackTime time(plan, track);
+  const std::vector<Meeting> meetings = meetings_of(plan, track, time.whole());
+  const double fps = plan.move().fps.rate.frames_per_second();
+  std::optional<ShortStretch> shortest;
+  double missing = lock_rounding;
+  for (std::size_t i = 0; i + 1 < meetings.size(); ++i) {
+    const Meeting& one = meetings[i];
+    const Meeting& next = meetings[i + 1];
+    const std::int32_t left = one.frame + one.hold;
+    const Track<double>& solved = plan.tracks()[track].track();
+    const TrackTime::Bound bound =
+        time.bound({solved.locate({left, 0}), solved.locate({next.frame, 0}), one.rests, next.rests});
+    const double frames = bound.seconds * fps;
+    const double missing_here = frames / (next.frame - left) - 1;
+    if (!(missing_here > missing)) continue;
+    missing = missing_here;
+    shortest = {one.key, next.key, left, next.frame, frames, bound.axis, bound.by_acceleration};
+  }
+  return shortest;
 }
 
 }  // namespace inbetween

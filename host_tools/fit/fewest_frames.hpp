@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
 #include "host_tools/plan/plan.hpp"
 
@@ -28,6 +29,23 @@ struct FewestFrames {
 ///
 /// Cost: 64 points per segment and axis.
 FewestFrames fewest_frames(const Plan& plan);
+
+/// The way between two neighbouring keys with a frame, or such a key and an end of the move, that needs more
+/// frames than there are.
+struct ShortStretch {
+  std::int32_t begin_key = 0;
+  std::int32_t end_key = 0;
+  std::int32_t begin_frame = 0;  ///< behind its hold
+  std::int32_t end_frame = 0;
+  double needed = 0;     ///< frames, at least
+  std::size_t axis = 0;  ///< as of FewestFrames
+  bool by_acceleration = false;
+};
+
+/// The stretch of a track that misses the largest share of its frames: as long as it is met on these frames,
+/// no speed curve fits. Proven as fewest_frames() is, from one lock to the next; the motion rests at a hold
+/// and at a key that eases. Nothing where no stretch is too short, which proves nothing. The plan has a rig.
+std::optional<ShortStretch> shortest_stretch(const Plan& plan, std::size_t track);
 
 /// The shortest time, in seconds, for a distance of which `ends_at_rest` ends (0 to 2) are at rest.
 double quickest(double distance, const RigAxis& limits, int ends_at_rest);

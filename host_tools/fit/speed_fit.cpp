@@ -10,6 +10,7 @@
 #include <memory>
 #include <optional>
 #include <stdexcept>
+#include <string_view>
 #include <utility>
 
 #include "host_tools/files/speed_rewrite.hpp"
@@ -297,6 +298,10 @@ class TrackSearch {
   FitStart found_from_ = FitStart::drawn;
 };
 
+std::string_view limits_in_words(bool by_acceleration) {
+  return by_acceleration ? "max_velocity and max_acceleration" : "max_velocity";
+}
+
 /// The reason why a search is of no use; empty if it may be of use.
 std::string hopeless(const FittedTrack& fitted) {
   const MoveTrack& file = fitted.file();
@@ -316,6 +321,16 @@ std::string hopeless(const FittedTrack& fitted) {
         lock.key, lock.frame);
   }
   return "";
+}
+
+/// Why no speed curve can fit.
+std::string in_words(const ShortStretch& stretch, const FittedTrack& fitted) {
+  return fmt::format(
+      "between key {} on frame {} and key {} on frame {} the way takes at least {} frames, whatever the "
+      "speed curve, because of {} of axis {}; give these keys frames further apart, or the move more frames",
+      stretch.begin_key, stretch.begin_frame, stretch.end_key, stretch.end_frame,
+      told_apart(stretch.needed, stretch.end_frame - stretch.begin_frame, Digits::decimals, 1).first,
+      limits_in_words(stretch.by_acceleration), in_quotes(fitted.played().rig()->axes[stretch.axis].name));
 }
 
 TrackFit described(const FittedTrack& fitted, std::size_t index, std::vector<double> values) {
@@ -375,10 +390,11 @@ SpeedFit fit_speed(const Plan& plan, const CheckReport& report, const FitOptions
       return give_up(
           fmt::format("the way takes at least {}, whatever the speed curve, because of {} of axis {}; "
                       "give the move more frames",
-                      counted(fewest.frames, "frame"),
-                      fewest.by_acceleration ? "max_velocity and max_acceleration" : "max_velocity",
+                      counted(fewest.frames, "frame"), limits_in_words(fewest.by_acceleration),
                       in_quotes(plan.rig()->axes[fewest.axis].name)));
     }
+    if (const std::optional<ShortStretch> stretch = shortest_stretch(fitted.played(), 0))
+      return give_up(in_words(*stretch, fitted));
     refuse_too_many_values(plan.move(), t, fitted.solved().control_values().size());
     FitOptions of_track = options;
     if (options.progress) {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <optional>
 #include <string>
 
 #include "host_tools/check/check.hpp"
@@ -67,6 +68,55 @@ TEST(FewestFrames, AKeyWithinRoundingOfALineIsNoTurn) {
 
 TEST(FewestFrames, APathWithoutLengthTakesOneFrame) {
   EXPECT_EQ(fewest_frames(plan_of("keys = [ { at = [1, 2] } ]\n" + moves, 20, 10)).frames, 1);
+}
+
+// --- from one locked key to the next
+
+std::string three_keys(const std::string& wish_of_second) {
+  return "keys = [ { at = [0, 5] }, { at = [100, 5]" + wish_of_second + " }, { at = [200, 5] } ]\n";
+}
+std::optional<ShortStretch> shortest_of(const std::string& track) {
+  return shortest_stretch(plan_of(track, 20, 10, 200), 0);
+}
+bool is_short(const std::string& track) {
+  return shortest_of(track).has_value();
+}
+
+TEST(ShortestStretch, IsTheOneThatMissesTheLargestShareOfItsFrames) {
+  const std::optional<ShortStretch> early = shortest_of(three_keys(", frame = 40") + moves);
+  ASSERT_TRUE(early.has_value());
+  EXPECT_EQ(early->begin_key, 0);
+  EXPECT_EQ(early->end_key, 1);
+  EXPECT_EQ(early->begin_frame, 0);
+  EXPECT_EQ(early->end_frame, 40);
+  EXPECT_NEAR(early->needed, 50, 1e-6) << "100 mm at 20 mm/s are 5 s";
+  EXPECT_EQ(early->axis, 0U);
+  EXPECT_FALSE(early->by_acceleration);
+  const std::optional<ShortStretch> late = shortest_of(three_keys(", frame = 155") + moves);
+  ASSERT_TRUE(late.has_value());
+  EXPECT_EQ(late->begin_key, 1);
+  EXPECT_EQ(late->end_key, 2);
+}
+
+TEST(ShortestStretch, AHoldIsARestAndTakesItsFramesFromTheWayBehindIt) {
+  EXPECT_FALSE(is_short(three_keys(", frame = 61, hold = 79") + moves));
+  const std::optional<ShortStretch> before = shortest_of(three_keys(", frame = 59, hold = 79") + moves);
+  ASSERT_TRUE(before.has_value());
+  EXPECT_NEAR(before->needed, 60, 1e-6) << "5 s, and 1 s because of the ramp down to the hold";
+  EXPECT_TRUE(before->by_acceleration);
+  const std::optional<ShortStretch> behind = shortest_of(three_keys(", frame = 61, hold = 80") + moves);
+  ASSERT_TRUE(behind.has_value());
+  EXPECT_EQ(behind->begin_frame, 141);
+  EXPECT_EQ(behind->end_frame, 200);
+  EXPECT_FALSE(is_short(three_keys(", frame = 71, hold = 58") + rests));
+  EXPECT_TRUE(is_short(three_keys(", frame = 69, hold = 58") + rests)) << "a ramp up as well";
+}
+
+TEST(ShortestStretch, OnlyAFrameOfItsOwnIsInTheWay) {
+  EXPECT_FALSE(is_short(three_keys("") + moves));
+  EXPECT_FALSE(is_short(three_keys(", ease = true") + "speed = [1, 1, 1, 1, 50, 50]\n"))
+      << "a key that eases may be met on another frame";
+  EXPECT_TRUE(is_short(three_keys(", ease = true, frame = 50") + moves));
 }
 
 }  // namespace fewest_frames_test

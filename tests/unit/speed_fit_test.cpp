@@ -257,6 +257,19 @@ TEST(SpeedFit, WhereNoneIsFoundTheNearestTellsWhatIsInTheWay) {
               AllOf(HasSubstr("no speed curve was found"), HasSubstr("and max_acceleration is 182")));
 }
 
+TEST(SpeedFit, IsNotSearchedForWhereTwoLockedKeysProveThatThereIsNone) {
+  const std::string locked = "keys = [{ at = [-50, 0] }, { at = [50, 0], frame = 48 }, { at = [150, 0] }]\n";
+  const Plan plan = plan_of(move_of(locked + "speed = [10, 10]\n", 192), {.velocity = 40});
+  bool has_begun = false;
+  const SpeedFit fit = fit_speed(plan, check(plan), {.progress = [&](double) { has_begun = true; }});
+  EXPECT_FALSE(has_begun);
+  ASSERT_FALSE(fit.found);
+  ASSERT_LE(fit.fewest.frames, 192) << "the whole way has frames enough";
+  EXPECT_THAT(fit.reason, AllOf(HasSubstr("between key 0 on frame 0 and key 1 on frame 48 the way takes at "
+                                          "least 60.0 frames, whatever the speed curve"),
+                                HasSubstr("because of max_velocity of axis \"x\"")));
+}
+
 TEST(SpeedFit, IsTakenForQuickByItsValuesAndByItsKeysAndAxes) {
   EXPECT_TRUE(is_quick_to_fit(plan_of(move_of(bends + peaked), {})));
   std::string many_keys = "keys = [";
