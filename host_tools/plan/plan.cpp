@@ -12,6 +12,7 @@
 #include "host_tools/plan/drawn_curve.hpp"
 #include "host_tools/plan/key_positions.hpp"
 #include "host_tools/plan/space_track.hpp"
+#include "host_tools/plan/unmet_lock.hpp"
 
 namespace inbetween {
 namespace {
@@ -135,7 +136,8 @@ const Place& place_of(const Error& error, const MoveTrack& track) {
   return track.place;
 }
 
-std::string message_of(const Error& error, const MoveTrack& track, std::int32_t frames) {
+std::string message_of(const SolverError& refused, const MoveTrack& track, std::int32_t frames) {
+  const Error& error = refused.error();
   std::string where;
   const std::vector<std::string> names = coordinates_of(track);
   if (error.axis >= 0 && static_cast<std::size_t>(error.axis) < names.size()) {
@@ -150,6 +152,8 @@ std::string message_of(const Error& error, const MoveTrack& track, std::int32_t 
   }
   if (error.key >= 0) where += fmt::format("key {}: ", error.key);
   if (error.frame >= 0) where += fmt::format("frame {}: ", error.frame);
+  if (const auto* proven = dynamic_cast<const UnmetLock*>(&refused))
+    return fmt::format("{}{}; {}", where, error.what, proven->remedy());
   const bool is_touch = error.code == ErrorCode::no_solution && error.key >= 0 && error.frame >= 0 &&
                         track.timing == Timing::speed && track.keys[static_cast<std::size_t>(error.key)].ease;
   if (is_touch) {
@@ -222,7 +226,7 @@ SolvedTrack<double> solve_track(const MoveTrack& track, const MoveFile& move,
     if (same_keys == nullptr) value_or_throw(check_invariants(solved.track(), solved.table()));
     return solved;
   } catch (const SolverError& refused) {
-    throw InputError(place_of(refused.error(), track), message_of(refused.error(), track, move.frames));
+    throw InputError(place_of(refused.error(), track), message_of(refused, track, move.frames));
   }
 }
 
@@ -263,7 +267,7 @@ SolvedTrack<double> solve_looking(const MoveTrack& track, const MoveFile& move, 
     value_or_throw(check_invariants(solved.track(), solved.table()));
     return solved;
   } catch (const SolverError& refused) {
-    throw InputError(place_of(refused.error(), track), message_of(refused.error(), track, move.frames));
+    throw InputError(place_of(refused.error(), track), message_of(refused, track, move.frames));
   }
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "host_tools/plan/smoothest_pace.hpp"
+#include "host_tools/plan/unmet_lock.hpp"
 
 namespace inbetween {
 namespace {
@@ -183,6 +184,16 @@ void SolvedTrack<Real>::apply_locks(const TrackSpec<Real>& spec) {
       {adjusted, drawn, mobility, ceiling, completed_locks_, targets, multipliers, rows, weights, matrix});
   if (!adjusting) {
     Error error = adjusting.error();
+    if (error.code == ErrorCode::no_solution) {
+      const auto last = static_cast<std::int32_t>(waypoints_.size()) - 1;
+      const auto end = std::ranges::find(completed_locks_, last, &KeyLock::key) + 1;
+      if (const auto proven = proven_unmet<Real>({.locks = {completed_locks_.begin(), end},
+                                                  .waypoints = waypoints_,
+                                                  .control_values = control_values_,
+                                                  .ends = spec.ends,
+                                                  .frames = spec.frames}))
+        throw *proven;
+    }
     const auto place = static_cast<std::size_t>(error.key);
     if (error.key >= 0 && place < waypoints_.size()) error.key = waypoints_[place].key;
     throw SolverError(error);

@@ -518,7 +518,14 @@ TEST(KeyTiming, WhatTheFileAsksInVainIsOneLineAtTheKey) {
   const std::vector<Case> cases = {
       {", frame = 40", ", frame = 40", "move.toml:9:3: error: key 2: frame 40: ", "different frames"},
       {", frame = 40", ", frame = 30", "move.toml:9:3: error: key 2: frame 30: ", "in their own order"},
-      {", frame = 1", "", "move.toml:8:3: error: key 1: frame 1: ", "from 0 to 100"},
+      {", frame = 1", "", "move.toml:8:3: error: key 1: frame 1: ",
+       "from 0 to 100 meets this key on its frame; between key 0 on frame 0 and key 1 on frame 1 it would "
+       "have "
+       "to be 200 on average; move the frame, or draw the curve as a whole 2.02 times lower"},
+      {"", ", frame = 99", "move.toml:9:3: error: key 2: frame 99: ",
+       "between key 2 on frame 99 and key 3 on frame 100 it would have to be 160 on average"},
+      {", frame = 50, hold = 49", "", "move.toml:8:3: error: key 1: frame 50: ",
+       "between key 1 on frame 99 and key 3 on frame 100 it would have to be 200 on average"},
       {", frame = 90, hold = 20", "", "move.toml:8:3: error: key 1: frame 90: ", "last frame"},
       {", hold = 50", ", hold = 50", "move.toml:8:3: error: key 1: ", "all frames"},
   };

@@ -1,0 +1,80 @@
+#include "host_tools/plan/unmet_lock.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <utility>
+
+#include "inbetween/timing/integral_row.hpp"
+
+namespace inbetween {
+namespace {
+
+/// A mean that is above 100 by less than this share may be so by rounding.
+constexpr double mean_rounding = 1e-6;
+/// The advice leaves this share of room.
+constexpr double advised_room = 0.01;
+
+/// The way from one lock to the next, and the mean that the curve needs while it is passed.
+struct LockedWay {
+  KeyLock begin, end;
+  double mean = 0;
+};
+
+template <Precise Real>
+LockedWay fastest_way(const UnmetLocks<Real>& unmet) {
+  const auto f = static_cast<std::int32_t>(unmet.control_values.size()) - 1;
+  const auto distance = [&](const KeyLock& lock) {
+    return unmet.waypoints[static_cast<std::size_t>(lock.key)].distance;
+  };
+  const auto a_of = [&](std::int32_t frame) {
+    return static_cast<Real>(frame) * static_cast<Real>(f) / static_cast<Real>(unmet.frames);
+  };
+  LockedWay fastest;
+  for (std::size_t i = 0; i + 1 < unmet.locks.size();) {
+    std::size_t end = i + 1;
+    while (end + 1 < unmet.locks.size() && !unmet.locks[end].breaks) ++end;
+    const IntegralRow<Real> row(a_of(unmet.locks[i].frame), a_of(unmet.locks[end].frame), f, unmet.ends);
+    const auto area = static_cast<double>(row.integral(unmet.control_values));
+    const double length = distance(unmet.locks[end]) - distance(unmet.locks[i]);
+    for (; i < end; ++i) {
+      const KeyLock& one = unmet.locks[i];
+      const KeyLock& next = unmet.locks[i + 1];
+      if (!(length > 0) || one.ease || next.ease) continue;  // an eased key is met beside its frame
+      const auto spans = static_cast<double>(a_of(next.frame) - a_of(one.frame + one.hold));
+      const double mean = (distance(next) - distance(one)) / length * area / spans;
+      if (mean > fastest.mean) fastest = {one, next, mean};
+    }
+  }
+  return fastest;
+}
+
+}  // namespace
+
+template <Precise Real>
+std::optional<UnmetLock> proven_unmet(const UnmetLocks<Real>& unmet) {
+  const LockedWay way = fastest_way(unmet);
+  const double times = way.mean / largest_control_value;
+  if (!(times > 1 + mean_rounding)) return std::nullopt;
+  const auto key_of = [&](const KeyLock& lock) {
+    return unmet.waypoints[static_cast<std::size_t>(lock.key)].key;
+  };
+  // That the last key is met on the last frame is nobody's wish.
+  const bool ends_at_end = static_cast<std::size_t>(way.end.key) + 1 == unmet.waypoints.size();
+  const KeyLock& blamed = ends_at_end ? way.begin : way.end;
+  return UnmetLock(
+      {.code = ErrorCode::no_solution,
+       .what = "no speed curve from 0 to 100 meets this key on its frame",
+       .key = key_of(blamed),
+       .frame = blamed.frame},
+      fmt::format("between key {} on frame {} and key {} on frame {} it would have to be {:.4g} on average; "
+                  "move the frame, or draw the curve as a whole {:.3g} times lower",
+                  key_of(way.begin), way.begin.frame + way.begin.hold, key_of(way.end), way.end.frame,
+                  way.mean, (1 + advised_room) * times));
+}
+
+template std::optional<UnmetLock> proven_unmet(const UnmetLocks<double>&);
+template std::optional<UnmetLock> proven_unmet(const UnmetLocks<float>&);
+
+}  // namespace inbetween
