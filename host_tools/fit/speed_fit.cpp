@@ -34,6 +34,8 @@ constexpr std::size_t max_refined_values = 600;
 /// Each doubling of the control values gains this share of the gain before, unless the levels show more.
 constexpr double usual_gain_ratio = 0.5;
 constexpr double hopeless_share = 0.2;
+/// Nobody knows how many steps a search takes: each is shown as this much less than what was left.
+constexpr double share_left_by_step = 0.98;
 /// A detour is gone on with unless it is further away by this factor than what was found: so much a smaller
 /// margin hardly gains.
 constexpr double detour_reach = 1.05;
@@ -70,7 +72,6 @@ class TrackSearch {
     for (int refinements = 0; refinements <= options_.refinements && !options_.ends(); ++refinements) {
       if (refinements > 0) baseline = refined(baseline, fitted_.ends());
       if (refinements > 0 && baseline.size() > max_refined_values) break;
-      if (options_.progress) options_.progress(0.1 + 0.15 * refinements);
       Level level{.baseline = baseline, .refinements = refinements};
       try {
         if (Found found = from_drawn(level, levels)) return nearer(std::move(found));
@@ -150,7 +151,6 @@ class TrackSearch {
   void take_detour() {
     FitOptions options = options_;
     options.start = FitStart::curvature;
-    options.progress = {};
     detour_ = std::make_unique<TrackSearch>(fitted_, std::move(options));
     detour_->is_detour_ = true;
     if (!detour_->run()) detour_.reset();
@@ -189,7 +189,6 @@ class TrackSearch {
       if (level.refinements == 0 && levels.size() > 1) continue;
       if (options_.ends()) break;
       Tools with = tools(level);
-      if (options_.progress) options_.progress(0.9);
       if (Found found = from(with.descent.nearest(curved(level, with.frame)), with, level)) return found;
       if (Found found = from(with.descent.nearest(flat_start(wishes(level, with.frame))), with, level))
         return found;
@@ -397,9 +396,12 @@ SpeedFit fit_speed(const Plan& plan, const CheckReport& report, const FitOptions
       return give_up(in_words(*stretch, fitted));
     refuse_too_many_values(plan.move(), t, fitted.solved().control_values().size());
     FitOptions of_track = options;
-    if (options.progress) {
-      of_track.progress = [&](double share) { options.progress((static_cast<double>(t) + share) / count); };
-    }
+    double left = 1;
+    of_track.is_over = [&] {
+      left *= share_left_by_step;
+      if (options.progress) options.progress((static_cast<double>(t) + 1 - left) / count);
+      return options.ends();
+    };
     TrackSearch search(fitted, of_track);
     std::optional<std::vector<double>> values = search.run();
     FitStart start = search.start();

@@ -343,7 +343,7 @@ TEST(SpeedFit, ProgressNeverFallsAndEndsBelowOne) {
   std::vector<double> shares;
   static_cast<void>(
       fit_speed(plan, check(plan), {.progress = [&](double share) { shares.push_back(share); }}));
-  EXPECT_FALSE(shares.empty());
+  EXPECT_GE(shares.size(), 10U) << "it goes on with every step";
   EXPECT_TRUE(std::ranges::is_sorted(shares));
   EXPECT_THAT(shares, Each(testing::Lt(1)));
 }
