@@ -31,8 +31,8 @@ class SimulatedBus {
   /// From somebody who does not belong here: the host hears it, too.
   void inject(const Frame& frame) { outbox_.push_back({.frame = frame, .sender = stranger}); }
   /// The drives are advanced to `now_ns`, and everything that waits is delivered. What the host hears, in
-  /// order.
-  std::vector<Frame> run(std::int64_t now_ns);
+  /// order, until the next run().
+  const std::vector<Frame>& run(std::int64_t now_ns);
 
  private:
   static constexpr int host = -1;
@@ -43,12 +43,14 @@ class SimulatedBus {
     std::int64_t due_ns = 0;
   };
   void post(const Waiting& sent, std::int64_t now_ns);
-  void collect(std::int64_t now_ns);
+  void collect(std::size_t drive, std::int64_t now_ns);
+  bool deliver_next(std::int64_t now_ns);
 
   std::vector<SimulatedDriveOn<Frame>*> drives_;
   std::function<FrameFate(const Frame&, std::int64_t)> fate_;
   std::vector<Waiting> outbox_;
   std::vector<Waiting> wire_;
+  std::vector<Frame> heard_;
 };
 using SimulatedCanBus = SimulatedBus<can::Frame>;
 using SimulatedFdBus = SimulatedBus<can::FdFrame>;

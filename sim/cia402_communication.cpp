@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "inbetween/can/little_endian.hpp"
 #include "inbetween/can/pdo.hpp"
 #include "inbetween/can/sync.hpp"
 #include "sim/cia402_drive.hpp"
@@ -15,6 +16,10 @@ using Kind = DriveTrouble::Kind;
 constexpr std::int64_t ms = 1'000'000;
 constexpr std::uint8_t error_of_communication = 0x11;
 constexpr std::uint16_t last_of_communication = 0x1FFF;
+
+constexpr std::uint64_t low_bits(unsigned bits) {
+  return (std::uint64_t{1} << bits) - 1;
+}
 
 unsigned bits_of(const std::vector<can::PdoEntry>& objects) {
   unsigned bits = 0;
@@ -136,6 +141,7 @@ void SimulatedCia402Drive::receive(const can::Frame& frame) {
   if (is_booting_ || !(is_guard || can::is_canopen(frame))) return;
   if (troubles_.has_any() && is_meant_for_it(frame) && takes_frame(Kind::lose_heard)) return;
   if (is_guard) return hear_guard();
+  if (!settings_now().heard[frame.id]) return;
   if (const auto order = can::read_nmt(frame)) return obey(*order);
   hear_host(frame);
   if (nmt_ == NmtState::stopped) return;
@@ -250,7 +256,7 @@ SimulatedCia402Drive::PdoSetting SimulatedCia402Drive::setting_of(const Pdo& pdo
   const std::vector<can::PdoEntry> mapped = objects_in(pdo, objects_.value(pdo.mapping));
   setting.bits = bits_of(mapped);
   for (const auto& [object, bits] : mapped) {
-    setting.objects.push_back({.place = objects_.place_of(object.index, object.sub), .size = bits / 8U});
+    setting.objects.push_back({.place = objects_.place_of(object.index, object.sub), .bits = bits});
     setting.has_controlword = setting.has_controlword || object.index == 0x6040;
   }
   return setting;
@@ -275,6 +281,12 @@ const SimulatedCia402Drive::Settings& SimulatedCia402Drive::read_settings() cons
   read_settings_.max = static_cast<std::int32_t>(objects_.value(0x607D, 2));
   read_settings_.following_window = objects_.value(0x6065);
   read_settings_.following_ms = objects_.value(0x6066);
+  read_settings_.heard.reset();
+  for (const std::uint32_t id : {can::nmt_id, can::sdo_request_id(node()), read_settings_.sync_id,
+                                 (0x700 + read_settings_.host) & can::cob_id_number}) {
+    read_settings_.heard.set(id);
+  }
+  for (const PdoSetting& pdo : read_settings_.received) read_settings_.heard.set(pdo.id);
   read_settings_.controlword = objects_.place_of(0x6040);
   read_settings_.statusword = objects_.place_of(0x6041);
   read_settings_.mode_display = objects_.place_of(0x6061);
@@ -307,11 +319,10 @@ void SimulatedCia402Drive::hear_pdo(const can::Frame& frame) {
 }
 
 void SimulatedCia402Drive::apply_pdo(const PdoSetting& pdo, const can::Frame& frame) {
-  std::size_t offset = 0;
-  for (const auto& [place, size] : pdo.objects) {
-    std::uint32_t value = 0;
-    for (std::size_t i = 0; i < size; ++i) value |= std::uint32_t{frame.data.at(offset++)} << (8 * i);
-    objects_.set(place, value);
+  auto rest = can::load<std::uint64_t>(frame.data, 0);
+  for (const auto& [place, bits] : pdo.objects) {
+    objects_.set(place, static_cast<std::uint32_t>(rest & low_bits(bits)));
+    rest >>= bits;
   }
   if (pdo.has_controlword)
     obey_controlword(static_cast<std::uint16_t>(objects_.value(settings_now().controlword)));
@@ -352,12 +363,14 @@ void SimulatedCia402Drive::send_pdos() {
   if (has_trouble(Kind::lose_feedback)) return;
   for (const PdoSetting& told : settings_now().sent) {
     if (!told.is_valid || told.type == 0 || told.type > 240 || syncs_ % told.type != 0) continue;
-    can::Frame frame{.id = told.id};
-    for (const auto& [place, size] : told.objects) {
-      const std::uint32_t value = objects_.value(place);
-      for (std::size_t i = 0; i < size; ++i)
-        frame.data.at(frame.length++) = static_cast<std::uint8_t>(value >> (8 * i));
+    can::Frame frame{.id = told.id, .length = static_cast<std::uint8_t>(told.bits / 8)};
+    std::uint64_t all = 0;
+    unsigned before = 0;
+    for (const auto& [place, bits] : told.objects) {
+      all |= (objects_.value(place) & low_bits(bits)) << before;
+      before += bits;
     }
+    can::store(frame.data, 0, all);
     if (takes_frame(Kind::shorten)) --frame.length;
     send(frame);
     if (takes_frame(Kind::duplicate)) send(frame);

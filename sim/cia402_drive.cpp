@@ -26,7 +26,10 @@ std::int32_t as_signed(std::uint32_t value) {
   return static_cast<std::int32_t>(value);
 }
 std::uint32_t as_counts(double value) {
-  return static_cast<std::uint32_t>(static_cast<std::int32_t>(std::lround(value)));
+  return static_cast<std::uint32_t>(static_cast<std::int64_t>(value + std::copysign(0.5, value)));
+}
+constexpr double as_seconds(std::int64_t ns) {
+  return static_cast<double>(ns) * 1e-9;
 }
 
 }  // namespace
@@ -66,7 +69,7 @@ void SimulatedCia402Drive::advance(std::int64_t now_ns) {
     if (is_booting_ && now_ns_ >= boot_ns_) boot();
     watch_communication();
     babble();
-    step(static_cast<double>(ns) * 1e-9);
+    step(as_seconds(ns));
   }
 }
 
@@ -76,18 +79,13 @@ void SimulatedCia402Drive::run_motor_quietly(std::int64_t until_ns) {
   if (event_ns <= now_ns_) return;
   const MotionObjects objects = motion_objects();
   if (objects.homes) return;
-  // A copy stays in registers. A step waits for the one before, and would wait for the memory too.
-  SimulatedMotor motor = motor_;
-  while (now_ns_ < until_ns && !is_following_error_) {
-    const std::int64_t ns = std::min(step_ns, until_ns - now_ns_);
-    if (now_ns_ + ns >= event_ns) break;
-    now_ns_ += ns;
-    const double seconds = static_cast<double>(ns) * 1e-9;
-    since_sync_s_ += seconds;
-    follow_target(objects, seconds, motor);
-    watch_following_error(objects, seconds, motor);
+  const std::int64_t steps = (std::min(until_ns, event_ns - 1) - now_ns_) / step_ns;
+  now_ns_ += step_ns * follow_target(objects, as_seconds(step_ns), steps);
+  const std::int64_t rest_ns = until_ns - now_ns_;
+  if (!is_following_error_ && rest_ns > 0 && rest_ns < step_ns && until_ns < event_ns) {
+    now_ns_ = until_ns;
+    follow_target(objects, as_seconds(rest_ns), 1);
   }
-  motor_ = motor;
   if (is_following_error_) fail(following_error);
 }
 
@@ -121,7 +119,6 @@ void SimulatedCia402Drive::step(double seconds) {
   switch (state_) {
     case Cia402State::operation_enabled:
       follow(motion_objects(), seconds);
-      watch_following_error(motion_objects(), seconds, motor_);
       if (is_following_error_) fail(following_error);
       break;
     case Cia402State::quick_stop_active:
@@ -144,31 +141,55 @@ double SimulatedCia402Drive::period_s() const {
 }
 
 void SimulatedCia402Drive::follow(const MotionObjects& objects, double seconds) {
-  since_sync_s_ += seconds;
-  if (objects.homes) return home(seconds);
-  if (has_trouble(Kind::ignore_target)) {
-    slow_demand_down(seconds);
-    from_ = demand_;
+  if (!objects.homes && !has_trouble(Kind::ignore_target)) {
+    follow_target(objects, seconds, 1);
     return;
   }
-  follow_target(objects, seconds, motor_);
+  since_sync_s_ += seconds;
+  if (objects.homes) {
+    home(seconds);
+  } else {
+    slow_demand_down(seconds);
+    from_ = demand_;
+  }
+  is_following_error_ = objects.is_too_far(demand_ - motor_.position(), seconds, beyond_window_s_);
 }
 
-inline void SimulatedCia402Drive::follow_target(const MotionObjects& objects, double seconds,
-                                                SimulatedMotor& motor) {
-  const double period = objects.period_s;
+/// So many steps, or less if there is a following error after one. Returns how many it were.
+std::int64_t SimulatedCia402Drive::follow_target(const MotionObjects& objects, double seconds,
+                                                 std::int64_t steps) {
   double target = objects.target.value_or(demand_);
   if (objects.min < objects.max) {
     const double clipped = std::clamp(target, objects.min, objects.max);
     is_limited_ = clipped != target;
     target = clipped;
   }
-  const double part = std::min(1.0, since_sync_s_ / period);
-  demand_ = from_ + (target - from_) * part;
-  // The last step of a period ends with the next SYNC.
-  const bool is_between = since_sync_s_ < period + seconds / 2;
-  demand_velocity_ = is_between ? (target - from_) / period : 0;
-  motor.follow({.position = demand_, .velocity = demand_velocity_}, seconds);
+  const double period = objects.period_s;
+  const double from = from_;
+  const double velocity = (target - from) / period;
+  // Copies stay in registers. A step waits for the one before, and would wait for the memory too.
+  SimulatedMotor motor = motor_;
+  SimulatedMotor::Demand demand{.position = demand_, .velocity = demand_velocity_};
+  double since_sync_s = since_sync_s_;
+  double beyond_window_s = beyond_window_s_;
+  bool is_too_far = false;
+  std::int64_t made = 0;
+  while (made < steps && !is_too_far) {
+    ++made;
+    since_sync_s += seconds;
+    demand.position = since_sync_s < period ? from + velocity * since_sync_s : target;
+    // The last step of a period ends with the next SYNC.
+    demand.velocity = since_sync_s < period + seconds / 2 ? velocity : 0;
+    motor.follow(demand, seconds);
+    is_too_far = objects.is_too_far(demand.position - motor.position(), seconds, beyond_window_s);
+  }
+  motor_ = motor;
+  demand_ = demand.position;
+  demand_velocity_ = demand.velocity;
+  since_sync_s_ = since_sync_s;
+  beyond_window_s_ = beyond_window_s;
+  is_following_error_ = is_too_far;
+  return made;
 }
 
 /// At SYNC. It needs the set-point after the one that it goes to, so that it is a period behind; without bit
@@ -186,13 +207,6 @@ std::optional<double> SimulatedCia402Drive::target() const {
   if (mode() != interpolated_position) return as_signed(objects_.value(settings_now().target)) + zero_;
   if (is_interpolating_) return set_point_ + zero_;
   return {};
-}
-
-inline void SimulatedCia402Drive::watch_following_error(const MotionObjects& objects, double seconds,
-                                                        const SimulatedMotor& motor) {
-  const bool is_beyond = std::fabs(demand_ - motor.position()) > objects.window;
-  beyond_window_s_ = is_beyond ? beyond_window_s_ + seconds : 0;
-  is_following_error_ = is_beyond && beyond_window_s_ * 1000 >= objects.window_ms;
 }
 
 /// By the ramp of 6085, the same for a quick stop, for the reaction to a fault and where targets are ignored.

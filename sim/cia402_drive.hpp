@@ -1,6 +1,8 @@
 #pragma once
 
 #include <array>
+#include <bitset>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -102,13 +104,14 @@ class SimulatedCia402Drive : public SimulatedCanDrive {
     unsigned bits = 0;
     struct Object {
       ObjectDictionary::Place place{};
-      std::size_t size = 0;  ///< bytes
+      unsigned bits = 0;  ///< 8, 16 or 32
     };
     std::vector<Object> objects = {};
     bool has_controlword = false;
   };
   /// What the objects say that a client alone changes.
   struct Settings {
+    std::bitset<can::cob_id_number + 1> heard;  ///< identifiers: data frames with others do not concern it
     std::array<PdoSetting, pdos> received, sent;
     std::int64_t heartbeat_period_ns = 0;  ///< 0: it tells nobody that it lives
     std::uint32_t sync_id = 0;
@@ -131,6 +134,13 @@ class SimulatedCia402Drive : public SimulatedCanDrive {
     std::optional<double> target{};  ///< none: it stays where it is
     double window = 0, window_ms = 0;
     bool homes = false;
+
+    /// Whether the motor, which is off by so much after a step, has been for too long. Counts how long.
+    [[nodiscard]] bool is_too_far(double off, double seconds, double& beyond_window_s) const {
+      const bool is_beyond = std::fabs(off) > window;
+      beyond_window_s = is_beyond ? beyond_window_s + seconds : 0;
+      return is_beyond && beyond_window_s * 1000 >= window_ms;
+    }
   };
   void boot();
   void start_anew();
@@ -207,12 +217,15 @@ class SimulatedCia402Drive : public SimulatedCanDrive {
   [[nodiscard]] std::uint32_t mode() const { return settings_now().mode; }
   [[nodiscard]] std::optional<double> target() const;
   void follow(const MotionObjects& objects, double seconds);
-  void follow_target(const MotionObjects& objects, double seconds, SimulatedMotor& motor);
-  void watch_following_error(const MotionObjects& objects, double seconds, const SimulatedMotor& motor);
+  std::int64_t follow_target(const MotionObjects& objects, double seconds, std::int64_t steps);
   void meet_troubles();
   void meet(const DriveTrouble& trouble);
-  [[nodiscard]] bool has_trouble(DriveTrouble::Kind kind) const { return troubles_.has(kind, now_ns_); }
-  bool takes_frame(DriveTrouble::Kind kind) { return troubles_.takes_frame(kind, now_ns_); }
+  [[nodiscard]] bool has_trouble(DriveTrouble::Kind kind) const {
+    return troubles_.has_any() && troubles_.has(kind, now_ns_);
+  }
+  bool takes_frame(DriveTrouble::Kind kind) {
+    return troubles_.has_any() && troubles_.takes_frame(kind, now_ns_);
+  }
   [[nodiscard]] bool is_meant_for_it(const can::Frame& frame) const;
   void babble();
   [[nodiscard]] std::int32_t trouble_value(DriveTrouble::Kind kind) const {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <deque>
 #include <span>
+#include <vector>
 
 #include "sim/can_bus.hpp"
 
@@ -20,9 +20,8 @@ class SimulatedLinkTo {
   [[nodiscard]] bool is_up() const { return is_up_; }
   /// Brings the bus to `now_ns`. What is not taken waits.
   std::size_t receive(std::span<Frame> in, std::int64_t now_ns) {
-    for (const Frame& frame : bus_->run(now_ns)) {
-      if (is_up_) waiting_.push_back(frame);
-    }
+    const std::vector<Frame>& heard = bus_->run(now_ns);
+    if (is_up_) waiting_.insert(waiting_.end(), heard.begin(), heard.end());
     const std::size_t count = std::min(in.size(), waiting_.size());
     std::copy_n(waiting_.begin(), count, in.begin());
     waiting_.erase(waiting_.begin(), waiting_.begin() + static_cast<std::ptrdiff_t>(count));
@@ -49,7 +48,7 @@ class SimulatedLinkTo {
 
  private:
   SimulatedBus<Frame>* bus_;
-  std::deque<Frame> waiting_;
+  std::vector<Frame> waiting_;
   std::size_t room_ = SIZE_MAX;
   bool is_up_ = true;
 };

@@ -82,14 +82,14 @@ class IdealDrives final : public PortDrives<SimulatedRig> {
   [[nodiscard]] double true_position(std::size_t drive) const { return port_->true_position(drive); }
 };
 
-/// The switches follow the axes before their lines are read.
+/// The switches follow the axes that have some before their lines are read.
 class InputsInProcess final : public ChipInputs {
  public:
   using Where = std::function<std::optional<double>(std::size_t)>;
-  InputsInProcess(SimulatedInputs& inputs, std::size_t axes, Where where)
-      : inputs_(inputs), axes_(axes), where_(std::move(where)) {}
+  InputsInProcess(SimulatedInputs& inputs, std::vector<std::size_t> axes, Where where)
+      : inputs_(inputs), axes_(std::move(axes)), where_(std::move(where)) {}
   std::span<const LineEvent> read(std::int64_t now_ns) override {
-    for (std::size_t a = 0; a < axes_; ++a) {
+    for (const std::size_t a : axes_) {
       if (const std::optional<double> at = where_(a)) inputs_.follow(a, *at, now_ns);
     }
     events_.clear();
@@ -100,7 +100,7 @@ class InputsInProcess final : public ChipInputs {
 
  private:
   SimulatedInputs& inputs_;
-  std::size_t axes_;
+  std::vector<std::size_t> axes_;
   Where where_;
   std::vector<LineEvent> events_;
 };
@@ -162,6 +162,7 @@ std::unique_ptr<ChipOutputs> SimulatedHardware::open_pulses(const std::string& /
 std::vector<RigHardware::OpenedInputs> SimulatedHardware::open_inputs(
     std::span<const InputLine* const> lines) {
   OpenedInputs opened;
+  std::vector<std::size_t> with_switches;
   std::vector<bool> released;
   for (const InputLine* const line : lines) {
     opened.lines.push_back(released.size());
@@ -182,12 +183,13 @@ std::vector<RigHardware::OpenedInputs> SimulatedHardware::open_inputs(
     if (axis.home) add_switch(axis.home->input, axis.home->direction > 0, axis.home->at);
     if (axis.limit_min) add_switch(*axis.limit_min, false, limit_place(axis, false));
     if (axis.limit_max) add_switch(*axis.limit_max, true, limit_place(axis, true));
+    if (axis.home || axis.limit_min || axis.limit_max) with_switches.push_back(a);
   }
-  opened.chip = std::make_unique<InputsInProcess>(*inputs_, rig_.axes.size(), [this](std::size_t a) {
+  opened.chip = std::make_unique<InputsInProcess>(*inputs_, std::move(with_switches), [this](std::size_t a) {
     return where_[a] ? std::optional(true_position(a)) : std::nullopt;
   });
   std::vector<OpenedInputs> all;
-  all.push_back(std::move(opened));
+  if (!lines.empty()) all.push_back(std::move(opened));
   return all;
 }
 

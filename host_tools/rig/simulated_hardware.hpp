@@ -47,7 +47,7 @@ class SimulatedHardware final : public RigHardware {
   std::unique_ptr<ChipOutputs> open_pulses(const std::string& chip,
                                            std::span<const PulseLine> lines) override;
   std::string chip_of(const LineAddress& line) override { return line.chip; }
-  /// All of them on one chip, numbered as they are here.
+  /// All of them on one chip, numbered as they are here; no chip where there are none.
   std::vector<OpenedInputs> open_inputs(std::span<const InputLine* const> lines) override;
   std::unique_ptr<AxisDrives> open_others(std::span<const std::size_t> axes) override;
 
