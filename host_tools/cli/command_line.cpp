@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstddef>
 #include <cstdio>
@@ -84,6 +85,32 @@ std::string words_of_output(const std::system_error& error) {
   return error.what();
 }
 
+/// The command that is named, or all of them to be listed, or to find the one that was meant: to make all of
+/// them takes as long as to read a small move.
+void add_commands(CLI::App& app, Command& chosen, std::string_view named, const EditCommand& edit) {
+  struct Named {
+    std::string_view name;
+    void (*add)(CLI::App&, Command&);  ///< null: edit
+  };
+  constexpr std::array commands{
+      Named{"plan", add_plan_command},
+      Named{"check", add_check_command},
+      Named{"edit", nullptr},
+      Named{"run", add_run_command},
+      Named{"goto", add_goto_command},
+      Named{"home", add_home_command},
+      Named{"jog", add_jog_command},
+      Named{"sim-drives", add_sim_drives_command},
+      Named{"doctor", add_doctor_command},
+      Named{"budget", add_budget_command},
+  };
+  const bool is_one = std::ranges::find(commands, named, &Named::name) != commands.end();
+  for (const Named& command : commands) {
+    if (is_one && command.name != named) continue;
+    command.add != nullptr ? command.add(app, chosen) : add_edit_command(app, chosen, edit);
+  }
+}
+
 }  // namespace
 
 int run_command_line(int argc, const char* const* argv, const EditCommand& edit) {
@@ -98,16 +125,7 @@ int run_command_line(int argc, const char* const* argv, const EditCommand& edit)
 Exit status: 0 done; 1 bad input; 2 wrong usage; 3 a limit would be exceeded; 4 stopped by a fault;
 5 a shoot that ended with frames missing.)");
   Command chosen;
-  add_plan_command(app, chosen);
-  add_check_command(app, chosen);
-  add_edit_command(app, chosen, edit);
-  add_run_command(app, chosen);
-  add_goto_command(app, chosen);
-  add_home_command(app, chosen);
-  add_jog_command(app, chosen);
-  add_sim_drives_command(app, chosen);
-  add_doctor_command(app, chosen);
-  add_budget_command(app, chosen);
+  add_commands(app, chosen, argc > 1 ? argv[1] : "", edit);
   const auto wrong_usage = [&](const std::string& what) {
     const std::vector<CLI::App*> commands = app.get_subcommands();
     const std::string command = commands.empty() ? "" : commands.front()->get_name() + " ";
