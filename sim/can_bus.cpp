@@ -7,7 +7,8 @@ namespace inbetween {
 
 template <class Frame>
 void SimulatedBus<Frame>::post(const Waiting& sent, std::int64_t now_ns) {
-  const FrameFate fate = fate_ ? fate_(sent.frame, now_ns) : FrameFate{};
+  if (!fate_) return wire_.push_back(sent);
+  const FrameFate fate = fate_(sent.frame, now_ns);
   for (int i = 0; i < fate.copies; ++i) {
     wire_.push_back({.frame = sent.frame, .sender = sent.sender, .due_ns = now_ns + fate.delay_ns});
   }

@@ -17,8 +17,9 @@ constexpr std::int64_t ms = 1'000'000;
 constexpr std::uint8_t error_of_communication = 0x11;
 constexpr std::uint16_t last_of_communication = 0x1FFF;
 
+/// A data sheet may map an object that is longer than any number here.
 constexpr std::uint64_t low_bits(unsigned bits) {
-  return (std::uint64_t{1} << bits) - 1;
+  return bits < 32 ? (std::uint64_t{1} << bits) - 1 : 0xFFFFFFFF;
 }
 
 unsigned bits_of(const std::vector<can::PdoEntry>& objects) {
@@ -142,11 +143,14 @@ void SimulatedCia402Drive::receive(const can::Frame& frame) {
   if (troubles_.has_any() && is_meant_for_it(frame) && takes_frame(Kind::lose_heard)) return;
   if (is_guard) return hear_guard();
   if (!settings_now().heard[frame.id]) return;
-  if (const auto order = can::read_nmt(frame)) return obey(*order);
+  if (frame.id == can::nmt_id) {
+    if (const auto order = can::read_nmt(frame)) obey(*order);
+    return;
+  }
   hear_host(frame);
   if (nmt_ == NmtState::stopped) return;
-  if (frame.id == can::sdo_request_id(node())) return serve(frame);
   if (frame.id == settings_now().sync_id) return hear_sync(frame);
+  if (frame.id == can::sdo_request_id(node())) return serve(frame);
   if (nmt_ == NmtState::operational) hear_pdo(frame);
 }
 
@@ -255,7 +259,9 @@ SimulatedCia402Drive::PdoSetting SimulatedCia402Drive::setting_of(const Pdo& pdo
   };
   const std::vector<can::PdoEntry> mapped = objects_in(pdo, objects_.value(pdo.mapping));
   setting.bits = bits_of(mapped);
+  setting.is_valid = setting.is_valid && setting.bits <= 64;
   for (const auto& [object, bits] : mapped) {
+    if (bits == 0) continue;
     setting.objects.push_back({.place = objects_.place_of(object.index, object.sub), .bits = bits});
     setting.has_controlword = setting.has_controlword || object.index == 0x6040;
   }
@@ -319,10 +325,11 @@ void SimulatedCia402Drive::hear_pdo(const can::Frame& frame) {
 }
 
 void SimulatedCia402Drive::apply_pdo(const PdoSetting& pdo, const can::Frame& frame) {
-  auto rest = can::load<std::uint64_t>(frame.data, 0);
+  const auto all = can::load<std::uint64_t>(frame.data, 0);
+  unsigned before = 0;
   for (const auto& [place, bits] : pdo.objects) {
-    objects_.set(place, static_cast<std::uint32_t>(rest & low_bits(bits)));
-    rest >>= bits;
+    objects_.set(place, static_cast<std::uint32_t>((all >> before) & low_bits(bits)));
+    before += bits;
   }
   if (pdo.has_controlword)
     obey_controlword(static_cast<std::uint16_t>(objects_.value(settings_now().controlword)));

@@ -195,12 +195,14 @@ std::int64_t SimulatedCia402Drive::follow_target(const MotionObjects& objects, d
 /// At SYNC. It needs the set-point after the one that it goes to, so that it is a period behind; without bit
 /// 4 of the controlword it stays where it is.
 void SimulatedCia402Drive::take_set_point() {
-  const bool is_wished =
-      mode() == interpolated_position && is_in_operation() && (last_word_ & can::control_interpolate) != 0;
+  if (mode() != interpolated_position) {
+    is_interpolating_ = false;
+    return;
+  }
   const std::int32_t told = as_signed(objects_.value(settings_now().set_point));
   set_point_ = is_interpolating_ ? next_set_point_ : told;
   next_set_point_ = told;
-  is_interpolating_ = is_wished;
+  is_interpolating_ = is_in_operation() && (last_word_ & can::control_interpolate) != 0;
 }
 
 std::optional<double> SimulatedCia402Drive::target() const {

@@ -104,7 +104,7 @@ class SimulatedCia402Drive : public SimulatedCanDrive {
     unsigned bits = 0;
     struct Object {
       ObjectDictionary::Place place{};
-      unsigned bits = 0;  ///< 8, 16 or 32
+      unsigned bits = 0;
     };
     std::vector<Object> objects = {};
     bool has_controlword = false;

@@ -28,17 +28,21 @@ class SimulatedMotor {
   void follow(const Demand& demand, double seconds) {
     const double omega = 2 * std::numbers::pi * settings_.bandwidth_hz;
     // Velocities and not accelerations, because a step waits for the one before: so it has less to wait for.
-    const double wanted = omega * omega * seconds * (demand.position - position_) +
-                          2 * omega * seconds * (demand.velocity - velocity_);
+    const double spring = omega * omega * seconds * (demand.position - position_);
+    const double damper = 2 * omega * seconds * (demand.velocity - velocity_);
     const double most = settings_.max_acceleration * seconds;
+    const double kept = kept_velocity(seconds);
+    const double lost = settings_.friction * seconds;
     // A branch, because the processor foresees it.
-    if (std::fabs(wanted) > most) [[unlikely]] {
-      return integrate(std::copysign(most, wanted), settings_.friction, seconds);
+    if (std::fabs(spring + damper) > most) [[unlikely]] {
+      return integrate(kept, std::copysign(most, spring + damper), lost, seconds);
     }
-    integrate(wanted, settings_.friction, seconds);
+    integrate(kept + damper, spring, lost, seconds);
   }
   /// Moves for `seconds` without current.
-  void coast(double seconds) { integrate(0, settings_.coasting_friction, seconds); }
+  void coast(double seconds) {
+    integrate(kept_velocity(seconds), 0, settings_.coasting_friction * seconds, seconds);
+  }
   /// Somebody moves it by hand.
   void put(double position) {
     position_ = position;
@@ -51,18 +55,20 @@ class SimulatedMotor {
   [[nodiscard]] double velocity() const { return velocity_; }
 
  private:
-  /// The current adds `driven` to the velocity. Friction stops a motion and never begins one.
-  void integrate(double driven, double friction, double seconds) {
+  [[nodiscard]] double kept_velocity(double seconds) const {
+    return (1 - settings_.viscous_friction * seconds) * velocity_;
+  }
+  /// The new velocity is the sum of both, of which `late` is known last, less what friction takes. That stops
+  /// a motion and never begins one.
+  void integrate(double early, double late, double lost, double seconds) {
     if (is_held_) {
       velocity_ = 0;
       return;
     }
-    const double pushed = velocity_ - settings_.viscous_friction * seconds * velocity_ + driven;
-    const double lost = friction * seconds;
-    if (pushed > lost) {
-      velocity_ = pushed - lost;
-    } else if (pushed < -lost) {
-      velocity_ = pushed + lost;
+    if (early + late > lost) {
+      velocity_ = early - lost + late;
+    } else if (early + late < -lost) {
+      velocity_ = early + lost + late;
     } else {
       velocity_ = 0;
     }

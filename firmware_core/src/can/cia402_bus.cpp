@@ -71,7 +71,7 @@ bool Cia402Bus::wants_heartbeat(std::span<const std::int32_t> targets) const {
 std::optional<Frame> Cia402Bus::next_service(std::int64_t now_ns) {
   for (std::size_t i = 0; i < drives_.size(); ++i) {
     Cia402Drive& drive = drives_[next_served_];
-    next_served_ = (next_served_ + 1) % drives_.size();
+    next_served_ = next_served_ + 1 < drives_.size() ? next_served_ + 1 : 0;
     if (!drive.wants_service()) continue;
     if (const std::optional<Frame> frame = drive.service(now_ns)) return frame;
   }

@@ -270,7 +270,7 @@ class BusPort {
     }
     return {.actual = static_cast<Real>(drive.held_place() - axis.zero) / axis.scale,
             .is_on = drive.phase() == DrivePhase::following,
-            .is_leaving = lanes_[axis.lane].link->is_up() && drive.is_leaving(),
+            .is_leaving = drive.is_leaving() && lanes_[axis.lane].link->is_up(),
             .condition = condition_of(axis)};
   }
 

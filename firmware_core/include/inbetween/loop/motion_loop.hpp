@@ -267,27 +267,38 @@ class MotionLoop {
   }
 
   void advance(std::int32_t ticks, LoopTick& result) {
-    Playhead<Real> ahead = *spec_.playhead;
-    std::optional<Playhead<Real>> still_ahead;
-    if (spec_.still != nullptr) still_ahead = *spec_.still;
-    for (std::int32_t i = 0; i < ticks && result.event == PlayheadEvent::none; ++i) {
-      result.event = ahead.tick();
-      if (still_ahead) still_ahead->tick();
-    }
-    look_ahead(ahead, still_ahead ? &*still_ahead : nullptr);
-    if (ticks > 1 && jumps(spec_.move->axis_count())) {
+    if (ticks == 1) {
+      advance_by_one(result);
+    } else if (!makes_up(ticks, result)) {
       result.lost_time = true;
       apply(SupervisorEvent::stop);
-      result.event = spec_.playhead->tick();
-      if (spec_.still != nullptr) spec_.still->tick();
-      look_ahead(*spec_.playhead, spec_.still);
-    } else {
-      *spec_.playhead = ahead;
-      if (still_ahead) *spec_.still = *still_ahead;
+      advance_by_one(result);
     }
     for (std::size_t d = 0; d < spec_.move->axis_count(); ++d) setpoint(d) = memory_.next[d];
     if (result.event == PlayheadEvent::finished) apply(SupervisorEvent::finished);
     if (state_ == SupervisorState::stopping && is_resting()) apply(SupervisorEvent::rested);
+  }
+  void advance_by_one(LoopTick& result) {
+    result.event = spec_.playhead->tick();
+    if (spec_.still != nullptr) spec_.still->tick();
+    look_ahead(*spec_.playhead, spec_.still);
+  }
+  /// Goes on by so many ticks. False, and nothing has changed, where an axis would jump.
+  bool makes_up(std::int32_t ticks, LoopTick& result) {
+    Playhead<Real> ahead = *spec_.playhead;
+    std::optional<Playhead<Real>> still_ahead;
+    if (spec_.still != nullptr) still_ahead = *spec_.still;
+    PlayheadEvent event = PlayheadEvent::none;
+    for (std::int32_t i = 0; i < ticks && event == PlayheadEvent::none; ++i) {
+      event = ahead.tick();
+      if (still_ahead) still_ahead->tick();
+    }
+    look_ahead(ahead, still_ahead ? &*still_ahead : nullptr);
+    if (jumps(spec_.move->axis_count())) return false;
+    result.event = event;
+    *spec_.playhead = ahead;
+    if (still_ahead) *spec_.still = *still_ahead;
+    return true;
   }
   /// The setpoints where the playheads are: the axes that stand still are where they have a time of their
   /// own.
