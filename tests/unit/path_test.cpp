@@ -611,6 +611,24 @@ TYPED_TEST(PathIn, CountsMustFitTogether) {
                      "tensions");
 }
 
+/// ... however many there are: some are computed two at once.
+TYPED_TEST(PathIn, GivesTheValuesOfManyCubicsWithTheBitsOfOne) {
+  using Real = TypeParam;
+  std::vector<Cubic<Real>> cubics;
+  for (int i = 1; i <= 5; ++i) {
+    const auto x = static_cast<Real>(i);
+    cubics.push_back({1 / x, -x / 3, std::sqrt(x), Real(0.7) - x});
+  }
+  for (std::size_t count = 0; count <= cubics.size(); ++count) {
+    for (const Real t : {Real(0), Real(0.3), Real(0.77), Real(1)}) {
+      std::vector<Real> values(cubics.size(), -1);
+      write_values<Real>(cubics, t, std::span(values).first(count));
+      for (std::size_t d = 0; d < count; ++d) EXPECT_EQ(values[d], cubics[d].value(t));
+      for (std::size_t d = count; d < values.size(); ++d) EXPECT_EQ(values[d], -1);
+    }
+  }
+}
+
 TYPED_TEST(PathIn, StatesTheCapacityNeededWhichSuffices) {
   using Real = TypeParam;
   const std::vector<Real> keys{0, 0, 1, 2, 3, 4};

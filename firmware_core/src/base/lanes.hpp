@@ -8,19 +8,13 @@
 #include <type_traits>
 
 #include "inbetween/base/precision.hpp"
+#include "inbetween/base/processor_clones.hpp"
 
 /// Four numbers side by side.
 
 namespace inbetween {
 
 inline constexpr std::size_t lane_count = 4;
-
-/// Whether four numbers cost less at once than one after the other: not on a microcontroller.
-#if defined(__x86_64__) || defined(__aarch64__)
-inline constexpr bool lanes_are_quick = true;
-#else
-inline constexpr bool lanes_are_quick = false;
-#endif
 
 /// The width of a register of SSE2 and NEON.
 inline constexpr std::size_t register_bytes = 16;

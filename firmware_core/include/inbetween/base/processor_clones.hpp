@@ -24,6 +24,13 @@
 
 namespace inbetween {
 
+/// Whether several numbers cost less at once than one after the other: not on a microcontroller.
+#if defined(__x86_64__) || defined(__aarch64__)
+inline constexpr bool lanes_are_quick = true;
+#else
+inline constexpr bool lanes_are_quick = false;
+#endif
+
 /// Whether registers hold 32 bytes where a function with INBETWEEN_PROCESSOR_CLONES runs. Vectors of that
 /// size would otherwise live in memory, and take twice as long as those of 16 bytes.
 inline bool has_wide_registers() {

@@ -132,7 +132,8 @@ class ArcLength {
   /// Cost: O(1); near a cusp, where many pieces share a bucket, a bisection among them.
   [[nodiscard]] PathPoint<Real> locate(const TwoSum<Real>& begin, Real way = 0) const {
     const Real distance = begin.high + way;
-    if (distance <= 0) return {0, 0};
+    if (distance <= 0) [[unlikely]]
+      return {0, 0};
     if (is_at_end(distance, begin, way)) [[unlikely]]
       return {segment_count(), 0};
     const ArcPiece<Real>& piece = pieces_[piece_at(distance)];
@@ -161,9 +162,13 @@ class ArcLength {
       return pieces_.size() - 1;
     const auto bucket = static_cast<std::size_t>(static_cast<std::int32_t>(distance * buckets_per_length_));
     auto piece = static_cast<std::size_t>(buckets_[bucket]);
-    for (int passed = 0; next_begins_[piece] <= distance; ++piece) {
-      if (++passed > 3) [[unlikely]]
-        return piece_in_crowd(piece, bucket, distance);
+    // A branch that is seldom taken costs less than an addition that waits for the comparison.
+    if (next_begins_[piece] <= distance) [[unlikely]] {
+      ++piece;
+      for (int passed = 1; next_begins_[piece] <= distance; ++piece) {
+        if (++passed > 3) [[unlikely]]
+          return piece_in_crowd(piece, bucket, distance);
+      }
     }
     return piece;
   }

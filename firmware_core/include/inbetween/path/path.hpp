@@ -7,6 +7,7 @@
 #include <span>
 
 #include "inbetween/base/precision.hpp"
+#include "inbetween/base/processor_clones.hpp"
 #include "inbetween/base/result.hpp"
 
 /// The path P(s) through the key positions: where the rig goes, with no notion of time.
@@ -87,6 +88,41 @@ struct Cubic {
   [[nodiscard]] constexpr Real second(Real t) const { return 2 * c2 + t * (6 * c3); }
   [[nodiscard]] constexpr Real third() const { return 6 * c3; }
 };
+
+/// A cubic in two registers: c0 and c1, c2 and c3.
+template <Precise Real>
+struct CubicHalves {
+  using Half [[gnu::vector_size(2 * sizeof(Real))]] = Real;
+  Half low, high;
+
+  /// Half by half: GCC 12 copies all of it through memory (tick/16 takes 1.3 times as long).
+  explicit CubicHalves(const Cubic<Real>& cubic) {
+    __builtin_memcpy(&low, &cubic, sizeof(low));
+    __builtin_memcpy(&high, &cubic.c2, sizeof(high));
+  }
+};
+
+/// The values at t of the first cubics, as many as `out` has entries, bit for bit those of Cubic::value().
+/// Two at once where that is quick: c0 and c1 stand side by side and meet the same square, and only their
+/// sums change places. What the compiler makes of the plain loop puts the coefficients of two cubics together
+/// first (tick/3 takes 1.1 times as long, tick/16 1.2).
+template <Precise Real>
+void write_values(std::span<const Cubic<Real>> cubics, Real t, std::span<Real> out) {
+  std::size_t d = 0;
+  if constexpr (lanes_are_quick) {
+    using Half = typename CubicHalves<Real>::Half;
+    const Real square = t * t;
+    for (; d + 1 < out.size(); d += 2) {
+      const CubicHalves<Real> a(cubics[d]);
+      const CubicHalves<Real> b(cubics[d + 1]);
+      const Half a_sums = a.low + square * a.high;
+      const Half b_sums = b.low + square * b.high;
+      const Half values = Half{a_sums[0], b_sums[0]} + t * Half{a_sums[1], b_sums[1]};
+      __builtin_memcpy(out.subspan(d).data(), &values, sizeof(values));
+    }
+  }
+  for (; d < out.size(); ++d) out[d] = cubics[d].value(t);
+}
 
 /// A guide is a row of a path that is no axis and only measures. So many are x, y and z of a point in space.
 inline constexpr std::size_t max_guides = 3;

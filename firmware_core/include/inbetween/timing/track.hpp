@@ -182,8 +182,8 @@ class Track {
     const std::int32_t scaled = time.frame * f;
     const std::int32_t span = scaled / frames_;
     CurvePlace<Real> result{
-        span, (static_cast<Real>(scaled - span * frames_) + time.fraction * static_cast<Real>(f)) *
-                  inverse_frames_};
+        span,
+        (static_cast<Real>(scaled - span * frames_) + time.fraction * spans_in_real_) * inverse_frames_};
     if (result.t >= 1 || time.frame >= frames_) [[unlikely]] {  // a fraction of a frame may pass over spans
       const auto whole = static_cast<std::int32_t>(result.t);
       result.span += whole;
@@ -205,8 +205,9 @@ class Track {
   /// The point of the path. Before frame 0 the start and after frame N the end, to the last bit.
   /// O(1), no allocation; the same bits on every target of one precision.
   [[nodiscard]] PathPoint<Real> locate(const FrameTime<Real>& time) const {
-    if (time.frame >= frames_) return {path_.segment_count(), 0};
-    if (time.frame < 0) return {0, 0};
+    // Negative frames are large ones here.
+    if (static_cast<std::uint32_t>(time.frame) >= static_cast<std::uint32_t>(frames_)) [[unlikely]]
+      return {time.frame < 0 ? 0 : path_.segment_count(), 0};
     if (is_plain_) [[likely]]
       return locate_at(place(time));
     return special_locate(time);
@@ -215,9 +216,8 @@ class Track {
   /// The position of every axis, in axis units: the tick. `out` has axis_count() entries. O(axes).
   void positions(const FrameTime<Real>& time, std::span<Real> out) const {
     const PathPoint<Real> point = locate(time);
-    const std::span<const Cubic<Real>> cubics = path_.segment(point.segment);
     const auto axes = static_cast<std::size_t>(path_.axis_count());
-    for (std::size_t d = 0; d < axes; ++d) out[d] = cubics[d].value(point.t);
+    write_values(path_.segment(point.segment), point.t, out.first(axes));
   }
 
   /// locate() at whole frames `first`, `first` + 1, ..., bit for bit, in runs of frames that share a span
@@ -242,6 +242,7 @@ class Track {
         profile_(profile),
         frames_(frames),
         fps_(fps),
+        spans_in_real_(static_cast<Real>(profile.span_count())),
         inverse_frames_(1 / static_cast<Real>(frames)),
         curve_rate_(static_cast<Real>(profile.span_count()) * static_cast<Real>(fps.numerator) /
                     (static_cast<Real>(frames) * static_cast<Real>(fps.denominator))) {}
@@ -279,6 +280,7 @@ class Track {
   std::span<const KeyInterval<Real>> key_intervals_;
   std::int32_t frames_ = 0;
   FrameRate fps_;
+  Real spans_in_real_ = 0;
   Real inverse_frames_ = 0;
   Real curve_rate_ = 0;
   Real constant_ = 0;
