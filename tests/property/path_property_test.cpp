@@ -167,9 +167,9 @@ double pieces_per_segment(double delta) {
 }
 
 TEST(ArcLengthProperty, OrdinaryPathsTakeFewPieces) {
-  EXPECT_LE(pieces_per_segment(1e-4), 16);
-  EXPECT_LE(pieces_per_segment(1e-6), 32);
-  EXPECT_LE(pieces_per_segment(1e-9), 96);
+  EXPECT_LE(pieces_per_segment(1e-4), 13);
+  EXPECT_LE(pieces_per_segment(1e-6), 19);
+  EXPECT_LE(pieces_per_segment(1e-9), 41);
 }
 
 }  // namespace path_property_test

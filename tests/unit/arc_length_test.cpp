@@ -285,8 +285,12 @@ double sampled_residual(const AnchoredInterval<double>& interval, const PieceBat
   double worst = 0;
   for (int i = 1; i < 1000; ++i) {
     const double u = i / 1000.0;
-    const double t = c[0] + u * (c[1] + u * (c[2] + u * (c[3] + u * (c[4] + u * c[5]))));
-    const double slope = c[1] + u * (2 * c[2] + u * (3 * c[3] + u * (4 * c[4] + u * 5 * c[5])));
+    double t = 0;
+    double slope = 0;
+    for (std::size_t k = c.size(); k-- > 0;) {
+      slope = t + u * slope;
+      t = c[k] + u * t;
+    }
     const double y = batch.near_end(index).y + step * (interval.forward ? u : 1 - u);
     const double rate = slope / step / (interval.stands_still ? 2 * y : 1);
     const double q = interval.speed_squared.value(std::fabs(t - interval.anchor));

@@ -170,8 +170,8 @@ void expect_size(std::int64_t bytes, std::size_t size_of_storage) {
 
 TEST(Budget, IsWhatTheStoragesOfTheCoreTake) {
   constexpr BudgetCapacity capacity{.keys = 8, .axes = 3, .control_values = 10, .locks = 3};
-  expect_size(bytes_of_track(capacity, true), sizeof(TrackStorage<double, 8, 3, 10, std::size_t{8} * 40>));
-  expect_size(bytes_of_track(capacity, false), sizeof(TrackStorage<float, 8, 3, 10, std::size_t{8} * 29>));
+  expect_size(bytes_of_track(capacity, true), sizeof(TrackStorage<double, 8, 3, 10, std::size_t{8} * 26>));
+  expect_size(bytes_of_track(capacity, false), sizeof(TrackStorage<float, 8, 3, 10, std::size_t{8} * 22>));
   expect_size(bytes_of(capacity, "adjusted"), sizeof(KeyTimingStorage<double, 3, 10>));
   expect_size(bytes_of(capacity, "adjusted", false), sizeof(KeyTimingStorage<float, 3, 10>));
   expect_size(bytes_of(capacity, "frame table"), sizeof(std::array<PathPoint<double>, 241>));
@@ -182,10 +182,10 @@ TEST(Budget, IsWhatTheStoragesOfTheCoreTake) {
   // one, of nine, is cut into 72.
   constexpr std::size_t spare_spans = 126 - 72;
   expect_size(bytes_of(capacity, "count track"),
-              sizeof(CountTrackStorage<double, 3, 10, std::size_t{8} * 40, 4>) -
+              sizeof(CountTrackStorage<double, 3, 10, std::size_t{8} * 52, 4>) -
                   spare_spans * sizeof(CountSpan<double>));
   expect_size(bytes_of(capacity, "count track", false),
-              sizeof(CountTrackStorage<float, 3, 10, std::size_t{8} * (40 + 7), 4>) -
+              sizeof(CountTrackStorage<float, 3, 10, std::size_t{8} * (26 + 7), 4>) -
                   spare_spans * sizeof(CountSpan<float>));
 }
 

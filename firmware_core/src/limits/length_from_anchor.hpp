@@ -71,7 +71,7 @@ class LengthFromAnchor {
     return std::sqrt(std::max(q_[0] + tau * (q_[1] + tau * g), Real(0)));
   }
   [[nodiscard]] Real part(Real from, Real to) const {
-    using Rule = GaussLegendre6<Real>;
+    using Rule = GaussLegendre<Real>;
     Real sum = 0;
     for (std::size_t i = 0; i < Rule::node.size(); ++i) {
       sum += Rule::weight[i] * speed(from + (to - from) * Rule::node[i]);

@@ -78,10 +78,11 @@ Number within(const Number& x) {
 }
 template <Precise Real, class Number>
 Number plain_places(const ArcPiece<Real>& piece, const Number& offset) {
-  const std::array<Real, 6>& c = piece.c;
+  const std::array<Real, 8>& c = piece.c;
   const Number u = within(piece.inverse_step * offset);
   const Number square = u * u;
-  return within((c[0] + c[1] * u) + square * ((c[2] + c[3] * u) + square * (c[4] + c[5] * u)));
+  const Number high = (square * square) * ((c[4] + c[5] * u) + square * (c[6] + c[7] * u));
+  return within((c[0] + c[1] * u) + (square * (c[2] + c[3] * u) + high));
 }
 
 /// Finds the points of ways whose distances rise, from the first to the last before `to`, all on one plain
@@ -260,7 +261,7 @@ TwoSum<Real> ArcLength<Real>::distance(const Path<Real>& path, const PathPoint<R
     from = pieces_[piece].c[0];
     sum = begin_of(piece);
   }
-  using Rule = GaussLegendre6<Real>;
+  using Rule = GaussLegendre<Real>;
   const Real extent = point.t - from;
   Real length = 0;
   for (std::size_t i = 0; i < Rule::node.size(); ++i) {

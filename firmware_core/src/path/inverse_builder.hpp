@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "inbetween/base/processor_clones.hpp"
 #include "inbetween/path/arc_length.hpp"
 #include "piece_fit.hpp"
 #include "segment_speed.hpp"
@@ -20,12 +21,12 @@ class PieceList {
  public:
   explicit PieceList(const ArcLengthMemory<Real>& memory) : memory_(memory) {}
 
-  void add(const ArcPiece<Real>& piece, Real begin) {
-    if (fits(count_)) {
-      memory_.pieces[count_] = piece;
-      memory_.begins[count_] = begin;
-    }
-    ++count_;
+  /// The place of the next piece, to be filled; none where the memory is full.
+  [[nodiscard]] ArcPiece<Real>* add(Real begin) {
+    const std::size_t index = count_++;
+    if (!fits(index)) return nullptr;
+    memory_.begins[index] = begin;
+    return &memory_.pieces[index];
   }
   [[nodiscard]] std::size_t count() const { return count_; }
   [[nodiscard]] bool complete() const { return count_ == 0 || fits(count_ - 1); }
@@ -49,25 +50,21 @@ class PieceList {
   std::size_t count_ = 0;
 };
 
-/// x^(1/5) to 2 % for x in [2^-10, 2^15] and its value at the nearer end outside: enough for a step
-/// size, from multiplications alone and so the same on every target.
+/// x^(1/7) to 1 % for x in [1, 2^21] and its value at the nearer end outside: enough for a step size, from
+/// multiplications alone and so the same on every target.
 template <Precise Real>
-Real rough_fifth_root(Real x) {
+Real rough_seventh_root(Real x) {
   Real root = 1;
-  for (int i = 0; i < 15 && x >= 2; ++i) {
+  for (int i = 0; i < 20 && x >= 2; ++i) {
     x /= 2;
-    root *= Real(1.148698355);
+    root *= Real(1.104089514);
   }
-  for (int i = 0; i < 10 && x < 1; ++i) {
-    x *= 2;
-    root /= Real(1.148698355);
-  }
-  return root * (Real(0.8514) + Real(0.1486) * (x < 2 ? x : Real(2)));
+  return root * (Real(0.8995) + Real(0.1041) * std::clamp(x, Real(1), Real(2)));
 }
 
-/// Rounding alone may show this residual of a piece: the Hermite coefficients add numbers up to 15
-/// times their sum. In single precision it is of the size of the default delta, and without it pieces
-/// would be divided for nothing (held by HardCases and NoAllocation in float).
+/// Rounding alone may show this residual of a piece: its speed at two places, and the sum of both. In single
+/// precision it is of the size of the default delta, and without it pieces would be divided for nothing (held
+/// by HardCases and NoAllocation in float).
 template <Precise Real>
 inline constexpr Real residual_rounding = 48 * std::numeric_limits<Real>::epsilon();
 
@@ -89,43 +86,48 @@ struct BatchErrors {
 template <Precise Real>
 class Stride {
  public:
-  explicit Stride(Real extent) : extent_(extent), length_(extent / 32) {}
+  explicit Stride(Real extent) : extent_(extent), length_(extent / 20) {}
 
   [[nodiscard]] bool at_end() const { return begin_ >= extent_; }
   /// Sets the ends of the next stretches, all of one length, and returns how many they are; the ends of more
   /// are the last end again. Near the end what is left is divided evenly, so that no sliver remains.
-  [[nodiscard]] std::size_t divide(WideLanes<Real>& ends) const {
+  template <std::size_t bytes>
+  [[nodiscard]] std::size_t divide(Lanes<Real, bytes>& ends) const {
     constexpr auto lanes = static_cast<Real>(lane_count);
     const Real rest = extent_ - begin_;
     Real length = std::max(length_, min_length());
     std::size_t count = lane_count;
-    if (rest <= lanes * length) {
+    const bool is_last = rest <= lanes * length;
+    if (is_last) {
       count = 1;
       while (static_cast<Real>(count) * length < rest) ++count;
       length = rest / static_cast<Real>(count);
     } else if (rest < (lanes + 2) * length) {
       length = rest / (lanes + 2);
     }
-    for (std::size_t i = 0; i < lane_count; ++i) {
-      const bool is_last = rest <= lanes * length && i + 1 >= count;
-      ends.set(i, is_last ? extent_ : begin_ + static_cast<Real>(i + 1) * length);
+    constexpr std::array<Real, lane_count> steps{1, 2, 3, 4};
+    ends = begin_ + length * Lanes<Real, bytes>::from(steps);
+    if (is_last) {
+      for (std::size_t i = count - 1; i < lane_count; ++i) ends.set(i, extent_);
     }
     return count;
   }
   /// Whether the stretch to `end` can be made shorter.
   [[nodiscard]] bool is_divisible(Real end) const { return end - begin_ > 2 * min_length(); }
-  /// Goes on behind the first `done` stretches, of which a later one was refused. The error grows with the
-  /// fifth power of the length (quintic Hermite interpolation); 0.7 of what is allowed is aimed at.
-  void shorten(const WideLanes<Real>& ends, std::size_t done, Real worst) {
+  /// Goes on behind the first `done` stretches, of which the next one was refused. The error grows with the
+  /// seventh power of the length (septic Hermite interpolation); half of what is allowed is aimed at.
+  template <std::size_t bytes>
+  void shorten(const Lanes<Real, bytes>& ends, std::size_t done, Real error) {
     const Real length = ends[0] - begin_;
     // Not finite: the derivatives at an end are useless, and much shorter is the only remedy.
-    length_ = std::isfinite(worst) ? length / rough_fifth_root(worst / Real(0.7)) : length / 8;
+    length_ = std::isfinite(error) ? length / rough_seventh_root(error / Real(0.5)) : length / 8;
     if (done > 0) begin_ = ends[done - 1];
   }
   /// Goes on behind the last stretch, with lengths chosen by comparisons: the processor guesses them and
   /// begins with the next batch before the errors of this one are known. The steps were found by measurement
   /// (pieces and time over random paths); hard_cases_test holds the number of pieces.
-  void advance(const WideLanes<Real>& ends, const BatchErrors<Real>& errors) {
+  template <std::size_t bytes>
+  void advance(const Lanes<Real, bytes>& ends, const BatchErrors<Real>& errors) {
     length_ = (ends[0] - begin_) * factor(errors);
     begin_ = ends[lane_count - 1];
   }
@@ -134,11 +136,11 @@ class Stride {
   static Real factor(const BatchErrors<Real>& errors) {
     const Real last = errors.last;
     const bool rises = last >= errors.worst && last > 2 * errors.first;  // and will go on rising
-    if (last < Real(0.003)) return rises ? Real(1.5) : Real(2.2);
-    if (last < Real(0.02)) return rises ? Real(1.3) : Real(1.7);
-    if (last < Real(0.06)) return rises ? Real(1.05) : Real(1.45);
-    if (last < Real(0.13)) return rises ? Real(1.05) : Real(1.28);
-    if (last < Real(0.25)) return rises ? Real(1.05) : Real(1.12);
+    if (last < Real(0.003)) return rises ? Real(1.4) : Real(2);
+    if (last < Real(0.02)) return rises ? Real(1.2) : Real(1.6);
+    if (last < Real(0.06)) return rises ? Real(1.05) : Real(1.36);
+    if (last < Real(0.13)) return rises ? Real(1) : Real(1.2);
+    if (last < Real(0.25)) return rises ? Real(0.95) : Real(1.08);
     if (rises) return last < Real(0.5) ? Real(0.87) : Real(0.8);
     return last < Real(0.65) ? Real(1) : Real(0.92);
   }
@@ -181,38 +183,37 @@ class InverseBuilder {
   [[nodiscard]] bool reachable() const { return reachable_; }
 
  private:
-  void add_interval(const AnchoredInterval<Real>& interval) {
+  /// Flat, so that the lanes stay in registers from one step to the next.
+  [[gnu::flatten]] INBETWEEN_PROCESSOR_CLONES void add_interval(const AnchoredInterval<Real>& interval) {
+    if (wide_register_bytes == register_bytes || has_wide_registers()) {
+      add_batches<wide_register_bytes>(interval);
+    } else {
+      add_batches<register_bytes>(interval);
+    }
+  }
+
+  template <std::size_t bytes>
+  void add_batches(const AnchoredInterval<Real>& interval) {
     const std::size_t first = list_.count();
     const TwoSum<Real> begin = length_;
     if (!interval.forward) length_ = {};  // distances from the anchor, until `turn_round`
     const TwoSum<Real> anchor = length_;
     const PieceFitter<Real> fitter(interval);
-    PieceBatch<Real> batch;
+    PieceBatch<Real, bytes> batch;
     batch.near = fitter.at_anchor();
     Stride<Real> stride(interval.extent);
     while (!stride.at_end()) {
       const std::size_t count = stride.divide(batch.tau);
       fitter.fit(length_.minus(anchor) * inverse_scale_, batch);
       BatchErrors<Real> errors;
-      std::size_t done = 0;
-      bool refused = false;
-      for (std::size_t i = 0; i < count; ++i) {
-        errors.last = error_over_allowed(fitter, batch, i);
-        if (!(errors.last <= 1) && is_negligible(batch.length[i])) {
-          errors.last = 0;
-          straighten(interval, batch, i);
-        }
-        if (i == 0) errors.first = errors.last;
-        errors.worst = std::max(errors.worst, errors.last);
-        refused = refused || !(errors.last <= 1);
-        if (!refused) add_piece(interval, batch, done++, anchor);
-      }
+      const std::size_t done = count_accepted(fitter, count, batch, errors);
+      for (std::size_t i = 0; i < done; ++i) add_piece(interval, batch, i, anchor);
       if (done == 0 && !stride.is_divisible(batch.tau[0])) {
         reachable_ = false;
         return;
       }
-      if (refused) {
-        stride.shorten(batch.tau, done, errors.worst);
+      if (done < count) {
+        stride.shorten(batch.tau, done, errors.last);
       } else {
         stride.advance(batch.tau, errors);
       }
@@ -221,51 +222,67 @@ class InverseBuilder {
     if (!interval.forward) turn_round(first, begin);
   }
 
-  [[nodiscard]] Real error_over_allowed(const PieceFitter<Real>& fitter, const PieceBatch<Real>& batch,
-                                        std::size_t index) const {
-    const Real length = batch.length[index];
-    const Real estimate = (batch.largest_residual(index) - residual_rounding<Real>)*per_estimate_;
-    if (options_.acceptance == Acceptance::estimated || !(estimate <= 1)) return weighed(estimate, length);
-    return weighed(fitter.certified_residual(batch, index) / (2 * options_.delta), length);
-  }
-  /// A relative error of the speed over a piece moves its inside by less than that share of its length.
-  [[nodiscard]] Real weighed(Real error, Real length) const {
-    // A useless derivative at an end makes the residual NaN.
-    if (!std::isfinite(error)) return std::numeric_limits<Real>::infinity();
-    const Real absolute = error * options_.delta * length * scale_;
-    return absolute < error * negligible_ ? absolute / negligible_ : error;
+  /// How many pieces of a batch are accepted, the first of them, and their errors over what is allowed with
+  /// that of the one behind them.
+  template <std::size_t bytes>
+  std::size_t count_accepted(const PieceFitter<Real>& fitter, std::size_t count,
+                             PieceBatch<Real, bytes>& batch, BatchErrors<Real>& errors) const {
+    using Number = Lanes<Real, bytes>;
+    // A relative error of the speed over a piece moves its inside by less than that share of its length.
+    const Number share = least(Number(1), Real(options_.delta * scale_ / negligible_) * batch.length);
+    const Number estimate = per_estimate_ * (batch.residual_bound() - residual_rounding<Real>);
+    const Number error = share * estimate;
+    for (std::size_t i = 0; i < count; ++i) {
+      errors.last = error[i];
+      if (options_.acceptance == Acceptance::certified && estimate[i] <= 1) {
+        errors.last = share[i] * (fitter.certified_residual(batch, i) / (2 * options_.delta));
+      }
+      if (!(errors.last <= 1)) {
+        if (!is_negligible(batch.length[i])) return i;
+        errors.last = 0;
+        straighten(fitter.interval(), batch, i);
+      }
+      if (i == 0) errors.first = errors.last;
+      errors.worst = std::max(errors.worst, errors.last);
+    }
+    return count;
   }
   [[nodiscard]] bool is_negligible(Real length) const { return length * scale_ <= negligible_; }
   /// A piece whose derivatives are useless is so short that a straight line does.
-  static void straighten(const AnchoredInterval<Real>& interval, PieceBatch<Real>& batch, std::size_t index) {
+  template <std::size_t bytes>
+  static void straighten(const AnchoredInterval<Real>& interval, PieceBatch<Real, bytes>& batch,
+                         std::size_t index) {
     const Real near = batch.near_end(index).tau;
     const Real far = batch.tau[index];
-    const std::array<Real, 6> c{interval.t(interval.forward ? near : far), far - near, 0, 0, 0, 0};
+    const std::array<Real, 8> c{interval.t(interval.forward ? near : far), far - near};
     for (std::size_t i = 0; i < c.size(); ++i) batch.c[i].set(index, c[i]);
   }
 
-  void add_piece(const AnchoredInterval<Real>& interval, const PieceBatch<Real>& batch, std::size_t index,
-                 const TwoSum<Real>& anchor) {
-    ArcPiece<Real> piece;
-    piece.c = batch.coefficients(index);
-    piece.segment = segment_;
-    const Real step = batch.step[index];
+  template <std::size_t bytes>
+  void add_piece(const AnchoredInterval<Real>& interval, const PieceBatch<Real, bytes>& batch,
+                 std::size_t index, const TwoSum<Real>& anchor) {
     const TwoSum<Real> near = length_;
     length_.add(batch.length[index] * scale_);
     length_.renormalize();
     const TwoSum<Real>& begin = interval.forward ? near : length_;
+    ArcPiece<Real>* const place = list_.add(begin.high);
+    if (place == nullptr) return;
+    ArcPiece<Real>& piece = *place;
+    for (std::size_t k = 0; k < piece.c.size(); ++k) piece.c[k] = batch.c[k][index];
+    piece.segment = segment_;
+    using Kind = typename ArcPiece<Real>::Kind;
     if (interval.stands_still) {
-      using Kind = typename ArcPiece<Real>::Kind;
+      const Real step = batch.step[index];
       piece.kind = interval.forward ? Kind::root_after : Kind::root_before;
       piece.inverse_step = 1 / (step * std::sqrt(scale_));
       piece.shift = (interval.forward ? batch.near_end(index).y : batch.y[index]) / step;
       piece.origin = anchor.high;
     } else {
-      piece.inverse_step = step > 0 ? batch.inverse_step[index] * inverse_scale_ : Real(0);
+      piece.kind = Kind::plain;
+      piece.inverse_step = batch.step[index] > 0 ? batch.inverse_step[index] * inverse_scale_ : Real(0);
       piece.origin = begin.high;
       piece.shift = begin.low;
     }
-    list_.add(piece, begin.high);
   }
 
   /// The pieces from `first` on were added outward from an anchor that lies behind them: their

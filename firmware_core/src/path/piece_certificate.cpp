@@ -9,20 +9,22 @@
 namespace inbetween {
 namespace {
 
-/// Degree 5 * 4 of q(t(u)) plus 2 * 4 of t'(u)^2.
-inline constexpr std::size_t residual_degree = 28;
+/// Degree 7 * 4 of q(t(u)) plus 2 * 6 of t'(u)^2.
+inline constexpr std::size_t residual_degree = 40;
 
 template <Precise Real>
 using Polynomial = std::array<Real, residual_degree + 1>;
 
-/// The product of two polynomials given by their coefficients, lowest first.
+/// Multiplies a polynomial of `count` coefficients, lowest first, by another, in its place: the stack of a
+/// microcontroller has no room for a copy.
 template <Precise Real>
-Polynomial<Real> product(std::span<const Real> a, std::span<const Real> b) {
-  Polynomial<Real> result{};
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    for (std::size_t j = 0; j < b.size(); ++j) result[i + j] += a[i] * b[j];
+void multiply(Polynomial<Real>& p, std::size_t& count, std::span<const Real> by) {
+  count += by.size() - 1;
+  for (std::size_t k = count; k-- > 0;) {
+    Real sum = 0;
+    for (std::size_t j = 0; j <= std::min(k, by.size() - 1); ++j) sum += p[k - j] * by[j];
+    p[k] = sum;
   }
-  return result;
 }
 
 /// A bound of |p| over u in [0, 1]: its largest Bernstein coefficient, b_j = sum_i C(j,i)/C(n,i) p_i,
@@ -48,31 +50,28 @@ Real bernstein_bound(const Polynomial<Real>& p) {
 }  // namespace
 
 template <Precise Real>
-Real PieceFitter<Real>::certified_residual(const PieceBatch<Real>& batch, std::size_t index) const {
-  const PieceEnd<Real> near = batch.near_end(index);
-  const PieceEnd<Real> far = batch.far_end(index);
-  const Real outward_step = batch.step[index];
+Real PieceFitter<Real>::certified_residual(const PieceEnd<Real>& near, const PieceEnd<Real>& far,
+                                           Real outward_step, const std::array<Real, 8>& c) const {
   // tau(u), and its square of the slope per unit of y.
-  std::array<Real, 6> tau = batch.coefficients(index);
+  std::array<Real, 8> tau = c;
   if (interval_.forward) {
     tau[0] = near.tau;
   } else {
-    for (Real& c : tau) c = -c;
+    for (Real& coefficient : tau) coefficient = -coefficient;
     tau[0] = far.tau;
   }
-  std::array<Real, 5> slope;
-  for (std::size_t i = 0; i < 5; ++i) slope[i] = static_cast<Real>(i + 1) * tau[i + 1] / outward_step;
+  std::array<Real, 7> slope;
+  for (std::size_t i = 0; i < 7; ++i) slope[i] = static_cast<Real>(i + 1) * tau[i + 1] / outward_step;
 
-  Polynomial<Real> q{};  // q(tau(u)) by Horner's rule in polynomials
-  q[0] = interval_.speed_squared.q[4];
+  Polynomial<Real> residual{};  // q(tau(u)) by Horner's rule in polynomials, times the slope squared
+  residual[0] = interval_.speed_squared.q[4];
   std::size_t count = 1;
   for (std::size_t power = 4; power-- > 0;) {
-    q = product<Real>(std::span(q).first(count), tau);
-    q[0] += interval_.speed_squared.q[power];
-    count += 5;
+    multiply<Real>(residual, count, tau);
+    residual[0] += interval_.speed_squared.q[power];
   }
-  const Polynomial<Real> slope_squared = product<Real>(slope, slope);
-  Polynomial<Real> residual = product<Real>(std::span(q).first(count), std::span(slope_squared).first(9));
+  multiply<Real>(residual, count, slope);
+  multiply<Real>(residual, count, slope);
   if (!interval_.stands_still) {
     residual[0] -= 1;
     return bernstein_bound<Real>(residual);
@@ -91,9 +90,9 @@ Real PieceFitter<Real>::certified_residual(const PieceBatch<Real>& batch, std::s
     }
     for (std::size_t i = 1; i <= residual_degree; i += 2) residual[i] = -residual[i];
   }
-  Polynomial<Real> divided{};
-  for (std::size_t i = 2; i <= residual_degree; ++i) divided[i - 2] = residual[i] / (4 * step * step);
-  return bernstein_bound<Real>(divided);
+  for (std::size_t i = 2; i <= residual_degree; ++i) residual[i - 2] = residual[i] / (4 * step * step);
+  residual[residual_degree - 1] = residual[residual_degree] = 0;
+  return bernstein_bound<Real>(residual);
 }
 
 template class PieceFitter<double>;

@@ -28,6 +28,11 @@ inline constexpr std::int32_t min_count_spans = 64;
 /// Likewise a segment of the path into at least this many pieces; double needs no cutting.
 template <Precise Real>
 inline constexpr std::int32_t min_pieces_per_segment = std::same_as<Real, float> ? 8 : 1;
+/// A piece of the inverse has degree 7, and one of a count track less, which saves instructions of every
+/// tick. In double precision it keeps its digits because it is cut in two;
+/// CountTrack.InDoubleIsTheTrackItself holds it.
+template <Precise Real>
+inline constexpr std::int32_t min_parts_per_piece = std::same_as<Real, float> ? 1 : 2;
 
 /// c[0] + c[1] x + c[2] x^2 + ... by Horner's rule with fused multiply-adds: one instruction and one rounding
 /// a step on every processor with a floating-point unit for Real, and the same bits on all, because IEEE 754
@@ -52,7 +57,7 @@ struct CountSpan {
 };
 
 /// One piece of the inverse of arc length, with a parameter of its own: w from 0 to 1 over the piece is
-/// u * (c[0] + c[1] u + ... + c[4] u^4). The way from its start enters as
+/// u * (c[0] + c[1] u + ... + c[4] u^4), in double precision + c[5] u^5. The way from its start enters as
 ///   plain, delicate:  u = way * inverse_step
 ///   root_after:       u = (sqrt(gap + way) - root) * inverse_step   (gap: from where the path stands still)
 ///   root_before:      u = (root - sqrt(gap - way)) * inverse_step   (gap: to where the path stands still)
@@ -67,7 +72,7 @@ struct CountPiece {
   Real inverse_step = 0;
   Real gap = 0;
   Real root = 0;
-  std::array<Real, 5> c{};
+  std::array<Real, std::same_as<Real, float> ? 5 : 6> c{};
   std::int32_t first_cubic = 0;  ///< that of axis 0
   Kind kind = Kind::plain;
 
@@ -149,8 +154,8 @@ constexpr std::int32_t count_span_count(std::int32_t f) {
 }
 
 /// The parts of the count track of a track. Spans: count_span_count(), and one more a break. Pieces: those
-/// of the arc length, and less than min_pieces_per_segment more a segment. For a move timed by frames: a
-/// portion between two keys, and min_pieces_per_segment spans and pieces a segment.
+/// of the arc length, each in min_parts_per_piece, and less than min_pieces_per_segment more a segment. For a
+/// move timed by frames: a portion between two keys, and min_pieces_per_segment spans and pieces a segment.
 struct CountSizes {
   std::size_t portions, spans, pieces;
 };
