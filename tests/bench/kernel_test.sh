@@ -10,12 +10,13 @@ source "${BASH_SOURCE[0]%/*}/../support/expect.sh"
 scratch=$(mktemp --directory)
 trap 'rm --recursive --force "$scratch"' EXIT
 
-# The script looks for kernel.config beside itself.
-mkdir "$scratch/bench" "$scratch/bin" "$scratch/cache"
-cp "$1" "$scratch/bench/kernel"
+# The script looks for kernel.config beside itself. Its folder has a space in its name, as a user's may.
+bench="$scratch/the bench"
+mkdir "$bench" "$scratch/bin" "$scratch/cache"
+cp "$1" "$bench/kernel"
 : >"$scratch/archive"
-sed --in-place "s|^source_archive=.*|source_archive=$scratch/archive|" "$scratch/bench/kernel"
-printf 'CONFIG_NET=y\nCONFIG_MODULES=n\n' >"$scratch/bench/kernel.config"
+sed --in-place "s|^source_archive=.*|source_archive=$scratch/archive|" "$bench/kernel"
+printf 'CONFIG_NET=y\nCONFIG_MODULES=n\n' >"$bench/kernel.config"
 
 stand_in() { # stand_in NAME, its text from standard input
   { printf '#!/usr/bin/env bash\n'; cat; } >"$scratch/bin/$1"
@@ -26,7 +27,8 @@ stand_in dpkg-query <<<'printf "%s" "${PACKAGE_VERSION:-6.1.1}"'
 stand_in uname <<<'echo x86_64'
 stand_in tar <<'END_OF_TAR'
 [[ ${!#} == */source ]] && mkdir --parents "${!#}/scripts/kconfig"
-printf '#!/bin/sh\ngrep -v =n "$3" >.config\n' >"${!#}/scripts/kconfig/merge_config.sh"
+# As the kernel's own: a path with a space is two.
+printf '#!/bin/sh\nset -- $*\ngrep -v =n "$3" >.config\n' >"${!#}/scripts/kconfig/merge_config.sh"
 chmod +x "${!#}/scripts/kconfig/merge_config.sh"
 mkdir --parents "${!#}/arch/x86/um"
 printf '\tDEFINE_LONGS(HOST_FP_SIZE, %s);\n' "${SOURCE_HAS:-2696}" >"${!#}/arch/x86/um/user-offsets.c"
@@ -50,7 +52,7 @@ END_OF_MAKE
 stand_in strip <<<'cp "$2" "${1#--output-file=}"'
 for tool in flex bison bc; do stand_in "$tool" </dev/null; done
 
-kernel() { PATH=$scratch/bin:$PATH INBETWEEN_BENCH_CACHE=$scratch/cache bash "$scratch/bench/kernel" "$@"; }
+kernel() { PATH=$scratch/bin:$PATH INBETWEEN_BENCH_CACHE=$scratch/cache bash "$bench/kernel" "$@"; }
 times_built() { wc --lines <"$scratch/built"; }
 : >"$scratch/built"
 
@@ -69,7 +71,7 @@ expect "nothing else is left" "$(printf '%s\n' "${path%/linux}" "${path%/linux}.
   "$(find "$scratch/cache" -mindepth 1 -maxdepth 1 | sort)"
 
 # --- another configuration or another source is another kernel ------------------------------------------------
-printf 'CONFIG_CAN=y\n' >>"$scratch/bench/kernel.config"
+printf 'CONFIG_CAN=y\n' >>"$bench/kernel.config"
 [[ $(kernel --path) != "$path" ]] || expect "another configuration has another path" "another path" "$path"
 path=$(kernel --path)
 expect "another version of the source has another path" different \
@@ -79,12 +81,12 @@ expect "another version of the source has another path" different \
 changed_path=
 change() { # change SED_COMMAND
   local whole
-  whole=$(<"$scratch/bench/kernel")
-  sed --in-place "$1" "$scratch/bench/kernel"
+  whole=$(<"$bench/kernel")
+  sed --in-place "$1" "$bench/kernel"
   expect "the script has the line of $1" changed \
-    "$([[ $whole == "$(<"$scratch/bench/kernel")" ]] || echo changed)"
+    "$([[ $whole == "$(<"$bench/kernel")" ]] || echo changed)"
   changed_path=$(kernel --path)
-  printf '%s\n' "$whole" >"$scratch/bench/kernel"
+  printf '%s\n' "$whole" >"$bench/kernel"
 }
 change 's/^register_buffer_bytes=.*/register_buffer_bytes=32768/'
 expect "another register buffer has another path" different "$([[ $changed_path == "$path" ]] || echo different)"
@@ -144,7 +146,10 @@ expect "a build that was killed does not lock out the next" "$path" "$(kernel 2>
 
 expect "a user without a home is told what to set" \
   "sim/bench/kernel: error: there is no HOME to keep the kernel in; set INBETWEEN_BENCH_CACHE" \
-  "$(PATH=$scratch/bin:$PATH env --unset=HOME --unset=XDG_CACHE_HOME --unset=INBETWEEN_BENCH_CACHE bash "$scratch/bench/kernel" 2>&1 || true)"
+  "$(PATH=$scratch/bin:$PATH env --unset=HOME --unset=XDG_CACHE_HOME --unset=INBETWEEN_BENCH_CACHE bash "$bench/kernel" 2>&1 || true)"
+expect "a folder that the kernel's makefiles do not take is refused before anything is built" \
+  "sim/bench/kernel: error: the kernel cannot be built in '$scratch/a cache', because of a space or colon; set INBETWEEN_BENCH_CACHE to another folder" \
+  "$(PATH=$scratch/bin:$PATH INBETWEEN_BENCH_CACHE="$scratch/a cache" bash "$bench/kernel" 2>&1 || true)"
 expect "an unknown argument is refused" \
   "sim/bench/kernel: error: unknown argument 'now'; see --help" "$(kernel now 2>&1 || true)"
 
