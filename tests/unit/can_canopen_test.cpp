@@ -131,6 +131,16 @@ TEST(Emergency, TellsItsCodeInWords) {
   }
 }
 
+/// Such a fault only says that the host was silent or its SYNC late, and is reset on the way off.
+TEST(Emergency, OfCommunicationAreTheBusTheProtocolAndTheSync) {
+  for (const unsigned code : {0x8100U, 0x8130U, 0x8210U, 0x8250U, 0x8700U}) {
+    EXPECT_TRUE(is_of_communication(static_cast<std::uint16_t>(code))) << std::hex << code;
+  }
+  for (const unsigned code : {0x8000U, 0x8311U, 0x8400U, 0x8611U, 0x8612U, 0x8800U, 0x7300U, 0x2310U}) {
+    EXPECT_FALSE(is_of_communication(static_cast<std::uint16_t>(code))) << std::hex << code;
+  }
+}
+
 TEST(PdoMapping, CarriesOneToEightObjectsOfWholeBytes) {
   const PdoEntry word{.object = {.index = 0x6040}, .bits = 16};
   const PdoEntry bit{.object = {.index = 0x6040}, .bits = 1};
@@ -259,6 +269,16 @@ TEST_F(SdoClientOfNode5, ANumberMayHaveMoreBytesIfTheySayNothing) {
         client.receive(answer({.kind = SdoKind::upload_value, .object = mode, .size = 4, .value = told})));
     EXPECT_EQ(client.value(), value);
   }
+}
+
+TEST_F(SdoClientOfNode5, TakesTheBytesOfAValueAndNotThoseBehindIt) {
+  client.begin_upload(mode, 1);
+  client.poll(0);
+  Frame told = answer({.kind = SdoKind::upload_value, .object = mode, .size = 1, .value = 0x08});
+  for (std::size_t i = 5; i < 8; ++i) told.data[i] = 0xAA;
+  EXPECT_TRUE(client.receive(told));
+  EXPECT_EQ(client.value(), 8U);
+  EXPECT_EQ(read_sdo_answer(told)->value, 8U);
 }
 
 TEST_F(SdoClientOfNode5, TakesAValueWhoseSizeTheDriveDoesNotTell) {

@@ -93,6 +93,17 @@ TEST(Homing, BothDirectionsAndBothLevels) {
   }
 }
 
+/// Behind it the axis goes further than it may look for it: while it stops, and on the slow approach.
+TEST(Homing, ASwitchAtTheVeryEndOfTheWayToLookForItIsFound) {
+  LostAxis lost = slide();
+  lost.spec.search = 30.02;
+  lost.spec.leave = 0.01;
+  SimulatedHoming homing({lost}, rate_hz, 1);
+  ASSERT_TRUE(homing.start());
+  EXPECT_EQ(homing.run(), HomingState::done);
+  EXPECT_NEAR(homing.error(0), 0, exact);
+}
+
 TEST(Homing, AnAxisOnItsSwitchLeavesItFirst) {
   LostAxis lost = slide();
   lost.true_position = 62;

@@ -199,6 +199,44 @@ TEST(StepGenerator, AStepThatWaitsUntilTheMotionComesBackIsCancelled) {
   EXPECT_EQ(run.generator.delays().cancelled_pairs, 1);
 }
 
+TEST(StepGenerator, OfTwoStepsThatWaitTheOneThatCameLastIsCancelled) {
+  StepSpec<double> slow = spec;
+  slow.timing.dir_setup_ns = 4'000'000;
+  StepRun<double> run(slow);
+  ASSERT_TRUE(run.generator.place(0));
+  ASSERT_TRUE(run.tick({0, 2000, 0}));  // DIR changes
+  ASSERT_TRUE(run.tick({2, 2000, 0}));  // steps at 1.25 and 1.75 ms, before DIR has settled
+  ASSERT_EQ(run.generator.waiting(), 2);
+  ASSERT_TRUE(run.tick({1, 0, 0}));
+  ASSERT_EQ(run.generator.delays().cancelled_pairs, 1);
+  for (int i = 0; i < 5; ++i) ASSERT_TRUE(run.tick({1, 0, 0}));
+  ASSERT_EQ(run.steps.size(), 1U);
+  EXPECT_EQ(run.steps.front().rise_ns, 4'000'000);
+  EXPECT_EQ(run.generator.delays().longest_ns, 4'000'000 - 1'250'000);
+}
+
+TEST(StepGenerator, DirIsNotChangedAgainBeforeItHasSettledThoughNoStepCame) {
+  StepSpec<double> slow = spec;
+  slow.timing.dir_setup_ns = 2'000'000;
+  StepRun<double> run(slow);
+  ASSERT_TRUE(run.generator.place(0));
+  ASSERT_TRUE(run.tick({0.1, 100, 0}));
+  for (int i = 0; i < 4; ++i) ASSERT_TRUE(run.tick({0.1, -100, 0}));
+  EXPECT_EQ(run.edges, (Edges{dir(0, true), dir(2'000'000, false)}));
+}
+
+TEST(StepGenerator, DirIsSetInTimeForAMotionThatBeginsAtRest) {
+  StepSpec<double> slow = spec;
+  slow.timing.dir_setup_ns = 500'000;
+  StepRun<double> run(slow);
+  ASSERT_TRUE(run.generator.place(0.49));
+  ASSERT_TRUE(run.tick({0.49, 0, 400'000}));  // at rest, and about to go up
+  ASSERT_TRUE(run.tick({0.7, 400, 400'000}));
+  ASSERT_EQ(run.steps.size(), 1U);
+  EXPECT_LT(run.steps.front().rise_ns, tick_ns + slow.timing.dir_setup_ns);
+  EXPECT_EQ(run.generator.delays().late_steps, 0);
+}
+
 TEST(StepGenerator, DirIsSetAtTheEndOfATickInWhichTheMotionTurned) {
   StepRun<double> run(spec);
   ASSERT_TRUE(run.tick({0, 400, -800'000}));
