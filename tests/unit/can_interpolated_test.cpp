@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "host_tools/files/diagnostics.hpp"
@@ -98,6 +99,36 @@ TEST(InterpolatedPosition, ADriveThatCeasesToInterpolateIsFound) {
   for (int tick = 126; tick <= 140; ++tick) axis.tick(axis.swing(tick * 0.004));
   EXPECT_EQ(axis.host().first_finding(), DriveFinding::target_ignored);
   EXPECT_EQ(axis.worst, DriveCondition::cannot_follow);
+}
+
+/// What a host finds in a drive that holds its place and shows bit 13 at every tick.
+template <class Kind>
+std::optional<DriveFinding> found_with_bit_13() {
+  BusAxis<Kind> axis;
+  EXPECT_TRUE(axis.switch_on());
+  std::optional<Frame> own;
+  const auto shows_it = [](const Frame& frame) { return (frame.data[1] & 0x20U) != 0; };
+  axis.wire.set_fate([&](const Frame& frame, std::int64_t) -> FrameFate {
+    if (frame.id != can::tpdo1_id(*can::NodeId::make(3)) || shows_it(frame)) return {};
+    own = frame;
+    return {.copies = 0};
+  });
+  const Setpoint<double> held{.position = axis.stands_at};
+  for (int i = 0; i < 50; ++i) {
+    if (own) {
+      Frame changed = *own;
+      changed.data[1] |= 0x20U;
+      axis.wire.inject(changed);
+    }
+    axis.tick(held);
+  }
+  return axis.host().first_finding();
+}
+
+/// CiA 402-2: in cyclic position the bit is a following error, in interpolated position it is reserved.
+TEST(InterpolatedPosition, Bit13OfTheStatuswordSaysNothing) {
+  EXPECT_EQ(found_with_bit_13<Cia402Kind>(), DriveFinding::following_error);
+  EXPECT_EQ(found_with_bit_13<InterpolatedKind>(), std::nullopt);
 }
 
 TEST(InterpolatedPosition, EndsWithAQuickStopOrTheWayOff) {

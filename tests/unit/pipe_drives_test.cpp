@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "drivers/linux/line_pipe.hpp"
 #include "host_tools/files/diagnostics.hpp"
 #include "host_tools/rig/machine_hardware.hpp"
 #include "host_tools/rig/rig_drives.hpp"
@@ -172,6 +173,19 @@ std::string refusal_of(const std::string& axes, int rate_hz = 250) {
     return error.what();
   }
   return "";
+}
+
+TEST(PipeDrives, ALineThatHasNoRoomClosesThePipe) {
+  const Fifo fifo;
+  const Reader reader(fifo.opened());
+  LinePipe pipe;
+  ASSERT_FALSE(pipe.open(fifo.path, 115'200));
+  const std::string line = "0 0 jaw=1500 lid=1500\n";
+  std::size_t sent = 0;
+  while (pipe.send(line)) sent += line.size();
+  EXPECT_FALSE(pipe.is_open());
+  EXPECT_FALSE(pipe.send("off\n")) << "it could be the middle of a line";
+  EXPECT_EQ(reader.read().size(), sent);
 }
 
 TEST(PipeDrives, WhatCannotBeUsedIsRefusedAtItsAxisBeforeAnythingIsSent) {

@@ -7,6 +7,7 @@
 
 #include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "host_tools/check/check.hpp"
@@ -314,6 +315,19 @@ TEST(Playhead, GoesToAFrameAndRestsOnItExactly) {
   EXPECT_FALSE(playhead.go_to(-1));
 }
 
+TEST(Playhead, AStepFromBetweenTwoFramesGoesToTheOneOnThatSide) {
+  const Bench bench(bends());
+  for (const auto& [direction, frame] :
+       {std::pair(Direction::forward, 11), std::pair(Direction::backward, 10)}) {
+    Playhead<double> playhead = bench.playhead();
+    ASSERT_TRUE(playhead.go_to({10, 0.25}));
+    EXPECT_EQ(tick_until_rest(playhead), PlayheadEvent::arrived);
+    ASSERT_TRUE(playhead.step(direction));
+    EXPECT_EQ(tick_until_rest(playhead), PlayheadEvent::arrived);
+    EXPECT_EQ(frames_of(playhead.time()), frame);
+  }
+}
+
 TEST(Playhead, GoingToAFrameWhilePlayingStopsFirst) {
   const Bench bench(bends());
   Playhead<double> playhead = bench.playhead();
@@ -361,6 +375,20 @@ TEST(Playhead, ToAndFroItTurnsAtTheEndsWithoutATick) {
 }
 
 // docs/faults.md 4
+TEST(Playhead, WhatATickPassesBeyondAnEndIsGoneBackInTheSameTick) {
+  const Bench bench(bends());
+  Playhead<double> playhead = bench.playhead();
+  constexpr double rate = 0.7;  // no whole number of ticks from end to end
+  ASSERT_TRUE(playhead.set_override(rate));
+  ASSERT_TRUE(playhead.set_repeat(Repeat::ping_pong));
+  ASSERT_TRUE(playhead.play(Direction::forward));
+  for (int tick = 1; tick <= 40'000; ++tick) {
+    playhead.tick();
+    const double way = std::fmod(rate * 24 * tick * tick_s, 480);
+    ASSERT_NEAR(frames_of(playhead.time()), way < 240 ? way : 480 - way, 1e-6) << tick;
+  }
+}
+
 TEST(Playhead, ALoopThatWouldStepIsRefusedWithTheAxis) {
   const Bench bench(bends());
   Playhead<double> playhead = bench.playhead();

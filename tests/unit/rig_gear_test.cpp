@@ -115,6 +115,13 @@ TEST(RigGear, WhatCannotBeIsRefusedAtItsPlace) {
               HasSubstr("is of another type"));
   EXPECT_THAT(refused(gantry_text("backlash = { play = 0.2, take_up_s = 0.01, approach = \"positive\" }\n")),
               HasSubstr("which leaves nothing of max_acceleration = 400; give it a longer take_up_s"));
+  EXPECT_THAT(refused(gantry_text(play + "max_jerk = 100\n")),
+              HasSubstr("would be taken up with 187.5 mm/s^3, which leaves nothing of max_jerk = 100"));
+  EXPECT_THAT(refused(lens_text(
+                  with(lens, "max_acceleration = 900", "max_acceleration = 900, stop_acceleration = 800"))),
+              HasSubstr("stop_acceleration is 800, below that of the motion, 900"));
+  EXPECT_THAT(refused(lens_text(with(lens, "max_jerk = 20000", "max_jerk = 20000, stop_jerk = 19000"))),
+              HasSubstr("stop_jerk is 19000, below that of the motion, 20000"));
   const auto with_marks = [](const std::string& marks) {
     return lens_text(
         "calibration = { unit = \"deg\", max_velocity = 9, max_acceleration = 9, marks = " + marks + " }\n");

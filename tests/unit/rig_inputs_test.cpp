@@ -173,6 +173,9 @@ TEST_F(RigLinesTest, ALimitSwitchThatIsNeverQuietStopsLikeOneThatIsHit) {
   EXPECT_EQ(lines->trouble(),
             "a limit switch of axis \"pan\" is never quiet (line 26 of chip \"head\"); look at its wire and "
             "contact");
+  hardware->inputs().follow(1, 80, now_ns + tick_ns);
+  ticks(5);
+  EXPECT_FALSE(lines->limit_hit()) << "it is quiet again";
 }
 
 TEST_F(RigLinesTest, AnAxisThatStandsOnItsLimitSwitchAtFirstHasNotJustReachedIt) {

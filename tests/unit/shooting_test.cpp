@@ -15,6 +15,7 @@
 
 #include "host_tools/motions/run.hpp"
 #include "tests/support/places.hpp"
+#include "tests/support/rig_text.hpp"
 #include "tests/support/run_program.hpp"
 #include "tests/support/temporary_file.hpp"
 
@@ -245,28 +246,30 @@ TEST(Shooting, FramesThatTheMoveHasNotAreRefused) {
   }
 }
 
+TEST(Shooting, AnExposureWaitsUntilThePlayOfAGearIsTakenUpThereAndBack) {
+  const RigFile rig = parse_rig(
+      rig_text(
+          {{.name = "tilt", .more = R"(backlash = { play = 0.2, take_up_s = 0.4, approach = "positive" })"},
+           {.name = "pan"}},
+          {.rate_hz = 250}),
+      "rig.toml");
+  EXPECT_GE(shoot_spec({.settle_s = 0}, rig).settle_ticks, 2 * 100);
+  EXPECT_LE(shoot_spec({.settle_s = 0}, rig).settle_ticks, 2 * 100 + 3);
+  EXPECT_GE(shoot_spec({.settle_s = 1}, rig).settle_ticks, 250 + 2 * 100);
+}
+
 /// 120 degrees in two seconds on an axis that could do 3 in that time, with a corner on the way.
-const std::string slow_rig = R"(name = "slow rig"
-rate_hz = 250
-[[axis]]
-name = "pan"
-unit = "deg"
-min = -90
-max = 90
-max_velocity = 1.5
-max_acceleration = 3
-max_jerk = 30
-drive = { type = "pipe", path = "/dev/null", counts_per_unit = 1e7 }
-[[axis]]
-name = "tilt"
-unit = "deg"
-min = -90
-max = 90
-max_velocity = 1.5
-max_acceleration = 3
-max_jerk = 30
-drive = { type = "pipe", path = "/dev/null", counts_per_unit = 1e7 }
-)";
+AxisText slow_axis(const std::string& name) {
+  return {.name = name,
+          .unit = "deg",
+          .min = -90,
+          .max = 90,
+          .max_velocity = 1.5,
+          .max_acceleration = 3,
+          .more = "max_jerk = 30",
+          .drive = R"(type = "pipe", path = "/dev/null", counts_per_unit = 1e7)"};
+}
+const std::string slow_rig = rig_text({slow_axis("pan"), slow_axis("tilt")}, {.rate_hz = 250});
 const std::string cornered = R"(name = "cornered"
 fps = 24
 frames = 48

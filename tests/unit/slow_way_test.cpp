@@ -118,6 +118,17 @@ TEST(SlowWay, AStopStaysOnTheLineAndIsAsQuickAsAnyOfTheRig) {
   EXPECT_LT(seconds, 0.5 * slide.max_velocity / slide.max_acceleration + 0.2);
 }
 
+TEST(SlowWay, AStopTakesNoMoreJerkThanAStopMay) {
+  const RigFile rig = parse_rig(
+      rig_text({{.name = "slide", .more = "max_jerk = 2000\nstop_acceleration = 900\nstop_jerk = 2000"}},
+               {.rate_hz = 250}),
+      "rig.toml");
+  SlowWay way(rig, std::vector<GoTarget>{{.axis = 0, .position = 190}}, std::vector<double>{0}, slow_share);
+  const double jerk = highest_difference(played(way, 1000), 0, 3, 990);
+  EXPECT_LE(jerk, 2000 * (1 + 1e-6));
+  EXPECT_GT(jerk, 1500);
+}
+
 TEST(SlowWay, FromOutsideTheLimitsIsRefusedAtTheAxis) {
   const Plan plan = example();
   EXPECT_THAT(
