@@ -20,6 +20,7 @@
 #include "sim/cia402_drive.hpp"
 #include "sim/simulated_link.hpp"
 #include "sim/simulated_rig.hpp"
+#include "tests/support/rig_text.hpp"
 #include "tests/support/simulated_lines.hpp"
 
 namespace inbetween {
@@ -33,27 +34,20 @@ keys = [ { at = [10, 100] }, { at = [20, 180] }, { at = [-5, 260] } ]
 speed = [0, 0, 10, 0, 0]
 )";
 
-inline const char* const rig_of_crane = R"(name = "crane"
-rate_hz = 250
-[bus.can0]
-bitrate = 1000000
-[[axis]]
-name = "pan"
-unit = "deg"
-min = -90
-max = 90
-max_velocity = 120
-max_acceleration = 1000
-drive = { type = "cia402", bus = "can0", node = 1, counts_per_unit = 1000 }
-[[axis]]
-name = "track"
-unit = "mm"
-min = 0
-max = 500
-max_velocity = 250
-max_acceleration = 1000
-drive = { type = "cia402", bus = "can0", node = 2, counts_per_unit = 1000 }
-)";
+inline const std::string rig_of_crane = rig_text({{.name = "pan",
+                                                   .unit = "deg",
+                                                   .min = -90,
+                                                   .max = 90,
+                                                   .max_velocity = 120,
+                                                   .max_acceleration = 1000,
+                                                   .drive = cia402_text(1)},
+                                                  {.name = "track",
+                                                   .min = 0,
+                                                   .max = 500,
+                                                   .max_velocity = 250,
+                                                   .max_acceleration = 1000,
+                                                   .drive = cia402_text(2)}},
+                                                 {.rate_hz = 250, .more = bus_can0});
 
 /// Two axes on one bus, standing at the start of the move.
 struct CanCrane {

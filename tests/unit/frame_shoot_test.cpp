@@ -14,6 +14,7 @@
 #include "host_tools/plan/plan.hpp"
 #include "inbetween/loop/motion_loop.hpp"
 #include "sim/simulated_rig.hpp"
+#include "tests/support/rig_text.hpp"
 #include "tests/support/simulated_lines.hpp"
 
 namespace inbetween {
@@ -34,25 +35,10 @@ keys = [ { at = [10, 100] }, { at = [12, 104] }, { at = [9, 110] } ]
 speed = [0, 0, 10, 0, 0]
 )";
 
-const std::string crane_rig = R"(name = "crane"
-rate_hz = 250
-[[axis]]
-name = "pan"
-unit = "deg"
-min = -90
-max = 90
-max_velocity = 120
-max_acceleration = 4000
-drive = { type = "pipe", path = "/dev/null", counts_per_unit = 1 }
-[[axis]]
-name = "track"
-unit = "mm"
-min = 0
-max = 500
-max_velocity = 250
-max_acceleration = 8000
-drive = { type = "pipe", path = "/dev/null", counts_per_unit = 1 }
-)";
+const std::string crane_rig = rig_text(
+    {{.name = "pan", .unit = "deg", .min = -90, .max = 90, .max_velocity = 120, .max_acceleration = 4000},
+     {.name = "track", .min = 0, .max = 500, .max_velocity = 250, .max_acceleration = 8000}},
+    {.rate_hz = 250});
 
 /// A rig that is armed and shot frame by frame. Its second axis stands still if it is told to.
 struct Set {

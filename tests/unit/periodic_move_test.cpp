@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "tests/support/places.hpp"
+#include "tests/support/rig_text.hpp"
 #include "tests/support/run_on.hpp"
 #include "tests/support/temporary_file.hpp"
 
@@ -21,26 +22,15 @@ namespace periodic_move_test {
 using Json = nlohmann::json;
 using testing::HasSubstr;
 
-const std::string rig = R"(
-name = "table"
-rate_hz = 480
-[[axis]]
-name = "x"
-unit = "mm"
-min = -1000
-max = 1000
-max_velocity = 1000
-max_acceleration = 4000
-drive = { type = "pipe", path = "/dev/null", counts_per_unit = 1000 }
-[[axis]]
-name = "y"
-unit = "mm"
-min = -1000
-max = 1000
-max_velocity = 1000
-max_acceleration = 4000
-drive = { type = "pipe", path = "/dev/null", counts_per_unit = 1000 }
-)";
+AxisText axis_of_table(const std::string& name) {
+  return {.name = name,
+          .min = -1000,
+          .max = 1000,
+          .max_velocity = 1000,
+          .max_acceleration = 4000,
+          .drive = R"(type = "pipe", path = "/dev/null", counts_per_unit = 1000)"};
+}
+const std::string rig = rig_text({axis_of_table("x"), axis_of_table("y")}, {.rate_hz = 480});
 
 /// A walk that is quicker on one side, in 48 frames a turn.
 std::string loop_of(const std::string& timing) {

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/rig_text.hpp"
 #include "tests/support/run_program.hpp"
 #include "tests/support/temporary_file.hpp"
 #include "tests/support/terminal_screen.hpp"
@@ -17,17 +18,15 @@ namespace shoot_scene_test {
 
 using testing::HasSubstr;
 
-const std::string head_rig = R"(name = "head"
-rate_hz = 100
-[[axis]]
-name = "pan"
-unit = "deg"
-min = -90
-max = 90
-max_velocity = 100
-max_acceleration = 1000
-drive = { type = "pipe", path = "/dev/null", counts_per_unit = 1000 }
-)";
+const std::string head_rig =
+    rig_text({{.name = "pan",
+               .unit = "deg",
+               .min = -90,
+               .max = 90,
+               .max_velocity = 100,
+               .max_acceleration = 1000,
+               .drive = R"(type = "pipe", path = "/dev/null", counts_per_unit = 1000)"}},
+             {.name = "head"});
 const std::string turn = R"(name = "turn"
 fps = 24
 frames = 47

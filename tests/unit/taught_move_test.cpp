@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "host_tools/files/diagnostics.hpp"
+#include "tests/support/rig_text.hpp"
 #include "tests/support/run_program.hpp"
 #include "tests/support/temporary_file.hpp"
 #include "tests/support/terminal_screen.hpp"
@@ -21,39 +22,22 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Not;
 
-const std::string rig_text = R"(name = "slider"
-rate_hz = 250
-[[axis]]
-name = "track"
-unit = "mm"
-min = 0
-max = 500
-max_velocity = 250
-max_acceleration = 1000
-reference = "operator"
-unpowered = "holds"
-drive = { type = "step-dir", chip = "gpio", step = 17, dir = 27, steps_per_unit = 40 }
-[[axis]]
-name = "pan"
-unit = "deg"
-min = -90
-max = 90
-max_velocity = 120
-max_acceleration = 700
-reference = "operator"
-unpowered = "holds"
-drive = { type = "step-dir", chip = "gpio", step = 19, dir = 26, steps_per_unit = 50 }
-[[axis]]
-name = "focus"
-unit = "unit"
-min = 0
-max = 1
-max_velocity = 1
-max_acceleration = 1
-reference = "operator"
-unpowered = "holds"
-drive = { type = "step-dir", chip = "gpio", step = 20, dir = 21, steps_per_unit = 1000 }
-)";
+AxisText stepper(const std::string& name, const std::string& unit, double min, double max,
+                 const std::string& lines) {
+  return {.name = name,
+          .unit = unit,
+          .min = min,
+          .max = max,
+          .more = "reference = \"operator\"\nunpowered = \"holds\"",
+          .drive = R"(type = "step-dir", chip = "gpio", )" + lines};
+}
+std::string slider() {
+  std::vector<AxisText> axes{stepper("track", "mm", 0, 500, "step = 17, dir = 27, steps_per_unit = 40"),
+                             stepper("pan", "deg", -90, 90, "step = 19, dir = 26, steps_per_unit = 50"),
+                             stepper("focus", "unit", 0, 1, "step = 20, dir = 21, steps_per_unit = 1000")};
+  axes[2].max_velocity = axes[2].max_acceleration = 1;
+  return rig_text(axes, {.name = "slider", .rate_hz = 250});
+}
 constexpr std::size_t track = 0, pan = 1, focus = 2;
 
 // The axes of the track in another order than those of the rig.
@@ -80,7 +64,7 @@ std::string replaced(std::string in, const std::string& what, const std::string&
 
 struct Lesson {
   TemporaryFolder folder;
-  RigFile rig = parse_rig(rig_text, "rig.toml");
+  RigFile rig = parse_rig(slider(), "rig.toml");
   std::string path = folder.path() / "move.toml";
 
   explicit Lesson(const std::string& text = move_text) {
@@ -281,7 +265,7 @@ TEST(TaughtMove, AnAxisThatTheRigDoesNotHaveIsRefusedAtItsPlace) {
 TEST(Teach, AMoveIsMadeKeyByKeyOnTheScreenAndCheckTakesIt) {
   const Lesson lesson("");
   const std::string rig = lesson.folder.path() / "rig.toml";
-  std::ofstream(rig) << rig_text;
+  std::ofstream(rig) << slider();
   TerminalScreen screen({"jog", "track", "--rig", rig, "--sim", "--from", "track=100", "--teach", lesson.path,
                          "--axes", "track,pan"},
                         120);
