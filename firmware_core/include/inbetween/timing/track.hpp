@@ -182,8 +182,8 @@ class Track {
     const std::int32_t scaled = time.frame * f;
     const std::int32_t span = scaled / frames_;
     CurvePlace<Real> result{
-        span,
-        (static_cast<Real>(scaled - span * frames_) + time.fraction * spans_in_real_) * inverse_frames_};
+        span, (static_cast<Real>(scaled - span * frames_) + time.fraction * static_cast<Real>(f)) *
+                  inverse_frames_};
     if (result.t >= 1 || time.frame >= frames_) [[unlikely]] {  // a fraction of a frame may pass over spans
       const auto whole = static_cast<std::int32_t>(result.t);
       result.span += whole;
@@ -242,7 +242,6 @@ class Track {
         profile_(profile),
         frames_(frames),
         fps_(fps),
-        spans_in_real_(static_cast<Real>(profile.span_count())),
         inverse_frames_(1 / static_cast<Real>(frames)),
         curve_rate_(static_cast<Real>(profile.span_count()) * static_cast<Real>(fps.numerator) /
                     (static_cast<Real>(frames) * static_cast<Real>(fps.denominator))) {}
@@ -280,7 +279,6 @@ class Track {
   std::span<const KeyInterval<Real>> key_intervals_;
   std::int32_t frames_ = 0;
   FrameRate fps_;
-  Real spans_in_real_ = 0;
   Real inverse_frames_ = 0;
   Real curve_rate_ = 0;
   Real constant_ = 0;
