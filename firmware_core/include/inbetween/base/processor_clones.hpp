@@ -6,6 +6,9 @@
 /// call of the C library; lanes compute what one number after the other would; and no compiler fuses on its
 /// own account (-ffp-contract=off).
 ///
+/// INBETWEEN_PART_OF_CLONES before a function that such a function calls has it compiled with it:
+/// left as a call it is compiled for any x86-64.
+///
 /// Nothing where no loader can choose, as on a microcontroller, or has no choice, and under Clang, which
 /// calls the function by another name in other files. Under a sanitizer neither: the choice comes before it
 /// is ready.
@@ -13,8 +16,10 @@
     !defined(__AVX512F__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define INBETWEEN_PROCESSOR_CLONES [[gnu::target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")]]
 #define INBETWEEN_HAS_WIDE_REGISTERS __builtin_cpu_supports("avx2") != 0
+#define INBETWEEN_PART_OF_CLONES [[gnu::always_inline]] inline
 #else
 #define INBETWEEN_PROCESSOR_CLONES
+#define INBETWEEN_PART_OF_CLONES
 #if defined(__AVX2__)
 #define INBETWEEN_HAS_WIDE_REGISTERS true
 #else

@@ -38,7 +38,7 @@ inline constexpr std::int32_t min_parts_per_piece = std::same_as<Real, float> ? 
 /// a step on every processor with a floating-point unit for Real, and the same bits on all, because IEEE 754
 /// defines them. (A Cortex-M4 has none for double; use float there.)
 template <std::size_t Index = 0, Precise Real, std::size_t Count>
-Real polynomial(const std::array<Real, Count>& c, Real x) {
+INBETWEEN_PART_OF_CLONES Real polynomial(const std::array<Real, Count>& c, Real x) {
   if constexpr (Index + 1 == Count) {
     return c[Index];
   } else {
@@ -218,7 +218,7 @@ class CountTrack {
     std::int32_t first_cubic = 0;
     Real w = 0;
   };
-  [[nodiscard]] Place locate(const FrameTime<Real>& time) const {
+  [[nodiscard]] INBETWEEN_PART_OF_CLONES Place locate(const FrameTime<Real>& time) const {
     // Negative frames are large ones here.
     if (static_cast<std::uint32_t>(time.frame) >= static_cast<std::uint32_t>(frames_)) [[unlikely]]
       return {time.frame < 0 ? 0 : piece_count_ * axis_count_, 0};
