@@ -192,7 +192,7 @@ void SolvedTrack<Real>::apply_locks(const TrackSpec<Real>& spec) {
                                                   .control_values = control_values_,
                                                   .ends = spec.ends,
                                                   .frames = spec.frames}))
-        throw *proven;
+        throw UnmetLock(*proven);
     }
     const auto place = static_cast<std::size_t>(error.key);
     if (error.key >= 0 && place < waypoints_.size()) error.key = waypoints_[place].key;
