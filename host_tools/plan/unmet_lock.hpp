@@ -14,14 +14,14 @@ namespace inbetween {
 class UnmetLock : public SolverError {
  public:
   UnmetLock(const Error& error, std::string remedy) : SolverError(error), remedy_(std::move(remedy)) {}
-  /// In place of that of the error.
+  /// It is told in place of the remedy of the error.
   [[nodiscard]] const std::string& remedy() const { return remedy_; }
 
  private:
   std::string remedy_;
 };
 
-/// What adjust_to_locks() was given, and the locks that it completed.
+/// The input of adjust_to_locks() that was refused, with the locks that it completed.
 template <Precise Real>
 struct UnmetLocks {
   std::span<const KeyLock> locks;  ///< the ends of the move are the first and the last

@@ -374,7 +374,6 @@ TEST(Playhead, ToAndFroItTurnsAtTheEndsWithoutATick) {
   EXPECT_EQ(record.complaint(), "");
 }
 
-// docs/faults.md 4
 TEST(Playhead, WhatATickPassesBeyondAnEndIsGoneBackInTheSameTick) {
   const Bench bench(bends());
   Playhead<double> playhead = bench.playhead();
@@ -389,6 +388,7 @@ TEST(Playhead, WhatATickPassesBeyondAnEndIsGoneBackInTheSameTick) {
   }
 }
 
+// docs/faults.md 4
 TEST(Playhead, ALoopThatWouldStepIsRefusedWithTheAxis) {
   const Bench bench(bends());
   Playhead<double> playhead = bench.playhead();

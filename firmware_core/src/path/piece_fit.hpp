@@ -74,7 +74,7 @@ struct PieceBatch {
     const Real b = std::fabs(residual[1][i]);
     return b <= a ? a : (a <= b ? b : a + b);
   }
-  /// What the residuals say of the whole of each piece. Where the error has the shape of a short piece their
+  /// Bounds the residual on the whole of each piece. Where the error has the shape of a short piece their
   /// sum is next to nothing. Where it has not, it is about the residual in the middle, and the two may show
   /// little.
   [[nodiscard]] Number residual_bound() const {
@@ -225,7 +225,8 @@ class PieceFitter {
     judge(start, rise, even, odd, batch);
   }
 
-  /// What the derivatives at both ends add up to in an even or an odd function of u - 1/2.
+  /// Sums or differences of the derivatives at both ends: they determine an even or an odd function of u -
+  /// 1/2.
   template <class Number>
   struct Symmetry {
     Number first, second, third;

@@ -77,8 +77,8 @@ struct Stretch {
   double extent = 0;
 };
 
-/// From degree 7 to the one that a tick evaluates: what is left out is a Chebyshev polynomial whose outermost
-/// zeros are moved to 0 and 1, where pieces meet. It is at most 1.5e-4 of c[7] and 6e-4 of c[6].
+/// Lowers degree 7 to the one that a tick evaluates. It leaves out Chebyshev polynomials whose outermost
+/// zeros are moved to 0 and 1, where pieces meet. They are at most 1.5e-4 of c[7] and 6e-4 of c[6].
 template <Precise Real>
 void lower_degree(std::array<double, 8>& c) {
   constexpr std::array<double, 6> seventh{-0.0089440082567369097, 0.17168622523234169, -1.0973048183619977,

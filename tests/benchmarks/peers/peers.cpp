@@ -43,7 +43,7 @@ void solve(Subject& subject, std::span<double> positions) {
   track.path().positions(subject.closed_form_of(track).points(), positions);
 }
 
-double least_seconds_of(Subject& subject, std::span<double> positions) {
+double min_seconds_of(Subject& subject, std::span<double> positions) {
   using Clock = std::chrono::steady_clock;
   double least = std::numeric_limits<double>::infinity();
   for (const auto begin = Clock::now();
@@ -95,8 +95,8 @@ Peer peer_of(std::string_view argument) {
 }
 
 /// The seconds that a peer needs, if its points are those of the table.
-double least_seconds_of(const Peer& peer, const std::string& curve_file, std::span<const double> positions,
-                        double mean_step) {
+double min_seconds_of(const Peer& peer, const std::string& curve_file, std::span<const double> positions,
+                      double mean_step) {
   const ProgramRun run = run_command({peer.program, curve_file});
   if (run.status != 0) throw std::runtime_error(fmt::format("{}: {}", peer.name, run.err));
   std::istringstream in(run.out);
@@ -133,15 +133,14 @@ void measure(std::span<const Peer> peers) {
   for (const std::int32_t frames : {240, 100'000}) {
     Subject subject = subject_of(frames, axes);
     std::vector<double> positions(axes * (static_cast<std::size_t>(frames) + 1));
-    const double ours = least_seconds_of(subject, positions);
+    const double ours = min_seconds_of(subject, positions);
     const Track<double> track = subject.make_track();
     const TemporaryFolder folder;
     const std::string curve_file = folder.path() / "curve.txt";
     write_curve_file(curve_file, track);
     fmt::print("| {} frames, {} keys | {} |", frames, track.path().key_count(), in_units(ours));
     for (const Peer& peer : peers) {
-      const double theirs =
-          least_seconds_of(peer, curve_file, positions, track.arc_length().total() / frames);
+      const double theirs = min_seconds_of(peer, curve_file, positions, track.arc_length().total() / frames);
       fmt::print(" {} | {:.1f} |", in_units(theirs), theirs / ours);
     }
     fmt::print("\n");

@@ -25,7 +25,7 @@ namespace inbetween {
 /// of the way, and the piece that a distance lies in is found among few.
 /// CountTrack.IsWithinATenthOfACountOfTwentyBits and Budget.EveryFunctionKeepsToItsInstructions hold it.
 inline constexpr std::int32_t min_count_spans = 64;
-/// Likewise a segment of the path into at least this many pieces; double needs no cutting.
+/// Likewise a segment of the path is cut into at least this many pieces; double has digits enough without.
 template <Precise Real>
 inline constexpr std::int32_t min_pieces_per_segment = std::same_as<Real, float> ? 8 : 1;
 /// A piece of the inverse has degree 7, and one of a count track less, which saves instructions of every
