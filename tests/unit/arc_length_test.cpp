@@ -281,7 +281,7 @@ TEST(ArcLength, ASmallerDeltaTakesMorePiecesAndLessError) {
 double sampled_residual(const AnchoredInterval<double>& interval, const PieceBatch<double>& batch,
                         std::size_t index) {
   const auto c = batch.coefficients(index);
-  const double step = batch.step[index];
+  const double step = batch.row.step[index];
   double worst = 0;
   for (int i = 1; i < 1000; ++i) {
     const double u = i / 1000.0;
@@ -319,7 +319,7 @@ TEST(ArcLength, TheCertificateBoundsTheErrorOfAPieceAndIsNotFarAboveIt) {
       PieceBatch<double> batch;
       batch.near = fitter.at_anchor();
       for (std::size_t end = 0; end < lane_count; ++end) {
-        batch.tau.set(end, interval.extent * static_cast<double>(end + 1) / 4);
+        batch.row.tau.set(end, interval.extent * static_cast<double>(end + 1) / 4);
       }
       fitter.fit(0, batch);
       for (std::size_t index = 0; index < lane_count; ++index) {

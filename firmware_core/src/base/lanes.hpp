@@ -47,13 +47,6 @@ class Lanes {
     __builtin_memcpy(&result.parts_, numbers.data(), sizeof(result.parts_));
     return result;
   }
-  /// `first`, then the first three of `others`.
-  static Lanes shifted(Real first, const Lanes& others) {
-    Lanes result;
-    result.set(0, first);
-    for (std::size_t i = 1; i < lane_count; ++i) result.set(i, others[i - 1]);
-    return result;
-  }
 
   Real operator[](std::size_t i) const { return parts_[i / part_size][i % part_size]; }
   void set(std::size_t i, Real value) { parts_[i / part_size][i % part_size] = value; }
@@ -114,13 +107,20 @@ class Lanes {
     return result;
   }
 
-  /// Rounding may leave a value below 0. Its root is 0.
-  [[nodiscard]] Lanes square_root() const {
+  /// square_root() of one number.
+  friend Lanes square_root(const Lanes& a) {
     Lanes result;
     for (std::size_t i = 0; i < part_count; ++i) {
-      const Part nonnegative = parts_[i] > 0 ? parts_[i] : Part{};
+      const Part nonnegative = a.parts_[i] > 0 ? a.parts_[i] : Part{};
       for (std::size_t j = 0; j < part_size; ++j) result.parts_[i][j] = std::sqrt(nonnegative[j]);
     }
+    return result;
+  }
+  /// `before`, and then the first three of a.
+  friend Lanes shifted(Real before, const Lanes& a) {
+    Lanes result;
+    result.set(0, before);
+    for (std::size_t i = 1; i < lane_count; ++i) result.set(i, a[i - 1]);
     return result;
   }
 
@@ -178,6 +178,17 @@ void set_lane(Real& number, std::size_t /*i*/, Real value) {
 template <Precise Real, std::size_t bytes>
 void set_lane(Lanes<Real, bytes>& numbers, std::size_t i, Real value) {
   numbers.set(i, value);
+}
+
+/// Rounding may leave a value below 0. Its root is 0.
+template <Precise Real>
+Real square_root(Real number) {
+  return std::sqrt(number > 0 ? number : Real(0));
+}
+/// A row of one number, moved on by one: what was before it.
+template <Precise Real>
+Real shifted(Real before, Real /*number*/) {
+  return before;
 }
 
 /// c[0] + x (c[1] + x (c[2] + ...)).

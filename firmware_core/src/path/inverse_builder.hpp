@@ -203,23 +203,36 @@ class InverseBuilder {
     batch.near = fitter.at_anchor();
     Stride<Real> stride(interval.extent);
     while (!stride.at_end()) {
-      const std::size_t count = stride.divide(batch.tau);
+      const std::size_t count = stride.divide(batch.row.tau);
       fitter.fit(length_.minus(anchor) * inverse_scale_, batch);
       BatchErrors<Real> errors;
       const std::size_t done = count_accepted(fitter, count, batch, errors);
       for (std::size_t i = 0; i < done; ++i) add_piece(interval, batch, i, anchor);
-      if (done == 0 && !stride.is_divisible(batch.tau[0])) {
+      if (done == 0 && !stride.is_divisible(batch.row.tau[0])) {
         reachable_ = false;
         return;
       }
       if (done < count) {
-        stride.shorten(batch.tau, done, errors.last);
+        stride.shorten(batch.row.tau, done, errors.last);
       } else {
-        stride.advance(batch.tau, errors);
+        stride.advance(batch.row.tau, errors);
       }
       if (done > 0) batch.near = batch.far_end(done - 1);
     }
     if (!interval.forward) turn_round(first, begin);
+  }
+
+  /// The residual of a piece over what is allowed, estimated; what share of it counts, and their product.
+  template <class Number>
+  struct Judgement {
+    Number share, estimate, error;
+  };
+  template <class Number>
+  [[nodiscard]] Judgement<Number> judge(const Number& length, const std::array<Number, 2>& residual) const {
+    // A relative error of the speed over a piece moves its inside by less than that share of its length.
+    const Number share = least(Number(1), Real(options_.delta * scale_ / negligible_) * length);
+    const Number estimate = per_estimate_ * (residual_bound(residual) - residual_rounding<Real>);
+    return {share, estimate, share * estimate};
   }
 
   /// How many pieces of a batch are accepted, the first of them, and their errors over what is allowed with
@@ -227,18 +240,21 @@ class InverseBuilder {
   template <std::size_t bytes>
   std::size_t count_accepted(const PieceFitter<Real>& fitter, std::size_t count,
                              PieceBatch<Real, bytes>& batch, BatchErrors<Real>& errors) const {
-    using Number = Lanes<Real, bytes>;
-    // A relative error of the speed over a piece moves its inside by less than that share of its length.
-    const Number share = least(Number(1), Real(options_.delta * scale_ / negligible_) * batch.length);
-    const Number estimate = per_estimate_ * (batch.residual_bound() - residual_rounding<Real>);
-    const Number error = share * estimate;
+    [[maybe_unused]] Judgement<Lanes<Real, bytes>> all;
+    if constexpr (lanes_are_quick) all = judge(batch.row.length, batch.row.residual);
     for (std::size_t i = 0; i < count; ++i) {
-      errors.last = error[i];
-      if (options_.acceptance == Acceptance::certified && estimate[i] <= 1) {
-        errors.last = share[i] * (fitter.certified_residual(batch, i) / (2 * options_.delta));
+      Judgement<Real> one;
+      if constexpr (lanes_are_quick) {
+        one = {all.share[i], all.estimate[i], all.error[i]};
+      } else {
+        one = judge(batch.row.length[i], {batch.row.residual[0][i], batch.row.residual[1][i]});
+      }
+      errors.last = one.error;
+      if (options_.acceptance == Acceptance::certified && one.estimate <= 1) {
+        errors.last = one.share * (fitter.certified_residual(batch, i) / (2 * options_.delta));
       }
       if (!(errors.last <= 1)) {
-        if (!is_negligible(batch.length[i])) return i;
+        if (!is_negligible(batch.row.length[i])) return i;
         errors.last = 0;
         straighten(fitter.interval(), batch, i);
       }
@@ -253,33 +269,34 @@ class InverseBuilder {
   static void straighten(const AnchoredInterval<Real>& interval, PieceBatch<Real, bytes>& batch,
                          std::size_t index) {
     const Real near = batch.near_end(index).tau;
-    const Real far = batch.tau[index];
+    const Real far = batch.row.tau[index];
     const std::array<Real, 8> c{interval.t(interval.forward ? near : far), far - near};
-    for (std::size_t i = 0; i < c.size(); ++i) batch.c[i].set(index, c[i]);
+    for (std::size_t i = 0; i < c.size(); ++i) batch.row.c[i].set(index, c[i]);
   }
 
   template <std::size_t bytes>
   void add_piece(const AnchoredInterval<Real>& interval, const PieceBatch<Real, bytes>& batch,
                  std::size_t index, const TwoSum<Real>& anchor) {
     const TwoSum<Real> near = length_;
-    length_.add(batch.length[index] * scale_);
+    length_.add(batch.row.length[index] * scale_);
     length_.renormalize();
     const TwoSum<Real>& begin = interval.forward ? near : length_;
     ArcPiece<Real>* const place = list_.add(begin.high);
     if (place == nullptr) return;
     ArcPiece<Real>& piece = *place;
-    for (std::size_t k = 0; k < piece.c.size(); ++k) piece.c[k] = batch.c[k][index];
+    for (std::size_t k = 0; k < piece.c.size(); ++k) piece.c[k] = batch.row.c[k][index];
     piece.segment = segment_;
     using Kind = typename ArcPiece<Real>::Kind;
     if (interval.stands_still) {
-      const Real step = batch.step[index];
+      const Real step = batch.row.step[index];
       piece.kind = interval.forward ? Kind::root_after : Kind::root_before;
       piece.inverse_step = 1 / (step * std::sqrt(scale_));
-      piece.shift = (interval.forward ? batch.near_end(index).y : batch.y[index]) / step;
+      piece.shift = (interval.forward ? batch.near_end(index).y : batch.row.y[index]) / step;
       piece.origin = anchor.high;
     } else {
       piece.kind = Kind::plain;
-      piece.inverse_step = batch.step[index] > 0 ? batch.inverse_step[index] * inverse_scale_ : Real(0);
+      piece.inverse_step =
+          batch.row.step[index] > 0 ? batch.row.inverse_step[index] * inverse_scale_ : Real(0);
       piece.origin = begin.high;
       piece.shift = begin.low;
     }

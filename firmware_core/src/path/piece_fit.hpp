@@ -43,15 +43,12 @@ struct PieceEnd {
   Real third = 0;   ///< d3 tau / d y3
 };
 
-/// Consecutive stretches, outward from the anchor, and the pieces that are fitted to them: four side by side
-/// take little longer than one, which would wait for its own square roots and divisions. A piece is in the
-/// order of t, u in [0, 1].
-template <Precise Real, std::size_t bytes = wide_register_bytes>
-struct PieceBatch {
-  using Number = Lanes<Real, bytes>;
-  PieceEnd<Real> near;  ///< where the first stretch begins
-  Number tau;           ///< where each of them ends
-  Number y;             ///< y there, and the derivatives of tau with respect to y
+/// A stretch outward from the anchor and the piece that is fitted to it, or several in a row, one in each
+/// lane of Number. A piece is in the order of t, u in [0, 1].
+template <class Number>
+struct Stretches {
+  Number tau;  ///< where each of them ends
+  Number y;    ///< y there, and the derivatives of tau with respect to y
   Number first;
   Number second;
   Number third;
@@ -60,27 +57,53 @@ struct PieceBatch {
   Number inverse_step;             ///< 1 / step
   std::array<Number, 8> c;         ///< the septics
   std::array<Number, 2> residual;  ///< q t'^2 - 1 at two places, see PieceFitter::fit
+};
+
+/// Consecutive stretches: four side by side take little longer than one, which would wait for its own square
+/// roots and divisions.
+template <Precise Real, std::size_t bytes = wide_register_bytes>
+struct PieceBatch {
+  using Number = Lanes<Real, bytes>;
+  PieceEnd<Real> near;  ///< where the first stretch begins
+  Stretches<Number> row;
 
   [[nodiscard]] PieceEnd<Real> far_end(std::size_t i) const {
-    return {tau[i], y[i], first[i], second[i], third[i]};
+    return {row.tau[i], row.y[i], row.first[i], row.second[i], row.third[i]};
   }
   [[nodiscard]] PieceEnd<Real> near_end(std::size_t i) const { return i == 0 ? near : far_end(i - 1); }
   [[nodiscard]] std::array<Real, 8> coefficients(std::size_t i) const {
-    return {c[0][i], c[1][i], c[2][i], c[3][i], c[4][i], c[5][i], c[6][i], c[7][i]};
+    std::array<Real, 8> c;
+    for (std::size_t k = 0; k < c.size(); ++k) c[k] = row.c[k][i];
+    return c;
   }
   /// The larger of the two residuals, by its magnitude; not a number if either is none.
   [[nodiscard]] Real largest_residual(std::size_t i) const {
-    const Real a = std::fabs(residual[0][i]);
-    const Real b = std::fabs(residual[1][i]);
+    const Real a = std::fabs(row.residual[0][i]);
+    const Real b = std::fabs(row.residual[1][i]);
     return b <= a ? a : (a <= b ? b : a + b);
   }
-  /// Bounds the residual on the whole of each piece. Where the error has the shape of a short piece their
-  /// sum is next to nothing. Where it has not, it is about the residual in the middle, and the two may show
-  /// little.
-  [[nodiscard]] Number residual_bound() const {
-    return greatest(absolute(residual[0]), absolute(residual[1])) + absolute(residual[0] + residual[1]);
+  void set(std::size_t i, const Stretches<Real>& stretch) {
+    row.tau.set(i, stretch.tau);
+    row.y.set(i, stretch.y);
+    row.first.set(i, stretch.first);
+    row.second.set(i, stretch.second);
+    row.third.set(i, stretch.third);
+    row.length.set(i, stretch.length);
+    row.step.set(i, stretch.step);
+    row.inverse_step.set(i, stretch.inverse_step);
+    for (std::size_t k = 0; k < row.c.size(); ++k) row.c[k].set(i, stretch.c[k]);
+    for (std::size_t k = 0; k < row.residual.size(); ++k) row.residual[k].set(i, stretch.residual[k]);
   }
 };
+
+/// Bounds the residual on the whole of a piece, from those at two places. Where the error has the shape of a
+/// short piece their sum is next to nothing. Where it has not, it is about the residual in the middle, and
+/// the two may show little.
+template <class Number>
+Number residual_bound(const std::array<Number, 2>& residual) {
+  const auto& [low, high] = residual;
+  return greatest(absolute(low), absolute(high)) + absolute(low + high);
+}
 
 template <Precise Real>
 class PieceFitter {
@@ -116,23 +139,29 @@ class PieceFitter {
     return end;
   }
 
-  /// Fits the pieces of a batch of which `near` and `tau` are given; `distance` is l at `near`. The residual
-  /// is taken at the two extremes of the error of septic Hermite interpolation, u = (1 -+ 1/sqrt(7)) / 2.
+  /// Fits the pieces of a batch of which `near` and `row.tau` are given; `distance` is l at `near`. The
+  /// residual is taken at the two extremes of the error of septic Hermite interpolation,
+  /// u = (1 -+ 1/sqrt(7)) / 2.
   template <std::size_t bytes>
   void fit(Real distance, PieceBatch<Real, bytes>& batch) const {
-    using Number = Lanes<Real, bytes>;
-    const Number begin = Number::shifted(batch.near.tau, batch.tau);
-    const Number rise = batch.tau - begin;
-    batch.length = lengths(begin, rise);
-    differentiate(distance, batch);
-    interpolate(interval_.forward ? begin : batch.tau, rise, batch);
+    if constexpr (lanes_are_quick) {
+      fit_row(distance, batch.near, batch.row);
+    } else {  // one after the other: a microcontroller holds the numbers of one in its registers
+      for (std::size_t i = 0; i < lane_count; ++i) {
+        Stretches<Real> stretch;
+        stretch.tau = batch.row.tau[i];
+        fit_row(distance, batch.near_end(i), stretch);
+        batch.set(i, stretch);
+        distance += stretch.length;
+      }
+    }
   }
 
   /// An upper bound of |q t'^2 - 1| on the whole of a piece, by the Bernstein coefficients of the polynomial.
   /// On the first piece from a still point P' counts as 0 there, which is true to 1e-12 of its maximum.
   template <std::size_t bytes>
   [[nodiscard]] Real certified_residual(const PieceBatch<Real, bytes>& batch, std::size_t index) const {
-    return certified_residual(batch.near_end(index), batch.far_end(index), batch.step[index],
+    return certified_residual(batch.near_end(index), batch.far_end(index), batch.row.step[index],
                               batch.coefficients(index));
   }
 
@@ -146,7 +175,7 @@ class PieceFitter {
     constexpr std::size_t points = Rule::node.size();
     const std::array<Real, 5>& q = interval_.speed_squared.q;
     const auto speed = [&](std::size_t i) {
-      return polynomial(q, begin + Rule::node[i] * rise).square_root();
+      return square_root(polynomial(q, begin + Rule::node[i] * rise));
     };
     Number sum = Rule::weight[points / 2] * speed(points / 2);
     for (std::size_t i = 0; i < points / 2; ++i) {
@@ -165,64 +194,41 @@ class PieceFitter {
     third = first * square * (Real(4) * (half_slope * half_slope) * inverse_q - half_curvature);
   }
 
-  template <std::size_t bytes>
-  void differentiate(Real distance, PieceBatch<Real, bytes>& batch) const {
-    using Number = Lanes<Real, bytes>;
-    const Number& tau = batch.tau;
-    const Number first = 1 / polynomial(interval_.speed_squared.q, tau).square_root();
-    batch.first = first;
-    differentiate_on(polynomial(half_slope_, tau), polynomial(half_curvature_, tau), first, batch.second,
-                     batch.third);
-    batch.step = batch.length;
-    if (interval_.stands_still) {
-      // y = sqrt(l): dl/dy = 2 y, d2l/dy2 = 2
-      for (std::size_t i = 0; i < lane_count; ++i) {
-        distance += batch.length[i];
-        batch.y.set(i, distance);
-      }
-      const Number square = 4 * batch.y;
-      batch.y = batch.y.square_root();
-      batch.third = batch.y * (2 * square * batch.third + 12 * batch.second);
-      batch.second = square * batch.second + 2 * first;
-      batch.first = 2 * batch.y * first;
-      // The difference of two y from the difference of their squares: no digits cancel.
-      batch.step = batch.length / (Number::shifted(batch.near.y, batch.y) + batch.y);
-    }
-    batch.inverse_step = 1 / batch.step;
+  template <class Number>
+  void fit_row(Real distance, const PieceEnd<Real>& near, Stretches<Number>& row) const {
+    const Number begin = shifted(near.tau, row.tau);
+    const Number rise = row.tau - begin;
+    row.length = lengths(begin, rise);
+    differentiate(distance, near, row);
+    const Number start = interval_.forward ? begin : row.tau;
+    const Symmetries<Number> bends = interpolate(near, start, rise, row);
+    judge(near, start, rise, bends, row);
   }
 
-  /// Hermite data at both ends to monomials. What is interpolated is t less the straight line between the
-  /// ends: it is 0 at both, and its first derivatives are small, so that the large numbers by which the high
-  /// coefficients multiply them round little. Where the interval is seen backwards, tau falls as t rises:
-  /// second derivatives change sign, first and third ones keep theirs.
-  template <std::size_t bytes>
-  void interpolate(const Lanes<Real, bytes>& start, const Lanes<Real, bytes>& rise,
-                   PieceBatch<Real, bytes>& batch) const {
-    using Number = Lanes<Real, bytes>;
-    const Number near_first = Number::shifted(batch.near.first, batch.first);
-    const Number near_second = Number::shifted(batch.near.second, batch.second);
-    const Number near_third = Number::shifted(batch.near.third, batch.third);
-    const bool forward = interval_.forward;
-    const Number square = batch.step * batch.step;
-    const Number half = direction_ / 2 * square;
-    const Number sixth = Real(1) / 6 * square * batch.step;
-    const Number d0 = batch.step * (forward ? near_first : batch.first);
-    const Number d1 = batch.step * (forward ? batch.first : near_first);
-    const Number s0 = half * (forward ? near_second : batch.second);
-    const Number s1 = half * (forward ? batch.second : near_second);
-    const Number p0 = sixth * (forward ? near_third : batch.third);
-    const Number p1 = sixth * (forward ? batch.third : near_third);
-    const Number e0 = d0 - rise;
-    const Number e1 = d1 - rise;
-    const Symmetry<Number> odd{e0 + e1, s0 - s1, p0 + p1};
-    const Symmetry<Number> even{e0 - e1, s0 + s1, p0 - p1};
-    const Number c7 = 10 * odd.first + 4 * odd.second + odd.third;
-    const Number rest = even.first + even.second + Real(0.5) * even.third;
-    const Number c6 = Real(-3.5) * c7 - rest;
-    const Number c5 = Real(4.5) * c7 + 3 * (rest - odd.first) - odd.second;
-    const Number c4 = Real(-1) * (e0 + s0 + p0) - (c5 + c6 + c7);
-    batch.c = {interval_.anchor + direction_ * start, d0, s0, p0, c4, c5, c6, c7};
-    judge(start, rise, even, odd, batch);
+  template <class Number>
+  void differentiate(Real distance, const PieceEnd<Real>& near, Stretches<Number>& row) const {
+    const Number& tau = row.tau;
+    const Number first = 1 / square_root(polynomial(interval_.speed_squared.q, tau));
+    row.first = first;
+    differentiate_on(polynomial(half_slope_, tau), polynomial(half_curvature_, tau), first, row.second,
+                     row.third);
+    row.step = row.length;
+    row.y = Number(0);
+    if (interval_.stands_still) {
+      // y = sqrt(l): dl/dy = 2 y, d2l/dy2 = 2
+      for (std::size_t i = 0; i < (Precise<Number> ? 1 : lane_count); ++i) {
+        distance += lane_of(row.length, i);
+        set_lane(row.y, i, distance);
+      }
+      const Number square = 4 * row.y;
+      row.y = square_root(row.y);
+      row.third = row.y * (2 * square * row.third + 12 * row.second);
+      row.second = square * row.second + 2 * first;
+      row.first = 2 * row.y * first;
+      // The difference of two y from the difference of their squares: no digits cancel.
+      row.step = row.length / (shifted(near.y, row.y) + row.y);
+    }
+    row.inverse_step = 1 / row.step;
   }
 
   /// Sums or differences of the derivatives at both ends: they determine an even or an odd function of u -
@@ -232,38 +238,72 @@ class PieceFitter {
     Number first, second, third;
     [[nodiscard]] Number with(Real a, Real b, Real c) const { return a * first + b * second + c * third; }
   };
+  template <class Number>
+  struct Symmetries {
+    Symmetry<Number> even, odd;
+  };
+
+  /// Hermite data at both ends to monomials. What is interpolated is t less the straight line between the
+  /// ends: it is 0 at both, and its first derivatives are small, so that the large numbers by which the high
+  /// coefficients multiply them round little. Where the interval is seen backwards, tau falls as t rises:
+  /// second derivatives change sign, first and third ones keep theirs.
+  template <class Number>
+  Symmetries<Number> interpolate(const PieceEnd<Real>& near, const Number& start, const Number& rise,
+                                 Stretches<Number>& row) const {
+    const Number near_first = shifted(near.first, row.first);
+    const Number near_second = shifted(near.second, row.second);
+    const Number near_third = shifted(near.third, row.third);
+    const bool forward = interval_.forward;
+    const Number square = row.step * row.step;
+    const Number half = direction_ / 2 * square;
+    const Number sixth = Real(1) / 6 * square * row.step;
+    const Number d0 = row.step * (forward ? near_first : row.first);
+    const Number d1 = row.step * (forward ? row.first : near_first);
+    const Number s0 = half * (forward ? near_second : row.second);
+    const Number s1 = half * (forward ? row.second : near_second);
+    const Number p0 = sixth * (forward ? near_third : row.third);
+    const Number p1 = sixth * (forward ? row.third : near_third);
+    const Number e0 = d0 - rise;
+    const Number e1 = d1 - rise;
+    const Symmetry<Number> odd{e0 + e1, s0 - s1, p0 + p1};
+    const Symmetry<Number> even{e0 - e1, s0 + s1, p0 - p1};
+    const Number c7 = 10 * odd.first + 4 * odd.second + odd.third;
+    const Number rest = even.first + even.second + Real(0.5) * even.third;
+    const Number c6 = Real(-3.5) * c7 - rest;
+    const Number c5 = Real(4.5) * c7 + 3 * (rest - odd.first) - odd.second;
+    const Number c4 = Real(-1) * (e0 + s0 + p0) - (c5 + c6 + c7);
+    row.c = {interval_.anchor + direction_ * start, d0, s0, p0, c4, c5, c6, c7};
+    return {even, odd};
+  }
 
   /// The residuals, from t less the straight line at two places that are symmetric: its even and its odd part
   /// are sums of the derivatives at the ends with fixed weights.
-  template <std::size_t bytes>
-  void judge(const Lanes<Real, bytes>& start, const Lanes<Real, bytes>& rise,
-             const Symmetry<Lanes<Real, bytes>>& even, const Symmetry<Lanes<Real, bytes>>& odd,
-             PieceBatch<Real, bytes>& batch) const {
-    using Number = Lanes<Real, bytes>;
+  template <class Number>
+  void judge(const PieceEnd<Real>& near, const Number& start, const Number& rise,
+             const Symmetries<Number>& bends, Stretches<Number>& row) const {
     constexpr auto h = Real(0.37796447300922722721);  // 1 / sqrt(7)
+    const auto& [even, odd] = bends;
     const Number even_bend = even.with(Real(48) / 343, Real(45) / 1372, Real(27) / 5488);
     const Number odd_bend = odd.with(h * 309 / 1372, h * 117 / 2744, h * 27 / 5488);
     const Number even_slope = even.with(h * 167 / 196, h * 69 / 196, h * 27 / 392);
     const Number odd_slope = rise - (Real(37) / 196 * odd.first + Real(3) / 196 * odd.second);
     const Real u0 = (1 - h) / 2;
     const Real u1 = (1 + h) / 2;
-    batch.residual[0] =
-        residual_at(u0, start, u0 * rise + (even_bend + odd_bend), odd_slope + even_slope, batch);
-    batch.residual[1] =
-        residual_at(u1, start, u1 * rise + (even_bend - odd_bend), odd_slope - even_slope, batch);
+    row.residual[0] =
+        residual_at(u0, near, start, u0 * rise + (even_bend + odd_bend), odd_slope + even_slope, row);
+    row.residual[1] =
+        residual_at(u1, near, start, u1 * rise + (even_bend - odd_bend), odd_slope - even_slope, row);
   }
 
-  template <std::size_t bytes>
-  [[nodiscard]] Lanes<Real, bytes> residual_at(Real u, const Lanes<Real, bytes>& start,
-                                               const Lanes<Real, bytes>& travelled,
-                                               const Lanes<Real, bytes>& slope,
-                                               const PieceBatch<Real, bytes>& batch) const {
-    using Number = Lanes<Real, bytes>;
+  template <class Number>
+  [[nodiscard]] Number residual_at(Real u, const PieceEnd<Real>& near, const Number& start,
+                                   const Number& travelled, const Number& slope,
+                                   const Stretches<Number>& row) const {
     const Number tau = start + direction_ * travelled;
-    Number rate = slope * batch.inverse_step;
+    Number rate = slope * row.inverse_step;
     if (interval_.stands_still) {
-      const Number near_y = Number::shifted(batch.near.y, batch.y);
-      rate = rate / (2 * (near_y + (interval_.forward ? u : 1 - u) * batch.step));
+      const Number near_y = shifted(near.y, row.y);
+      rate = rate / (2 * (near_y + (interval_.forward ? u : 1 - u) * row.step));
     }
     return Real(-1) + polynomial(interval_.speed_squared.q, tau) * (rate * rate);
   }
