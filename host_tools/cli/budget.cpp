@@ -42,7 +42,7 @@ ElementCounts element_counts(const BudgetCapacity& capacity) {
   n.spans = std::max(capacity.control_values - 1, 1);
   n.rows = static_cast<std::int64_t>(capacity.frames) + 1;
   n.locks = capacity.locks;
-  n.count_spans = count_span_count(static_cast<std::int32_t>(n.spans)) + n.locks;
+  n.count_spans = count_span_count<Real>(static_cast<std::int32_t>(n.spans)) + n.locks;
   n.count_pieces =
       n.segments * (min_parts_per_piece<Real> * usual_pieces_per_segment(delta_of<double>(capacity)) +
                     (min_pieces_per_segment<Real> - 1));
@@ -108,11 +108,11 @@ constexpr std::array<std::string_view, budget_object_count> object_names{
 
 // These solve a move, or every tick calls them: the stack of another function is in neither of these.
 constexpr std::array<FunctionBudget, 18> stack{{
-    {"ArcLength::make", {4352, 2176}, {4480, 2176}},
+    {"ArcLength::make", {2880, 1600}, {3200, 1600}},
     {"adjust_to_locks", {1024, 832}, {1632, 832}},
     {"Track::make", {640, 512}, {672, 512}},
     {"closed_form_table", {1856, 1088}, {2144, 1088}},
-    {"CountTrack::make", {1312, 1120}, {1504, 1344}},
+    {"CountTrack::make", {960, 832}, {1376, 1344}},
     {"StopBounds::make", {10240, 6144}, {10752, 6144}},
     {"Track::positions", {480, 352}, {800, 352}},
     {"Track::motion", {896, 512}, {1280, 544}},
@@ -133,15 +133,15 @@ constexpr std::array<FunctionBudget, 18> stack{{
 constexpr std::array<FunctionBudget, 11> instructions{{
     {"CountTrack::counts", {140, 130}, {3600, 130}},
     {"CountTrack::counts(longest)", {210, 210}, {4000, 210}},
-    {"Track::positions", {240, 260}, {5700, 270}},
-    {"Track::motion", {1200, 1200}, {37'000, 1200}},
+    {"Track::positions", {170, 190}, {4000, 190}},
+    {"Track::motion", {520, 520}, {15'700, 530}},
     {"frame_time_of_tick", {74, 74}, {820, 74}},
-    {"solve", {230'000, 240'000}, {6'900'000, 245'000}},
-    {"CountTrack::make", {370'000, 215'000}, {7'500'000, 4'200'000}},
-    {"Move::positions", {270, 290}, {5700, 300}},
+    {"solve", {180'000, 210'000}, {6'900'000, 212'000}},
+    {"CountTrack::make", {240'000, 120'000}, {5'700'000, 2'750'000}},
+    {"Move::positions", {210, 230}, {4050, 230}},
     {"Playhead::tick", {210, 180}, {1500, 210}},
     {"Playhead::tick(ramps)", {1150, 1200}, {16'000, 1250}},
-    {"StopBounds::make", {6'100'000, 6'600'000}, {170'000'000, 6'800'000}},
+    {"StopBounds::make", {4'700'000, 4'500'000}, {113'000'000, 4'700'000}},
 }};
 
 std::string number(std::int64_t value) {

@@ -386,11 +386,12 @@ TEST(CountTrack, SaysWhichMemoryItNeeds) {
 }
 
 TEST(CountTrack, CutsShortCurvesOnly) {
-  EXPECT_EQ(count_span_count(1), 64);
-  EXPECT_EQ(count_span_count(3), 96);
-  EXPECT_EQ(count_span_count(63), 126);
-  EXPECT_EQ(count_span_count(64), 64);
-  EXPECT_EQ(count_span_count(1000), 1000);
+  EXPECT_EQ(count_span_count<float>(1), 64);
+  EXPECT_EQ(count_span_count<float>(3), 96);
+  EXPECT_EQ(count_span_count<float>(63), 126);
+  EXPECT_EQ(count_span_count<float>(64), 64);
+  EXPECT_EQ(count_span_count<float>(1000), 1000);
+  EXPECT_EQ(count_span_count<double>(3), 192);
 }
 
 }  // namespace count_track_test

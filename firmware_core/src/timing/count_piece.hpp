@@ -50,7 +50,7 @@ std::int32_t part_count(const ArcPiece<Source>& piece) {
   return static_cast<std::int32_t>(std::max<double>(min_parts_per_piece<Real>, parts));
 }
 
-/// The start of the parameter of a part: distances in double.
+/// The start of the parameter of a part, and its kind: distances in double.
 template <Precise Real, Precise Source>
 void set_begin(const ArcPiece<Source>& from, const Part& part, CountPiece<Real>& to) {
   using Kind = typename ArcPiece<Source>::Kind;
@@ -60,7 +60,10 @@ void set_begin(const ArcPiece<Source>& from, const Part& part, CountPiece<Real>&
   const double step = inverse_step > 0 ? 1 / inverse_step : 0.0;
   to.inverse_step = static_cast<Real>(inverse_step / (part.b - part.a));
   if (from.kind == Kind::plain) {
+    to.kind = CountPiece<Real>::Kind::plain;
     to.begin = in_two_parts<Real>(origin, shift + part.a * step);
+    to.gap = 0;
+    to.root = 0;
     return;
   }
   const bool after = from.kind == Kind::root_after;
@@ -97,11 +100,17 @@ template <Precise Real, Precise Source>
 Stretch set_polynomial(const ArcPiece<Source>& from, const Part& part, CountPiece<Real>& to) {
   std::array<double, 8> c{};
   for (std::size_t k = 0; k < c.size(); ++k) c[k] = static_cast<double>(from.c[k]);
-  double power = 1;
-  for (std::size_t k = 0; k < c.size(); ++k) {  // Taylor's coefficients about a, in units of b - a
-    for (std::size_t j = c.size() - 1; j-- > k;) c[j] += part.a * c[j + 1];
+  if (part.a > 0) {  // Taylor's coefficients about a
+    for (std::size_t k = 0; k + 1 < c.size(); ++k) {
+#pragma GCC unroll 7
+      for (std::size_t j = c.size() - 1; j > k; --j) c[j - 1] += part.a * c[j];
+    }
+  }
+  const double width = part.b - part.a;
+  double power = width;
+  for (std::size_t k = 1; width < 1 && k < c.size(); ++k) {
     c[k] *= power;
-    power *= part.b - part.a;
+    power *= width;
   }
   lower_degree<Real>(c);
   const Stretch stretch{.begin = c[0], .extent = c[1] + c[2] + c[3] + c[4] + c[5] + c[6]};
@@ -122,21 +131,32 @@ Cubic<double> cut_cubic(const Cubic<Source>& source, const Stretch& stretch, dou
           counts_per_unit * h * h * (c.second(t) / 2), counts_per_unit * h * h * h * c.c3};
 }
 
-/// Splits off the integer base. False if a position does not fit; the Bezier ordinates enclose them all.
+/// Whether a cubic stays within the offsets that Real rounds, and within 32 bits. A NaN, which coordinates
+/// near the largest number can make, fits nowhere.
 template <Precise Real>
-bool set_base(const Cubic<double>& c, CountCubic<Real>& result) {
-  const auto [smallest, largest] = std::minmax({0.0, c.c1 / 3, (2 * c.c1 + c.c2) / 3, c.c1 + c.c2 + c.c3});
-  const bool offset_fits = std::max(-smallest, largest) + 1 <= largest_offset<Real>;
-  // A NaN, which coordinates near the largest number can make, fits nowhere.
-  if (!offset_fits || !(c.c0 + smallest - 1 >= std::numeric_limits<std::int32_t>::min()) ||
-      !(c.c0 + largest + 1 <= std::numeric_limits<std::int32_t>::max())) {
-    return false;
+bool fits_counts(const Cubic<double>& c) {
+  constexpr double most = std::numeric_limits<std::int32_t>::max();
+  const double farthest = std::fabs(c.c1) + std::fabs(c.c2) + std::fabs(c.c3);
+  if (farthest + 1 <= largest_offset<Real> && std::fabs(c.c0) + farthest + 1 <= most) [[likely]]
+    return true;
+  // The Bezier ordinates enclose it more narrowly. What is no number is in the last of them.
+  double smallest = 0;
+  double largest = 0;
+  for (const double ordinate : {c.c1 / 3, (2 * c.c1 + c.c2) / 3, c.c1 + c.c2 + c.c3}) {
+    smallest = smallest <= ordinate ? smallest : ordinate;
+    largest = largest >= ordinate ? largest : ordinate;
   }
+  return std::max(-smallest, largest) + 1 <= largest_offset<Real> && c.c0 + smallest - 1 >= -most - 1 &&
+         c.c0 + largest + 1 <= most;
+}
+
+/// Splits off the integer base.
+template <Precise Real>
+CountCubic<Real> in_counts(const Cubic<double>& c) {
   const double base = std::floor(c.c0 + 0.5);
-  result = {static_cast<std::uint32_t>(static_cast<std::int32_t>(base)) - low_bits(rounder<Real>),
-            {static_cast<Real>(c.c0 - base), static_cast<Real>(c.c1), static_cast<Real>(c.c2),
-             static_cast<Real>(c.c3)}};
-  return true;
+  return {static_cast<std::uint32_t>(static_cast<std::int32_t>(base)) - low_bits(rounder<Real>),
+          {static_cast<Real>(c.c0 - base), static_cast<Real>(c.c1), static_cast<Real>(c.c2),
+           static_cast<Real>(c.c3)}};
 }
 
 /// A piece shorter than this share of the path is delicate. A longer one, evaluated a rounding of the
@@ -159,14 +179,14 @@ class PieceCutter {
       const std::int32_t parts = part_count<Real>(piece);
       for (std::int32_t i = 0; i < parts; ++i) {
         const Part part = part_of(i, parts);
-        CountPiece<Real> cut;
+        CountPiece<Real>& cut = next_piece();
         set_begin(piece, part, cut);
         const Stretch stretch = set_polynomial(piece, part, cut);
         if (const Status done = add(cut, piece.segment, stretch); !done) return done.error();
       }
     }
     if (count_ == 0) {  // the path stays where it is
-      if (const Status done = add({}, 0, {}); !done) return done.error();
+      if (const Status done = add(next_piece() = {}, 0, {}); !done) return done.error();
     }
     return finish();
   }
@@ -176,10 +196,10 @@ class PieceCutter {
     for (std::int32_t segment = 0; segment < path_.segment_count(); ++segment) {
       for (std::int32_t i = 0; i < parts; ++i) {
         const Part part = part_of(i, parts);
-        CountPiece<Real> cut;
-        cut.begin = in_two_parts<Real>(segment + part.a, 0);
-        cut.inverse_step = static_cast<Real>(parts);
-        cut.c = {1};
+        CountPiece<Real>& cut = next_piece();
+        cut = {.begin = in_two_parts<Real>(segment + part.a, 0),
+               .inverse_step = static_cast<Real>(parts),
+               .c = {1}};
         if (const Status done = add(cut, segment, {part.a, part.b - part.a}); !done) return done.error();
       }
     }
@@ -189,15 +209,16 @@ class PieceCutter {
  private:
   using Kind = typename CountPiece<Real>::Kind;
 
-  Status add(const CountPiece<Real>& piece, std::int32_t segment, const Stretch& stretch) {
-    CountPiece<Real>& to = memory_.pieces[count_];
-    to = piece;
+  /// The piece behind the last one. It counts when it has been filled and added.
+  CountPiece<Real>& next_piece() { return memory_.pieces[count_]; }
+
+  Status add(CountPiece<Real>& piece, std::int32_t segment, const Stretch& stretch) {
     const bool behind_key = segment != segment_;
     const bool is_short = piece.inverse_step * shortest_ > 1;
-    if (to.kind == Kind::plain && (behind_key || is_short)) to.kind = Kind::delicate;
-    if (to.kind != Kind::plain) lower(to.begin);
+    if (piece.kind == Kind::plain && (behind_key || is_short)) piece.kind = Kind::delicate;
+    if (piece.kind != Kind::plain) lower(piece.begin);
     segment_ = segment;
-    to.first_cubic = static_cast<std::int32_t>(count_) * path_.axis_count();
+    piece.first_cubic = static_cast<std::int32_t>(count_) * path_.axis_count();
     if (const Status done = set_row(segment, stretch); !done) return done.error();
     ++count_;
     return Done{};
@@ -221,7 +242,10 @@ class PieceCutter {
     const auto axes = static_cast<std::size_t>(path_.axis_count());
     for (std::size_t d = 0; d < axes; ++d) {
       const Cubic<double> counts = cut_cubic(cubics[d], stretch, counts_per_unit_[d]);
-      if (set_base(counts, memory_.cubics[count_ * axes + d])) continue;
+      if (fits_counts<Real>(counts)) [[likely]] {
+        memory_.cubics[count_ * axes + d] = in_counts<Real>(counts);
+        continue;
+      }
       return Error{
           .code = ErrorCode::out_of_range,
           .what = "a position after this key does not fit the counts of a drive",

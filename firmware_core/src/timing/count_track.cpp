@@ -55,10 +55,10 @@ struct SpanRange {
   std::int32_t last = 0;
 };
 
-template <Precise Source>
+template <Precise Real, Precise Source>
 SpanRange spans_of_portion(const Track<Source>& track, std::size_t portion) {
   const std::span<const Portion<Source>> portions = track.portions();
-  const std::int64_t spans = count_span_count(track.profile().span_count());
+  const std::int64_t spans = count_span_count<Real>(track.profile().span_count());
   const std::int64_t begin = portions.empty() ? 0 : portions[portion].begin_frame;
   const std::int64_t end = portion + 1 < portions.size() ? portions[portion + 1].begin_frame : track.frames();
   return {static_cast<std::int32_t>(begin * spans / track.frames()),
@@ -74,12 +74,13 @@ class SpanCutter {
 
   /// A drawn curve, broken in portions or not.
   void cut_curve() {
-    const std::int32_t spans = count_span_count(track_.profile().span_count());
+    const std::int32_t spans = count_span_count<Real>(track_.profile().span_count());
     const std::size_t portions = std::max<std::size_t>(track_.portions().size(), 1);
     for (std::size_t i = 0; i < portions; ++i) {
-      const SpanRange range = spans_of_portion(track_, i);
+      const SpanRange range = spans_of_portion<Real>(track_, i);
+      const Scale scale = scale_of(i);
       const std::int32_t first = span_count_;
-      for (std::int32_t index = range.first; index <= range.last; ++index) add_curve_span(i, index);
+      for (std::int32_t index = range.first; index <= range.last; ++index) add_curve_span(scale, index);
       const std::int32_t begin = track_.portions().empty() ? 0 : track_.portions()[i].begin_frame;
       add_portion({.begin_frame = begin,
                    .frames = track_.frames(),
@@ -127,14 +128,13 @@ class SpanCutter {
     return {length > 0 ? length / integral : 0.0, 0};
   }
 
-  void add_curve_span(std::size_t portion, std::int32_t index) {
+  void add_curve_span(const Scale& scale, std::int32_t index) {
     const SpeedProfile<Source>& profile = track_.profile();
-    const std::int32_t parts = count_span_count(profile.span_count()) / profile.span_count();
+    const std::int32_t parts = count_span_count<Real>(profile.span_count()) / profile.span_count();
     const SpeedSpan<Source>& drawn = profile.span(index / parts);
     const SpeedSpan<double> speed{static_cast<double>(drawn.b0), static_cast<double>(drawn.b1),
                                   static_cast<double>(drawn.b2), static_cast<double>(drawn.b3)};
     const Part part = part_of(index % parts, parts);
-    const Scale scale = scale_of(portion);
     const double h = part.b - part.a;
     const double third = speed.b3 - speed.b0 + 3 * (speed.b1 - speed.b2);
     const double integral = sum_of(profile.integral_before(index / parts)) + speed.integral(part.a);
@@ -157,18 +157,17 @@ class SpanCutter {
     span.begin = in_two_parts<Real>(begin, 0);
     std::ranges::transform(c, span.c.begin(), [](double x) { return static_cast<Real>(x); });
     span.first_piece = piece_at(span.begin.high);
+    near_piece_ = static_cast<std::size_t>(span.first_piece);
     const std::int32_t last_piece = piece_at(static_cast<Real>(begin + c[0] + c[1] + c[2] + c[3]));
     const std::int32_t touched = last_piece - span.first_piece + 1;
     span.crowd = touched > max_pieces_in_turn ? touched : 0;
   }
-  /// The last piece that begins at or before a distance.
+  /// The last piece that begins at or before a distance, or the first. Distances rise from span to span, so
+  /// that it is near the last one found.
   [[nodiscard]] std::int32_t piece_at(Real distance) const {
-    std::size_t piece = 0;
-    std::size_t end = pieces_.size();
-    while (end - piece > 1) {  // it is in [piece, end)
-      const std::size_t middle = (piece + end) / 2;
-      (pieces_[middle].begin.high <= distance ? piece : end) = middle;
-    }
+    std::size_t piece = near_piece_;
+    while (piece + 1 < pieces_.size() && pieces_[piece + 1].begin.high <= distance) ++piece;
+    while (piece > 0 && pieces_[piece].begin.high > distance) --piece;
     return static_cast<std::int32_t>(piece);
   }
 
@@ -186,6 +185,7 @@ class SpanCutter {
   const CountTrackMemory<Real>& memory_;
   std::size_t portion_count_ = 0;
   std::int32_t span_count_ = 0;
+  std::size_t near_piece_ = 0;
 };
 
 }  // namespace
@@ -200,7 +200,7 @@ CountSizes count_sizes(const Track<Source>& track) {
   }
   CountSizes sizes{.portions = std::max<std::size_t>(track.portions().size(), 1), .spans = 0, .pieces = 0};
   for (std::size_t i = 0; i < sizes.portions; ++i) {
-    const SpanRange range = spans_of_portion(track, i);
+    const SpanRange range = spans_of_portion<Real>(track, i);
     sizes.spans += static_cast<std::size_t>(range.last - range.first + 1);
   }
   for (const ArcPiece<Source>& piece : track.arc_length().pieces()) {

@@ -22,9 +22,11 @@
 namespace inbetween {
 
 /// The speed curve is cut, exactly, into at least this many spans: what a float rounds is then a small share
-/// of the way, and the piece that a distance lies in is found among few.
+/// of the way, and the piece that a distance lies in is found among few. In double precision, where there are
+/// more pieces, it is cut into more.
 /// CountTrack.IsWithinATenthOfACountOfTwentyBits and Budget.EveryFunctionKeepsToItsInstructions hold it.
-inline constexpr std::int32_t min_count_spans = 64;
+template <Precise Real>
+inline constexpr std::int32_t min_count_spans = std::same_as<Real, float> ? 64 : 128;
 /// Likewise a segment of the path is cut into at least this many pieces; double has digits enough without.
 template <Precise Real>
 inline constexpr std::int32_t min_pieces_per_segment = std::same_as<Real, float> ? 8 : 1;
@@ -148,8 +150,9 @@ struct CountPortion {
 
 /// How many spans a speed curve of f spans is cut into: the first of f, 2 f, 4 f, ... that is not below
 /// min_count_spans.
+template <Precise Real>
 constexpr std::int32_t count_span_count(std::int32_t f) {
-  while (f < min_count_spans) f *= 2;
+  while (f < min_count_spans<Real>) f *= 2;
   return f;
 }
 
@@ -294,7 +297,7 @@ template <Precise Real, std::size_t Axes, std::size_t Values, std::size_t Pieces
 struct CountTrackStorage {
   /// A curve of fewer control values may be cut into more spans, but into less than twice the least number.
   static constexpr std::size_t span_count =
-      std::max<std::size_t>(Values, 2 * min_count_spans - 2) + Portions - 1;
+      std::max<std::size_t>(Values, 2 * min_count_spans<Real> - 2) + Portions - 1;
   std::array<CountPortion<Real>, Portions + 1> portions;
   std::array<CountSpan<Real>, span_count> spans;
   std::array<CountPiece<Real>, Pieces + 1> pieces;
