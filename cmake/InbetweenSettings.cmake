@@ -37,6 +37,16 @@ target_compile_options(inbetween_settings INTERFACE
   # The same move gives the same bits on x86-64, arm64 and Cortex-M only if no compiler fuses a
   # multiplication with an addition on its own account.
   -ffp-contract=off)
+# For x86-64 in general GCC copies a structure in halves of a wide register, and who reads the whole of it waits until
+# both are in memory; and it clears and copies some hundred bytes with an instruction that is slow to begin (stop bounds
+# took half as long again).
+include(CheckCXXCompilerFlag)
+set(quick_copies -mmove-max=256 -mstore-max=256 -mmemset-strategy=vector_loop:2048:noalign,libcall:-1:noalign
+  -mmemcpy-strategy=vector_loop:2048:noalign,libcall:-1:noalign)
+check_cxx_compiler_flag("${quick_copies}" INBETWEEN_QUICK_COPIES)
+if(INBETWEEN_QUICK_COPIES)
+  target_compile_options(inbetween_settings INTERFACE ${quick_copies})
+endif()
 if(INBETWEEN_SANITIZE)
   target_compile_options(inbetween_settings INTERFACE
     "-fsanitize=${INBETWEEN_SANITIZE}" -fno-sanitize-recover=all -fno-omit-frame-pointer

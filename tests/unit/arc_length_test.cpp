@@ -246,17 +246,41 @@ TEST(ArcLength, ManyWaysAtOnceLeadToTheSameBitsAsEachByItself) {
     for (std::size_t i = 0; i < ways.size(); ++i) {
       ways[i] = path->total() * (1.2 * static_cast<double>(i) / static_cast<double>(ways.size()));
     }
-    std::swap(ways[700], ways[703]);  // they need not rise
-    std::vector<double> lost = ways;
-    std::vector<PathPoint<double>> points(ways.size());
-    path->locate(begin, lost, points);
-    for (std::size_t i = 0; i < ways.size(); ++i) {
-      EXPECT_EQ(points[i], path->locate(begin, ways[i])) << share << ", way " << i;
-      TwoSum<double> distance = begin;
-      distance.add(ways[i]);
-      EXPECT_NEAR(path.distance(points[i]), path.distance(path->locate(distance)), 1e-14 * path->total());
+    for (const bool rise : {true, false}) {
+      if (!rise) std::swap(ways[700], ways[703]);  // they need not
+      std::vector<PathPoint<double>> points(ways.size());
+      const bool in_order = path->locate(begin, ways, points);
+      EXPECT_EQ(in_order, rise || points[700] == points[703]) << share;
+      for (std::size_t i = 0; i < ways.size(); ++i) {
+        EXPECT_EQ(points[i], path->locate(begin, ways[i])) << share << ", way " << i;
+        TwoSum<double> distance = begin;
+        distance.add(ways[i]);
+        EXPECT_NEAR(path.distance(points[i]), path.distance(path->locate(distance)), 1e-14 * path->total());
+      }
     }
   }
+}
+
+/// Ways a few roundings apart, of which some lead back by a rounding of t: alone in their four, as the first
+/// and the last of them, and behind them.
+TEST(ArcLength, PointsThatRoundingPutsOutOfOrderAreToldOf) {
+  const MeasuredPath<double> path({.spline = Spline::catmull_rom, .axis_count = 2, .keys = cusp_keys});
+  std::vector<double> ways(7);
+  std::vector<PathPoint<double>> points(ways.size());
+  std::array<int, 7> falls{};  // how often the point at this place was before the one in front of it
+  for (int i = 1; i < 20'000; ++i) {
+    double way = 0.3 * path->total() * i / 20'000;
+    for (double& next : ways) next = way = std::nextafter(way, path->total());
+    const bool in_order = path->locate({0.1 * path->total(), 0}, ways, points);
+    bool are_in_order = true;
+    for (std::size_t k = 1; k < points.size(); ++k) {
+      if (points[k - 1].at_or_before(points[k])) continue;
+      are_in_order = false;
+      ++falls[k];
+    }
+    ASSERT_TRUE(are_in_order || !in_order) << "from way " << i;
+  }
+  for (std::size_t k = 1; k < falls.size(); ++k) EXPECT_GT(falls[k], 0) << "at place " << k;
 }
 
 TEST(ArcLength, ASmallerDeltaTakesMorePiecesAndLessError) {

@@ -53,22 +53,16 @@ void fill_buckets(std::span<const Real> next_begins, Real buckets_per_length,
   }
 }
 
-/// Ways whose distances stand on the stack at a time: 1 KB in double precision, and less on a
-/// microcontroller.
-constexpr std::size_t ways_per_block = lanes_are_quick ? 128 : 16;
-
-/// Writes the distances of the ways from the start, and returns whether none is before the one in front of
-/// it: ways that rise may, rounded, fall by a bit.
+/// Whether no way is before the one in front of it. Their distances from the start are not either, then:
+/// rounding keeps the order.
 template <Precise Real>
-bool add_up(Real begin, std::span<const Real> ways, std::span<Real> distances) {
-  for (std::size_t i = 0; i < ways.size(); ++i) distances[i] = begin + ways[i];
+bool rise(std::span<const Real> ways) {
   // Counted in numbers as wide as Real, of which the compiler makes lanes.
   std::conditional_t<sizeof(Real) == sizeof(std::int64_t), std::int64_t, std::int32_t> falls = 0;
-  for (std::size_t i = 1; i < ways.size(); ++i) falls += distances[i] < distances[i - 1] ? 1 : 0;
+  for (std::size_t i = 1; i < ways.size(); ++i) falls += ways[i] < ways[i - 1] ? 1 : 0;
   return falls == 0;
 }
 
-/// ArcPiece::plain_t in lanes, with the bits that each would have alone.
 template <class Number>
 Number within(const Number& x) {
   const Number zero(0);
@@ -76,51 +70,87 @@ Number within(const Number& x) {
   const Number nonnegative = if_less(zero, x, x, zero);
   return if_less(nonnegative, one, nonnegative, one);
 }
-template <Precise Real, class Number>
-Number plain_places(const ArcPiece<Real>& piece, const Number& offset) {
-  const std::array<Real, 8>& c = piece.c;
-  const Number u = within(piece.inverse_step * offset);
-  const Number square = u * u;
-  const Number high = (square * square) * ((c[4] + c[5] * u) + square * (c[6] + c[7] * u));
-  return within((c[0] + c[1] * u) + (square * (c[2] + c[3] * u) + high));
-}
-
-/// Finds the points of ways whose distances rise, from the first to the last before `to`, all on one plain
-/// piece, and returns how many they are. Points behind those may be overwritten: four are evaluated at once,
-/// and the next ones without waiting for how many of the four are before `to`.
+/// A plain piece in lanes: what ArcPiece::plain_t gives for each, to the bit.
 template <class Number, Precise Real>
-std::size_t find_points(const ArcPiece<Real>& piece, Real offset, Real to, std::span<const Real> distances,
-                        std::span<const Real> ways, std::span<PathPoint<Real>> points) {
-  std::size_t done = 0;
-  for (; lanes_are_quick && done + lane_count <= ways.size(); done += lane_count) {
-    const Number t = plain_places(piece, offset + Number::from(ways.subspan(done)));
-    for (std::size_t i = 0; i < lane_count; ++i) points[done + i] = {piece.segment, t[i]};
-    if (distances[done + lane_count - 1] < to) continue;
-    std::size_t inside = 0;
-    for (std::size_t i = 0; i + 1 < lane_count; ++i) inside += distances[done + i] < to ? 1U : 0U;
-    return done + inside;
+struct PlainPiece {
+  Number inverse_step;
+  std::array<Number, 8> c;
+
+  explicit PlainPiece(const ArcPiece<Real>& piece) : inverse_step(piece.inverse_step) {
+    for (std::size_t k = 0; k < c.size(); ++k) c[k] = Number(piece.c[k]);
   }
-  for (; done < ways.size() && distances[done] < to; ++done)
-    points[done] = {piece.segment, piece.plain_t(offset + ways[done])};
-  return done;
+  [[nodiscard]] Number plain_t(const Number& offset) const {
+    const Number u = within(inverse_step * offset);
+    const Number square = u * u;
+    const Number high = (square * square) * ((c[4] + c[5] * u) + square * (c[6] + c[7] * u));
+    return within((c[0] + c[1] * u) + (square * (c[2] + c[3] * u) + high));
+  }
+};
+
+/// Ways from a place of the path, which rise.
+template <Precise Real>
+struct RisingWays {
+  Real begin;
+  std::span<const Real> ways;
+
+  [[nodiscard]] std::size_t size() const { return ways.size(); }
+  [[nodiscard]] bool is_before(std::size_t i, Real distance) const { return begin + ways[i] < distance; }
+};
+
+/// Points found one after the other, and whether they are in order.
+struct Found {
+  std::size_t count = 0;
+  bool in_order = true;
+};
+
+/// Finds the points of ways, from the first to the last before `to`, all on one plain piece. Points behind
+/// those may be overwritten: four are evaluated at once, and the next ones without waiting for how many of
+/// the four are before `to`.
+template <class Number, Precise Real>
+Found find_points(const ArcPiece<Real>& piece, Real offset, Real to, const RisingWays<Real>& rising,
+                  std::span<PathPoint<Real>> points) {
+  std::size_t done = 0;
+  Real last = 0;
+  bool in_order = true;
+  if constexpr (lanes_are_quick) {
+    const PlainPiece<Number, Real> own(piece);
+    Number fallen(0);
+    while (done + lane_count <= rising.size()) {
+      const Number t = own.plain_t(offset + Number::from(rising.ways.subspan(done)));
+      fallen = if_less(t, shifted(last, t), Number(1), fallen);
+      last = t[lane_count - 1];
+      for (std::size_t i = 0; i < lane_count; ++i) points[done + i] = {piece.segment, t[i]};
+      done += lane_count;
+      if (!rising.is_before(done - 1, to)) break;
+    }
+    for (std::size_t i = 0; i < lane_count; ++i) in_order = in_order && fallen[i] == 0;
+    while (done > 0 && !rising.is_before(done - 1, to)) --done;
+  }
+  for (; done < rising.size() && rising.is_before(done, to); ++done) {
+    const Real t = piece.plain_t(offset + rising.ways[done]);
+    in_order = in_order && t >= last;
+    last = t;
+    points[done] = {piece.segment, t};
+  }
+  return {done, in_order};
 }
 
-/// Locates a block of ways. `find` gives the piece of a distance, `locate` the point of a way.
+/// Locates ways. `find` gives the piece of a distance, `locate` the point of a way. Returns whether the
+/// points are in order.
 template <Precise Real, class Find, class Locate>
-[[gnu::flatten]] INBETWEEN_PROCESSOR_CLONES void locate_block(std::span<const ArcPiece<Real>> pieces,
-                                                              std::span<const Real> next_begins,
-                                                              Real path_end, const TwoSum<Real>& begin,
-                                                              const Find& find, const Locate& locate,
-                                                              std::span<const Real> ways,
-                                                              std::span<PathPoint<Real>> points) {
-  std::array<Real, ways_per_block> memory;
-  const std::span<const Real> distances = std::span(memory).first(ways.size());
-  const bool rises = add_up<Real>(begin.high, ways, memory);
+[[gnu::flatten]] INBETWEEN_PROCESSOR_CLONES bool locate_ways(std::span<const ArcPiece<Real>> pieces,
+                                                             std::span<const Real> next_begins, Real path_end,
+                                                             const TwoSum<Real>& begin, const Find& find,
+                                                             const Locate& locate, std::span<const Real> ways,
+                                                             std::span<PathPoint<Real>> points) {
+  const bool rises = rise(ways);
   const bool is_wide = has_wide_registers();
   std::size_t index = pieces.size();
+  bool in_order = true;
   for (std::size_t i = 0; i < ways.size();) {
-    const Real distance = distances[i];
+    const Real distance = begin.high + ways[i];
     const bool is_inside = distance > 0 && distance < path_end;  // the ends are exact
+    Found found;
     if (is_inside && rises) {
       if (index + 1 < pieces.size() && distance < next_begins[index + 1]) {
         ++index;
@@ -131,18 +161,20 @@ template <Precise Real, class Find, class Locate>
       if (piece.kind == ArcPiece<Real>::Kind::plain) {
         const Real to = std::min(next_begins[index], path_end);
         const Real offset = piece.offset(begin);
-        const auto rest = points.subspan(i);
-        i += is_wide ? find_points<WideLanes<Real>, Real>(piece, offset, to, distances.subspan(i),
-                                                          ways.subspan(i), rest)
-                     : find_points<Lanes<Real>, Real>(piece, offset, to, distances.subspan(i),
-                                                      ways.subspan(i), rest);
-        continue;
+        const RisingWays<Real> rest{begin.high, ways.subspan(i)};
+        found = is_wide ? find_points<WideLanes<Real>, Real>(piece, offset, to, rest, points.subspan(i))
+                        : find_points<Lanes<Real>, Real>(piece, offset, to, rest, points.subspan(i));
       }
     }
-    points[i] = locate(ways[i]);
-    index = pieces.size();
-    ++i;
+    if (found.count == 0) {
+      points[i] = locate(ways[i]);
+      index = pieces.size();
+      found.count = 1;
+    }
+    in_order = in_order && found.in_order && (i == 0 || points[i - 1].at_or_before(points[i]));
+    i += found.count;
   }
+  return in_order;
 }
 
 Error too_many_pieces(std::size_t needed) {
@@ -230,14 +262,11 @@ std::size_t ArcLength<Real>::piece_in_crowd(std::size_t piece, std::size_t bucke
 }
 
 template <Precise Real>
-void ArcLength<Real>::locate(const TwoSum<Real>& begin, std::span<const Real> ways,
+bool ArcLength<Real>::locate(const TwoSum<Real>& begin, std::span<const Real> ways,
                              std::span<PathPoint<Real>> points) const {
-  for (std::size_t i = 0; i < ways.size(); i += ways_per_block) {
-    const std::span<const Real> block = ways.subspan(i, std::min(ways.size() - i, ways_per_block));
-    locate_block<Real>(
-        pieces_, next_begins_, end_.high, begin, [&](Real distance) { return piece_at(distance); },
-        [&](Real way) { return locate(begin, way); }, block, points.subspan(i, block.size()));
-  }
+  return locate_ways<Real>(
+      pieces_, next_begins_, end_.high, begin, [&](Real distance) { return piece_at(distance); },
+      [&](Real way) { return locate(begin, way); }, ways, points);
 }
 
 template <Precise Real>

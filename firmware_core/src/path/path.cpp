@@ -13,11 +13,33 @@
 namespace inbetween {
 namespace {
 
+/// So many places of a path stand on the stack at a time: 2 KB in double precision, and less on a
+/// microcontroller.
+constexpr std::size_t places_at_once = lanes_are_quick ? 256 : 16;
+
+/// The places of the first points on one segment, no more than `t` has room for. Returns how many they are.
 template <Precise Real>
-INBETWEEN_PROCESSOR_CLONES void evaluate(const Cubic<Real>& cubic, std::span<const PathPoint<Real>> points,
+INBETWEEN_PROCESSOR_CLONES std::size_t take_places(std::span<const PathPoint<Real>> points,
+                                                   std::span<Real> t) {
+  const std::int32_t segment = points.front().segment;
+  std::size_t count = std::min(points.size(), t.size());
+  // Without a branch for each point: nearly always all of them are on the segment.
+  std::int32_t differ = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    t[i] = points[i].t;
+    differ |= points[i].segment ^ segment;
+  }
+  if (differ == 0) return count;
+  count = 1;
+  while (points[count].segment == segment) ++count;
+  return count;
+}
+
+template <Precise Real>
+INBETWEEN_PROCESSOR_CLONES void evaluate(const Cubic<Real>& cubic, std::span<const Real> t,
                                          std::span<Real> out) {
   const Cubic<Real> own = cubic;
-  for (std::size_t i = 0; i < points.size(); ++i) out[i] = own.value(points[i].t);
+  for (std::size_t i = 0; i < t.size(); ++i) out[i] = own.value(t[i]);
 }
 
 /// The keys of a spec and where the coefficients go, while the path is being made.
@@ -350,13 +372,15 @@ Result<Path<Real>> Path<Real>::make(const PathSpec<Real>& spec, const PathMemory
 
 template <Precise Real>
 void Path<Real>::positions(std::span<const PathPoint<Real>> points, std::span<Real> out) const {
-  for (std::size_t begin = 0, end = 0; begin < points.size(); begin = end) {
-    while (end < points.size() && points[end].segment == points[begin].segment) ++end;
+  std::array<Real, places_at_once> memory;
+  for (std::size_t begin = 0; begin < points.size();) {
+    const std::size_t count = take_places<Real>(points.subspan(begin), memory);
+    const std::span<const Real> places = std::span(memory).first(count);
     const std::span<const Cubic<Real>> cubics = segment(points[begin].segment);
     for (std::size_t d = 0; d < static_cast<std::size_t>(axis_count_); ++d) {
-      evaluate(cubics[d], points.subspan(begin, end - begin),
-               out.subspan(d * points.size() + begin, end - begin));
+      evaluate<Real>(cubics[d], places, out.subspan(d * points.size() + begin, count));
     }
+    begin += count;
   }
 }
 

@@ -10,15 +10,6 @@ namespace {
 /// Steps at most this share of the length long are judged absolutely, longer ones relatively.
 inline constexpr double short_step_share = 1e-6;
 
-/// So many points are looked at again while they are in the nearest cache.
-constexpr std::size_t points_at_once = 1024;
-
-template <Precise Real>
-std::int32_t is_before(const PathPoint<Real>& a, const PathPoint<Real>& b) {
-  return static_cast<std::int32_t>(a.segment < b.segment) |
-         (static_cast<std::int32_t>(a.segment == b.segment) & static_cast<std::int32_t>(a.t < b.t));
-}
-
 template <Precise Real>
 bool on_path(const Path<Real>& path, const PathPoint<Real>& point) {
   const bool at_end = point.segment == path.segment_count() && point.t == 0;
@@ -84,14 +75,9 @@ Result<FrameTable<Real>> closed_form_table(const Track<Real>& track, std::span<P
                  .needed = static_cast<std::int64_t>(count)};
   }
   const std::span<PathPoint<Real>> points = memory.first(count);
-  for (std::size_t begin = 0; begin < count; begin += points_at_once) {
-    const std::size_t end = std::min(begin + points_at_once, count);
-    track.locate_frames(static_cast<std::int32_t>(begin), points.subspan(begin, end - begin));
-    const std::size_t second = std::max<std::size_t>(begin, 1);
-    std::int32_t falls = 0;  // counted without branches, because there are nearly never any
-    for (std::size_t i = second; i < end; ++i) falls += is_before(points[i], points[i - 1]);
-    for (std::size_t i = second; falls > 0 && i < end; ++i) {
-      if (is_before(points[i], points[i - 1])) points[i] = points[i - 1];
+  if (!track.locate_frames(0, points)) {
+    for (std::size_t i = 1; i < count; ++i) {
+      if (!points[i - 1].at_or_before(points[i])) points[i] = points[i - 1];
     }
   }
   return FrameTable<Real>(points, {.solver = Solver::closed_form,

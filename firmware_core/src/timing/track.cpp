@@ -256,17 +256,18 @@ Derivatives write_standstill(const Path<Real>& path, const AlongPath<Real>& alon
 }  // namespace
 
 template <Precise Real>
-void Track<Real>::locate_frames(std::int32_t first, std::span<PathPoint<Real>> points) const {
+bool Track<Real>::locate_frames(std::int32_t first, std::span<PathPoint<Real>> points) const {
   if (!is_plain_) {
     for (std::size_t i = 0; i < points.size(); ++i)
       points[i] = locate({first + static_cast<std::int32_t>(i), 0});
-    return;
+    return false;
   }
   std::array<Real, frames_per_block> ways;
   const std::int32_t f = profile_.span_count();
   const bool has_last = !points.empty() && first + static_cast<std::int32_t>(points.size()) > frames_;
-  if (has_last) points.back() = {path_.segment_count(), 0};
+  if (has_last) points.back() = {path_.segment_count(), 0};  // no point is behind it
   const std::size_t total = points.size() - (has_last ? 1 : 0);
+  bool in_order = true;
   for (std::size_t done = 0; done < total;) {
     const std::int32_t scaled = (first + static_cast<std::int32_t>(done)) * f;
     const std::int32_t index = scaled / frames_;
@@ -276,9 +277,11 @@ void Track<Real>::locate_frames(std::int32_t first, std::span<PathPoint<Real>> p
         std::span(ways).first(std::min({ways.size(), total - done, static_cast<std::size_t>(in_span)}));
     const SpanDistance<Real>& span = span_distances_[static_cast<std::size_t>(index)];
     find_ways(span, phase, f, inverse_frames_, run);
-    arc_length_.locate(span.begin, run, points.subspan(done, run.size()));
+    const bool run_in_order = arc_length_.locate(span.begin, run, points.subspan(done, run.size()));
+    in_order = in_order && run_in_order && (done == 0 || points[done - 1].at_or_before(points[done]));
     done += run.size();
   }
+  return in_order;
 }
 
 // Each calls what is rare from its own frame, not through locate(): a tick on a microcontroller has less

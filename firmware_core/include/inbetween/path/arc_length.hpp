@@ -143,8 +143,9 @@ class ArcLength {
   }
 
   /// The same for many ways from one begin, bit for bit; quickest where they rise, because then one piece
-  /// is evaluated for a run of them without looking anything up. Both spans have the same size.
-  void locate(const TwoSum<Real>& begin, std::span<const Real> ways, std::span<PathPoint<Real>> points) const;
+  /// is evaluated for a run of them without looking anything up. Both spans have the same size. Returns
+  /// whether the points are known to be in order: rounding may put one before that in front of it.
+  bool locate(const TwoSum<Real>& begin, std::span<const Real> ways, std::span<PathPoint<Real>> points) const;
 
   /// The distance from the start to a point, by quadrature within its piece: full precision of Real.
   [[nodiscard]] TwoSum<Real> distance(const Path<Real>& path, const PathPoint<Real>& point) const;

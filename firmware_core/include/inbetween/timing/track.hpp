@@ -221,8 +221,9 @@ class Track {
   }
 
   /// locate() at whole frames `first`, `first` + 1, ..., bit for bit, in runs of frames that share a span
-  /// of the speed curve and a piece of the path. Domain: 0 <= first, first + points.size() - 1 <= N.
-  void locate_frames(std::int32_t first, std::span<PathPoint<Real>> points) const;
+  /// of the speed curve and a piece of the path. Domain: 0 <= first, first + points.size() - 1 <= N. Returns
+  /// whether the points are known to be in order: rounding may put one before that in front of it.
+  bool locate_frames(std::int32_t first, std::span<PathPoint<Real>> points) const;
 
   /// Point, speed and its derivatives along the path. After frame N and before frame 0: at rest.
   /// 0 for what is beyond the range of Real, which motion() reports, and for the derivatives of the speed of
