@@ -56,7 +56,7 @@ double seconds_between(const FittedTrack& fitted, double begin, double end) {
   double seconds = 0;
   for (std::size_t d = 0; d < way.size(); ++d) {
     const RigAxis& limits = fitted.axes()[d];
-    seconds = std::max(seconds, quickest(way[d], limits, 2));
+    seconds = std::max(seconds, 2 * seconds_from_rest(way[d] / 2, limits));
     if (limits.max_jerk) seconds = std::max(seconds, 4 * std::cbrt(way[d] / (2 * *limits.max_jerk)));
   }
   return seconds;

@@ -35,71 +35,129 @@ struct Way {
   bool ends_at_rest = false;
 };
 
-/// visit(cubics of the segment, t where it begins, t where it ends) for every segment of a way.
+/// visit(segment, t where it begins, t where it ends) for every segment of a way.
 template <class Visit>
 void for_each_segment(const Path<double>& path, const Way& way, const Visit& visit) {
   const std::int32_t last = std::min(way.end.segment, path.segment_count() - 1);
   for (std::int32_t i = way.begin.segment; i <= last; ++i) {
     const double begin = i == way.begin.segment ? way.begin.t : 0;
     const double end = i == way.end.segment ? way.end.t : 1;
-    if (begin < end) visit(path.segment(i), begin, end);
+    if (begin < end) visit(i, begin, end);
   }
 }
 
-/// The places where one axis turns round on its way, and the ends: its positions there.
+/// An axis at a place s of the path, segment + t.
+struct AxisPlace {
+  double s = 0;
+  double position = 0;
+};
+
+/// The places where one axis turns round on its way, and the first and the last: its extremes at the ends.
+/// One place of an axis that stays where it is.
 class TurningPoints {
  public:
   TurningPoints(const Path<double>& path, const Way& way, std::size_t axis) {
-    for_each_segment(path, way, [&](std::span<const Cubic<double>> cubics, double begin, double end) {
-      visit(cubics[axis].value(begin));
-      visit_extremes(cubics[axis], begin, end);
-      visit(cubics[axis].value(end));
+    for_each_segment(path, way, [&](std::int32_t segment, double begin, double end) {
+      const Cubic<double>& cubic = path.segment(segment)[axis];
+      visit(segment, cubic, begin);
+      visit_extremes(segment, cubic, begin, end);
+      visit(segment, cubic, end);
     });
     drop_rounding();
   }
-  [[nodiscard]] std::span<const double> positions() const { return positions_; }
+  [[nodiscard]] std::span<const AxisPlace> places() const { return places_; }
 
  private:
-  void visit(double position) { visited_.push_back(position); }
-  void visit_extremes(const Cubic<double>& cubic, double begin, double end) {
+  void visit(std::int32_t segment, const Cubic<double>& cubic, double t) {
+    visited_.push_back({segment + t, cubic.value(t)});
+  }
+  void visit_extremes(std::int32_t segment, const Cubic<double>& cubic, double begin, double end) {
     // P' = c1 + 2 c2 t + 3 c3 t^2
     const double root = std::sqrt(std::max(cubic.c2 * cubic.c2 - 3 * cubic.c1 * cubic.c3, 0.0));
     const double larger = -(cubic.c2 + std::copysign(root, cubic.c2));
-    std::vector<double> places;
-    if (cubic.c3 != 0) places.push_back(larger / (3 * cubic.c3));
-    if (larger != 0) places.push_back(cubic.c1 / larger);
-    std::ranges::sort(places);
-    for (const double t : places) {
-      if (t > begin && t < end) visit(cubic.value(t));
+    std::vector<double> turns;
+    if (cubic.c3 != 0) turns.push_back(larger / (3 * cubic.c3));
+    if (larger != 0) turns.push_back(cubic.c1 / larger);
+    std::ranges::sort(turns);
+    for (const double t : turns) {
+      if (t > begin && t < end) visit(segment, cubic, t);
     }
   }
-  /// Keeps the first, the last and every extreme from which the axis comes back by more than rounding.
+  /// Keeps every extreme from which the axis comes back by more than rounding, and those at the ends.
   void drop_rounding() {
-    double largest = 0;
-    for (const double position : visited_) largest = std::max(largest, std::fabs(position));
-    const double rounding = turn_rounding * largest;
     if (visited_.empty()) return;
-    positions_.push_back(visited_.front());
-    double extreme = visited_.front();
-    double direction = 0;
-    for (const double position : visited_) {
-      const bool goes_on = direction * (position - extreme) >= 0;
-      if (direction == 0) {
-        extreme = position;
-        if (std::fabs(position - positions_.front()) > rounding) direction = position - positions_.front();
-      } else if (goes_on) {
-        extreme = position;
-      } else if (std::fabs(position - extreme) > rounding) {
-        positions_.push_back(extreme);
-        direction = position - extreme;
-        extreme = position;
+    double largest = 0;
+    for (const AxisPlace& place : visited_) largest = std::max(largest, std::fabs(place.position));
+    const double rounding = turn_rounding * largest;
+    AxisPlace lowest = visited_.front();
+    AxisPlace highest = visited_.front();
+    int direction = 0;
+    for (const AxisPlace& place : visited_) {
+      if (place.position > highest.position) highest = place;
+      if (place.position < lowest.position) lowest = place;
+      const bool has_risen = direction <= 0 && place.position - lowest.position > rounding;
+      const bool has_fallen = direction >= 0 && highest.position - place.position > rounding;
+      if (has_risen || has_fallen) {
+        places_.push_back(has_risen ? lowest : highest);
+        direction = has_risen ? 1 : -1;
+        lowest = highest = place;
       }
     }
-    positions_.push_back(visited_.back());
+    places_.push_back(direction < 0 ? lowest : highest);
   }
 
-  std::vector<double> visited_;
-  std::vector<double> positions_;
+  std::vector<AxisPlace> visited_;
+  std::vector<AxisPlace> places_;
+};
+
+/// The time that an axis takes on its way, alone and as quickly as its limits allow: it is at rest where it
+/// turns, and where the way begins or ends at rest.
+class AxisTime {
+ public:
+  AxisTime(const Path<double>& path, const Way& way, std::size_t axis, const RigAxis& limits)
+      : turns_(path, way, axis), way_(way), limits_(limits) {}
+
+  struct Seconds {
+    double needed = 0;
+    double by_velocity = 0;  ///< from max_velocity alone
+  };
+  /// For the stretch from one place to the next, in the order of the way. 0 where it turns there.
+  [[nodiscard]] Seconds pass(const AxisPlace& from, const AxisPlace& to) {
+    const double distance = way_between(from.position, to.position);
+    Seconds seconds{.needed = distance / limits_.max_velocity,
+                    .by_velocity = distance / limits_.max_velocity};
+    const std::span<const AxisPlace> places = turns_.places();
+    while (run_ + 2 < places.size() && places[run_ + 1].s <= from.s) ++run_;
+    if (run_ + 1 >= places.size()) return seconds;
+    const AxisPlace& begin = places[run_];
+    const AxisPlace& end = places[run_ + 1];
+    if (!(distance > 0) || from.s < begin.s || to.s > end.s) return seconds;
+    const double rounding = position_rounding * (std::fabs(begin.position) + std::fabs(end.position));
+    const double passed = from.s > begin.s ? std::fabs(from.position - begin.position) + rounding : 0;
+    const double left = to.s < end.s ? std::fabs(end.position - to.position) + rounding : 0;
+    seconds.needed = std::max(seconds.needed, between_rests(passed, distance, left));
+    return seconds;
+  }
+
+ private:
+  /// `distance`, of which `passed` lies behind since the last rest and `left` ahead to the next one.
+  [[nodiscard]] double between_rests(double passed, double distance, double left) const {
+    const bool has_last = run_ > 0 || way_.begins_at_rest;
+    const bool has_next = run_ + 2 < turns_.places().size() || way_.ends_at_rest;
+    // The nearer of the rests limits the velocity.
+    const double half = (left + distance - passed) / 2;
+    const double rising = !has_last ? 0 : !has_next ? distance : std::clamp(half, 0.0, distance);
+    const double falling = has_next ? distance - rising : 0;
+    const auto ramp = [&](double from, double way) {
+      return way > 0 ? seconds_from_rest(from + way, limits_) - seconds_from_rest(from, limits_) : 0.0;
+    };
+    return ramp(passed, rising) + ramp(left, falling);
+  }
+
+  TurningPoints turns_;
+  Way way_;
+  RigAxis limits_;
+  std::size_t run_ = 0;  ///< the last turn that was passed
 };
 
 /// The time that one track needs for its way or a part of it, in seconds.
@@ -125,12 +183,33 @@ class TrackTime {
   };
   [[nodiscard]] const Way& whole() const { return whole_; }
   [[nodiscard]] Bound bound(const Way& way) const {
-    Bound slowest = by_velocity(way);
-    for (std::size_t d = 0; d < axes_.size(); ++d) {
-      const double seconds = by_acceleration(way, d);
-      if (seconds > slowest.seconds * (1 + sum_rounding)) slowest = {seconds, axes_[d].index, true};
-    }
-    return slowest;
+    const Path<double>& path = track_.path();
+    std::vector<AxisTime> times;
+    for (std::size_t d = 0; d < axes_.size(); ++d) times.emplace_back(path, way, d, *axes_[d].limits);
+    std::vector<double> share(axes_.size());
+    double seconds = 0;
+    double by_velocity = 0;
+    for_each_segment(path, way, [&](std::int32_t segment, double from, double to) {
+      for (int k = 0; k < stretches_per_segment; ++k) {
+        const double begin = from + (to - from) * k / stretches_per_segment;
+        const double end = from + (to - from) * (k + 1) / stretches_per_segment;
+        AxisTime::Seconds longest;
+        std::size_t slowest = 0;
+        for (std::size_t d = 0; d < axes_.size(); ++d) {
+          const Cubic<double>& cubic = path.segment(segment)[d];
+          const AxisTime::Seconds one =
+              times[d].pass({segment + begin, cubic.value(begin)}, {segment + end, cubic.value(end)});
+          // All axes move together, so the slowest axis decides. Its share tells which axis to name.
+          if (one.needed > longest.needed) slowest = d;
+          longest = {std::max(longest.needed, one.needed), std::max(longest.by_velocity, one.by_velocity)};
+        }
+        seconds += longest.needed;
+        by_velocity += longest.by_velocity;
+        share[slowest] += longest.needed;
+      }
+    });
+    const auto slowest = static_cast<std::size_t>(std::ranges::max_element(share) - share.begin());
+    return {seconds, axes_[slowest].index, seconds > by_velocity * (1 + sum_rounding)};
   }
 
  private:
@@ -139,85 +218,17 @@ class TrackTime {
     const RigAxis* limits = nullptr;
   };
 
-  [[nodiscard]] Bound by_velocity(const Way& way) const {
-    std::vector<double> share(axes_.size());
-    double seconds = 0;
-    for_each_segment(track_.path(), way, [&](std::span<const Cubic<double>> cubics, double from, double to) {
-      for (int k = 0; k < stretches_per_segment; ++k) {
-        const double begin = from + (to - from) * k / stretches_per_segment;
-        const double end = from + (to - from) * (k + 1) / stretches_per_segment;
-        std::size_t slowest = 0;
-        double longest = 0;
-        for (std::size_t d = 0; d < axes_.size(); ++d) {
-          const double time =
-              way_between(cubics[d].value(begin), cubics[d].value(end)) / axes_[d].limits->max_velocity;
-          // All axes move together, so the slowest axis decides. Its share tells which axis to name.
-          if (time > longest) slowest = d;
-          longest = std::max(longest, time);
-        }
-        seconds += longest;
-        share[slowest] += longest;
-      }
-    });
-    const auto slowest = static_cast<std::size_t>(std::ranges::max_element(share) - share.begin());
-    return {seconds, axes_[slowest].index, false};
-  }
-
-  [[nodiscard]] double by_acceleration(const Way& way, std::size_t axis) const {
-    const TurningPoints turns(track_.path(), way, axis);
-    const std::span<const double> places = turns.positions();
-    double seconds = 0;
-    for (std::size_t i = 0; i + 1 < places.size(); ++i) {
-      const bool first = i == 0;
-      const bool last = i + 2 == places.size();
-      const int rests = (first && !way.begins_at_rest ? 0 : 1) + (last && !way.ends_at_rest ? 0 : 1);
-      seconds += quickest(way_between(places[i], places[i + 1]), *axes_[axis].limits, rests);
-    }
-    return seconds;
-  }
-
   const Track<double>& track_;
   std::vector<Axis> axes_;
   Way whole_;
 };
 
-/// A frame on which the move has to be at a place of its path, from which it goes on `hold` frames later.
-struct Meeting {
-  std::int32_t key = 0;
-  std::int32_t frame = 0;
-  std::int32_t hold = 0;
-  bool rests = false;
-};
-
-/// The keys of a track that have a frame, and its ends.
-std::vector<Meeting> meetings_of(const Plan& plan, std::size_t index, const Way& whole) {
-  const MoveTrack& file = plan.move().tracks[index];
-  const std::int32_t frames = plan.move().frames;
-  std::vector<Meeting> meetings;
-  for (const KeyLock& lock : plan.tracks()[index].key_timing()->locks) {
-    const bool is_end = lock.frame == 0 || lock.frame + lock.hold == frames;
-    const bool has_frame = lock.key >= 0 && static_cast<std::size_t>(lock.key) < file.keys.size() &&
-                           file.keys[static_cast<std::size_t>(lock.key)].frame;
-    if (is_end || has_frame)
-      meetings.push_back({lock.key, lock.frame, lock.hold, lock.hold > 0 || lock.ease});
-  }
-  if (whole.begins_at_rest) meetings.front().rests = true;
-  if (whole.ends_at_rest) meetings.back().rests = true;
-  return meetings;
-}
-
 }  // namespace
 
-double quickest(double distance, const RigAxis& limits, int ends_at_rest) {
+double seconds_from_rest(double distance, const RigAxis& limits) {
   const double v = limits.max_velocity;
   const double a = limits.max_acceleration;
-  const double ramp = v * v / (2 * a);
-  if (ends_at_rest == 0) return distance / v;
-  // The way is too short to reach full velocity.
-  if (distance <= ends_at_rest * ramp) {
-    return ends_at_rest == 1 ? std::sqrt(2 * distance / a) : 2 * std::sqrt(distance / a);
-  }
-  return distance / v + ends_at_rest * v / (2 * a);
+  return distance < v * v / (2 * a) ? std::sqrt(2 * distance / a) : distance / v + v / (2 * a);
 }
 
 FewestFrames fewest_frames(const Plan& plan) {
@@ -235,10 +246,27 @@ FewestFrames fewest_frames(const Plan& plan) {
   return fewest;
 }
 
+std::vector<Meeting> meetings_of(const Plan& plan, std::size_t index) {
+  const Way whole = TrackTime(plan, index).whole();
+  const MoveTrack& file = plan.move().tracks[index];
+  const std::int32_t frames = plan.move().frames;
+  std::vector<Meeting> meetings;
+  for (const KeyLock& lock : plan.tracks()[index].key_timing()->locks) {
+    const bool is_end = lock.frame == 0 || lock.frame + lock.hold == frames;
+    const bool has_frame = lock.key >= 0 && static_cast<std::size_t>(lock.key) < file.keys.size() &&
+                           file.keys[static_cast<std::size_t>(lock.key)].frame;
+    if (is_end || has_frame)
+      meetings.push_back({lock.key, lock.frame, lock.hold, lock.hold > 0 || lock.ease});
+  }
+  if (whole.begins_at_rest) meetings.front().rests = true;
+  if (whole.ends_at_rest) meetings.back().rests = true;
+  return meetings;
+}
+
 std::optional<ShortStretch> shortest_stretch(const Plan& plan, std::size_t track) {
   if (!plan.tracks()[track].key_timing()) return std::nullopt;
   const TrackTime time(plan, track);
-  const std::vector<Meeting> meetings = meetings_of(plan, track, time.whole());
+  const std::vector<Meeting> meetings = meetings_of(plan, track);
   const double fps = plan.move().fps.rate.frames_per_second();
   std::optional<ShortStretch> shortest;
   double missing = lock_rounding;

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "host_tools/plan/plan.hpp"
 
@@ -20,15 +21,26 @@ struct FewestFrames {
 /// that passes the whole path of every track without going back would break a limit that check() judges. This
 /// is proven, but it is not sharp: it uses max_velocity and max_acceleration only.
 ///
-/// Velocity: each axis takes at least |way| / max_velocity for a stretch of the path, and the slowest axis
-/// counts. Acceleration: an axis stands still where it turns round, because a step of the velocity is not
-/// allowed. Every axis stands still at an end of the move where the drawn curve rests; an end that is passed
-/// at a speed may be reached by a roll. The way between two such places takes at least the time of the
-/// quickest motion from rest to rest: full acceleration, full velocity, full deceleration. These times are
-/// added up for every axis. Holds add nothing. All sums are rounded down.
+/// Each axis takes its time for a stretch of the path, and the slowest axis counts. Its velocity is
+/// max_velocity at most, and no more than max_acceleration gives it on the way from where it was at rest
+/// last, and takes from it on the way to where it is at rest next: v^2 <= 2 a w. An axis is at rest where it
+/// turns round, because a step of the velocity is not allowed. Every axis is at an end of the move where the
+/// drawn curve rests; an end that is passed at a speed may be reached by a roll. Holds add nothing. All sums
+/// are rounded down.
 ///
 /// Cost: 64 points per segment and axis.
 FewestFrames fewest_frames(const Plan& plan);
+
+/// A frame on which the move has to be at a place of its path, from which it goes on `hold` frames later.
+struct Meeting {
+  std::int32_t key = 0;
+  std::int32_t frame = 0;
+  std::int32_t hold = 0;
+  bool rests = false;
+};
+
+/// The keys of a track that have a frame, and its ends. The track has locked keys.
+std::vector<Meeting> meetings_of(const Plan& plan, std::size_t track);
 
 /// The way between two neighbouring keys with a frame, or such a key and an end of the move, that needs more
 /// frames than there are.
@@ -47,7 +59,7 @@ struct ShortStretch {
 /// and at a key that eases. Nothing where no stretch is too short, which proves nothing. The plan has a rig.
 std::optional<ShortStretch> shortest_stretch(const Plan& plan, std::size_t track);
 
-/// The shortest time, in seconds, for a distance of which `ends_at_rest` ends (0 to 2) are at rest.
-double quickest(double distance, const RigAxis& limits, int ends_at_rest);
+/// The shortest time, in seconds, for a distance from rest, or to rest.
+double seconds_from_rest(double distance, const RigAxis& limits);
 
 }  // namespace inbetween

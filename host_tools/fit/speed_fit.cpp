@@ -16,6 +16,7 @@
 #include "host_tools/files/speed_rewrite.hpp"
 #include "host_tools/fit/eased_start.hpp"
 #include "host_tools/fit/fitted_track.hpp"
+#include "host_tools/fit/lock_reach.hpp"
 #include "host_tools/fit/speed_descent.hpp"
 #include "host_tools/fit/speed_start.hpp"
 
@@ -29,8 +30,10 @@ constexpr double first_margin = 0.006;
 constexpr double spare_margin = 2e-5;
 /// The margins are measured and tried again this often.
 constexpr int max_trials = 8;
-/// Refinement ends with so many control values: more are beyond what a person draws.
+/// Refinement ends with so many control values: more are beyond what a person draws. A curve that has as many
+/// because of its locks is refined as well.
 constexpr std::size_t max_refined_values = 600;
+constexpr std::size_t max_growth = 4;
 /// Each doubling of the control values gains this share of the gain before, unless the levels show more.
 constexpr double usual_gain_ratio = 0.5;
 constexpr double hopeless_share = 0.2;
@@ -68,10 +71,12 @@ class TrackSearch {
   Found run() {
     std::vector<double> baseline = fitted_.solved().control_values();
     const bool is_small = baseline.size() <= max_values_tried_again;
+    const std::size_t most =
+        std::min(std::max(max_refined_values, max_growth * baseline.size()), max_control_values);
     std::vector<Level> levels;
     for (int refinements = 0; refinements <= options_.refinements && !options_.ends(); ++refinements) {
       if (refinements > 0) baseline = refined(baseline, fitted_.ends());
-      if (refinements > 0 && baseline.size() > max_refined_values) break;
+      if (refinements > 0 && baseline.size() > most) break;
       Level level{.baseline = baseline, .refinements = refinements};
       try {
         if (Found found = from_drawn(level, levels)) return nearer(std::move(found));
@@ -332,6 +337,16 @@ std::string in_words(const ShortStretch& stretch, const FittedTrack& fitted) {
       limits_in_words(stretch.by_acceleration), in_quotes(fitted.played().rig()->axes[stretch.axis].name));
 }
 
+std::string in_words(const UnreachedLock& lock, const FittedTrack& fitted) {
+  return fmt::format(
+      "coming from key {} on frame {}, key {} cannot be met on frame {}, whatever the speed curve, because "
+      "of "
+      "the limits of axis {}; make the frames of these keys and of those between them more even, or give the "
+      "move more frames",
+      lock.begin_key, lock.begin_frame, lock.end_key, lock.end_frame,
+      in_quotes(fitted.played().rig()->axes[lock.axis].name));
+}
+
 TrackFit described(const FittedTrack& fitted, std::size_t index, std::vector<double> values) {
   const std::vector<double>& played = fitted.solved().control_values();
   int refinements = 0;
@@ -394,6 +409,8 @@ SpeedFit fit_speed(const Plan& plan, const CheckReport& report, const FitOptions
     }
     if (const std::optional<ShortStretch> stretch = shortest_stretch(fitted.played(), 0))
       return give_up(in_words(*stretch, fitted));
+    if (const std::optional<UnreachedLock> lock = unreached_lock(fitted.played(), 0))
+      return give_up(in_words(*lock, fitted));
     refuse_too_many_values(plan.move(), t, fitted.solved().control_values().size());
     FitOptions of_track = options;
     double left = 1;
