@@ -85,7 +85,8 @@ TEST(UnreachedLock, AHoldIsARest) {
   const std::string keys =
       "keys = [ { at = [0] }, { at = [100], frame = 50, hold = 100 }, { at = [200] } ]\nspeed = [1, 1]\n";
   EXPECT_FALSE(unreached(keys, 200, {30, 10}));
-  EXPECT_TRUE(unreached(keys, 200, {30, 5})) << "from rest 100 mm take 6.3 s";
+  EXPECT_FALSE(unreached(keys, 200, {1000, 8.01})) << "100 mm are 8 / 2 mm/s^2 times (5 s)^2";
+  EXPECT_TRUE(unreached(keys, 200, {1000, 7.99}));
 }
 
 TEST(UnreachedLock, AllAxesHaveOneSpeedAlongThePath) {
