@@ -70,7 +70,9 @@ double lowest_after(const Range& before, const Way& way) {
 /// this time. That each is possible with some velocity at the beginning follows from both bounds rising with
 /// it.
 Range velocities_after(const Range& before, const Way& way) {
-  return {lowest_after(before, way), -lowest_after({-before.high, -before.low}, way.turned_round())};
+  const double low = std::clamp(before.low, way.velocity.low, way.velocity.high);
+  const double high = std::clamp(before.high, way.velocity.low, way.velocity.high);
+  return {lowest_after({low, high}, way), -lowest_after({-high, -low}, way.turned_round())};
 }
 
 /// A place that has to be met: where every axis is, and how it goes on.
@@ -191,7 +193,7 @@ class LockReach {
   /// From one place, at any speed there, to the first one before `end` that cannot be met.
   [[nodiscard]] std::optional<Failure> follow_from(std::size_t begin, std::size_t end) const {
     std::vector<Range> velocities = any_velocity(places_[begin]);
-    if (const std::optional<std::size_t> axis = keep_common(places_[begin], velocities)) return std::nullopt;
+    if (keep_common(places_[begin], velocities)) return std::nullopt;
     for (std::size_t i = begin + 1; i < end; ++i) {
       const Place& from = places_[i - 1];
       const Place& to = places_[i];

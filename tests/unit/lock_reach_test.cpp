@@ -104,6 +104,15 @@ TEST(UnreachedLock, AllAxesHaveOneSpeedAlongThePath) {
   EXPECT_EQ(told->axis, 1U);
 }
 
+TEST(UnreachedLock, AtACornerItIsAtRest) {
+  const std::string there_and_back =
+      "spline = \"linear\"\nkeys = [ { at = [0] }, { at = [100], frame = 100 }, { at = [0] } ]\nspeed = [1, "
+      "1]\n";
+  EXPECT_FALSE(unreached(there_and_back, 200, {20, 2.0}));
+  EXPECT_FALSE(unreached(there_and_back, 200, {11, 6.1})) << "11 mm/s for 10 s, less 11^2 / 2 / 6.1 mm";
+  EXPECT_TRUE(unreached(there_and_back, 200, {11, 6.0})) << "it is at rest in the corner";
+}
+
 TEST(UnreachedLock, WithoutLocksNothingIsTold) {
   EXPECT_FALSE(unreached("keys = [ { at = [0] }, { at = [100] } ]\nspeed = [1, 1]\n", 10, {1, 1}));
 }
