@@ -246,12 +246,12 @@ FewestFrames fewest_frames(const Plan& plan) {
   return fewest;
 }
 
-std::vector<Meeting> meetings_of(const Plan& plan, std::size_t index) {
-  const Way whole = TrackTime(plan, index).whole();
-  const MoveTrack& file = plan.move().tracks[index];
+std::vector<Meeting> meetings_of(const Plan& plan, std::size_t track) {
+  const Way whole = TrackTime(plan, track).whole();
+  const MoveTrack& file = plan.move().tracks[track];
   const std::int32_t frames = plan.move().frames;
   std::vector<Meeting> meetings;
-  for (const KeyLock& lock : plan.tracks()[index].key_timing()->locks) {
+  for (const KeyLock& lock : plan.tracks()[track].key_timing()->locks) {
     const bool is_end = lock.frame == 0 || lock.frame + lock.hold == frames;
     const bool has_frame = lock.key >= 0 && static_cast<std::size_t>(lock.key) < file.keys.size() &&
                            file.keys[static_cast<std::size_t>(lock.key)].frame;
