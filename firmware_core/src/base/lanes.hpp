@@ -41,8 +41,8 @@ class Lanes {
   Lanes(Real value) {  // NOLINT(google-explicit-constructor): a number is as good as four of it
     for (Part& part : parts_) part = Part{} + value;
   }
-  /// The first of `numbers`, which are as many or more. Part by part: GCC 12 copies all of them through memory,
-  /// by halves, and waits for both.
+  /// The first of `numbers`, which are as many or more. Part by part: GCC 12 copies all of them through
+  /// memory, by halves, and waits for both.
   static Lanes from(std::span<const Real> numbers) {
     Lanes result;
     for (std::size_t i = 0; i < part_count; ++i) {
