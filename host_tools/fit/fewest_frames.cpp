@@ -121,11 +121,12 @@ class AxisTime {
     double needed = 0;
     double by_velocity = 0;  ///< from max_velocity alone
   };
-  /// For the stretch from one place to the next, in the order of the way. 0 where it turns there.
+  /// Stretches are passed in the order of the way. One in which the axis turns counts with its velocity
+  /// alone.
   [[nodiscard]] Seconds pass(const AxisPlace& from, const AxisPlace& to) {
     const double distance = way_between(from.position, to.position);
-    Seconds seconds{.needed = distance / limits_.max_velocity,
-                    .by_velocity = distance / limits_.max_velocity};
+    const double by_velocity = distance / limits_.max_velocity;
+    Seconds seconds{by_velocity, by_velocity};
     const std::span<const AxisPlace> places = turns_.places();
     while (run_ + 2 < places.size() && places[run_ + 1].s <= from.s) ++run_;
     if (run_ + 1 >= places.size()) return seconds;

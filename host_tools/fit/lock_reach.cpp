@@ -19,7 +19,7 @@ constexpr double position_rounding = 1e-9;
 /// A place so near to a key, in t, is the key, where the direction of the path may change.
 constexpr double key_rounding = 1e-6;
 /// An axis that makes up a smaller share of the direction of the path says nothing of the speed along it.
-constexpr double least_share = 1e-9;
+constexpr double min_share = 1e-9;
 
 struct Range {
   double low = 0;
@@ -162,7 +162,8 @@ class LockReach {
     return place;
   }
 
-  /// What an axis may have on the way from one place to the next: where it does not turn, one sign.
+  /// The velocities that an axis may have on the way from one place to the next. Where it does not turn they
+  /// have one sign.
   [[nodiscard]] Range velocity_between(const Place& from, const Place& to, std::size_t axis) const {
     bool rises = true;
     bool falls = true;
@@ -181,18 +182,16 @@ class LockReach {
     return {rises ? 0 : -most, falls ? 0 : most};
   }
 
-  /// Any velocity of each axis that its limit allows.
-  [[nodiscard]] std::vector<Range> any_velocity(const Place& place) const {
-    std::vector<Range> any;
-    for (const Axis& axis : axes_) {
-      any.push_back(place.meeting.rests ? Range{0, 0} : Range{-axis.velocity, axis.velocity});
-    }
-    return any;
+  /// The velocities that the limits of the axes allow.
+  [[nodiscard]] std::vector<Range> allowed_velocities() const {
+    std::vector<Range> allowed;
+    for (const Axis& axis : axes_) allowed.push_back({-axis.velocity, axis.velocity});
+    return allowed;
   }
 
-  /// From one place, at any speed there, to the first one before `end` that cannot be met.
+  /// Passes one place at any speed and returns the first one behind it, before `end`, that cannot be met.
   [[nodiscard]] std::optional<Failure> follow_from(std::size_t begin, std::size_t end) const {
-    std::vector<Range> velocities = any_velocity(places_[begin]);
+    std::vector<Range> velocities = allowed_velocities();
     if (keep_common(places_[begin], velocities)) return std::nullopt;
     for (std::size_t i = begin + 1; i < end; ++i) {
       const Place& from = places_[i - 1];
@@ -226,7 +225,7 @@ class LockReach {
       if (range.low > range.high || (place.meeting.rests && (range.low > 0 || range.high < 0))) return d;
       if (place.meeting.rests) range = {0, 0};
       const double share = place.direction.empty() ? 0 : place.direction[d];
-      if (std::fabs(share) < least_share) continue;
+      if (std::fabs(share) < min_share) continue;
       Range along{range.low / share, range.high / share};
       if (share < 0) std::swap(along.low, along.high);
       if (along.low > speed.low) {
@@ -238,7 +237,7 @@ class LockReach {
     }
     for (std::size_t d = 0; d < axes_.size() && !place.direction.empty(); ++d) {
       const double share = place.direction[d];
-      if (std::fabs(share) < least_share) continue;
+      if (std::fabs(share) < min_share) continue;
       velocities[d] = {std::min(share * speed.low, share * speed.high),
                        std::max(share * speed.low, share * speed.high)};
     }

@@ -71,12 +71,12 @@ class TrackSearch {
   Found run() {
     std::vector<double> baseline = fitted_.solved().control_values();
     const bool is_small = baseline.size() <= max_values_tried_again;
-    const std::size_t most =
+    const std::size_t max_values =
         std::min(std::max(max_refined_values, max_growth * baseline.size()), max_control_values);
     std::vector<Level> levels;
     for (int refinements = 0; refinements <= options_.refinements && !options_.ends(); ++refinements) {
       if (refinements > 0) baseline = refined(baseline, fitted_.ends());
-      if (refinements > 0 && baseline.size() > most) break;
+      if (refinements > 0 && baseline.size() > max_values) break;
       Level level{.baseline = baseline, .refinements = refinements};
       try {
         if (Found found = from_drawn(level, levels)) return nearer(std::move(found));
@@ -340,9 +340,8 @@ std::string in_words(const ShortStretch& stretch, const FittedTrack& fitted) {
 std::string in_words(const UnreachedLock& lock, const FittedTrack& fitted) {
   return fmt::format(
       "coming from key {} on frame {}, key {} cannot be met on frame {}, whatever the speed curve, because "
-      "of "
-      "the limits of axis {}; make the frames of these keys and of those between them more even, or give the "
-      "move more frames",
+      "of the limits of axis {}; make the frames of these keys and of those between them more even, or give "
+      "the move more frames",
       lock.begin_key, lock.begin_frame, lock.end_key, lock.end_frame,
       in_quotes(fitted.played().rig()->axes[lock.axis].name));
 }
