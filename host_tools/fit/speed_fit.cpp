@@ -28,6 +28,11 @@ namespace {
 constexpr double first_margin = 0.006;
 /// The margin is larger by this than the excess of check() over the samples that was measured.
 constexpr double spare_margin = 2e-5;
+/// Of a curve of few values the margin is larger only by so much: more than a descent may exceed a limit by.
+constexpr double least_spare = 4 * descent_tolerance;
+constexpr double most_allowed = 1 / (1 + least_spare);
+/// Its margin grows by this where no peak says how much is missing.
+constexpr double usual_margin = 0.001;
 /// The margins are measured and tried again this often.
 constexpr int max_trials = 8;
 /// Refinement ends with so many control values: more are beyond what a person draws. A curve that has as many
@@ -41,9 +46,12 @@ constexpr double hopeless_share = 0.2;
 constexpr double share_left_by_step = 0.98;
 /// A detour is gone on with unless it is further away by this factor than what was found: so much a smaller
 /// margin hardly gains.
-constexpr double detour_reach = 1.05;
+constexpr double detour_reach = 1.1;
 /// A curve with this many values or fewer is cheap enough to try all margins.
 constexpr std::size_t max_values_tried_again = 64;
+/// A curve of so few values is brought nearer this often, as long as it gains this share of its change.
+constexpr int max_rounds = 16;
+constexpr double least_gain = 2e-5;
 /// The curve leans on a limit if it uses this share of the allowance.
 constexpr double leaning_share = 0.97;
 
@@ -247,21 +255,49 @@ class TrackSearch {
     return std::nullopt;
   }
 
-  /// The nearest of `best` and of the curves that some fixed margins give, of which the least is the nearest.
-  /// The excess of check() over the truth differs from curve to curve, and may be 0.
-  [[nodiscard]] std::vector<double> nearest_within(Best best, Tools& with) {
+  /// The nearest of `best` and of curves that begin with hardly any margin. The excess of check() over the
+  /// truth differs from curve to curve, and may be 0.
+  [[nodiscard]] std::vector<double> nearest_within(Best best, Tools& with) const {
     if (best.values.size() > max_values_tried_again) return best.values;
-    for (const double margin : {2e-5, 5e-4, 0.001, 0.002, 0.003, 0.004, 0.005}) {
-      if (options_.ends()) break;
-      std::vector<Allowance> allowances(fitted_.axes().size());
-      for (Allowance& allowance : allowances) allowance.fill(1 / (1 + margin));
-      const Descent reached = with.descent.run(best.values, with.samples, allowances, options_.is_over);
-      if (!(reached.change < 0.998 * best.change)) break;
+    std::vector<Allowance> allowances(fitted_.axes().size());
+    for (Allowance& allowance : allowances) allowance.fill(most_allowed);
+    std::vector<double> values = best.values;
+    for (int round = 0; round < max_rounds && !options_.ends(); ++round) {
+      Descent reached = with.descent.run(values, with.samples, allowances, options_.is_over);
+      values = std::move(reached.values);
       std::string trouble;
-      const std::optional<CheckReport> report = fitted_.judge(reached.values, trouble);
-      if (report && report->fits()) return reached.values;
+      const std::optional<CheckReport> report = fitted_.judge(values, trouble);
+      if (!report) break;
+      const double gain = report->fits() ? 1 - reached.change / best.change : 0;
+      if (gain > 0) best = {values, reached.change};
+      if (report->fits() && gain < least_gain) break;
+      adjust(*report, with.samples, allowances);
+      add_peaks(*report, ControlCurve(values, fitted_.ends()), with.samples);
     }
     return best.values;
+  }
+  /// Allows less of the peaks that check() refuses, and of everything where it refuses something else. Where
+  /// it refuses nothing, what leans on a limit is allowed what check() leaves of it. `report` and the samples
+  /// are of one curve.
+  void adjust(const CheckReport& report, const MotionSamples& samples,
+              std::vector<Allowance>& allowances) const {
+    const std::vector<Allowance> sampled = samples.peaks();
+    bool has_peaks = false;
+    for (std::size_t d = 0; d < allowances.size(); ++d) {
+      const CheckedAxis& axis = report.axes[fitted_.rig_axis(d)];
+      for (std::size_t q = 0; q < peaks_of_axis.size(); ++q) {
+        const CheckedPeak& peak = axis.*peaks_of_axis[q];
+        double& allowance = allowances[d][q];
+        const bool leans = report.fits() && sampled[d][q] > leaning_share * allowance;
+        if (peak.limit && (peak.is_exceeded() || leans))
+          allowance = std::min(allowance / (peak.share() + least_spare), most_allowed);
+        has_peaks = has_peaks || peak.is_exceeded();
+      }
+    }
+    if (report.fits() || has_peaks) return;
+    for (Allowance& allowance : allowances) {
+      for (double& share : allowance) share /= 1 + usual_margin;
+    }
   }
 
   /// Sets every allowance so that check() stays below the limit. `report` and the samples are of one curve.
