@@ -1,5 +1,6 @@
 #include <benchmark/benchmark.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -55,12 +56,14 @@ void runge_kutta(benchmark::State& state) {
 }
 BENCHMARK(runge_kutta)->Arg(240)->Arg(100'000)->Unit(benchmark::kMicrosecond);
 
-using Times = std::array<FrameTime<double>, 1024>;
+/// So many that no processor learns their order: with 1024 it guesses every branch of a look-up.
+constexpr std::size_t random_time_count = 65'536;
+using Times = std::vector<FrameTime<double>>;
 Times random_times() {
   std::mt19937 random(7);
   std::uniform_int_distribution<std::int32_t> frame(0, 239);
   std::uniform_real_distribution<double> fraction(0.0, 1.0);
-  Times times;
+  Times times(random_time_count);
   for (FrameTime<double>& time : times) time = {frame(random), fraction(random)};
   return times;
 }
@@ -73,7 +76,7 @@ void tick(benchmark::State& state) {
   std::vector<double> positions(subject.axes());
   std::size_t i = 0;
   for (auto _ : state) {
-    track.positions(times[i++ % times.size()], positions);
+    track.positions(times[i++ % random_time_count], positions);
     benchmark::DoNotOptimize(positions.data());
     benchmark::ClobberMemory();
   }
@@ -96,7 +99,7 @@ void count_tick(benchmark::State& state) {
   std::vector<std::int32_t> counts(subject.axes());
   std::size_t i = 0;
   for (auto _ : state) {
-    track.counts(times[i++ % times.size()], counts);
+    track.counts(times[i++ % random_time_count], counts);
     benchmark::DoNotOptimize(counts.data());
     benchmark::ClobberMemory();
   }
@@ -138,11 +141,57 @@ void motion(benchmark::State& state) {
   std::vector<AxisMotion<double>> axes(subject.axes());
   std::size_t i = 0;
   for (auto _ : state) {
-    benchmark::DoNotOptimize(track.motion(times[i++ % times.size()], axes));
+    benchmark::DoNotOptimize(track.motion(times[i++ % random_time_count], axes));
     benchmark::ClobberMemory();
   }
 }
 BENCHMARK(motion)->Arg(3)->Arg(16);
+
+/// One axis in seven phases of constant jerk, as a generator of quickest trajectories gives it.
+struct JerkProfile {
+  std::array<double, 7> ends;
+  std::array<double, 7> positions, velocities, accelerations, jerks;
+
+  JerkProfile(std::mt19937& random, double duration) {
+    std::uniform_real_distribution<double> share(0.5, 1.5);
+    double end = 0;
+    for (double& phase_end : ends) phase_end = end += share(random);
+    for (double& phase_end : ends) phase_end *= duration / end;
+    AxisMotion<double> at;
+    for (std::size_t phase = 0; phase < ends.size(); ++phase) {
+      positions[phase] = at.position;
+      velocities[phase] = at.velocity;
+      accelerations[phase] = at.acceleration;
+      jerks[phase] = share(random) - 1;
+      at = in_phase(phase, ends[phase] - (phase > 0 ? ends[phase - 1] : 0));
+    }
+  }
+  [[nodiscard]] AxisMotion<double> in_phase(std::size_t phase, double t) const {
+    const double p = positions[phase], v = velocities[phase], a = accelerations[phase], j = jerks[phase];
+    return {p + t * (v + t * (a / 2 + t * j / 6)), v + t * (a + t * j / 2), a + t * j, j};
+  }
+  [[nodiscard]] AxisMotion<double> at(double time) const {
+    const auto phase = static_cast<std::size_t>(std::ranges::upper_bound(ends, time) - ends.begin());
+    return in_phase(phase, phase > 0 ? time - ends[phase - 1] : time);
+  }
+};
+
+/// What a trajectory that is limited in jerk costs at the same times: the least that a position, velocity and
+/// acceleration of other programs takes.
+void jerk_profiles(benchmark::State& state) {
+  std::mt19937 random(1989);
+  const std::array profiles{JerkProfile(random, 240), JerkProfile(random, 240), JerkProfile(random, 240)};
+  const Times times = random_times();
+  std::vector<AxisMotion<double>> axes(profiles.size());
+  std::size_t i = 0;
+  for (auto _ : state) {
+    const FrameTime<double>& time = times[i++ % random_time_count];
+    for (std::size_t d = 0; d < axes.size(); ++d) axes[d] = profiles[d].at(time.frame + time.fraction);
+    benchmark::DoNotOptimize(axes.data());
+    benchmark::ClobberMemory();
+  }
+}
+BENCHMARK(jerk_profiles);
 
 }  // namespace
 }  // namespace inbetween
