@@ -46,12 +46,12 @@ constexpr double hopeless_share = 0.2;
 constexpr double share_left_by_step = 0.98;
 /// A detour is gone on with unless it is further away by this factor than what was found: so much a smaller
 /// margin hardly gains.
-constexpr double detour_reach = 1.1;
+constexpr double detour_reach = 1.05;
 /// A curve with this many values or fewer is cheap enough to try all margins.
 constexpr std::size_t max_values_tried_again = 64;
 /// A curve of so few values is brought nearer this often, as long as it gains this share of its change.
-constexpr int max_rounds = 16;
-constexpr double least_gain = 2e-5;
+constexpr int max_rounds = 12;
+constexpr double least_gain = 1e-4;
 /// The curve leans on a limit if it uses this share of the allowance.
 constexpr double leaning_share = 0.97;
 
