@@ -56,27 +56,29 @@ void runge_kutta(benchmark::State& state) {
 }
 BENCHMARK(runge_kutta)->Arg(240)->Arg(100'000)->Unit(benchmark::kMicrosecond);
 
-/// So many that no processor learns their order: with 1024 it guesses every branch of a look-up.
-constexpr std::size_t random_time_count = 65'536;
-using Times = std::vector<FrameTime<double>>;
-Times random_times() {
-  std::mt19937 random(7);
-  std::uniform_int_distribution<std::int32_t> frame(0, 239);
-  std::uniform_real_distribution<double> fraction(0.0, 1.0);
-  Times times(random_time_count);
-  for (FrameTime<double>& time : times) time = {frame(random), fraction(random)};
-  return times;
-}
+/// Times of a move of 240 frames in an order that no processor learns: it would guess every branch of a
+/// look-up among a thousand that come again and again. The upper bits of Knuth's linear congruential
+/// generator (MMIX).
+class RandomTimes {
+ public:
+  [[nodiscard]] FrameTime<double> next() {
+    state_ = state_ * 6364136223846793005U + 1442695040888963407U;
+    return {static_cast<std::int32_t>((state_ >> 32U) * 240U >> 32U),
+            static_cast<double>(state_ >> 12U & 0xFFFFFU) * 0x1p-20};
+  }
+
+ private:
+  std::uint64_t state_ = 7;
+};
 
 /// The position of all axes at one time of the move after another, in random order.
 void tick(benchmark::State& state) {
   Subject subject(8, 7, static_cast<std::size_t>(state.range(0)), 240);
   const Track<double> track = subject.make_track();
-  const Times times = random_times();
+  RandomTimes times;
   std::vector<double> positions(subject.axes());
-  std::size_t i = 0;
   for (auto _ : state) {
-    track.positions(times[i++ % random_time_count], positions);
+    track.positions(times.next(), positions);
     benchmark::DoNotOptimize(positions.data());
     benchmark::ClobberMemory();
   }
@@ -95,11 +97,10 @@ void count_tick(benchmark::State& state) {
   std::vector<CountCubic<double>> cubics(pieces.size() * subject.axes());
   const CountTrack<double> track =
       CountTrack<double>::make(source, counts_per_unit, {portions, spans, pieces, cubics}).value();
-  const Times times = random_times();
+  RandomTimes times;
   std::vector<std::int32_t> counts(subject.axes());
-  std::size_t i = 0;
   for (auto _ : state) {
-    track.counts(times[i++ % random_time_count], counts);
+    track.counts(times.next(), counts);
     benchmark::DoNotOptimize(counts.data());
     benchmark::ClobberMemory();
   }
@@ -137,11 +138,10 @@ BENCHMARK(frames_one_by_one)->Arg(240)->Arg(100'000);
 void motion(benchmark::State& state) {
   Subject subject(8, 7, static_cast<std::size_t>(state.range(0)), 240);
   const Track<double> track = subject.make_track();
-  const Times times = random_times();
+  RandomTimes times;
   std::vector<AxisMotion<double>> axes(subject.axes());
-  std::size_t i = 0;
   for (auto _ : state) {
-    benchmark::DoNotOptimize(track.motion(times[i++ % random_time_count], axes));
+    benchmark::DoNotOptimize(track.motion(times.next(), axes));
     benchmark::ClobberMemory();
   }
 }
@@ -181,11 +181,10 @@ struct JerkProfile {
 void jerk_profiles(benchmark::State& state) {
   std::mt19937 random(1989);
   const std::array profiles{JerkProfile(random, 240), JerkProfile(random, 240), JerkProfile(random, 240)};
-  const Times times = random_times();
+  RandomTimes times;
   std::vector<AxisMotion<double>> axes(profiles.size());
-  std::size_t i = 0;
   for (auto _ : state) {
-    const FrameTime<double>& time = times[i++ % random_time_count];
+    const FrameTime<double> time = times.next();
     for (std::size_t d = 0; d < axes.size(); ++d) axes[d] = profiles[d].at(time.frame + time.fraction);
     benchmark::DoNotOptimize(axes.data());
     benchmark::ClobberMemory();
