@@ -28,10 +28,9 @@ namespace {
 constexpr double first_margin = 0.006;
 /// The margin is larger by this than the excess of check() over the samples that was measured.
 constexpr double spare_margin = 2e-5;
-/// Of a curve of few values the margin is larger only by so much: more than a descent may exceed a limit by.
-constexpr double least_spare = 4 * descent_tolerance;
-constexpr double most_allowed = 1 / (1 + least_spare);
-/// Its margin grows by this where no peak says how much is missing.
+/// A curve of few values keeps only this margin beyond that excess. A descent exceeds a limit by less.
+constexpr double min_spare = 4 * descent_tolerance;
+/// The margin of such a curve grows by this where no peak says how much is missing.
 constexpr double usual_margin = 0.001;
 /// The margins are measured and tried again this often.
 constexpr int max_trials = 8;
@@ -47,11 +46,11 @@ constexpr double share_left_by_step = 0.98;
 /// A detour is gone on with unless it is further away by this factor than what was found: so much a smaller
 /// margin hardly gains.
 constexpr double detour_reach = 1.05;
-/// A curve with this many values or fewer is cheap enough to try all margins.
+/// A curve with this many values or fewer is cheap enough to be brought nearer by smaller margins.
 constexpr std::size_t max_values_tried_again = 64;
-/// A curve of so few values is brought nearer this often, as long as it gains this share of its change.
+/// It is brought nearer at most this often, and as long as it gains this share of its change.
 constexpr int max_rounds = 12;
-constexpr double least_gain = 1e-4;
+constexpr double min_gain = 1e-4;
 /// The curve leans on a limit if it uses this share of the allowance.
 constexpr double leaning_share = 0.97;
 
@@ -211,8 +210,7 @@ class TrackSearch {
   }
 
   Found from(const std::vector<double>& start, Tools& with, Level& level) {
-    std::vector<Allowance> allowances(fitted_.axes().size());
-    for (Allowance& allowance : allowances) allowance.fill(1 / (1 + first_margin));
+    std::vector<Allowance> allowances = allowances_below(first_margin);
     Descent reached = with.descent.run(start, with.samples, allowances, options_.is_over);
     Best best;
     double spare = spare_margin;
@@ -259,8 +257,7 @@ class TrackSearch {
   /// truth differs from curve to curve, and may be 0.
   [[nodiscard]] std::vector<double> nearest_within(Best best, Tools& with) const {
     if (best.values.size() > max_values_tried_again) return best.values;
-    std::vector<Allowance> allowances(fitted_.axes().size());
-    for (Allowance& allowance : allowances) allowance.fill(most_allowed);
+    std::vector<Allowance> allowances = allowances_below(min_spare);
     std::vector<double> values = best.values;
     for (int round = 0; round < max_rounds && !options_.ends(); ++round) {
       Descent reached = with.descent.run(values, with.samples, allowances, options_.is_over);
@@ -268,13 +265,21 @@ class TrackSearch {
       std::string trouble;
       const std::optional<CheckReport> report = fitted_.judge(values, trouble);
       if (!report) break;
-      const double gain = report->fits() ? 1 - reached.change / best.change : 0;
-      if (gain > 0) best = {values, reached.change};
-      if (report->fits() && gain < least_gain) break;
+      if (report->fits()) {
+        const double gain = 1 - reached.change / best.change;
+        if (gain > 0) best = {values, reached.change};
+        if (gain < min_gain) break;
+      }
       adjust(*report, with.samples, allowances);
       add_peaks(*report, ControlCurve(values, fitted_.ends()), with.samples);
     }
     return best.values;
+  }
+  /// One margin below every limit.
+  [[nodiscard]] std::vector<Allowance> allowances_below(double margin) const {
+    Allowance allowance;
+    allowance.fill(1 / (1 + margin));
+    return std::vector(fitted_.axes().size(), allowance);
   }
   /// Allows less of the peaks that check() refuses, and of everything where it refuses something else. Where
   /// it refuses nothing, what leans on a limit is allowed what check() leaves of it. `report` and the samples
@@ -290,7 +295,7 @@ class TrackSearch {
         double& allowance = allowances[d][q];
         const bool leans = report.fits() && sampled[d][q] > leaning_share * allowance;
         if (peak.limit && (peak.is_exceeded() || leans))
-          allowance = std::min(allowance / (peak.share() + least_spare), most_allowed);
+          allowance = std::min(allowance / (peak.share() + min_spare), 1 / (1 + min_spare));
         has_peaks = has_peaks || peak.is_exceeded();
       }
     }

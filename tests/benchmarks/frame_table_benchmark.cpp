@@ -176,8 +176,8 @@ struct JerkProfile {
   }
 };
 
-/// What a trajectory that is limited in jerk costs at the same times: the least that a position, velocity and
-/// acceleration of other programs takes.
+/// Other programs play such profiles. This is what position, velocity and acceleration cost them at the same
+/// times.
 void jerk_profiles(benchmark::State& state) {
   std::mt19937 random(1989);
   const std::array profiles{JerkProfile(random, 240), JerkProfile(random, 240), JerkProfile(random, 240)};

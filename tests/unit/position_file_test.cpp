@@ -585,13 +585,15 @@ TEST(PositionFile, APipeOfItsNameIsNotWaitedFor) {
 // ---- where it is
 
 TEST(PositionFile, LiesInTheFolderForTheStateOfPrograms) {
-  const std::string in_state = position_file_path("my slider/2", "/var/state", "/home/a");
+  const std::string in_state = position_file_path("my slider/2", "/var/state", "/of/somebody");
   EXPECT_THAT(in_state, testing::MatchesRegex("/var/state/inbetween/my_slider_2-[0-9a-f]{16}\\.positions"));
   const std::string name = std::filesystem::path(in_state).filename().string();
-  EXPECT_EQ(position_file_path("my slider/2", nullptr, "/home/a"), "/home/a/.local/state/inbetween/" + name);
-  EXPECT_EQ(position_file_path("my slider/2", "", "/home/a"), "/home/a/.local/state/inbetween/" + name);
-  EXPECT_EQ(position_file_path("my slider/2", "relative", "/home/a"),
-            "/home/a/.local/state/inbetween/" + name);
+  EXPECT_EQ(position_file_path("my slider/2", nullptr, "/of/somebody"),
+            "/of/somebody/.local/state/inbetween/" + name);
+  EXPECT_EQ(position_file_path("my slider/2", "", "/of/somebody"),
+            "/of/somebody/.local/state/inbetween/" + name);
+  EXPECT_EQ(position_file_path("my slider/2", "relative", "/of/somebody"),
+            "/of/somebody/.local/state/inbetween/" + name);
   EXPECT_THROW(position_file_path("x", nullptr, nullptr), std::runtime_error);
   EXPECT_THROW(position_file_path("x", "a", "b"), std::runtime_error);
 }

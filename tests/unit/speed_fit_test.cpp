@@ -425,8 +425,8 @@ TEST(SpeedFit, OfFewValuesUsesTheLimitsUpToWhatIsProven) {
       {.name = "z", .min = -1000, .max_velocity = 72.55, .max_acceleration = 17920}};
   const std::string move =
       "name = \"m\"\nfps = 24\nframes = 94\n[[track]]\naxes = [\"x\", \"y\", \"z\"]\n"
-      "keys = [ { at = [59, 78, 55] }, { at = [79, 64, 25] }, { at = [10, 9, 58] }, { at = [97, 6, 27] }, { "
-      "at = [30, 51, 26] }, { at = [89, 31, 13] } ]\n"
+      "keys = [ { at = [59, 78, 55] }, { at = [79, 64, 25] }, { at = [10, 9, 58] },\n"
+      "{ at = [97, 6, 27] }, { at = [30, 51, 26] }, { at = [89, 31, 13] } ]\n"
       "speed = [0, 0, 5, 11, 6, 18, 3, 14, 16, 9, 18, 16, 7, 14, 2, 7, 14, 19, 4, 17, 12, 0, 0]\n";
   const SpeedFit fit = fit_of(Plan(parse_move(move, "move.toml"), parse_rig(rig_text(axes), "rig.toml"), {}));
   ASSERT_TRUE(fit.found) << fit.reason;
