@@ -22,10 +22,8 @@ std::size_t cells_for(const Move<double>& move, double tick_seconds) {
   return static_cast<std::size_t>(std::max(std::floor(std::min(wanted, ticks / 2)), 1.0));
 }
 
-PeakSlack<double> slack_of(const AxisLimits<double>& axis, double share) {
-  return {.velocity = share * axis.max_velocity(),
-          .acceleration = share * axis.max_acceleration(),
-          .jerk = share * axis.max_jerk().value_or(0)};
+MotionTriple<double> slack_of(const AxisLimits<double>& axis, double share) {
+  return {share * axis.max_velocity(), share * axis.max_acceleration(), share * axis.max_jerk().value_or(0)};
 }
 
 void raise(Peak<double>& peak, const Peak<double>& found) {
@@ -107,7 +105,7 @@ Status Certificate::bound_peaks() {
   std::size_t first = 0;
   for (const Track<double>& track : move_->tracks()) {
     const auto axes = static_cast<std::size_t>(track.path().axis_count());
-    const std::span<PeakSlack<double>> slack = std::span(storage_.slack).first(axes);
+    const std::span<MotionTriple<double>> slack = std::span(storage_.slack).first(axes);
     for (std::size_t d = 0; d < axes; ++d) slack[d] = slack_of(limits_[first + d], slack_share);
     const Status bounded =
         bound_motion<double>(track, slack, {storage_.turns}, std::span(peaks_).subspan(first, axes));
@@ -184,7 +182,7 @@ Status Certificate::bound_stops(double tick_seconds) {
 
 void Certificate::find_ceiling() {
   constexpr double closeness = 1e-3;  // less than a pixel of a picture
-  const std::span<PeakSlack<double>> slack = std::span(storage_.slack).first(axes_);
+  const std::span<MotionTriple<double>> slack = std::span(storage_.slack).first(axes_);
   for (std::size_t d = 0; d < axes_; ++d) slack[d] = slack_of(limits_[d], closeness);
   const MotionCells<double> cells{
       .cells = cells_, .slack = slack, .suprema = std::span(storage_.suprema).first(cells_ * axes_)};

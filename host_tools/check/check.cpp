@@ -54,12 +54,11 @@ void raise(CheckedAxis& axis, const AxisPeaks<double>& peaks) {
 
 void bound_track(const Plan& plan, std::size_t index, CheckReport& report) {
   const std::vector<std::size_t> axes = axes_of_track(plan, index);
-  std::vector<PeakSlack<double>> slack;
+  std::vector<MotionTriple<double>> slack;
   for (const std::size_t a : axes) {
     const RigAxis& axis = plan.rig()->axes[a];
-    slack.push_back({.velocity = slack_share * axis.max_velocity,
-                     .acceleration = slack_share * axis.max_acceleration,
-                     .jerk = slack_share * axis.max_jerk.value_or(0)});
+    slack.push_back({slack_share * axis.max_velocity, slack_share * axis.max_acceleration,
+                     slack_share * axis.max_jerk.value_or(0)});
   }
   std::vector<AxisTurn<double>> turns(axes.size());
   std::vector<AxisPeaks<double>> peaks(axes.size());

@@ -65,7 +65,7 @@ std::vector<AxisPeaks<double>> peaks_of_motors(const Plan& plan, const PlannedMo
   if (peaks.empty()) return peaks;
   const std::size_t cells = cell_count(plan, 1, true);
   const std::size_t all = move.axis_count() + peaks.size();
-  const std::vector<PeakSlack<double>> slack(all);
+  std::vector<MotionTriple<double>> slack(all);
   std::vector<MotionTriple<double>> suprema(cells * all);
   std::vector<AxisTurn<double>> turns(move.axis_count());
   std::vector<double> places(move.axis_count());
@@ -109,7 +109,7 @@ PlannedStops::PlannedStops(const Plan& plan, StopRequest<double> request,
   peaks_.resize(limits.size());
   std::vector<MotionTriple<double>> suprema((cells_.size() - 1) * peaks_.size());
   std::vector<AxisTurn<double>> turns(axes);
-  std::vector<PeakSlack<double>> slack(peaks_.size());
+  std::vector<MotionTriple<double>> slack(peaks_.size());
   std::vector<double> places(axes);
   request.limits = limits;
   request.motors = motors_.motors;

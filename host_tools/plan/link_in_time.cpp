@@ -35,7 +35,7 @@ TrackBounds bounds_of(const Track<double>& track) {
   TrackBounds bounds{.peaks = std::vector<AxisPeaks<double>>(axes)};
   if (track.path().segment_count() == 0) return bounds;
   std::vector<AxisTurn<double>> turns(axes);
-  const std::vector<PeakSlack<double>> slack(axes, {1e-6, 1e-6, 1e-6});
+  const std::vector<MotionTriple<double>> slack(axes, {1e-6, 1e-6, 1e-6});
   value_or_throw(bound_motion<double>(track, slack, {turns}, bounds.peaks));
   bounds.steps = steps_between_ends(track, bounds.peaks);
   for (const AxisPeaks<double>& peak : bounds.peaks) {

@@ -42,7 +42,7 @@ SolvedTrack<double> solved_track(const MoveSize& size) {
 void prove(benchmark::State& state, const MoveSize& size) {
   const SolvedTrack<double> solution = solved_track(size);
   std::vector<AxisTurn<double>> turns(size.axes);
-  const std::vector<PeakSlack<double>> slack(size.axes);
+  const std::vector<MotionTriple<double>> slack(size.axes);
   std::vector<AxisPeaks<double>> peaks(size.axes);
   for (auto _ : state) {
     if (!bound_motion<double>(solution.track(), slack, {turns}, peaks))
@@ -59,7 +59,7 @@ void bound_stops(benchmark::State& state, const MoveSize& size) {
   const SolvedTrack<double> solution = solved_track(size);
   const Move<double> move = Move<double>::make({&solution.track(), 1}, {}).value();
   std::vector<AxisTurn<double>> turns(size.axes);
-  std::vector<PeakSlack<double>> slack(size.axes);
+  std::vector<MotionTriple<double>> slack(size.axes);
   std::vector<AxisPeaks<double>> peaks(size.axes);
   if (!bound_motion<double>(solution.track(), slack, {turns}, peaks)) throw std::runtime_error("not bounded");
   std::vector<AxisLimits<double>> limits;

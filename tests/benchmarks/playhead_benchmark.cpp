@@ -26,7 +26,7 @@ class Subject {
         solution_(solved(keys, axes)),
         move_(Move<double>::make({&solution_.track(), 1}, {}).value()) {
     std::vector<AxisTurn<double>> turns(axes);
-    std::vector<PeakSlack<double>> slack(axes);
+    std::vector<MotionTriple<double>> slack(axes);
     std::vector<AxisPeaks<double>> peaks(axes);
     if (!bound_motion<double>(solution_.track(), slack, {turns}, peaks)) {
       throw std::runtime_error("not bounded");

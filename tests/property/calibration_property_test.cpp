@@ -141,7 +141,7 @@ std::array<double, 3> motor_at(const Plan& plan, std::size_t d, const oracle::Ma
 std::vector<MotionTriple<double>> cells_of_motor(const Plan& plan, std::size_t cells) {
   const PlannedMotors planned = planned_motors(plan);
   const std::size_t axes = plan.played().axis_count();
-  const std::vector<PeakSlack<double>> slack(axes + 1);
+  std::vector<MotionTriple<double>> slack(axes + 1);
   std::vector<MotionTriple<double>> suprema(cells * (axes + 1)), of_motor;
   std::vector<AxisTurn<double>> turns(axes);
   std::vector<double> places(axes);

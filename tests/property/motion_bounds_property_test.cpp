@@ -26,7 +26,7 @@ constexpr int samples = 300;
 constexpr double fps = 24;
 
 template <Precise Real>
-std::vector<AxisPeaks<Real>> bounds_of(const Track<Real>& track, const std::vector<PeakSlack<Real>>& slack,
+std::vector<AxisPeaks<Real>> bounds_of(const Track<Real>& track, const std::vector<MotionTriple<Real>>& slack,
                                        const WholeFrames& part) {
   const auto axes = static_cast<std::size_t>(track.path().axis_count());
   std::vector<AxisTurn<Real>> turns(axes);
@@ -123,7 +123,7 @@ TEST(MotionBoundsProperty, NoPeakIsAboveItsBoundAndNoBoundIsOnePercentAboveItsPe
     if (part.last - part.first < move.frames) ++parts;
     const oracle::Extremes extremes = ideal.extremes_between(part.first, part.last, samples);
     // Limits near the true peaks.
-    std::vector<PeakSlack<double>> slack;
+    std::vector<MotionTriple<double>> slack;
     for (const oracle::AxisExtremes& axis : extremes.axes) {
       slack.push_back({static_cast<double>(axis.velocity.value) * 1e-6,
                        static_cast<double>(axis.acceleration.value) * 1e-6,

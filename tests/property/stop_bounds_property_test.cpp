@@ -65,7 +65,7 @@ struct PlayedMove {
     // Peaks that are known to a thousandth of the speed curve's own scale will do.
     const double rate = fps * static_cast<double>(input.control_values.size()) / random.frames;
     const double speed = track().arc_length().total() * rate * 1e-3;
-    const std::vector<PeakSlack<double>> slack(axes, {speed, speed * rate, speed * rate * rate});
+    const std::vector<MotionTriple<double>> slack(axes, {speed, speed * rate, speed * rate * rate});
     RC_ASSERT(bound_motion<double>(track(), slack, {turns}, peaks, part).has_value());
     if (!roll(RollEnd::before, before) || !roll(RollEnd::after, after)) return;
     move = *Move<double>::make({&solution.track(), 1}, {before, after}, part);
@@ -244,7 +244,7 @@ TEST(StopBoundsProperty, EveryStopKeepsTheStopLimitsAndEndsWherePredicted) {
     const auto cells = static_cast<std::size_t>(any_int(1, 300));
     std::vector<StopCell<double>> stop_cells(cells + 1);
     std::vector<MotionTriple<double>> suprema(cells * limits.size());
-    std::vector<PeakSlack<double>> slack(limits.size());
+    std::vector<MotionTriple<double>> slack(limits.size());
     std::vector<AxisTurn<double>> turns(limits.size());
     std::vector<AxisPeaks<double>> stop_peaks(limits.size());
     const auto bounds = StopBounds<double>::make({*played.move, limits, rate},

@@ -94,7 +94,7 @@ TEST(TurningMoveProperty, IsRefusedForWhatItDoesAndForNothingElse) {
     const Track<double>& track = plan->tracks()[0].track();
     std::vector<AxisTurn<double>> turns(truth.size());
     std::vector<AxisPeaks<double>> peaks(truth.size());
-    const std::vector<PeakSlack<double>> slack(truth.size());
+    const std::vector<MotionTriple<double>> slack(truth.size());
     RC_ASSERT(bound_motion<double>(track, slack, {turns}, peaks).has_value());
     ++compared;
     long double quickest = 0;
@@ -239,7 +239,7 @@ TEST(TurningMoveProperty, ARestInsideASegmentIsBoundedByItsMotionOverTime) {
     RC_ASSERT(!motion.passes_standstill());
     std::vector<AxisTurn<double>> turns(truth.size());
     std::vector<AxisPeaks<double>> peaks(truth.size());
-    const std::vector<PeakSlack<double>> slack(truth.size());
+    const std::vector<MotionTriple<double>> slack(truth.size());
     RC_ASSERT(bound_motion<double>(plan->tracks()[0].track(), slack, {turns}, peaks).has_value());
     ++compared;
     const double rate = plan->tracks()[0].track().curve_rate();

@@ -34,7 +34,7 @@ std::vector<AxisPeaks<Real>> peaks_of(const Track<Real>& track,
                                       const std::optional<WholeFrames>& part = std::nullopt) {
   const auto axes = static_cast<std::size_t>(track.path().axis_count());
   std::vector<AxisTurn<Real>> turns(axes);
-  const std::vector<PeakSlack<Real>> slack(axes);
+  const std::vector<MotionTriple<Real>> slack(axes);
   std::vector<AxisPeaks<Real>> peaks(axes);
   EXPECT_TRUE(bound_motion<Real>(track, slack, {turns}, peaks, part).has_value());
   return peaks;
@@ -83,7 +83,7 @@ TEST(MotionBounds, TheCellsOfAPartKnowNothingOfTheRest) {
   constexpr std::size_t cells = 8;
   std::vector<MotionTriple<double>> suprema(cells);
   std::vector<AxisTurn<double>> turns(1);
-  const std::vector<PeakSlack<double>> slack(1);
+  std::vector<MotionTriple<double>> slack(1);
   bound_cells<double>(*part, turns, {.cells = cells, .slack = slack, .suprema = suprema});
   for (std::size_t cell = 0; cell < cells; ++cell) {
     const double fastest = 37.5 + 25.0 * static_cast<double>(cell + 1) / cells;
@@ -250,7 +250,7 @@ TEST(MotionBounds, TooLittleMemorySaysHowMuchIsNeeded) {
   const std::vector<double> keys{0, 0, 10, 50};
   const auto move = solved<double>({.axis_count = 2, .keys = keys}, {10, 10}, 48);
   std::vector<AxisTurn<double>> turns(1);
-  const std::vector<PeakSlack<double>> slack(2);
+  const std::vector<MotionTriple<double>> slack(2);
   std::vector<AxisPeaks<double>> peaks(2);
   const Status refused = bound_motion<double>(move.track(), slack, {turns}, peaks);
   ASSERT_FALSE(refused.has_value());
@@ -270,7 +270,7 @@ TEST(MotionBounds, TheEndOfThePathIsBoundedThoughTheLastFrameIsARoundingShortOfI
   const SolvedTrack<double> solved(input.spec, Solver::closed_form);
   std::vector<AxisTurn<double>> turns(3);
   std::vector<AxisPeaks<double>> peaks(3);
-  const std::vector<PeakSlack<double>> slacks(3);
+  const std::vector<MotionTriple<double>> slacks(3);
   ASSERT_TRUE(bound_motion<double>(solved.track(), slacks, {turns}, peaks));
   EXPECT_GE(peaks[1].acceleration.value, 1.411898e13) << "the oracle's";
   EXPECT_GE(peaks[2].acceleration.value, 9.47988926e13);
@@ -296,7 +296,7 @@ TEST(MotionBounds, ASharpTurnIsBoundedSoonWhateverTheLimits) {
   std::vector<AxisTurn<double>> turns(3);
   std::vector<AxisPeaks<double>> peaks(3);
   for (const double slack : {0.0, 1e-6, 1e20, 1e24}) {
-    const std::vector<PeakSlack<double>> slacks(3, {slack, slack, slack});
+    const std::vector<MotionTriple<double>> slacks(3, {slack, slack, slack});
     ASSERT_TRUE(bound_motion<double>(solved.track(), slacks, {turns}, peaks));
     for (const AxisPeaks<double>& axis : peaks) EXPECT_GT(axis.acceleration.value, 1e6);
   }

@@ -113,7 +113,7 @@ TEST(StopBounds, AHigherRateLeavesLessAndStopsLater) {
 TEST(StopBounds, AMotionThatTakesAllOfAStopLimitIsRefusedWithItsAxisAndPlace) {
   const auto solution = solved<double>({.axis_count = 2, .keys = bend}, calm, 240);
   std::vector<AxisTurn<double>> turns(2);
-  const std::vector<PeakSlack<double>> none(2);
+  const std::vector<MotionTriple<double>> none(2);
   std::vector<AxisPeaks<double>> peaks(2);
   ASSERT_TRUE(bound_motion<double>(solution.track(), none, {turns}, peaks).has_value());
   const Move<double> move = move_of(solution);
@@ -377,7 +377,7 @@ TEST(StopBounds, WhatIsAskedWronglyIsRefused) {
   const std::vector<AxisLimits<double>> limits(2, stop_limits(3000.0));
   std::vector<StopCell<double>> stop_cells(11);
   std::vector<MotionTriple<double>> suprema(20);
-  std::vector<PeakSlack<double>> slack(2);
+  std::vector<MotionTriple<double>> slack(2);
   std::vector<AxisTurn<double>> turns(2);
   std::vector<AxisPeaks<double>> peaks(2);
   const StopBoundsMemory<double> memory{stop_cells, suprema, slack, turns};

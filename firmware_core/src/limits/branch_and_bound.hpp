@@ -25,10 +25,9 @@ template <HalvingLimits halvings, Precise Real, class Rules>
 void branch_and_bound(const MotionEnclosure<Real>& enclosure, const StretchWalk<Real>& walk,
                       const Stretch<Real>& stretch, const MotionBox<Real>& part, std::size_t axes,
                       Rules& rules) {
-  // Without the middle of a box, which a stack of them has no use for.
+  // Each begins where the one on top of it ends.
   struct Box {
-    Real begin = 0, end = 0;
-    Real tau_begin = 0, tau_end = 0;
+    Real end = 0, tau_end = 0;
     std::uint64_t open = 0;  ///< axes whose bounds are not close enough yet
     std::int32_t halved = 0;
   };
@@ -44,16 +43,13 @@ void branch_and_bound(const MotionEnclosure<Real>& enclosure, const StretchWalk<
   };
   std::array<Box, static_cast<std::size_t>(halvings.max) + 2> stack;
   std::size_t count = 0;
-  stack[count++] = {part.begin,
-                    part.end,
-                    part.tau_begin,
-                    part.tau_end,
-                    axes < max_bounded_axes ? (std::uint64_t{1} << axes) - 1 : ~std::uint64_t{0},
-                    0};
+  stack[count++] = {part.end, part.tau_end,
+                    axes < max_bounded_axes ? (std::uint64_t{1} << axes) - 1 : ~std::uint64_t{0}, 0};
+  MotionBox<Real> box{.begin = part.begin, .tau_begin = part.tau_begin};
   while (count > 0) {
     const Box next = stack[--count];
-    MotionBox<Real> box{
-        .begin = next.begin, .end = next.end, .tau_begin = next.tau_begin, .tau_end = next.tau_end};
+    box.end = next.end;
+    box.tau_end = next.tau_end;
     box.x = stretch.divide(box.begin, box.end);
     box.tau = walk.tau_at(stretch, box.x);
     const MotionSurroundings<Real> surroundings = enclosure.around(stretch, box);
@@ -73,9 +69,13 @@ void branch_and_bound(const MotionEnclosure<Real>& enclosure, const StretchWalk<
       }
     };
     enclosure.ranges(next.open, surroundings, take);
-    if (open == 0) continue;
-    stack[count++] = {box.x, box.end, box.tau, box.tau_end, open, next.halved + 1};
-    stack[count++] = {box.begin, box.x, box.tau_begin, box.tau, open, next.halved + 1};
+    if (open == 0) {
+      box.begin = box.end;
+      box.tau_begin = box.tau_end;
+      continue;
+    }
+    stack[count++] = {box.end, box.tau_end, open, next.halved + 1};
+    stack[count++] = {box.x, box.tau, open, next.halved + 1};
   }
 }
 

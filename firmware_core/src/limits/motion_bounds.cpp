@@ -26,7 +26,7 @@ using Triple = MotionTriple<Real>;
 template <Precise Real>
 class MotionBounds {
  public:
-  MotionBounds(const Track<Real>& track, std::span<const PeakSlack<Real>> slack,
+  MotionBounds(const Track<Real>& track, std::span<const MotionTriple<Real>> slack,
                std::span<AxisTurn<Real>> turns, std::span<AxisPeaks<Real>> out, const WholeFrames& part)
       : track_(track),
         part_(part),
@@ -84,8 +84,7 @@ class MotionBounds {
     const std::array<Real, quantities> values{out_[d].velocity.value, out_[d].acceleration.value,
                                               out_[d].jerk.value};
     if (values[quantity] > std::numeric_limits<Real>::max()) return values[quantity];
-    const Triple<Real> slack{slack_[d].velocity, slack_[d].acceleration, slack_[d].jerk};
-    return best_[d][quantity] * (1 + closeness<Real>)+slack[quantity] / 2;
+    return slack_[d][quantity] / 2 + best_[d][quantity] * (1 + closeness<Real>);
   }
   void accept(std::size_t d, const Triple<Real>& bounds, Real frame) {
     const auto peaks = peaks_of(out_[d]);
@@ -196,7 +195,7 @@ class MotionBounds {
   const Track<Real>& track_;
   WholeFrames part_;
   std::size_t axes_;
-  std::span<const PeakSlack<Real>> slack_;
+  std::span<const MotionTriple<Real>> slack_;
   std::span<AxisPeaks<Real>> out_;
   StretchWalk<Real> walk_;
   MotionEnclosure<Real> enclosure_;
@@ -206,7 +205,7 @@ class MotionBounds {
 }  // namespace
 
 template <Precise Real>
-Status bound_motion(const Track<Real>& track, std::span<const PeakSlack<Real>> slack,
+Status bound_motion(const Track<Real>& track, std::span<const MotionTriple<Real>> slack,
                     const MotionBoundsMemory<Real>& memory, std::span<AxisPeaks<Real>> out,
                     const std::optional<WholeFrames>& part) {
   const auto axes = static_cast<std::size_t>(track.path().axis_count());
@@ -220,10 +219,10 @@ Status bound_motion(const Track<Real>& track, std::span<const PeakSlack<Real>> s
   return Done{};
 }
 
-template Status bound_motion(const Track<double>&, std::span<const PeakSlack<double>>,
+template Status bound_motion(const Track<double>&, std::span<const MotionTriple<double>>,
                              const MotionBoundsMemory<double>&, std::span<AxisPeaks<double>>,
                              const std::optional<WholeFrames>&);
-template Status bound_motion(const Track<float>&, std::span<const PeakSlack<float>>,
+template Status bound_motion(const Track<float>&, std::span<const MotionTriple<float>>,
                              const MotionBoundsMemory<float>&, std::span<AxisPeaks<float>>,
                              const std::optional<WholeFrames>&);
 

@@ -24,17 +24,18 @@ void raise_to(MotionTriple<Real>& to, const MotionTriple<Real>& from) {
   for (std::size_t i = 0; i < motion_quantities; ++i) to[i] = std::max(to[i], from[i]);
 }
 
-/// The highest motion found of a group of axes in the part of a cell, and how much above it a bound may be:
-/// that follows from the slack of the axis and its peak in all cells.
+/// What is known of a group of axes in the part of a cell.
 template <Precise Real>
-struct FoundGroup {
-  GroupTriple<Real> found{};
-  GroupTriple<Real> room{};
+struct KnownGroup {
+  GroupTriple<Real>& found;  ///< the highest motion found
+  GroupTriple<Real>&
+      room;  ///< a bound may be so much above it: the slack, or a share of the axis' peak in all cells
+  GroupTriple<Real>& proven;  ///< the bound
 };
 
 template <Precise Real>
 [[gnu::flatten]] INBETWEEN_PROCESSOR_CLONES void raise_found(const GroupTriple<Real>& here,
-                                                             FoundGroup<Real>& group) {
+                                                             const KnownGroup<Real>& group) {
   using Number = Group<Real>;
   for (std::size_t i = 0; i < motion_quantities; ++i) {
     // NaN is not found; the enclosure of its surroundings is without bound.
@@ -46,25 +47,24 @@ template <Precise Real>
 }
 
 template <Precise Real>
-Group<Real> allowed_of(const FoundGroup<Real>& group, const GroupTriple<Real>& proven, std::size_t i) {
+Group<Real> allowed_of(const KnownGroup<Real>& group, std::size_t i) {
   const Group<Real>& found = group.found[i];
-  return greatest(found + greatest(own_closeness<Real> * found, group.room[i]), proven[i]);
+  return greatest(found + greatest(own_closeness<Real> * found, group.room[i]), group.proven[i]);
 }
 
 /// Returns the bits of the axes that are not close enough, and proves the others.
 template <Precise Real>
 [[gnu::flatten]] INBETWEEN_PROCESSOR_CLONES std::uint64_t take_close(const MotionRange<Group<Real>>& range,
-                                                                     FoundGroup<Real>& group,
-                                                                     GroupTriple<Real>& proven) {
+                                                                     const KnownGroup<Real>& group) {
   using Number = Group<Real>;
   raise_found<Real>(range.here, group);
   const Number none(Real(0));
   Number far = none;
   for (std::size_t i = 0; i < motion_quantities; ++i) {
-    far = if_less(allowed_of<Real>(group, proven, i), range.bound[i], Number(Real(1)), far);
+    far = if_less(allowed_of<Real>(group, i), range.bound[i], Number(Real(1)), far);
   }
   for (std::size_t i = 0; i < motion_quantities; ++i) {
-    proven[i] = greatest(proven[i], if_less(none, far, none, range.bound[i]));
+    group.proven[i] = greatest(group.proven[i], if_less(none, far, none, range.bound[i]));
   }
   std::uint64_t bits = 0;
   for (std::size_t k = 0; k < group_size; ++k) {
@@ -90,10 +90,8 @@ class TrackCells {
         enclosure_(track, turns) {}
 
   void run() {
-    for (std::size_t d = 0; d < axes_; ++d) {
-      const PeakSlack<Real>& slack = out_.slack[first_axis_ + d];
-      set_lane<Real>(groups_[d / group_size].room, d % group_size,
-                     {slack.velocity, slack.acceleration, slack.jerk});
+    for (std::size_t d = 0; lanes_are_quick && d < axes_; ++d) {
+      set_lane<Real>(room_lanes_[d / group_size], d % group_size, out_.slack[first_axis_ + d]);
     }
     // One walk in the code, for one of them on the stack.
     for (const bool is_sampled : {false, true}) {
@@ -111,24 +109,26 @@ class TrackCells {
 
   std::uint64_t take(std::size_t group, std::uint64_t open, const MotionRange<Group<Real>>& range,
                      Real /*frame*/) {
-    return open & take_close<Real>(range, groups_[group], proven(group));
+    return open & take_close<Real>(range, known(group));
   }
   [[nodiscard]] Real allowed(std::size_t d, std::size_t i) {
-    const std::size_t group = d / group_size;
-    return lane_of(allowed_of<Real>(groups_[group], proven(group), i), d % group_size);
+    return lane_of(allowed_of<Real>(known(d / group_size), i), d % group_size);
   }
   void accept(std::size_t d, const MotionTriple<Real>& bounds, Real /*frame*/) {
-    MotionTriple<Real> axis = lane_of<Real>(proven(d / group_size), d % group_size);
+    GroupTriple<Real>& proven = known(d / group_size).proven;
+    MotionTriple<Real> axis = lane_of<Real>(proven, d % group_size);
     raise_to(axis, bounds);
-    set_lane<Real>(proven(d / group_size), d % group_size, axis);
+    set_lane<Real>(proven, d % group_size, axis);
   }
 
  private:
-  [[nodiscard]] GroupTriple<Real>& proven(std::size_t group) {
+  /// Without lanes a group is an axis, and its numbers stand in the memory of the caller, not on a stack for
+  /// as many axes as there can be.
+  [[nodiscard]] KnownGroup<Real> known(std::size_t group) {
     if constexpr (lanes_are_quick) {
-      return proven_lanes_[group];
+      return {found_[group], room_lanes_[group], proven_lanes_[group]};
     } else {
-      return proven_[group];
+      return {found_[group], out_.slack[first_axis_ + group], proven_[group]};
     }
   }
   [[nodiscard]] std::span<MotionTriple<Real>> of_cell(std::size_t cell) const {
@@ -145,11 +145,11 @@ class TrackCells {
       raise_at(stretch, x, walk_.tau_at(stretch, x));
     }
   }
-  void raise_at(const Stretch<Real>& stretch, Real x, Real tau) {
-    enclosure_.middles(enclosure_.at(stretch, x, tau),
-                       [this](std::size_t group, const GroupTriple<Real>& here) {
-                         raise_found<Real>(here, groups_[group]);
-                       });
+  /// In a frame of its own: what it needs is not on the stack while boxes are halved.
+  [[gnu::noinline]] void raise_at(const Stretch<Real>& stretch, Real x, Real tau) {
+    enclosure_.middles(
+        enclosure_.at(stretch, x, tau),
+        [this](std::size_t group, const GroupTriple<Real>& here) { raise_found<Real>(here, known(group)); });
   }
 
   void take_reversal(const Stretch<Real>& stretch) {
@@ -182,24 +182,24 @@ class TrackCells {
 
   void prove(const Stretch<Real>& stretch, const MotionBox<Real>& part, std::size_t cell) {
     proven_ = of_cell(cell);
-    for (std::size_t group = 0; group * group_size < axes_; ++group) groups_[group].found = {};
+    for (std::size_t group = 0; group * group_size < axes_; ++group) found_[group] = {};
     for (std::size_t d = 0; lanes_are_quick && d < axes_; ++d) {
-      set_lane<Real>(proven(d / group_size), d % group_size, proven_[d]);
+      set_lane<Real>(known(d / group_size).proven, d % group_size, proven_[d]);
     }
     raise_at(stretch, part.end, part.tau_end);
     // A part begins where the one before it has ended. A microcontroller has no memory to keep what is there.
     const bool is_known = lanes_are_quick && part.begin > stretch.from;
     if constexpr (lanes_are_quick) {
       for (std::size_t group = 0; group * group_size < axes_; ++group) {
-        const GroupTriple<Real> end = groups_[group].found;
-        if (is_known) raise_found<Real>(ends_[group], groups_[group]);
+        const GroupTriple<Real> end = found_[group];
+        if (is_known) raise_found<Real>(ends_[group], known(group));
         ends_[group] = end;
       }
     }
     if (!is_known) raise_at(stretch, part.begin, part.tau_begin);
     branch_and_bound<cell_halvings>(enclosure_, walk_, stretch, part, axes_, *this);
     for (std::size_t d = 0; lanes_are_quick && d < axes_; ++d) {
-      proven_[d] = lane_of<Real>(proven(d / group_size), d % group_size);
+      proven_[d] = lane_of<Real>(known(d / group_size).proven, d % group_size);
     }
   }
 
@@ -211,10 +211,11 @@ class TrackCells {
   const MotionCells<Real>& out_;
   StretchWalk<Real> walk_;
   MotionEnclosure<Real> enclosure_;
-  std::array<FoundGroup<Real>, max_axis_groups> groups_{};
+  // Filled for axes_.
+  std::array<GroupTriple<Real>, max_axis_groups> found_;
   std::span<MotionTriple<Real>> proven_;  ///< of the cell
-  /// The same while it is worked on, and what is found at the end of a part. Filled for axes_.
-  std::array<GroupTriple<Real>, lanes_are_quick ? max_axis_groups : 0> proven_lanes_, ends_;
+  /// The same while it is worked on, the room of each group, and what is found at the end of a part.
+  std::array<GroupTriple<Real>, lanes_are_quick ? max_axis_groups : 0> proven_lanes_, room_lanes_, ends_;
 };
 
 /// |p1|, |p2|, |p3| of a roll between two times in seconds from the joint, both of one sign.

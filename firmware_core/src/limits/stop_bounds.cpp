@@ -77,7 +77,7 @@ Status check(const StopRequest<Real>& request, const StopBoundsMemory<Real>& mem
 
 /// Velocity matters where it takes a share of the acceleration at the largest rate change.
 template <Precise Real>
-void set_slack(const StopRequest<Real>& request, std::span<PeakSlack<Real>> out) {
+void set_slack(const StopRequest<Real>& request, std::span<MotionTriple<Real>> out) {
   const Real r = request.rate;
   for (std::size_t d = 0; d < request.limits.size(); ++d) {
     const AxisLimits<Real>& limits = request.limits[d];

@@ -65,7 +65,8 @@ SpanRange spans_of_portion(const Track<Source>& track, std::size_t portion) {
           static_cast<std::int32_t>((end * spans - 1) / track.frames())};
 }
 
-/// Fills the portions and spans of a count track; the pieces are there already.
+/// Fills the portions and spans of a count track; the pieces are there already. In frames of its own: what it
+/// needs is not on the stack while the pieces are cut.
 template <Precise Real, Precise Source>
 class SpanCutter {
  public:
@@ -73,7 +74,7 @@ class SpanCutter {
       : track_(track), pieces_(memory.pieces.first(piece_count)), memory_(memory) {}
 
   /// A drawn curve, broken in portions or not.
-  void cut_curve() {
+  [[gnu::noinline]] void cut_curve() {
     const std::int32_t spans = count_span_count<Real>(track_.profile().span_count());
     const std::size_t portions = std::max<std::size_t>(track_.portions().size(), 1);
     for (std::size_t i = 0; i < portions; ++i) {
@@ -91,7 +92,7 @@ class SpanCutter {
     finish();
   }
   /// A frame for every key: the time between two keys is a portion.
-  void cut_intervals() {
+  [[gnu::noinline]] void cut_intervals() {
     constexpr std::int32_t per_part = min_pieces_per_segment<Real>;
     std::int32_t first = 0;
     std::int32_t segment = 0;

@@ -279,7 +279,11 @@ std::size_t Track<Real>::interval_at(const FrameTime<Real>& time) const {
 
 template <Precise Real>
 TwoSum<Real> Track<Real>::special_distance(const FrameTime<Real>& time) const {
-  if (!has_profile()) return arc_length_.distance(path_, key_frame_point(time));
+  return has_profile() ? broken_distance(time) : arc_length_.distance(path_, key_frame_point(time));
+}
+
+template <Precise Real>
+TwoSum<Real> Track<Real>::broken_distance(const FrameTime<Real>& time) const {
   const CurvePlace<Real> where = place(time);
   const Portion<Real>& portion = portion_at(time.frame);
   const TwoSum<Real>& integral = profile_.integral_before(where.span);
@@ -293,7 +297,7 @@ TwoSum<Real> Track<Real>::special_distance(const FrameTime<Real>& time) const {
 
 template <Precise Real>
 PathPoint<Real> Track<Real>::special_locate(const FrameTime<Real>& time) const {
-  return has_profile() ? arc_length_.locate(special_distance(time)) : key_frame_point(time);
+  return has_profile() ? arc_length_.locate(broken_distance(time)) : key_frame_point(time);
 }
 
 template <Precise Real>
@@ -327,6 +331,7 @@ ParameterRates<Real> Track<Real>::key_frame_rates(const FrameTime<Real>& time) c
   template const Portion<Real>& Track<Real>::portion_at(std::int32_t) const;                           \
   template std::size_t Track<Real>::interval_at(const FrameTime<Real>&) const;                         \
   template TwoSum<Real> Track<Real>::special_distance(const FrameTime<Real>&) const;                   \
+  template TwoSum<Real> Track<Real>::broken_distance(const FrameTime<Real>&) const;                    \
   template PathPoint<Real> Track<Real>::special_locate(const FrameTime<Real>&) const;                  \
   template PathPoint<Real> Track<Real>::key_frame_point(const FrameTime<Real>&) const;                 \
   template ParameterRates<Real> Track<Real>::key_frame_rates(const FrameTime<Real>&) const;

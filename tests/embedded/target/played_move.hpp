@@ -59,7 +59,7 @@ class PlayedMove {
     constexpr auto room = Real(1.25);
     constexpr auto anywhere = Real(1e4);
     std::array<AxisPeaks<Real>, max_axes> peaks;
-    const std::array<PeakSlack<Real>, max_axes> slack{};
+    const std::array<MotionTriple<Real>, max_axes> slack{};
     if (const Status bounded = bound_motion<Real>(*track_, slack, {stops_.turns}, peaks); !bounded) {
       return bounded;
     }

@@ -59,7 +59,7 @@ void hash_ticks(const Track<Real>& track, const Move& move) {
 template <Precise Real>
 void hash_bounds(const Track<Real>& track, const Move& move) {
   std::array<AxisTurn<Real>, max_axes> turns;
-  const std::array<PeakSlack<Real>, max_axes> slack{};
+  const std::array<MotionTriple<Real>, max_axes> slack{};
   std::array<AxisPeaks<Real>, max_axes> peaks;
   if (const Status bounded = bound_motion<Real>(track, slack, {turns}, peaks); !bounded) {
     fail(name_of<Real>, move, bounded.error());
@@ -140,27 +140,16 @@ template <Precise Real>
 void report_sizes() {
   print("sizes ");
   print(name_of<Real>);
-  for (const std::size_t size : {sizeof(Cubic<Real>),
-                                 sizeof(ArcPiece<Real>),
-                                 sizeof(TwoSum<Real>),
-                                 sizeof(SpeedSpan<Real>),
-                                 sizeof(PathPoint<Real>),
-                                 sizeof(OdeSegment<Real>),
-                                 sizeof(CountSpan<Real>),
-                                 sizeof(CountPiece<Real>),
-                                 sizeof(CountCubic<Real>),
-                                 sizeof(CountPortion<Real>),
-                                 sizeof(Portion<Real>),
-                                 sizeof(KeyInterval<Real>),
-                                 sizeof(KeyLock),
-                                 sizeof(FrameTime<Real>),
-                                 sizeof(AxisMotion<Real>),
-                                 sizeof(RollAxis<Real>),
-                                 sizeof(StopCell<Real>),
-                                 sizeof(MotionTriple<Real>),
-                                 sizeof(PeakSlack<Real>),
-                                 sizeof(AxisTurn<Real>),
-                                 sizeof(Playhead<Real>) - 4 * sizeof(void*)}) {
+  for (const std::size_t size : {sizeof(Cubic<Real>),      sizeof(ArcPiece<Real>),
+                                 sizeof(TwoSum<Real>),     sizeof(SpeedSpan<Real>),
+                                 sizeof(PathPoint<Real>),  sizeof(OdeSegment<Real>),
+                                 sizeof(CountSpan<Real>),  sizeof(CountPiece<Real>),
+                                 sizeof(CountCubic<Real>), sizeof(CountPortion<Real>),
+                                 sizeof(Portion<Real>),    sizeof(KeyInterval<Real>),
+                                 sizeof(KeyLock),          sizeof(FrameTime<Real>),
+                                 sizeof(AxisMotion<Real>), sizeof(RollAxis<Real>),
+                                 sizeof(StopCell<Real>),   sizeof(MotionTriple<Real>),
+                                 sizeof(AxisTurn<Real>),   sizeof(Playhead<Real>) - 4 * sizeof(void*)}) {
     print(" ");
     print(static_cast<long long>(size));
   }

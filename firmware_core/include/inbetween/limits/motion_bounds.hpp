@@ -41,13 +41,6 @@ inline constexpr std::size_t motion_quantities = 3;
 template <Precise Real>
 using MotionTriple = std::array<Real, motion_quantities>;
 
-/// How much more than 1 % a bound may be above the truth, in axis units and seconds: a small share of the
-/// limit, so that nothing is refined that is far from it. 0 is allowed.
-template <Precise Real>
-struct PeakSlack {
-  Real velocity = 0, acceleration = 0, jerk = 0;
-};
-
 /// The derivatives of one axis on one stretch of the path: polynomials in the distance tau from the stretch's
 /// anchor, scaled by a power of two. Where the path stands still at the anchor, `second` and `third` are
 /// those of d2P / dL2 tau and d3P / dL3 tau^3, and q is divided by tau^2.
@@ -68,7 +61,9 @@ struct MotionBoundsMemory {
 };
 
 /// Bounds of every axis of one track on the frames `part`, of the whole move where none are given: true <=
-/// peak <= 1.01 true + slack (lowest and highest: within 1e-6 of the range).
+/// peak <= 1.01 true + slack (lowest and highest: within 1e-6 of the range). The slack of each axis, in axis
+/// units and seconds, is a small share of its limits, so that nothing is refined that is far from them; 0 is
+/// allowed.
 ///
 /// Method: velocity, acceleration and jerk are T w, T' w^2 + T w', T'' w^3 + 3 T' w w' + T w'' with T = dP/dL
 /// and its derivatives by distance as rational functions on one segment, w the speed along the path as a
@@ -91,7 +86,7 @@ struct MotionBoundsMemory {
 /// Domain: 0 <= part.first < part.last <= N. Errors: capacity (axes). No allocation. Cost: about 0.2 ms for
 /// three axes on a desktop machine, growing with the number of peaks, not with the number of frames.
 template <Precise Real>
-Status bound_motion(const Track<Real>& track, std::span<const PeakSlack<Real>> slack,
+Status bound_motion(const Track<Real>& track, std::span<const MotionTriple<Real>> slack,
                     const MotionBoundsMemory<Real>& memory, std::span<AxisPeaks<Real>> out,
                     const std::optional<WholeFrames>& part = std::nullopt);
 

@@ -15,8 +15,10 @@ namespace inbetween {
 template <Precise Real>
 struct MotionCells {
   std::size_t cells = 0;
-  std::span<const PeakSlack<Real>> slack;  ///< of all axes: not more than this above the truth needs no work
-  std::span<MotionTriple<Real>> suprema;   ///< cell by cell, of all axes, in axis units and seconds
+  /// Of all axes: not more than this above the truth needs no work. It is worked with, and another number
+  /// afterwards.
+  std::span<MotionTriple<Real>> slack;
+  std::span<MotionTriple<Real>> suprema;  ///< cell by cell, of all axes, in axis units and seconds
   /// Of so many motors that follow an axis through a calibration, behind the axes in each cell.
   std::size_t motors = 0;
   std::span<Real> places = {};  ///< axes; only with motors

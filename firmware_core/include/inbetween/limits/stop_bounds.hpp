@@ -46,7 +46,7 @@ template <Precise Real>
 struct StopBoundsMemory {
   std::span<StopCell<Real>> cells;        ///< one more than cells on the time line
   std::span<MotionTriple<Real>> suprema;  ///< cells x axes of all tracks and motors of the request
-  std::span<PeakSlack<Real>> slack;       ///< axes of all tracks and motors of the request
+  std::span<MotionTriple<Real>> slack;    ///< axes of all tracks and motors of the request
   std::span<AxisTurn<Real>> turns;        ///< axes of the track that has most
   std::span<Real> places = {};            ///< axes of all tracks, if the request has motors
 };
@@ -55,7 +55,7 @@ template <Precise Real, std::size_t Cells, std::size_t Axes>
 struct StopBoundsStorage {
   std::array<StopCell<Real>, Cells + 1> cells;
   std::array<MotionTriple<Real>, Cells * Axes> suprema;
-  std::array<PeakSlack<Real>, Axes> slack;
+  std::array<MotionTriple<Real>, Axes> slack;
   std::array<AxisTurn<Real>, Axes> turns;
 
   [[nodiscard]] StopBoundsMemory<Real> memory() { return {cells, suprema, slack, turns}; }

@@ -263,6 +263,8 @@ class Track {
   [[nodiscard]] Real distance_rounding() const;
   Derivatives write_slow(AlongPath<Real> where, std::span<AxisMotion<Real>> axes) const;
   [[nodiscard]] TwoSum<Real> special_distance(const FrameTime<Real>& time) const;
+  /// distance() of a drawn curve with breaks.
+  [[nodiscard]] TwoSum<Real> broken_distance(const FrameTime<Real>& time) const;
   [[nodiscard]] PathPoint<Real> special_locate(const FrameTime<Real>& time) const;
   [[nodiscard]] PathPoint<Real> key_frame_point(const FrameTime<Real>& time) const;
   [[nodiscard]] const Portion<Real>& portion_at(std::int32_t frame) const;
