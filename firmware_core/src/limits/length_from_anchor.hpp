@@ -71,12 +71,7 @@ class LengthFromAnchor {
     return std::sqrt(std::max(q_[0] + tau * (q_[1] + tau * g), Real(0)));
   }
   [[nodiscard]] Real part(Real from, Real to) const {
-    using Rule = GaussLegendre<Real>;
-    Real sum = 0;
-    for (std::size_t i = 0; i < Rule::node.size(); ++i) {
-      sum += Rule::weight[i] * speed(from + (to - from) * Rule::node[i]);
-    }
-    return sum * (to - from);
+    return mean_of([this](Real tau) { return speed(tau); }, from, to - from) * (to - from);
   }
 
   std::array<Real, 5> q_;

@@ -66,12 +66,7 @@ struct PathPiece {
   }
   /// The length between two tau that are no further apart than a piece of the inverse of arc length.
   [[nodiscard]] Real length(Real from, Real to) const {
-    using Rule = GaussLegendre<Real>;
-    Real sum = 0;
-    for (std::size_t i = 0; i < Rule::node.size(); ++i) {
-      sum += Rule::weight[i] * speed(from + (to - from) * Rule::node[i]);
-    }
-    return sum * std::fabs(to - from);
+    return mean_of([this](Real tau) { return speed(tau); }, from, to - from) * std::fabs(to - from);
   }
 };
 

@@ -290,13 +290,9 @@ TwoSum<Real> ArcLength<Real>::distance(const Path<Real>& path, const PathPoint<R
     from = pieces_[piece].c[0];
     sum = begin_of(piece);
   }
-  using Rule = GaussLegendre<Real>;
   const Real extent = point.t - from;
-  Real length = 0;
-  for (std::size_t i = 0; i < Rule::node.size(); ++i) {
-    length += Rule::weight[i] * speed.at(from + extent * Rule::node[i]);
-  }
-  sum.add(std::ldexp(length * extent, speed.exponent()));
+  const Real mean = mean_of([&](Real t) { return speed.at(t); }, from, extent);
+  sum.add(std::ldexp(mean * extent, speed.exponent()));
   return sum;
 }
 

@@ -32,6 +32,17 @@ struct GaussLegendre<float> {
                                                0.11846344252809454F};
 };
 
+/// The mean of a function from `from` to `from` + `extent`, by this rule.
+template <Precise Real, class Function>
+Real mean_of(const Function& function, Real from, Real extent) {
+  using Rule = GaussLegendre<Real>;
+  Real sum = 0;
+  for (std::size_t i = 0; i < Rule::node.size(); ++i) {
+    sum += Rule::weight[i] * function(from + extent * Rule::node[i]);
+  }
+  return sum;
+}
+
 /// The state of the inverse at one end of a piece, seen outward from the anchor: tau as a function of
 /// y, where y is the distance l from the anchor, or sqrt(l) where the path stands still at the anchor.
 template <Precise Real>
