@@ -80,10 +80,7 @@ struct PlainPiece {
     for (std::size_t k = 0; k < c.size(); ++k) c[k] = Number(piece.c[k]);
   }
   [[nodiscard]] Number plain_t(const Number& offset) const {
-    const Number u = within(inverse_step * offset);
-    const Number square = u * u;
-    const Number high = (square * square) * ((c[4] + c[5] * u) + square * (c[6] + c[7] * u));
-    return within((c[0] + c[1] * u) + (square * (c[2] + c[3] * u) + high));
+    return within(septic(c, within(inverse_step * offset)));
   }
 };
 

@@ -16,6 +16,14 @@
 
 namespace inbetween {
 
+/// c[0] + c[1] u + ... + c[7] u^7, with few steps that wait for one another (Estrin 1960).
+template <class Number>
+[[nodiscard]] Number septic(const std::array<Number, 8>& c, const Number& u) {
+  const Number square = u * u;
+  const Number high = (square * square) * ((c[4] + c[5] * u) + square * (c[6] + c[7] * u));
+  return (c[0] + c[1] * u) + (square * (c[2] + c[3] * u) + high);
+}
+
 /// One piece of the inverse: t as a septic in u over a stretch of one segment, u in [0, 1].
 /// The distance d that has been travelled enters as
 ///   plain:        u = (d - origin) * inverse_step                      (shift: the low part of origin)
@@ -50,12 +58,7 @@ struct ArcPiece {
 
  private:
   [[nodiscard]] static Real within(Real x) { return x > 0 ? (x < 1 ? x : Real(1)) : Real(0); }
-  [[nodiscard]] Real t_of(Real raw) const {
-    const Real u = within(raw);
-    const Real square = u * u;
-    const Real high = (square * square) * ((c[4] + c[5] * u) + square * (c[6] + c[7] * u));
-    return within((c[0] + c[1] * u) + (square * (c[2] + c[3] * u) + high));
-  }
+  [[nodiscard]] Real t_of(Real raw) const { return within(septic(c, within(raw))); }
   [[nodiscard]] Real root(Real gap) const {
     // A gap of the wrong sign is rounding at the very point where the path stands still.
     if (kind == Kind::root_after) return std::sqrt(gap > 0 ? gap : Real(0)) * inverse_step - shift;
