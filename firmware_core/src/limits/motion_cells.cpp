@@ -27,9 +27,8 @@ void raise_to(MotionTriple<Real>& to, const MotionTriple<Real>& from) {
 /// What is known of a group of axes in the part of a cell.
 template <Precise Real>
 struct KnownGroup {
-  GroupTriple<Real>& found;  ///< the highest motion found
-  GroupTriple<Real>&
-      room;  ///< a bound may be so much above it: the slack, or a share of the axis' peak in all cells
+  GroupTriple<Real>& found;   ///< the highest motion found
+  GroupTriple<Real>& room;    ///< of a bound above it: the slack, or a share of the peak in all cells
   GroupTriple<Real>& proven;  ///< the bound
 };
 
@@ -211,11 +210,11 @@ class TrackCells {
   const MotionCells<Real>& out_;
   StretchWalk<Real> walk_;
   MotionEnclosure<Real> enclosure_;
-  // Filled for axes_.
-  std::array<GroupTriple<Real>, max_axis_groups> found_;
+  std::array<GroupTriple<Real>, max_axis_groups> found_{};
   std::span<MotionTriple<Real>> proven_;  ///< of the cell
-  /// The same while it is worked on, the room of each group, and what is found at the end of a part.
-  std::array<GroupTriple<Real>, lanes_are_quick ? max_axis_groups : 0> proven_lanes_, room_lanes_, ends_;
+  std::array<GroupTriple<Real>, lanes_are_quick ? max_axis_groups : 0> room_lanes_{};
+  /// The suprema of the cell while it is worked on, and what is found at the end of a part. Filled for axes_.
+  std::array<GroupTriple<Real>, lanes_are_quick ? max_axis_groups : 0> proven_lanes_, ends_;
 };
 
 /// |p1|, |p2|, |p3| of a roll between two times in seconds from the joint, both of one sign.
