@@ -92,6 +92,47 @@ TEST(MotionBounds, TheCellsOfAPartKnowNothingOfTheRest) {
   }
 }
 
+TEST(MotionBounds, TheCellsOfAMoveAreAsCloseToTheTruthAsTheyPromise) {
+  const std::vector<double> keys{0, 0, 30, 50, 45, 20, 90, 35, 70, 80, 20, 60};
+  const auto move = solved<double>({.axis_count = 2, .keys = keys}, {0, 0, 10, 4, 12, 8, 0, 0}, 96);
+  const std::array tracks{move.track()};
+  constexpr std::size_t cells = 24;
+  constexpr int samples = 4000;
+  std::array<MotionTriple<double>, 2 * cells> found{};
+  MotionTriple<double> peak[2] = {};
+  for (int i = 0; i <= samples * static_cast<int>(cells); ++i) {
+    const double frame = 96.0 * i / (samples * cells);
+    const auto whole = static_cast<std::int32_t>(frame);
+    std::array<AxisMotion<double>, 2> motion;
+    static_cast<void>(move.track().motion({whole, frame - whole}, motion));
+    // Samples on a border belong to neither of its cells.
+    if (i % samples == 0) continue;
+    for (std::size_t d = 0; d < 2; ++d) {
+      const MotionTriple<double> here{motion[d].velocity, motion[d].acceleration, motion[d].jerk};
+      for (std::size_t q = 0; q < motion_quantities; ++q) {
+        double& of_cell = found[2 * static_cast<std::size_t>(i / samples) + d][q];
+        of_cell = std::max(of_cell, std::fabs(here[q]));
+        peak[d][q] = std::max(peak[d][q], of_cell);
+      }
+    }
+  }
+  std::vector<MotionTriple<double>> suprema(2 * cells);
+  std::vector<AxisTurn<double>> turns(2);
+  std::vector<MotionTriple<double>> slack(2);
+  bound_cells<double>(Move<double>::make(tracks, {}).value(), turns,
+                      {.cells = cells, .slack = slack, .suprema = suprema});
+  // What the samples miss, and what a border is off by, is next to nothing.
+  constexpr double missed = 1e-3;
+  for (std::size_t i = 0; i < suprema.size(); ++i) {
+    for (std::size_t q = 0; q < motion_quantities; ++q) {
+      const double own = found[i][q];
+      EXPECT_GE(suprema[i][q], own) << "cell " << i / 2 << ", axis " << i % 2 << ", quantity " << q;
+      EXPECT_LE(suprema[i][q], own + std::max(0.02 * own, 0.005 * peak[i % 2][q]) + missed * peak[i % 2][q])
+          << "cell " << i / 2 << ", axis " << i % 2 << ", quantity " << q;
+    }
+  }
+}
+
 TEST(MotionBounds, AKeyOnTheFirstOrLastFrameOfAPartHasOneSide) {
   // An axis each before and behind the corner, which is met on frame 24 as exactly as a lock is.
   const std::vector<double> keys{0, 0, 100, 0, 100, 60};
