@@ -109,7 +109,7 @@ constexpr std::array<std::string_view, budget_object_count> object_names{
 // These solve a move, or every tick calls them: the stack of another function is in neither of these.
 constexpr std::array<FunctionBudget, 18> stack{{
     {"ArcLength::make", {2880, 1600}, {3200, 1600}},
-    {"adjust_to_locks", {1024, 832}, {1632, 832}},
+    {"adjust_to_locks", {832, 640}, {1408, 640}},
     {"Track::make", {640, 512}, {672, 512}},
     {"closed_form_table", {1408, 832}, {1728, 832}},
     {"CountTrack::make", {896, 672}, {1344, 1152}},

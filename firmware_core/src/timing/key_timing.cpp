@@ -262,7 +262,7 @@ class Adjustment {
   }
 
   const KeyTimingSpec<Real>& spec_;
-  KeyTimingMemory<Real> memory_;
+  const KeyTimingMemory<Real>& memory_;
   std::span<const KeyLock> locks_;
   std::int32_t drawn_f_;
   bool is_periodic_;

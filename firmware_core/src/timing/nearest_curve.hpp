@@ -289,7 +289,7 @@ class NearestCurve {
     }
   }
 
-  KeyTimingMemory<Real> memory_;
+  const KeyTimingMemory<Real>& memory_;
   std::span<const KeyLock> locks_;
   std::int32_t frames_;
   std::int32_t f_;
