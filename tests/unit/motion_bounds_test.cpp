@@ -99,7 +99,7 @@ TEST(MotionBounds, TheCellsOfAMoveAreAsCloseToTheTruthAsTheyPromise) {
   constexpr std::size_t cells = 24;
   constexpr int samples = 4000;
   std::array<MotionTriple<double>, 2 * cells> found{};
-  MotionTriple<double> peak[2] = {};
+  std::array<MotionTriple<double>, 2> peak{};
   for (int i = 0; i <= samples * static_cast<int>(cells); ++i) {
     const double frame = 96.0 * i / (samples * cells);
     const auto whole = static_cast<std::int32_t>(frame);
@@ -121,7 +121,7 @@ TEST(MotionBounds, TheCellsOfAMoveAreAsCloseToTheTruthAsTheyPromise) {
   std::vector<MotionTriple<double>> slack(2);
   bound_cells<double>(Move<double>::make(tracks, {}).value(), turns,
                       {.cells = cells, .slack = slack, .suprema = suprema});
-  // What the samples miss, and what a border is off by, is next to nothing.
+  // The samples miss next to nothing of a peak, and a border is off by as little.
   constexpr double missed = 1e-3;
   for (std::size_t i = 0; i < suprema.size(); ++i) {
     for (std::size_t q = 0; q < motion_quantities; ++q) {

@@ -24,7 +24,7 @@ void raise_to(MotionTriple<Real>& to, const MotionTriple<Real>& from) {
   for (std::size_t i = 0; i < motion_quantities; ++i) to[i] = std::max(to[i], from[i]);
 }
 
-/// What is known of a group of axes in the part of a cell.
+/// This refers to what is known of a group of axes in the part of a cell.
 template <Precise Real>
 struct KnownGroup {
   GroupTriple<Real>& found;   ///< the highest motion found
@@ -144,7 +144,7 @@ class TrackCells {
       raise_at(stretch, x, walk_.tau_at(stretch, x));
     }
   }
-  /// In a frame of its own: what it needs is not on the stack while boxes are halved.
+  /// It is not inlined, so that what it needs is not on the stack while boxes are halved.
   [[gnu::noinline]] void raise_at(const Stretch<Real>& stretch, Real x, Real tau) {
     enclosure_.middles(
         enclosure_.at(stretch, x, tau),

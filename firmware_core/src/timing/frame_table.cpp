@@ -44,8 +44,9 @@ void compare_steps(const Track<Real>& track, std::span<const PathPoint<Real>> po
   }
 }
 
-/// What is rounded on the way to the distance at a frame of a broken curve: its constant times the integral
-/// over a span. Where next to nothing of the curve is left behind a break, its constant is that large.
+/// The distance at a frame of a broken curve is a sum, and rounds as this does: the constant of its portion
+/// times the integral over a span. The constant is large where next to nothing of the curve is left behind a
+/// break.
 template <Precise Real>
 Real span_distance(const Track<Real>& track, std::int32_t frame) {
   const std::span<const Portion<Real>> portions = track.portions();

@@ -15,8 +15,8 @@ namespace inbetween {
 template <Precise Real>
 struct MotionCells {
   std::size_t cells = 0;
-  /// Of all axes: not more than this above the truth needs no work. It is worked with, and another number
-  /// afterwards.
+  /// A bound of an axis that is at most this much above the truth needs no work. There is one for each of all
+  /// axes, and bound_cells() changes them.
   std::span<MotionTriple<Real>> slack;
   std::span<MotionTriple<Real>> suprema;  ///< cell by cell, of all axes, in axis units and seconds
   /// Of so many motors that follow an axis through a calibration, behind the axes in each cell.
