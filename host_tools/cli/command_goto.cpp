@@ -140,8 +140,8 @@ inside their soft limits. Esc, q and Ctrl-C stop them on it.
 
 An axis that does not know where it is does not go anywhere: home it, or bring it to its mark with jog and say
 so with --set-zero. What is said is kept until the axis moves, and from then on where it rests; an axis that
-was moving when the power was cut has to be told again. An axis that its drive knows (reference = "drive") is
-refused.
+was moving when the power was cut has to be told again, and so has one whose drive then tells another place:
+most drives forget turns without power. An axis that its drive knows (reference = "drive") is refused.
 
 Exit status: 0 there; 1 refused; 3 outside the limits; 4 stopped on the way.
 

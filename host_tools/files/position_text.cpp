@@ -1,6 +1,7 @@
 #include "host_tools/files/position_text.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <charconv>
@@ -14,7 +15,7 @@ namespace inbetween {
 namespace {
 
 constexpr std::string_view title = "inbetween positions ";
-constexpr std::string_view version = "1";
+constexpr std::string_view version = "2";
 
 std::string sum_line(std::string_view bytes) {
   Fnv1a sum;
@@ -76,6 +77,21 @@ bool read_axis(std::string_view line, KeptPositions& positions) {
   return true;
 }
 
+/// Belongs to the axis of the line before.
+bool read_zeros(std::string_view line, KeptPositions& positions) {
+  if (positions.axes.empty()) return false;
+  KeptAxis& axis = positions.axes.back();
+  if (axis.rest != AxisRest::at || !axis.zeros.empty()) return false;
+  Words words(line);
+  words.next();
+  while (!words.rest().empty()) {
+    const auto zero = number_of<double>(words.next());
+    if (!zero || !std::isfinite(*zero)) return false;
+    axis.zeros.push_back(*zero);
+  }
+  return !axis.zeros.empty();
+}
+
 }  // namespace
 
 std::string to_text(const KeptPositions& positions) {
@@ -84,6 +100,7 @@ std::string to_text(const KeptPositions& positions) {
     std::string rest = axis.rest == AxisRest::moving ? "moving" : "unreferenced";
     if (axis.rest == AxisRest::at) rest = fmt::format("at {}", axis.position);
     text += fmt::format("{} {}\n", rest, axis.name);
+    if (!axis.zeros.empty()) text += fmt::format("zero {}\n", fmt::join(axis.zeros, " "));
   }
   return text + sum_line(text);
 }
@@ -104,8 +121,8 @@ std::variant<KeptPositions, std::string> parse_positions(std::string_view text) 
     const std::string_view line = rest.substr(0, end);
     rest.remove_prefix(end + 1);
     ++line_number;
-    const bool is_read =
-        line_number == 1 || (line_number == 2 ? read_rig(line, positions) : read_axis(line, positions));
+    const auto read = line_number == 2 ? read_rig : line.starts_with("zero ") ? read_zeros : read_axis;
+    const bool is_read = line_number == 1 || read(line, positions);
     if (!is_read) return fmt::format("is damaged in line {}", line_number);
   }
   // There is one way to write the text. A text that the lenient reader above accepts in another form differs

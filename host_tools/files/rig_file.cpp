@@ -278,10 +278,20 @@ Home read_home(const TomlValue& value, const RigAxis& axis, TakenLines& lines) {
   return home;
 }
 
+/// A moteus proves by its home state that it knows its place. Any other drive may have forgotten turns, and
+/// nothing that it tells shows that.
+bool proves_its_place(const RigAxis& axis) {
+  const auto is_moteus = [](const Drive& drive) { return std::holds_alternative<MoteusDrive>(drive); };
+  return is_moteus(axis.drive) &&
+         std::ranges::all_of(axis.ganged, [&](const GangedMotor& motor) { return is_moteus(motor.drive); });
+}
+
 void read_reference(const TomlTable& table, RigAxis& axis) {
   const bool open_loop = is_open_loop(axis.drive);
   const bool has_home = axis.home || axis.drive_home;
-  axis.reference = has_home ? Reference::by_home : open_loop ? Reference::by_operator : Reference::by_drive;
+  axis.reference = has_home                 ? Reference::by_home
+                   : proves_its_place(axis) ? Reference::by_drive
+                                            : Reference::by_operator;
   const auto value = table.optional("reference");
   if (!value) return;
   const auto reference = static_cast<Reference>(value->choice(reference_names));

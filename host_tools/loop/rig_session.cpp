@@ -44,7 +44,7 @@ std::vector<double> standing(const RigFile& rig, const RigReference& reference,
   std::vector<double> positions;
   positions.reserve(rig.axes.size());
   for (std::size_t a = 0; a < rig.axes.size(); ++a) {
-    positions.push_back(reference.position(a).value_or(parked(rig.axes[a])));
+    positions.push_back(reference.counted_position(a).value_or(parked(rig.axes[a])));
   }
   return standing_positions(rig, std::move(positions), options.standing);
 }
@@ -112,7 +112,7 @@ bool RigSession::arm() {
   tell_notes();
   positions_ = arming.positions();
   if (loop().state() != SupervisorState::ready) return false;
-  reference_.refuse_elsewhere(positions_);
+  reference_.compare(drives_, positions_);
   return true;
 }
 
@@ -141,11 +141,13 @@ std::string RigSession::use(const std::function<void()>& task) {
     task();
   } catch (const std::exception& error) {
     disarm();
+    reference_.forget_restarted(drives_);
     const std::string on = drives_.left_on();
     if (on.empty()) throw;
     throw PowerLeftError(std::string(error.what()) + "\n" + on);
   }
   disarm();
+  reference_.forget_restarted(drives_);
   return drives_.left_on();
 }
 

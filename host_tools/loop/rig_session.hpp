@@ -64,7 +64,7 @@ class RigSession {
   /// task throws and one may, throws PowerLeftError.
   std::string use(const std::function<void()>& task);
   /// Whether the drives are on; otherwise trouble() says why they are not. Throws what
-  /// RigReference::refuse_elsewhere throws.
+  /// RigReference::compare throws.
   bool arm();
   /// The position of every axis as its drive told it, after arm() and after rest().
   [[nodiscard]] const std::vector<double>& positions() const { return positions_; }

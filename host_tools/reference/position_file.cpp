@@ -160,7 +160,7 @@ PositionFile::PositionFile(std::string path, const RigFile& rig, FileLayer files
   kept_.identity = position_identity(rig);
   for (const std::size_t axis : kept_axes(rig)) {
     kept_.axes.push_back({.name = rig.axes[axis].name});
-    known_.push_back({.axis = axis, .position = std::nullopt, .why = ""});
+    known_.push_back({.axis = axis, .position = std::nullopt, .zeros = {}, .why = ""});
   }
 
   std::string why;
@@ -185,6 +185,7 @@ PositionFile::PositionFile(std::string path, const RigFile& rig, FileLayer files
       known_[i].why = why;
     } else if (axis.rest == AxisRest::at) {
       known_[i].position = axis.position;
+      known_[i].zeros = axis.zeros;
     } else {
       known_[i].why = axis.rest == AxisRest::moving
                           ? "it was moving when the power was cut or the program ended"
@@ -214,7 +215,7 @@ void PositionFile::about_to_move(std::span<const std::size_t> axes) {
     if (std::find(axes.begin(), axes.end(), known[i].axis) == axes.end()) continue;
     any = true;
     kept.axes[i] = {.name = kept.axes[i].name, .rest = AxisRest::moving};
-    known[i] = {.axis = known[i].axis, .position = std::nullopt, .why = "it moves"};
+    known[i] = {.axis = known[i].axis, .position = std::nullopt, .zeros = {}, .why = "it moves"};
   }
   if (!any) return;
   write(kept);  // if it throws, nothing moves, and what is known stays so
@@ -232,8 +233,12 @@ void PositionFile::at_rest(std::span<const Rest> rests) {
     const auto i = static_cast<std::size_t>(known - known_.begin());
     kept_.axes[i] = {.name = kept_.axes[i].name,
                      .rest = rest.position ? AxisRest::at : AxisRest::unreferenced,
-                     .position = rest.position.value_or(0)};
-    *known = {.axis = rest.axis, .position = rest.position, .why = rest.position ? "" : nobody_has_said};
+                     .position = rest.position.value_or(0),
+                     .zeros = rest.position ? rest.zeros : std::vector<double>()};
+    *known = {.axis = rest.axis,
+              .position = rest.position,
+              .zeros = kept_.axes[i].zeros,
+              .why = rest.position ? "" : nobody_has_said};
   }
   write(kept_);
 }

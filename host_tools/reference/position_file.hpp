@@ -48,6 +48,7 @@ std::unique_ptr<InstanceLock> lock_positions(const std::string& path);
 struct KnownAxis {
   std::size_t axis = 0;            // of the rig
   std::optional<double> position;  // at rest, in the unit of the axis; absent: unreferenced
+  std::vector<double> zeros;       // KeptAxis::zeros
   std::string why;                 // it is unreferenced, in words; otherwise empty
 };
 
@@ -71,6 +72,7 @@ class PositionFile {
   struct Rest {
     std::size_t axis = 0;            // of the rig, kept
     std::optional<double> position;  // finite, in the unit of the axis
+    std::vector<double> zeros = {};  // KeptAxis::zeros
   };
   /// After the axes have come to rest. If it throws, the file still says that they move, or what was to be
   /// written.

@@ -6,15 +6,54 @@
 #include <cmath>
 #include <stdexcept>
 #include <utility>
+#include <variant>
 
 #include "host_tools/files/diagnostics.hpp"
+#include "host_tools/files/rig_motors.hpp"
 
 namespace inbetween {
+namespace {
+
+/// A turn of something that an axis moves with, in its unit.
+struct TurnOf {
+  double way;
+  const char* what;
+};
+
+/// The turns that a drive may lose: of its output shaft, and of its rotor.
+std::vector<TurnOf> turns_of(const RigAxis& axis) {
+  std::vector<TurnOf> turns;
+  if (axis.calibration) return turns;  // the axis has another way for each
+  if (const std::optional<double> turns_per_unit = turns_per_unit_of(axis.drive)) {
+    turns.push_back({1 / std::fabs(*turns_per_unit), "the output shaft"});
+    if (const auto* motor = std::get_if<CubemarsDrive>(&axis.drive)) {
+      turns.push_back({turns.front().way / motor->gear, "the rotor"});
+    }
+  } else if (axis.unit == AxisUnit::deg) {
+    turns.push_back({360, "the axis"});
+  }
+  return turns;
+}
+
+/// "360 deg, one turn of the output shaft".
+std::string way_in_words(const RigAxis& axis, double way) {
+  std::string words = fmt::format("{:.5g} {}", way, to_string(axis.unit));
+  for (const TurnOf& turn : turns_of(axis)) {
+    const double count = std::round(way / turn.way);
+    const bool is_whole = count >= 1 && std::fabs(way - count * turn.way) <= 0.01 * turn.way;
+    if (!is_whole) continue;
+    return count == 1 ? fmt::format("{} (one turn of {})", words, turn.what)
+                      : fmt::format("{} ({:g} turns of {})", words, count, turn.what);
+  }
+  return words;
+}
+
+}  // namespace
 
 RigReference::RigReference(const RigFile& rig, std::string file, FileLayer files) : RigReference(rig) {
   file_.emplace(std::move(file), rig, std::move(files));
   for (const KnownAxis& known : file_->axes()) {
-    axes_[known.axis] = {.position = known.position, .why = known.why};
+    axes_[known.axis] = {.position = known.position, .zeros = known.zeros, .why = known.why};
   }
 }
 
@@ -22,26 +61,62 @@ bool RigReference::is_kept(std::size_t axis) const {
   return rig_.axes[axis].reference != Reference::by_drive;
 }
 
+bool RigReference::is_told(std::size_t axis) const {
+  return is_kept(axis) && !is_open_loop(rig_.axes[axis].drive);
+}
+
+std::optional<double> RigReference::counted_position(std::size_t axis) const {
+  const Axis& of = axes_[axis];
+  if (!of.position || of.zeros.empty()) return of.position;
+  const RigAxis& in_rig = rig_.axes[axis];
+  const AxisMotor<double> first{.axis = axis, .offset = in_rig.offset};
+  return axis_position(in_rig, first, motor_position(in_rig, first, *of.position) + of.zeros.front());
+}
+
 void RigReference::place(RigDrives& drives) const {
   for (std::size_t a = 0; a < axes_.size(); ++a) {
-    if (axes_[a].position && !rig_.axes[a].drive_home) drives.place(a, *axes_[a].position);
+    const Axis& axis = axes_[a];
+    if (!axis.position) continue;
+    if (!axis.zeros.empty()) {
+      drives.set_zeros(a, axis.zeros);
+    } else if (!rig_.axes[a].drive_home) {  // that drive counts from its home
+      drives.place(a, *axis.position);
+    }
   }
 }
 
-void RigReference::refuse_elsewhere(std::span<const double> positions) {
-  for (std::size_t a = 0; a < axes_.size(); ++a) {
-    const RigAxis& axis = rig_.axes[a];
-    if (!axis.drive_home || !axes_[a].position) continue;
-    const double left = *axes_[a].position;
-    if (std::fabs(positions[a] - left) <= place_tolerance(axis)) continue;
-    is_lost(a, "its drive told another position than the one at which it was left");
-    throw InputError(
-        axis.place,
-        fmt::format(
-            "axis {} was left at {:g} {}, and its drive tells {:g}: it was without power, or the axis "
-            "was moved; let it home with inbetween home",
-            in_quotes(axis.name), left, to_string(axis.unit), positions[a]));
+void RigReference::refuse_if_elsewhere(std::size_t axis, double told) {
+  const RigAxis& of = rig_.axes[axis];
+  const double left = *axes_[axis].position;
+  // Noise of the encoder, and what is lost where its count is rounded.
+  if (std::fabs(told - left) <= std::max(place_tolerance(of), 2 * count_of(of))) return;
+  is_lost(axis, "its drive told another position than the one at which it was left");
+  const char* const unit = to_string(of.unit).data();
+  std::string remedy = "let it home with inbetween home";
+  if (!of.drive_home) {
+    remedy = fmt::format("look where it stands, and say it with inbetween goto --stands-at {}={:.7g}",
+                         of.name, left);
+    if (told >= of.min && told <= of.max) remedy += fmt::format(" or {}={:.7g}", of.name, told);
   }
+  throw InputError(
+      of.place,
+      fmt::format("axis {} was left at {:.7g} {}, and its drive tells {:.7g}, {} {}: it has forgotten that "
+                  "without power, or the axis was moved; {}",
+                  in_quotes(of.name), left, unit, told, way_in_words(of, std::fabs(told - left)),
+                  told > left ? "more" : "less", remedy));
+}
+
+void RigReference::compare(const RigDrives& drives, std::span<const double> positions) {
+  std::vector<PositionFile::Rest> rests;
+  for (std::size_t a = 0; a < axes_.size(); ++a) {
+    Axis& axis = axes_[a];
+    if (!axis.position || axis.moves || !is_told(a)) continue;
+    refuse_if_elsewhere(a, positions[a]);
+    if (!axis.zeros.empty()) continue;
+    axis.zeros = drives.zeros(a);
+    rests.push_back({.axis = a, .position = axis.position, .zeros = axis.zeros});
+  }
+  keep(rests);
 }
 
 void RigReference::refuse_unreferenced(std::span<const std::size_t> axes) const {
@@ -53,8 +128,12 @@ void RigReference::refuse_unreferenced(std::span<const std::size_t> axes) const 
                                    ? "let its drive home it with inbetween home"
                                    : "bring it to its mark with inbetween jog, and say so with inbetween "
                                      "goto --set-zero";
-    throw InputError(axis.place, fmt::format("axis {} does not know where it is: {}; {}",
-                                             in_quotes(axis.name), axes_[a].why, remedy));
+    const char* const or_vouch =
+        is_told(a) && !axis.drive_home
+            ? "; or write reference = \"drive\" if its encoder knows its turns without power"
+            : "";
+    throw InputError(axis.place, fmt::format("axis {} does not know where it is: {}; {}{}",
+                                             in_quotes(axis.name), axes_[a].why, remedy, or_vouch));
   }
 }
 
@@ -84,9 +163,18 @@ void RigReference::at_rest(const RigDrives& drives, std::span<const DriveState<d
     }
     axis.position =
         is_referenced(a) ? std::optional(drives.as_approached(a, states[a].actual)) : std::nullopt;
-    rests.push_back({.axis = a, .position = axis.position});
+    axis.zeros = drives.zeros(a);
+    rests.push_back({.axis = a, .position = axis.position, .zeros = axis.zeros});
   }
   keep(rests);
+}
+
+void RigReference::forget_restarted(const RigDrives& drives) {
+  for (std::size_t a = 0; a < axes_.size(); ++a) {
+    if (axes_[a].position && is_told(a) && drives.has_lost_position(a)) {
+      is_lost(a, "its drive has started anew");
+    }
+  }
 }
 
 void RigReference::stands_at(std::size_t axis, double position) {

@@ -19,6 +19,11 @@ namespace inbetween {
 /// The axes whose reference is not their drive, from what the position file says at the beginning to what is
 /// written into it at the end. Axes that their drives know are none of its business and always referenced.
 ///
+/// A drive on a bus tells its place, but most forget turns without power. So its axis keeps its place from
+/// one program to the next only if the drive tells the same place as before. How the drive counts is kept
+/// beside the place, and the drive's own count goes on: a small difference, as of an axis that has sunk onto
+/// its brake, is what really happened.
+///
 /// Without a file, which is for simulated rigs, every axis is referenced where it stands and nothing is kept.
 /// Refers to the rig. What writes throws std::runtime_error, one line: see PositionFile. Not for the loop's
 /// thread, because a disk takes its time.
@@ -29,13 +34,14 @@ class RigReference {
 
   /// The position at which an axis rests, if it is known.
   [[nodiscard]] std::optional<double> position(std::size_t axis) const { return axes_[axis].position; }
-  /// Tells the drives where their axes rest. Before they are switched on. One that homes its axis by itself
-  /// counts from that home, and is asked instead.
+  /// The same as its drive counts it.
+  [[nodiscard]] std::optional<double> counted_position(std::size_t axis) const;
+  /// Tells the drives where their axes rest, or from where they count. Before they are switched on.
   void place(RigDrives& drives) const;
-  /// The drives are on and have told these positions. Throws InputError at the place of an axis whose drive
-  /// has homed it and does not tell where it was left: it has been without power since, or the axis was
-  /// moved.
-  void refuse_elsewhere(std::span<const double> positions);
+  /// The drives are on and have told these positions. Throws InputError at the place of an axis that was left
+  /// elsewhere by what its drive tells: the drive has forgotten turns, or the axis was moved. Nobody knows
+  /// where it is until somebody says it. Of the others it is kept how their drives count.
+  void compare(const RigDrives& drives, std::span<const double> positions);
 
   [[nodiscard]] bool is_referenced(std::size_t axis) const { return axes_[axis].why.empty(); }
   /// Throws InputError at the place of the first of `axes` that is unreferenced, with why and what to do.
@@ -48,6 +54,9 @@ class RigReference {
   /// it has lost its steps, its drive is out of reach, or its motor was without power (`power_was_cut`) and
   /// nothing reports where it went. What has not moved stays as it is.
   void at_rest(const RigDrives& drives, std::span<const DriveState<double>> states, bool power_was_cut);
+  /// The drives are switched off again. An axis whose drive has started anew since it was placed is lost,
+  /// also if it was not to move.
+  void forget_restarted(const RigDrives& drives);
 
   /// Somebody says where an axis rests, or its switch has told. Throws std::logic_error for an axis that
   /// its drive knows.
@@ -60,10 +69,14 @@ class RigReference {
                                    bool is_simulated);
   struct Axis {
     std::optional<double> position = {};
-    std::string why = {};  ///< it is unreferenced
+    std::vector<double> zeros = {};  ///< KeptAxis::zeros
+    std::string why = {};            ///< it is unreferenced
     bool moves = false;
   };
   [[nodiscard]] bool is_kept(std::size_t axis) const;
+  /// Its drive tells where it is, and nothing proves that.
+  [[nodiscard]] bool is_told(std::size_t axis) const;
+  void refuse_if_elsewhere(std::size_t axis, double told);
   void keep(std::span<const PositionFile::Rest> rests);
 
   const RigFile& rig_;

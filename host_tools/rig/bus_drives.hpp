@@ -67,8 +67,15 @@ class BusDrives final
       ports_[drive].stands_at = position;
     }
   }
+  [[nodiscard]] std::optional<double> zero(std::size_t drive) const override {
+    if (ports_[drive].stands_at) return {};
+    return static_cast<double>(ports_[drive].zero) / ports_[drive].scale;
+  }
+  void set_zero(std::size_t drive, double zero) override {
+    ports_[drive].zero = Drive::place_of(zero * ports_[drive].scale);
+  }
   [[nodiscard]] bool has_lost_position(std::size_t drive) const override {
-    return can::loses_reference(port_->drive(drive).findings());
+    return port_->has_forgotten(drive);
   }
   [[nodiscard]] can::Cia402Homing* homing(std::size_t drive) const override {
     if constexpr (requires(Drive & host) { host.homing(); }) {

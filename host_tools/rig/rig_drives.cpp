@@ -126,6 +126,24 @@ void RigDrives::place(std::size_t axis, double position) {
   }
 }
 
+std::vector<double> RigDrives::zeros(std::size_t axis) const {
+  std::vector<double> zeros;
+  for (std::size_t m = 0; m < of_.size(); ++m) {
+    if (rig_.of[m].axis != axis) continue;
+    const std::optional<double> zero = of_[m].drives->zero(of_[m].number);
+    if (!zero) return {};
+    zeros.push_back(*zero);
+  }
+  return zeros;
+}
+
+void RigDrives::set_zeros(std::size_t axis, std::span<const double> zeros) {
+  auto zero = zeros.begin();
+  for (std::size_t m = 0; m < of_.size() && zero != zeros.end(); ++m) {
+    if (rig_.of[m].axis == axis) of_[m].drives->set_zero(of_[m].number, *zero++);
+  }
+}
+
 bool RigDrives::has_lost_position(std::size_t axis) const {
   for (std::size_t m = 0; m < of_.size(); ++m) {
     if (rig_.of[m].axis == axis && of_[m].drives->has_lost_position(of_[m].number)) return true;

@@ -42,6 +42,12 @@ class RigDrives {
   /// switched on, or while nothing is sent to them. Throws InputError at an axis whose drive cannot count so
   /// far.
   void place(std::size_t axis, double position);
+  /// For each motor of the axis the position that its drive counts, in the unit of the motor, where the motor
+  /// is at 0. Empty where one of them cannot tell that, or has not told its place since it was placed.
+  [[nodiscard]] std::vector<double> zeros(std::size_t axis) const;
+  /// The same is true now as in an earlier program, which had as many motors. Only before the drives are
+  /// switched on.
+  void set_zeros(std::size_t axis, std::span<const double> zeros);
   /// The homing that the drive of an axis does by itself, for the loop's thread; null where it takes targets.
   [[nodiscard]] can::Cia402Homing* homing(std::size_t axis) const {
     return of_[axis].drives->homing(of_[axis].number);

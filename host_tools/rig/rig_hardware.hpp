@@ -103,6 +103,11 @@ class AxisDrives {
   virtual void let_switch_on(bool /*may*/) {}
   /// RigDrives::place.
   virtual void place(std::size_t drive, double position) = 0;
+  /// The position that the drive counts, in the unit of its motor, where the motor is at 0. Nothing where no
+  /// drive tells its place, or this one has not told it since it was placed.
+  [[nodiscard]] virtual std::optional<double> zero(std::size_t /*drive*/) const { return {}; }
+  /// Its motor is at 0 where the drive counts this. Only before it is switched on.
+  virtual void set_zero(std::size_t /*drive*/, double /*zero*/) {}
   /// RigDrives::homing.
   [[nodiscard]] virtual can::Cia402Homing* homing(std::size_t /*drive*/) const { return nullptr; }
   [[nodiscard]] virtual bool has_lost_position(std::size_t /*drive*/) const { return false; }

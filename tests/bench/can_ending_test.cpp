@@ -34,6 +34,7 @@ max = 200
 max_velocity = 200
 max_acceleration = 800
 unpowered = "holds"
+reference = "drive"
 drive = { type = "cia402", bus = "can0", node = 1, counts_per_unit = 1000 }
 [[axis]]
 name = "pan"
@@ -43,6 +44,7 @@ max = 90
 max_velocity = 100
 max_acceleration = 400
 unpowered = "holds"
+reference = "drive"
 drive = { type = "cia402", bus = "can0", node = 2, counts_per_unit = 1000 }
 )";
 constexpr std::string_view move = R"(name = "nod"

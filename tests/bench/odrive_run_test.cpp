@@ -140,6 +140,35 @@ TEST(OdriveRun, CtrlCEndsWithTheDrivesOff) {
   for (const OdriveAxis& axis : axes) EXPECT_THAT(scene.emergencies(axis.name), testing::IsEmpty());
 }
 
+// docs/faults.md 48. The rig stands at the end of the move, and its drives count from 0 again.
+TEST(OdriveRun, ADriveThatForgotItsTurnsIsNotBelieved) {
+  const TemporaryFolder folder;
+  const std::string drives = "inbetween sim-drives --rig '" + odrive_rig() + "' --record drives.csv";
+  const std::string on = " 2>drives.txt & drives=$!\nuntil_true grep -q power drives.txt\n";
+  const std::string off = "kill -TERM $drives; wait $drives\n";
+  const ProgramRun run = script_in_bench(
+      {"--vcan", "can0", "--virtual-time", "--timeout", "200"},
+      "cd '" + folder.path().string() +
+          "'\nexport XDG_STATE_HOME=$PWD\necho -1 >/proc/sys/kernel/sched_rt_runtime_us\n" + drives +
+          " --from slide=60 --from pan=-62 --from tilt=-4" + on + "status=0\n" +
+          BusScene::run_command(odrive_rig()) +
+          " --yes 2>&1 || status=$?\necho first ended with $status\ninbetween goto --rig '" + odrive_rig() +
+          "' --stands-at slide=60 pan=-62 tilt=-4\nstatus=0\n" + BusScene::run_command(odrive_rig()) +
+          " --yes || status=$?\necho second ended with $status\n" + off + drives + on + "status=0\n" +
+          BusScene::run_command(odrive_rig()) + " --yes || status=$?\n" + off +
+          "grep end drives.csv\nexit $status");
+  EXPECT_THAT(run.out, AllOf(HasSubstr("does not know where it is"), HasSubstr("first ended with 1"),
+                             HasSubstr("second ended with 0")));
+  EXPECT_EQ(run.status, 1) << run.out;
+  EXPECT_THAT(run.err,
+              AllOf(HasSubstr("axis \"slide\" was left at 1640"), HasSubstr("its drive tells 0"),
+                    HasSubstr("turns of the output shaft) less"), HasSubstr("--stands-at slide=1640")));
+  for (const OdriveAxis& axis : axes) {
+    EXPECT_THAT(run.out, testing::ContainsRegex(fmt::format("{},end,idle,-?0\\.0000", axis.name)))
+        << "it has not moved";
+  }
+}
+
 TEST(OdriveRun, TheDoctorTriesEveryDriveAndNamesWhatIsWrong) {
   const TemporaryFolder folder;
   std::ofstream(folder.path() / "faults.toml") << fault_of("tilt", "\"no-watchdog\"");

@@ -11,6 +11,7 @@
 #include <limits>
 #include <sstream>
 
+#include "host_tools/reference/position_file.hpp"
 #include "tests/support/bench.hpp"
 #include "tests/support/places.hpp"
 
@@ -50,6 +51,17 @@ double between(const std::vector<double>& planned, double tick) {
   return planned[before] + part * (planned[before + 1] - planned[before]);
 }
 
+/// Whoever sets a rig up says where its axes stand, where nobody vouches for their encoders.
+std::string placing_command(const std::string& rig, const std::map<std::string, double>& standing) {
+  const RigFile read = read_rig_file(rig);
+  std::string command;
+  for (const std::size_t axis : kept_axes(read)) {
+    const auto said = standing.find(read.axes[axis].name);
+    if (said != standing.end()) command += fmt::format(" --stands-at {}={}", said->first, said->second);
+  }
+  return command.empty() ? "" : fmt::format("inbetween goto --rig '{}'{} >/dev/null\n", rig, command);
+}
+
 }  // namespace
 
 std::string BusScene::rig() {
@@ -78,8 +90,9 @@ BusScene::BusScene(const BusSceneOptions& options) {
   }
   std::vector<std::string> bench{"--vcan", "can0", "--virtual-time", "--timeout", "200"};
   bench.insert(bench.end(), options.bench.begin(), options.bench.end());
-  run = script_in_bench(bench, "echo -1 >/proc/sys/kernel/sched_rt_runtime_us\n" + drives_command +
-                                   " --record " + record + " 2>" + err +
+  run = script_in_bench(bench, "echo -1 >/proc/sys/kernel/sched_rt_runtime_us\nexport XDG_STATE_HOME=" +
+                                   folder_.path().string() + "\n" + placing_command(rig, options.standing) +
+                                   drives_command + " --record " + record + " 2>" + err +
                                    " & drives=$!\nuntil_true grep -q power " + err + "\n" + options.who +
                                    run_command(rig) + " & run=$!\n" + options.during +
                                    "\nstatus=0; wait $run || status=$?\nsleep 3\nkill -TERM $drives; wait "

@@ -49,6 +49,7 @@ min = -30
 max = 30
 max_velocity = 60
 max_acceleration = 100
+reference = "drive"
 drive = { type = "cia402", bus = "can0", node = 2, counts_per_unit = 1000 }
 )";
 

@@ -59,6 +59,7 @@ min = 0
 max = 1500
 max_velocity = 400
 max_acceleration = 800
+reference = "drive"
 drive = { type = "cia402", bus = "can0", node = 1, counts_per_unit = 1000 }
 [[axis]]
 name = "head pan"
@@ -142,7 +143,7 @@ TEST(PositionFile, WhatWasKeptIsReadAgain) {
 
 TEST(PositionFile, IsATextThatAPersonCanRead) {
   const std::string body =
-      fmt::format("inbetween positions 1\nrig {:016x} slider\nat 5600 slide\nat -20.5 head pan\n",
+      fmt::format("inbetween positions 2\nrig {:016x} slider\nat 5600 slide\nat -20.5 head pan\n",
                   position_identity(rig()));
   EXPECT_EQ(kept_text(), with_sum(body));
 }
@@ -156,6 +157,20 @@ TEST(PositionFile, AMovingAxisHasNoNumber) {
   const PositionFile after = opened(disk.content().at(path));
   EXPECT_THAT(positions_of(after), ElementsAre(std::nullopt, -20.5));
   EXPECT_EQ(after.axes().at(0).why, "it was moving when the power was cut or the program ended");
+}
+
+TEST(PositionFile, HowTheDrivesOfAnAxisCountStandsBelowIt) {
+  SimulatedDisk disk;
+  PositionFile file(path, rig(), disk.layer());
+  file.at_rest(std::vector<PositionFile::Rest>{{slide, 7.0, {-1200, 0.1}}, {pan, 2.0, {}}});
+  EXPECT_THAT(disk.content().at(path), HasSubstr("\nat 7 slide\nzero -1200 0.1\nat 2 head pan\n"));
+  const PositionFile after = opened(disk.content().at(path));
+  EXPECT_THAT(after.axes().at(0).zeros, ElementsAre(-1200, 0.1));
+  EXPECT_THAT(after.axes().at(1).zeros, IsEmpty());
+  file.about_to_move(std::vector<std::size_t>{slide});
+  EXPECT_THAT(disk.content().at(path), HasSubstr("\nmoving slide\nat 2 head pan\n"));
+  file.at_rest(std::vector<PositionFile::Rest>{{slide, std::nullopt, {3}}});
+  EXPECT_THAT(file.axes().at(0).zeros, IsEmpty()) << "nobody knows from where it counts";
 }
 
 TEST(PositionFile, AnAxisCanBecomeUnreferenced) {
@@ -250,7 +265,7 @@ TEST(PositionFile, LimitsOfTheRigAndItsOtherAxesMayChange) {
 TEST(PositionFile, AnotherVersionIsNotBelieved) {
   const std::string text = kept_text();
   const std::string body = text.substr(0, text.rfind("sum "));
-  EXPECT_EQ(why_unreferenced(opened(with_sum(with(body, "positions 1", "positions 2")))),
+  EXPECT_EQ(why_unreferenced(opened(with_sum(with(body, "positions 2", "positions 1")))),
             path + " is of another version of this program");
 }
 
@@ -267,8 +282,8 @@ TEST(PositionFile, OnlyItsOwnTextIsBelieved) {
   for (const std::string& bad :
        {with(body, "at 5600", "At 5600"), with(body, "at 5600", "at"), with(body, "at 5600", "moving 5600"),
         with(body, "rig ", "rig  "), with(body, "rig ", "rig F"), body + "\n", body + "moving",
-        body + "moving x", with(body, "1\nrig", "1\n\nrig"), with(body, "positions 1", "positions 1 "),
-        std::string("inbetween positions 1\n")}) {
+        body + "moving x", with(body, "2\nrig", "2\n\nrig"), with(body, "positions 2", "positions 2 "),
+        std::string("inbetween positions 2\n")}) {
     why_unreferenced(opened(with_sum(bad)));
   }
   EXPECT_EQ(why_unreferenced(opened(with(text, "5600", "5601"))),
@@ -309,8 +324,9 @@ TEST(PositionFileProperty, GarbageWithAGoodCheckSumIsReadOnlyAsItIsWritten) {
   check_property(2000, [] {
     const auto lines = *rc::gen::container<std::vector<std::string>>(rc::gen::element<std::string>(
         "at 1 slide", "at -0 slide", "at 1e5 slide", "at 100000 slide", "moving slide", "moving",
-        "unreferenced x", "", "rig 00 x", "rig 0000000000000000 x", "at 1  y"));
-    std::string body = "inbetween positions 1\nrig 00000000000000ff slider\n";
+        "unreferenced x", "", "rig 00 x", "rig 0000000000000000 x", "at 1  y", "zero 1", "zero 1 -2.5",
+        "zero", "zero 01", "zero nan"));
+    std::string body = "inbetween positions 2\nrig 00000000000000ff slider\n";
     for (const std::string& line : lines) body += line + '\n';
     const auto parsed = parse_positions(with_sum(body));
     if (const auto* kept = std::get_if<KeptPositions>(&parsed)) RC_ASSERT(to_text(*kept) == with_sum(body));

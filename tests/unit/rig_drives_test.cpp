@@ -64,7 +64,8 @@ TEST(RigDrives, ABusWithMoreFramesInATickThanAreSentAtOnceIsRefused) {
 }
 
 TEST(RigDrives, AnAxisTellsItsDriveItsRangeAndItsStep) {
-  const RigFile rig = rig_of(1, 250, 1'000'000);
+  RigFile rig = rig_of(1, 250, 1'000'000);
+  rig.axes[0].reference = Reference::by_drive;
   const can::Cia402Settings settings = settings_of(rig.axes[0], rig.rate_hz);
   ASSERT_TRUE(settings.setup.position_limits);
   EXPECT_EQ(settings.setup.position_limits->min, -200'000) << "the scale turns the direction round";

@@ -324,7 +324,7 @@ TEST(RigGpio, WhoKnowsWhereAnAxisIsHasADefault) {
   const RigFile rig = parse_rig(slider, "r");
   EXPECT_EQ(rig.axes.at(0).reference, Reference::by_home);
   EXPECT_EQ(rig.axes.at(1).reference, Reference::by_operator);
-  EXPECT_EQ(parse_rig(can_rig, "r").axes.at(0).reference, Reference::by_drive);
+  EXPECT_EQ(parse_rig(can_rig, "r").axes.at(0).reference, Reference::by_operator) << "it may forget turns";
   EXPECT_TRUE(is_open_loop(rig.axes.at(0).drive) && is_open_loop(rig.axes.at(1).drive));
   EXPECT_FALSE(is_open_loop(parse_rig(can_rig, "r").axes.at(0).drive));
 }

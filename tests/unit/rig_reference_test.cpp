@@ -47,6 +47,7 @@ const std::string four_axes = rig_text(
       .max = 90,
       .max_velocity = 10,
       .max_acceleration = 10,
+      .more = R"(reference = "drive")",
       .drive = cia402_text(1)},
      {.name = "swing",
       .unit = "deg",
@@ -265,6 +266,31 @@ TEST(RigReference, AnAxisWhoseDriveHasStartedAnewIsLostAndNotRunAgain) {
   }
   EXPECT_EQ(stage.unreferenced(), std::vector{swing});
   EXPECT_THAT(refusal(stage.reference(), {swing}), HasSubstr("axis \"swing\" does not know where it is"));
+}
+
+// docs/faults.md 24
+TEST(RigReference, ADriveThatHasStartedAnewIsNotBelievedAgainThoughItsAxisWasNotToMove) {
+  const Stage stage;
+  stage.say({{slide, 120}, {focus, 0}, {swing, -30}});
+  {
+    RigReference reference = stage.reference();
+    const FaultScript faults = parse_fault_script("[[fault]]\naxis = \"swing\"\nwhat = \"reboot\"\nat = 4\n",
+                                                  "faults.toml", stage.rig);
+    SimulatedHardware hardware(stage.rig, {120, 0, 0, -30}, faults);
+    RigDrives drives(stage.rig, hardware);
+    reference.place(drives);
+    reference.about_to_move(std::vector{slide});
+    drives.enable();
+    Ticks loop{drives};
+    for (int i = 0; i < 2000 && !drives.has_lost_position(swing); ++i) loop.tick({});
+    ASSERT_TRUE(drives.has_lost_position(swing));
+    drives.enable();  // somebody acknowledges what was found, which brings back no turns
+    for (int i = 0; i < 2000; ++i) loop.tick({});
+    EXPECT_TRUE(drives.has_lost_position(swing));
+    reference.at_rest(drives, loop.states, false);
+    reference.forget_restarted(drives);
+  }
+  EXPECT_EQ(stage.unreferenced(), std::vector{swing});
 }
 
 TEST(RigReference, WhatIsLostIsUnreferencedUntilSomebodySaysWhereItIs) {

@@ -33,6 +33,7 @@ void require_positions(std::string_view text) {
   for (const KeptAxis& axis : kept.axes) {
     fuzz_require(std::isfinite(axis.position), "a position is finite");
     fuzz_require(axis.rest == AxisRest::at || axis.position == 0, "an unknown position is no number");
+    fuzz_require(axis.rest == AxisRest::at || axis.zeros.empty(), "nothing counts from an unknown position");
   }
   fuzz_require(to_text(kept) == text, "what is accepted is what would be written");
 }

@@ -83,6 +83,8 @@ struct PortDrive {
   DriveFindings seen;        ///< have been reported as a DriveCondition
   bool may_connect = false;  ///< the wish to be switched on allows one set-up
   bool may_enable = false;   ///< and one switching on: nothing resumes by itself
+  bool has_forgotten =
+      false;  ///< it has started anew since it was connected first; nobody can acknowledge that
 };
 
 /// One bus of a rig. Refers to the caller's memory.
@@ -206,7 +208,10 @@ class BusPort {
       was_unsent_[l] = false;
       for (std::size_t d = 0; d < lane.drives.size(); ++d) {
         lane.bus->drives()[d].acknowledge();
-        lane.drives[d] = {.seen = {}, .may_connect = true, .may_enable = true};
+        lane.drives[d] = {.seen = {},
+                          .may_connect = true,
+                          .may_enable = true,
+                          .has_forgotten = lane.drives[d].has_forgotten};
       }
     }
     is_out_of_range_ = false;
@@ -245,6 +250,10 @@ class BusPort {
   [[nodiscard]] const LaneCounters& counters(std::size_t lane) const { return counters_[lane]; }
   /// Several ticks in a row had frames that the link did not take, since the drives were switched on.
   [[nodiscard]] bool is_unsent(std::size_t lane) const { return was_unsent_[lane]; }
+  /// The drive of an axis may count from elsewhere than before: it has started anew, or may have.
+  [[nodiscard]] bool has_forgotten(std::size_t axis) const {
+    return lanes_[axes_[axis].lane].drives[axes_[axis].drive].has_forgotten;
+  }
   /// The drive of an axis, for whoever wants to know what is wrong.
   [[nodiscard]] const Drive& drive(std::size_t axis) const { return drive_of(axes_[axis]); }
 
@@ -285,6 +294,7 @@ class BusPort {
     DriveFindings reported = drive.findings().without(known.seen);
     if (drive.phase() == DrivePhase::following) reported.add(drive.lasting());
     known.seen = drive.findings();
+    known.has_forgotten = known.has_forgotten || loses_reference(known.seen);
     while (!reported.empty()) {
       worst = std::max(worst, condition_of(words_of(reported.take()).reaction));
     }
