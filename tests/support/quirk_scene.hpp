@@ -28,7 +28,7 @@ struct QuirkRig {
     return "name = \"one\"\nrate_hz = 250\n[bus.can0]\nbitrate = 1_000_000\n[[axis]]\nname = \"slide\"\nunit "
            "= "
            "\"mm\"\n" +
-           range + "max_velocity = 200\nmax_acceleration = 800\n" + axis +
+           range + "max_velocity = 200\nmax_acceleration = 800\nreference = \"drive\"\n" + axis +
            "\ndrive = { type = \"cia402\", bus = \"can0\", node = 5, counts_per_unit = 838860.8" + drive +
            " }\n";
   }

@@ -20,9 +20,13 @@
 namespace inbetween {
 namespace bus_record_test {
 
-const std::string rig_of_document = rig_text(
-    {{.name = "slide", .min = -10, .max_velocity = 200, .max_acceleration = 800, .drive = cia402_text(5)}},
-    {.rate_hz = 250, .more = bus_can0});
+const std::string rig_of_document = rig_text({{.name = "slide",
+                                               .min = -10,
+                                               .max_velocity = 200,
+                                               .max_acceleration = 800,
+                                               .more = "reference = \"drive\"",
+                                               .drive = cia402_text(5)}},
+                                             {.rate_hz = 250, .more = bus_can0});
 
 /// As candump -L writes it.
 std::string text_of(const can::Frame& frame) {

@@ -97,7 +97,7 @@ axes = ["lift"]
 keys = [ { at = [0] }, { at = [10] } ]
 speed = [0, 0, 10, 10, 0, 0]
 )");
-  const TemporaryFile rig("rig.toml", text);
+  const TemporaryFile rig("rig.toml", text + "reference = \"drive\"\n");
   return run_program({"run", move.path().string(), "--rig", rig.path().string()});
 }
 
