@@ -136,7 +136,8 @@ void describe(CLI::App& app, GotoArguments& arguments) {
   app.footer(
       R"(Says what moves from where to where and how long it takes, and goes there after somebody agreed: with
 Enter on a terminal, with --yes in a script. The axes move together on a straight line, from rest to rest,
-inside their soft limits. Esc, q and Ctrl-C stop them on it.
+inside their soft limits. Esc, q and Ctrl-C stop them on it. An axis that stands outside its limits comes in,
+and only in, at --speed 0.1 at most.
 
 An axis that does not know where it is does not go anywhere: home it, or bring it to its mark with jog and say
 so with --set-zero. What is said is kept until the axis moves, and from then on where it rests; an axis that

@@ -140,7 +140,8 @@ else changes meanwhile is read again and never overwritten. Keys of a track with
 replaced only, since a new one would need its frame; keys in the world, and of axes that count round (wrap),
 are edited in the file. An unreferenced axis has no position to store. Whether the move fits, check says.
 
-Axes stay inside their soft limits. An unreferenced axis (one that does not know where it is) has none: it
+Axes stay inside their soft limits. One that stands outside moves inwards only, at a tenth of its velocity at
+most until this command ends. An unreferenced axis (one that does not know where it is) has none: it
 moves at a tenth of the share at most. Bring it to its mark, and say so with inbetween goto --set-zero.
 
 Exit status: 0 left; 1 refused; 4 stopped by something else.

@@ -32,6 +32,22 @@ std::vector<GoTarget> go_targets(const RigFile& rig, const std::map<std::string,
 
 namespace {
 
+/// Nobody knows what lies beyond the limits of an axis.
+void refuse_to_hurry(const RigFile& rig, const std::vector<GoTarget>& targets,
+                     const std::vector<double>& positions, double share) {
+  if (share <= slow_share) return;
+  for (const GoTarget& target : targets) {
+    const RigAxis& axis = rig.axes[target.axis];
+    const double stands = positions[target.axis];
+    if (stands >= axis.min && stands <= axis.max) continue;
+    throw InputError(
+        axis.place,
+        fmt::format("{} stands at {:.10g} {}, outside its limits {}, and comes in at --speed {:g} at "
+                    "most; leave out --speed",
+                    named(axis), stands, to_string(axis.unit), range_in_words(axis), slow_share));
+  }
+}
+
 SetupEnd go(RigSession& session, const std::vector<GoTarget>& targets, RigReference& reference,
             const GoOptions& options) {
   SetupEnd end;
@@ -47,6 +63,7 @@ SetupEnd go(RigSession& session, const std::vector<GoTarget>& targets, RigRefere
     end.reason = "the axes are there already";
     return end;
   }
+  refuse_to_hurry(session.rig(), away, end.positions, options.share);
   SlowWay way(session.rig(), away, end.positions, options.share);
   if (!options.session.audience.confirm(way.describe("these axes move together:"))) {
     end.reason = "nobody agreed, and nothing has moved";

@@ -30,9 +30,11 @@ double of_series(int i) {
   return decade >= 0 ? digit * power : digit / power;
 }
 
-FreeAxisLimits<double> jog_limits(const RigAxis& axis, double share, bool is_referenced) {
+FreeAxisLimits<double> jog_limits(const RigAxis& axis, double share, bool is_referenced, double position) {
   FreeAxisLimits<double> limits = free_limits_of(axis, share);
   if (!is_referenced) limits.velocity *= unreferenced_jog_share;
+  const bool is_outside = position < axis.min || position > axis.max;
+  if (is_outside) limits.velocity = std::min(limits.velocity, free_limits_of(axis, slow_share).velocity);
   limits.stop_share = 1 / share;
   return limits;
 }
@@ -294,8 +296,8 @@ JogRig jog_rig(const RigSession& session, const RigReference& reference, double 
     const bool is_referenced = reference.is_referenced(a);
     rig.drive_of.push_back(a);
     rig.limits.push_back(limits_of(slow_enough_everywhere(axis)));
-    rig.free.push_back(free_axis_of(axis, jog_limits(axis, share, is_referenced), session.positions()[a],
-                                    session.tick_seconds()));
+    rig.free.push_back(free_axis_of(axis, jog_limits(axis, share, is_referenced, session.positions()[a]),
+                                    session.positions()[a], session.tick_seconds()));
     rig.axes.push_back({.name = axis.name.c_str(),
                         .unit = to_string(axis.unit).data(),
                         .increments = jog_increments(axis),

@@ -35,6 +35,11 @@ std::vector<TurnOf> turns_of(const RigAxis& axis) {
   return turns;
 }
 
+/// Without digits that no drive has.
+double rounded(double position) {
+  return std::round(position * 1e4) / 1e4 + 0.0;  // no -0
+}
+
 /// "360 deg, one turn of the output shaft".
 std::string way_in_words(const RigAxis& axis, double way) {
   std::string words = fmt::format("{:.5g} {}", way, to_string(axis.unit));
@@ -94,16 +99,16 @@ void RigReference::refuse_if_elsewhere(std::size_t axis, double told) {
   const char* const unit = to_string(of.unit).data();
   std::string remedy = "let it home with inbetween home";
   if (!of.drive_home) {
-    remedy = fmt::format("look where it stands, and say it with inbetween goto --stands-at {}={:.7g}",
-                         of.name, left);
-    if (told >= of.min && told <= of.max) remedy += fmt::format(" or {}={:.7g}", of.name, told);
+    remedy = fmt::format("look where it stands, and say it with inbetween goto --stands-at {}={:.10g}",
+                         of.name, rounded(left));
+    if (told >= of.min && told <= of.max) remedy += fmt::format(" or {}={:.10g}", of.name, rounded(told));
   }
   throw InputError(
       of.place,
-      fmt::format("axis {} was left at {:.7g} {}, and its drive tells {:.7g}, {} {}: it has forgotten that "
+      fmt::format("axis {} was left at {:.10g} {}, and its drive tells {:.10g}, {} {}: it has forgotten that "
                   "without power, or the axis was moved; {}",
-                  in_quotes(of.name), left, unit, told, way_in_words(of, std::fabs(told - left)),
-                  told > left ? "more" : "less", remedy));
+                  in_quotes(of.name), rounded(left), unit, rounded(told),
+                  way_in_words(of, std::fabs(told - left)), told > left ? "more" : "less", remedy));
 }
 
 void RigReference::compare(const RigDrives& drives, std::span<const double> positions) {

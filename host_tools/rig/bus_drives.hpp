@@ -72,7 +72,11 @@ class BusDrives final
     return static_cast<double>(ports_[drive].zero) / ports_[drive].scale;
   }
   void set_zero(std::size_t drive, double zero) override {
-    ports_[drive].zero = Drive::place_of(zero * ports_[drive].scale);
+    typename Port::Axis& of = ports_[drive];
+    of.zero = Drive::place_of(zero * of.scale);
+    if constexpr (requires(Drive & host) { Kind::count_from(host, rig_.axes[0], of.zero); }) {
+      Kind::count_from(lanes_[of.lane].bus->drives()[of.drive], rig_.axes[axes_[drive]], of.zero);
+    }
   }
   [[nodiscard]] bool has_lost_position(std::size_t drive) const override {
     return port_->has_forgotten(drive);

@@ -69,6 +69,16 @@ std::int32_t in_counts(double counts) {
 constexpr can::CountRange whole_range{.min = std::numeric_limits<std::int32_t>::min(),
                                       .max = std::numeric_limits<std::int32_t>::max()};
 
+/// From `min` to `max`, for a drive that counts `zero` where its motor is at 0. Once homed the axis may rest
+/// a little outside.
+can::CountRange count_range_of(const RigAxis& axis, std::int64_t zero) {
+  const double scale = std::get<Cia402Drive>(axis.drive).counts_per_unit;
+  const double margin = home_tolerance(axis);
+  const auto [low, high] = std::minmax({(axis.min - margin) * scale, (axis.max + margin) * scale});
+  const auto first = static_cast<double>(zero);
+  return {.min = in_counts(first + std::floor(low)), .max = in_counts(first + std::ceil(high))};
+}
+
 /// Half as much again as it was told, and two counts for rounding, is not too fast. One that homes where it
 /// stands may settle.
 can::DriveHomingSpec homing_spec_of(const RigAxis& axis, const DriveHome& home, double scale,
@@ -105,9 +115,6 @@ can::NodeId node_of(const RigAxis& axis) {
 can::Cia402Settings settings_of(const RigAxis& axis, std::int32_t rate_hz) {
   const Cia402Drive& drive = std::get<Cia402Drive>(axis.drive);
   const double scale = drive.counts_per_unit;
-  // Once homed it may rest a little outside, where a drive that holds its limits would move by itself.
-  const double margin = home_tolerance(axis);
-  const double ends[] = {(axis.min - margin) * scale, (axis.max + margin) * scale};
   const std::int64_t timeout_ms = heartbeats_waited_for * heartbeat_period_ns(rate_hz) / ns_per_ms;
   const std::int64_t setpoint_ms =
       std::max(min_setpoint_wait_ms, setpoints_waited_for * tick_ns(rate_hz) / ns_per_ms);
@@ -121,8 +128,8 @@ can::Cia402Settings settings_of(const RigAxis& axis, std::int32_t rate_hz) {
           .host_timeout_ms = static_cast<std::uint16_t>(std::min<std::int64_t>(timeout_ms, 65'535)),
           .is_guarded = drive.is_guarded,
           .setpoint_timeout_ms = static_cast<std::uint16_t>(std::min<std::int64_t>(setpoint_ms, 65'535)),
-          .position_limits = can::CountRange{.min = in_counts(std::floor(std::min(ends[0], ends[1]))),
-                                             .max = in_counts(std::ceil(std::max(ends[0], ends[1])))},
+          .position_limits = count_range_of(axis, 0),
+          .place_window_counts = whole_counts(place_tolerance(axis), scale),
           .quick_stop_deceleration = drive.stop_deceleration,
           .coasts = axis.coasts,
           .stops_without_host = axis.stops_without_host,
@@ -181,6 +188,10 @@ std::vector<std::string> words_of_lacks(const can::SetupRunner& setup) {
 }
 
 // --- the protocol
+
+void Cia402Kind::count_from(can::Cia402Drive& host, const RigAxis& axis, std::int64_t zero) {
+  value_or_refuse(host.set_position_limits(count_range_of(axis, zero)), axis.place, named(axis));
+}
 
 can::Cia402Drive Cia402Kind::host_of(const RigAxis& axis, std::int32_t rate_hz) {
   return value_or_refuse(can::Cia402Drive::make(settings_of(axis, rate_hz)), axis.place, named(axis));

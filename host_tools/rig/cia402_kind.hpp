@@ -37,6 +37,8 @@ struct Cia402Kind {
   static constexpr double max_place = 9'007'199'254'740'992;
 
   static double scale_of(const RigAxis& axis) { return std::get<InRig>(axis.drive).counts_per_unit; }
+  /// The drive counts `zero` where its motor is at 0: its limits of positions lie there.
+  static void count_from(can::Cia402Drive& host, const RigAxis& axis, std::int64_t zero);
   static can::Cia402Drive host_of(const RigAxis& axis, std::int32_t rate_hz);
   static Bus bus_of(std::span<can::Cia402Drive> hosts, std::int32_t rate_hz, const RigAxis& first);
   static std::string detail_of(const can::Cia402Drive& host, can::DriveFinding finding);

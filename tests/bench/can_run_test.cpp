@@ -2,7 +2,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cctype>
 #include <cmath>
+#include <map>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -14,7 +17,9 @@
 namespace inbetween {
 namespace can_run_test {
 
+using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 
 using Scene = BusScene;
 
@@ -90,6 +95,45 @@ TEST(CanRun, BusOffCeasesSetpointsAndErrorPassiveDoesNot) {
   EXPECT_EQ(off.run.status, 4) << off.run.err;
   EXPECT_THAT(off.run.out, HasSubstr("bus \"can0\" is down or off"));
   off.expect_rest();
+}
+
+// docs/faults.md 49. The drives clamp what is outside of 607D.
+TEST(CanRun, AnAxisOutsideItsLimitsIsHeldThereAndComesIn) {
+  const TemporaryFolder folder;
+  const std::string rig = BusScene::rig();
+  const ProgramRun run = script_in_bench(
+      {"--vcan", "can0", "--virtual-time", "--timeout", "200"},
+      "echo -1 >/proc/sys/kernel/sched_rt_runtime_us\ncd '" + folder.path().string() +
+          "'\ninbetween sim-drives --rig '" + rig +
+          "' --from slide=-3 --from pan=190 --record drives 2>err & drives=$!\nuntil_true grep -q power "
+          "err\nstatus=0\n" +
+          BusScene::run_command(rig) +
+          " --yes 2>refused || status=$?\ncat refused\necho run ended with $status\n" +
+          "inbetween goto --rig '" + rig + "' --yes slide=0 pan=180 && echo in\n" +
+          "sleep 1\nkill -TERM $drives; wait $drives\ngrep -E '^(slide|pan),(end|emergency|[0-9])' drives");
+  EXPECT_THAT(
+      run.out,
+      AllOf(HasSubstr("axis \"slide\" stands at -3 mm, outside its limits 0..1800 mm; bring it in with"),
+            HasSubstr("run ended with 1"), HasSubstr("\nin\n"), Not(HasSubstr("emergency"))));
+  std::map<std::string, std::vector<double>> targets;
+  std::istringstream lines(run.out);
+  for (std::string line; std::getline(lines, line);) {
+    for (const std::string axis : {"slide", "pan"}) {
+      if (!line.starts_with(axis + ",") || std::isdigit(line[axis.size() + 1]) == 0) continue;
+      targets[axis].push_back(std::stod(line.substr(line.rfind(',') + 1)));
+    }
+  }
+  ASSERT_EQ(targets.size(), 2U) << run.err;
+  EXPECT_EQ(targets["slide"].front(), -3000);
+  EXPECT_EQ(targets["slide"].back(), 0);
+  EXPECT_EQ(targets["pan"].front(), 760'000);
+  EXPECT_EQ(targets["pan"].back(), 720'000);
+  for (std::size_t i = 1; i < targets["slide"].size(); ++i) {
+    const double step = targets["slide"][i] - targets["slide"][i - 1];
+    ASSERT_GE(step, 0);
+    ASSERT_LE(step, 0.1 * 500 * 0.004 * 1000 + 1) << "a tenth of its velocity";
+  }
+  for (std::size_t i = 1; i < targets["pan"].size(); ++i) ASSERT_LE(targets["pan"][i], targets["pan"][i - 1]);
 }
 
 /// `home` of a slide that its drive homes, 60 mm from its home, with `during` beside it. The drives print

@@ -161,8 +161,8 @@ TEST(OdriveRun, ADriveThatForgotItsTurnsIsNotBelieved) {
                              HasSubstr("second ended with 0")));
   EXPECT_EQ(run.status, 1) << run.out;
   EXPECT_THAT(run.err,
-              AllOf(HasSubstr("axis \"slide\" was left at 1640"), HasSubstr("its drive tells 0"),
-                    HasSubstr("turns of the output shaft) less"), HasSubstr("--stands-at slide=1640")));
+              AllOf(HasSubstr("axis \"slide\" was left at 16"),
+                    HasSubstr("its drive tells 0, 1640 mm less"), HasSubstr("--stands-at slide=16")));
   for (const OdriveAxis& axis : axes) {
     EXPECT_THAT(run.out, testing::ContainsRegex(fmt::format("{},end,idle,-?0\\.0000", axis.name)))
         << "it has not moved";

@@ -84,7 +84,8 @@ class BusAxis {
   static constexpr std::int64_t tick_ns = 4'000'000;
   static constexpr double stands_at = 20;
 
-  explicit BusAxis(const std::string& drive_text = DriveInRig<Kind>::text(), const std::string& more = "")
+  explicit BusAxis(const std::string& drive_text = DriveInRig<Kind>::text(), const std::string& more = "",
+                   double position = stands_at)
       : rig(parse_rig(rig_text({{.name = "pan",
                                  .unit = "deg",
                                  .min = -90,
@@ -95,7 +96,7 @@ class BusAxis {
                                  .drive = drive_text}},
                                {.rate_hz = 250, .more = DriveInRig<Kind>::bus()}),
                       "rig.toml")),
-        drive(Kind::simulate(axis(), {.position = stands_at, .keeps_record = true})) {
+        drive(Kind::simulate(axis(), {.position = position, .keeps_record = true})) {
     wire.attach(*drive);
     hosts.push_back(Kind::host_of(axis(), rig.rate_hz));
     bus.emplace(Kind::bus_of(hosts, rig.rate_hz, axis()));

@@ -57,6 +57,7 @@ class DriveObjects {
     set(0x6066, 0, 2, 0);
     set(0x607B, 1, 4, 0x80000000);
     set(0x607B, 2, 4, 0x7FFFFFFF);
+    set(0x6064, 0, 4, 0);
     set(0x607D, 1, 4, 0);
     set(0x607D, 2, 4, 0);
     set(0x6085, 0, 4, 1000);

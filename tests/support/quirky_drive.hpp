@@ -58,6 +58,8 @@ class QuirkyDrive {
     return objects_.at(index << 8);
   }
   [[nodiscard]] std::int32_t actual() const { return actual_; }
+  /// Somebody pushes the axis there.
+  void push_to(std::int32_t actual) { actual_ = actual; }
   /// The targets that it applied in operation.
   [[nodiscard]] const std::vector<std::int32_t>& applied() const { return applied_; }
 

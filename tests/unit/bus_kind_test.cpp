@@ -57,6 +57,32 @@ TYPED_TEST(EveryProtocol, SwitchesOnWithoutAnyMotionAndTellsWhereTheAxisIs) {
   }
 }
 
+// docs/faults.md 49
+TYPED_TEST(EveryProtocol, AnAxisOutsideItsLimitsStandsStillWhenItIsSwitchedOnAndComesIn) {
+  for (const double stands : {-140.0, -90.7, 90.7, 140.0}) {
+    SCOPED_TRACE(stands);
+    BusAxis<TypeParam> axis(DriveInRig<TypeParam>::text(), "reference = \"drive\"", stands);
+    ASSERT_TRUE(axis.switch_on()) << this->words(axis);
+    const double from = axis.state.actual;
+    axis.ticks(250, Setpoint<double>{.position = from});
+    EXPECT_NEAR(axis.truly(), stands, 0.001) << "it is held where it stands";
+    EXPECT_FALSE(axis.drive->has_been_moved());
+    // Inwards at 4 degrees a second.
+    const double direction = stands < 0 ? 1 : -1;
+    double before = axis.truly();
+    for (int tick = 0; tick < 500 && axis.worst == DriveCondition::fine; ++tick) {
+      const double speed = std::min(tick * 0.05, 4.0);
+      axis.from += direction * speed * 0.004;
+      axis.tick(Setpoint<double>{.position = from + axis.from - BusAxis<TypeParam>::stands_at,
+                                 .velocity = direction * speed});
+      EXPECT_GE(direction * (axis.truly() - before), -0.001);
+      before = axis.truly();
+    }
+    EXPECT_EQ(axis.worst, DriveCondition::fine) << this->words(axis);
+    EXPECT_NEAR(std::fabs(axis.truly() - stands), 7.4, 0.3);
+  }
+}
+
 TYPED_TEST(EveryProtocol, HasPowerNeitherBeforeItIsWishedNorWithoutAHost) {
   BusAxis<TypeParam> axis;
   axis.ticks(1000);

@@ -102,6 +102,12 @@ TEST(DriveQuirk, AMappingThatIsFixedAndAnotherIsRefused) {
   EXPECT_THAT(scene.trouble(), HasSubstr("object 1800h:1"));
 }
 
+/// By how much a limit reaches beyond an axis that stands outside: half a millisecond of max_velocity.
+constexpr std::int32_t stands_within = 83'886;
+std::int32_t limit(const QuirkScene& scene, std::uint8_t sub) {
+  return static_cast<std::int32_t>(scene.drive.value(0x607D, sub));
+}
+
 TEST(DriveQuirk, TheRangeIsWrittenInTheOrderInWhichItStaysConsistent) {
   for (const char* const range :
        {"min = 50\nmax = 200\n", "min = -200\nmax = -50\n", "min = 0\nmax = 200\n"}) {
@@ -110,10 +116,50 @@ TEST(DriveQuirk, TheRangeIsWrittenInTheOrderInWhichItStaysConsistent) {
           "values = { \"607D:1\" = " + std::string(before) + ", \"607D:2\" = " + std::string(before) + " }",
           {.range = range});
       EXPECT_TRUE(scene.is_set_up()) << range << before << scene.trouble();
-      const double min = std::string(range).find("50") == 6 ? 50 : std::string(range)[6] == '-' ? -200 : 0;
-      EXPECT_EQ(static_cast<std::int32_t>(scene.drive.value(0x607D, 1)), std::floor(min * 838860.8)) << range;
+      // It stands at 0, where the middle one of these is at an end and the others are not: then they reach
+      // there.
+      const bool is_above = std::string(range).find("50") == 6;
+      const bool is_below = std::string(range)[6] == '-';
+      EXPECT_EQ(limit(scene, 1), is_above   ? -stands_within
+                                 : is_below ? -167'772'160
+                                            : 0 - stands_within)
+          << range;
+      EXPECT_EQ(limit(scene, 2), is_below ? stands_within : 167'772'160) << range;
     }
   }
+}
+
+// docs/faults.md 49. A drive clamps a target that is outside of its limits, and goes there by itself.
+TEST(DriveQuirk, TheLimitsOfADriveReachToWhereTheAxisStandsAndNoFurtherUntilTheNextSetUp) {
+  for (const bool is_below : {true, false}) {
+    QuirkScene scene("", {.range = is_below ? "min = 1\nmax = 200\n" : "min = -200\nmax = -1\n"});
+    ASSERT_TRUE(scene.is_switched_on()) << scene.trouble();
+    const std::int32_t near = is_below ? 838'860 : -838'861 + 1;
+    EXPECT_EQ(limit(scene, is_below ? 1 : 2), is_below ? -stands_within : stands_within);
+    EXPECT_EQ(scene.drive.applied().back(), 0) << "it is held where it stands";
+    for (int i = 0; i <= 125; ++i) scene.tick({(is_below ? 1 : -1) * i * 10'000});
+    EXPECT_EQ(scene.trouble(), "") << "it comes in";
+    EXPECT_EQ(scene.drive.applied().back(), is_below ? 1'240'000 : -1'240'000);
+    scene.host().disable(scene.now_ns);
+    scene.tick_until([&] { return scene.phase() == DrivePhase::disabled; });
+    scene.host().leave(scene.now_ns);
+    scene.tick_until([&] { return scene.phase() == DrivePhase::off; });
+    ASSERT_TRUE(scene.host().connect(scene.now_ns));
+    ASSERT_TRUE(scene.is_set_up()) << scene.trouble();
+    EXPECT_NEAR(limit(scene, is_below ? 1 : 2), near, 1) << "inside, its own limits are right";
+  }
+}
+
+// docs/faults.md 49
+TEST(DriveQuirk, AnAxisThatIsMovedOutOfItsLimitsAfterItsSetUpIsNotSwitchedOn) {
+  QuirkScene scene("");
+  ASSERT_TRUE(scene.is_set_up()) << scene.trouble();
+  scene.drive.push_to(-1'000'000);
+  for (int i = 0; i < 10; ++i) scene.tick();
+  EXPECT_FALSE(scene.is_switched_on());
+  EXPECT_EQ(scene.host().first_finding(), DriveFinding::moved_outside);
+  EXPECT_THAT(scene.trouble(), HasSubstr("inbetween goto"));
+  EXPECT_EQ(scene.times_sent(0x205, {0x0F, 0x00}), 0);
 }
 
 // --- what it does not have
@@ -254,11 +300,11 @@ TEST(DriveQuirk, AGuardedDriveStopsByItselfWhenSetpointsAndQuestionsCease) {
 
 TEST(DriveQuirk, AGuardedDriveThatGivesTheSameAnswerAgainIsFoundByIt) {
   QuirkScene scene("toggles = false", guards);
-  ASSERT_TRUE(scene.is_set_up()) << "the first answer is right";
   scene.tick_until([&] { return !scene.host().findings().empty(); });
   EXPECT_EQ(scene.host().first_finding(), DriveFinding::guard_answer_repeated);
   const auto is_question = [](const can::Frame& frame) { return frame.id == 0x705 && frame.is_remote; };
-  EXPECT_EQ(std::ranges::count_if(scene.sent, is_question), 2) << "at once";
+  EXPECT_EQ(std::ranges::count_if(scene.sent, is_question), 2)
+      << "the first answer is right, and the second is found at once";
 }
 
 TEST(DriveQuirk, AnAnswerThatIsLostOrComesTwiceIsNoWrongToggleBit) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "host_tools/motions/go_to.hpp"
+#include "tests/support/rig_text.hpp"
 #include "tests/support/run_program.hpp"
 #include "tests/support/temporary_file.hpp"
 
@@ -104,6 +105,48 @@ TEST(GotoCommand, AnAxisThatIsThereDoesNotMove) {
   EXPECT_EQ(run.status, 0);
   EXPECT_THAT(run.out, HasSubstr("there already"));
   EXPECT_EQ(run.err, "");
+}
+
+// docs/faults.md 49
+TEST(GotoCommand, AnAxisOutsideItsLimitsComesInSlowlyFromEitherSide) {
+  for (const char* type : {R"(type = "cia402", bus = "can0", node = 1, counts_per_unit = 1000)",
+                           R"(type = "step-dir", chip = "gpio", step = 17, dir = 27, steps_per_unit = 40)"}) {
+    const TemporaryFile rig("rig.toml",
+                            rig_text({{.name = "slide",
+                                       .min = 0,
+                                       .max = 1200,
+                                       .max_velocity = 250,
+                                       .max_acceleration = 500,
+                                       .more = std::string("max_jerk = 5000\n") +
+                                               (std::string(type).find("cia402") != std::string::npos
+                                                    ? "reference = \"drive\""
+                                                    : "reference = \"operator\""),
+                                       .drive = type}},
+                                     {.rate_hz = 250, .more = bus_can0}));
+    for (const auto& [stands, to] :
+         {std::pair{"-3", "0"}, {"-20", "0"}, {"1203", "1200"}, {"1260", "1100"}}) {
+      const std::vector<std::string> words{"goto",
+                                           "--rig",
+                                           rig.path().string(),
+                                           "--sim",
+                                           "--fast",
+                                           "--yes",
+                                           std::string("slide=") + to,
+                                           "--from",
+                                           std::string("slide=") + stands};
+      const ProgramRun there = run_program(words);
+      EXPECT_EQ(there.status, 0) << stands << there.out << there.err;
+      EXPECT_THAT(there.err, AllOf(HasSubstr(std::string(stands) + ".000 -> " + to + ".000 mm"),
+                                   HasSubstr("at 10 % of its limits")));
+      EXPECT_THAT(there.out, HasSubstr("the axes are there"));
+      std::vector<std::string> hurried = words;
+      hurried.insert(hurried.end(), {"--speed", "0.5"});
+      const ProgramRun refused = run_program(hurried);
+      EXPECT_EQ(refused.status, 1);
+      EXPECT_THAT(refused.err,
+                  HasSubstr("outside its limits 0..1200 mm, and comes in at --speed 0.1 at most"));
+    }
+  }
 }
 
 TEST(GotoCommand, OutsideTheLimitsNothingMoves) {

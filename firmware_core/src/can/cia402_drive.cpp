@@ -287,6 +287,31 @@ bool Cia402Drive::holds_its_place() const {
   return distance(feedback_.actual, target_) <= settings_.hold_tolerance_counts;
 }
 
+Status Cia402Drive::set_position_limits(const CountRange& limits) {
+  if (phase_ != off) {
+    return Error{
+        .code = ErrorCode::out_of_range, .what = "the drive is in use", .remedy = "switch it off first"};
+  }
+  Cia402Setup setup = settings_.setup;
+  setup.position_limits = limits;
+  if (const Status written = write_setup_script(setup, script_); !written) {
+    static_cast<void>(write_setup_script(settings_.setup, script_));
+    return written;
+  }
+  settings_.setup = setup;
+  return Done{};
+}
+
+/// A drive would take an axis that stands outside the limits which it was told back in by itself.
+bool Cia402Drive::is_within_limits() const {
+  const std::optional<CountRange>& limits = settings_.setup.position_limits;
+  if (!limits || !runner_.place()) return true;
+  const std::int64_t window = settings_.setup.place_window_counts;
+  const std::int64_t place = *runner_.place();
+  return target_ >= std::min<std::int64_t>(limits->min, place - window) &&
+         target_ <= std::max<std::int64_t>(limits->max, place + window);
+}
+
 /// It is in the right mode; or it shows none, for so long that it may do that until it is enabled.
 bool Cia402Drive::may_be_enabled(std::int64_t now_ns) {
   if (is_in_mode()) return true;
@@ -312,6 +337,7 @@ void Cia402Drive::advance_enabling(std::int64_t now_ns) {
   }
   const bool can_hold = is_powered && may_be_enabled(now_ns);
   if (can_hold && !is_seeded_) target_ = feedback_.actual;
+  if (can_hold && !is_within_limits()) return find(DriveFinding::moved_outside);
   is_seeded_ = can_hold;
   // In homing the bit says that the drive is home.
   const bool is_following =

@@ -172,13 +172,19 @@ void set_motion(ScriptWriter& writer, const Cia402Setup& setup) {
                 .value = whole});
   }
   if (!setup.position_limits) return;
-  // Drives compare the two at each write. Where min is above the old max, it is taken after the new one.
-  constexpr ObjectAddress min{.index = 0x607D, .sub = 1};
-  constexpr ObjectAddress max{.index = 0x607D, .sub = 2};
-  const auto min_counts = static_cast<std::uint32_t>(setup.position_limits->min);
-  writer.add({.action = SetupAction::try_write, .object = min, .may_be_absent = true, .value = min_counts});
-  writer.write_if_there(max, 4, static_cast<std::uint32_t>(setup.position_limits->max));
-  writer.write_if_there(min, 4, min_counts);
+  // A drive moves an axis that stands outside, as soon as it is switched on.
+  writer.add({.action = SetupAction::note_place, .object = {.index = 0x6064}});
+  const auto add = [&](SetupAction action, std::uint8_t sub, std::int32_t counts) {
+    writer.add({.action = action,
+                .object = {.index = position_limit_index, .sub = sub},
+                .may_be_absent = true,
+                .value = static_cast<std::uint32_t>(counts),
+                .mask = static_cast<std::uint32_t>(setup.place_window_counts)});
+  };
+  // Drives compare the two at each write. Where max is below the old min, it is taken after the new one.
+  add(SetupAction::try_limit, 2, setup.position_limits->max);
+  add(SetupAction::limit, 1, setup.position_limits->min);
+  add(SetupAction::limit, 2, setup.position_limits->max);
 }
 
 /// How it leaves operation, each time by a ramp. The profile does not ask for these objects, and a drive that
@@ -296,6 +302,9 @@ Status check(const Cia402Setup& setup) {
   }
   if (setup.homing && !is_homing_method(setup.homing->method)) {
     return refuse("the profile has no such method of homing", "use 1 to 14, 17 to 30, 33 to 35 or 37");
+  }
+  if (setup.place_window_counts < 0) {
+    return refuse("the window around where an axis stands is negative", "give it in counts");
   }
   if (setup.position_limits && setup.position_limits->min >= setup.position_limits->max) {
     return refuse("the range of positions is empty", "give min first, below max");

@@ -103,7 +103,11 @@ constexpr std::array table{
          .remedy = "look at its limits and halt input; a drive that never sets bit 12 in this mode cannot be "
                    "used"}},
     Row{DriveFinding::moved_while_enabling,
-        {.what = "the axis is not where its first setpoint is", .remedy = "look what moved it"}},
+        {.what = "the axis does not stand where its drive was told to hold it",
+         .remedy = "look at its brake and load, and at the scale of its drive in the rig"}},
+    Row{DriveFinding::moved_outside,
+        {.what = "the axis was moved out of its limits after its drive was set up",
+         .remedy = "end this command, and bring the axis in with inbetween goto"}},
     Row{DriveFinding::feedback_missing,
         {.what = "the drive has stopped telling where it is",
          .remedy = "look at its supply and the bus",

@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <array>
+#include <limits>
 
 #include "inbetween/can/cia402_setup.hpp"
 #include "inbetween/can/pdo.hpp"
@@ -46,6 +48,7 @@ void SetupRunner::begin(const SetupScript& script) {
   drive_heartbeat_ms_ = 0;
   fault_may_coast_ = false;
   range_begin_ = 0;
+  place_.reset();
   absent_.clear();
   has_period_ = true;
   has_no_other_target_ = true;
@@ -98,9 +101,26 @@ std::uint32_t SetupRunner::value_for(const SetupStep& step) const {
       const bool is_needless = host_timeout_ms_ != 0 && has_period_;
       return is_needless ? 0 : step.value;
     }
+    case SetupAction::limit:
+    case SetupAction::try_limit:
+      return limit_for(step);
     default:
       return step.value;
   }
+}
+
+/// Limits that the axis stands outside of reach to where it stands, and to its window: whatever it is told
+/// while it is held there, and on its way in, is legal.
+std::uint32_t SetupRunner::limit_for(const SetupStep& step) const {
+  const std::int64_t limit = static_cast<std::int32_t>(step.value);
+  if (!place_) return step.value;
+  const std::int64_t window = step.mask;
+  const std::int64_t reached = step.object.sub == 1
+                                   ? std::max<std::int64_t>(std::min(limit, *place_ - window),
+                                                            std::numeric_limits<std::int32_t>::min())
+                                   : std::min<std::int64_t>(std::max(limit, *place_ + window),
+                                                            std::numeric_limits<std::int32_t>::max());
+  return static_cast<std::uint32_t>(static_cast<std::int32_t>(reached));
 }
 
 void SetupRunner::write(const SetupStep& step) {
@@ -134,6 +154,9 @@ void SetupRunner::has_read(const SetupScript& script, const SetupStep& step) {
     case SetupAction::look:
       has_no_other_target_ = has_no_other_target_ && *found_ == 0;
       return next_step(script);
+    case SetupAction::note_place:
+      place_ = static_cast<std::int32_t>(*found_);
+      return next_step(script);
     case SetupAction::compare:
       is_so_ = is_equal;
       return next_step(script);
@@ -152,6 +175,7 @@ bool SetupRunner::is_right(const SetupStep& step) {
     case SetupAction::write_code:
       return is_right_code(step);
     case SetupAction::try_write:
+    case SetupAction::try_limit:
       return true;
     case SetupAction::watchdog:
       return note_watchdog(step) || step.object.index == 0x1400;  // the heartbeat of the host is watched, too

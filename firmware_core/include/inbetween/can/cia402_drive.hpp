@@ -89,6 +89,9 @@ class Cia402Drive {
   static Result<Cia402Drive> make(const Cia402Settings& settings);
 
   [[nodiscard]] NodeId node() const { return settings_.setup.node; }
+  /// The limits of positions that it will be told in its next set-up. Errors: those of write_setup_script;
+  /// out_of_range (it is in use). Then nothing changes.
+  Status set_position_limits(const CountRange& limits);
   [[nodiscard]] Cia402Mode mode() const { return settings_.setup.mode; }
   [[nodiscard]] NodeId host() const { return settings_.setup.host; }
   [[nodiscard]] std::uint8_t sync_overflow() const { return settings_.setup.sync_overflow; }
@@ -217,6 +220,7 @@ class Cia402Drive {
   [[nodiscard]] bool status_has(std::uint16_t bit) const { return (feedback_.statusword & bit) != 0; }
   [[nodiscard]] bool is_supervised() const;
   [[nodiscard]] bool holds_its_place() const;
+  [[nodiscard]] bool is_within_limits() const;
   [[nodiscard]] std::uint16_t controlword() const;
   void choose_target(std::optional<std::int32_t> target);
 

@@ -49,7 +49,10 @@ struct Cia402Setup {
   std::uint16_t setpoint_timeout_ms = 50;                     ///< how long it waits for setpoints (1400:5)
   std::optional<std::uint32_t> following_error_window{};      ///< 6065, counts
   std::optional<std::uint16_t> following_error_timeout_ms{};  ///< 6066
-  std::optional<CountRange> position_limits{};                ///< 607D
+  /// 607D, as long as the axis stands inside; it becomes the hull of this and of where the axis stands, with
+  /// place_window_counts to either side. A drive clamps a target outside and goes there by itself.
+  std::optional<CountRange> position_limits{};
+  std::int32_t place_window_counts = 0;  ///< by which the axis may move until it is switched on
   /// How it brakes in a quick stop (605A), 1 to 8: 2 by the ramp of 6085 and then without power, 6 by the
   /// same ramp and then held.
   std::int16_t quick_stop_option = 2;
@@ -81,6 +84,7 @@ inline constexpr std::uint16_t fault_reaction_index = 0x605E;
 inline constexpr std::uint16_t host_loss_index = 0x6007;
 inline constexpr std::uint16_t range_limit_index = 0x607B;
 inline constexpr std::uint16_t window_index = 0x6065;
+inline constexpr std::uint16_t position_limit_index = 0x607D;
 inline constexpr ObjectAddress interpolation_time{.index = 0x60C2, .sub = 1};
 inline constexpr ObjectAddress interpolation_exponent{.index = 0x60C2, .sub = 2};
 
@@ -89,10 +93,13 @@ enum class SetupAction : std::uint8_t {
   forbid,           ///< (object & mask) must not be `value`, or `finding`
   expect_no_range,  ///< it must be `value`, or 0 as the other end of the range, or `finding`
   look,             ///< whether the object is 0 or absent is remembered
+  note_place,       ///< the position of the axis, for the limits that are written later
   compare,          ///< whether (object & mask) is `value`: of several in a row each must be, for `unless_so`
   // These read first, and write only what differs: a drive may have it fixed, or keep it in flash.
   write,       ///< it must be `value`
   try_write,   ///< `value` if the drive takes it now; it may be anything
+  limit,       ///< a limit of positions: `value`, or further out where the axis stands beyond it
+  try_limit,   ///< the same, if the drive takes it now
   sync_watch,  ///< `value`, or 0 where the drive watches the host's heartbeat: it must be one of the two
   switch_off,  ///< COB-ID of a PDO: bit 31 set, all others kept
   switch_on,   ///< COB-ID of a PDO: `value` with bit 30 as it is in the drive
@@ -113,9 +120,9 @@ struct SetupStep {
   bool may_be_hidden : 1 = false;  ///< it need not be readable
   bool unless_so : 1 = false;      ///< left out where the comparisons before it have found what they look for
   std::uint32_t value = 0;
-  std::uint32_t mask = 0xFFFFFFFF;
+  std::uint32_t mask = 0xFFFFFFFF;  ///< of a limit: how far it is from an axis that stands beyond it
 };
-inline constexpr std::size_t setup_steps = 76;
+inline constexpr std::size_t setup_steps = 78;
 using SetupScript = FixedVector<SetupStep, setup_steps>;
 
 /// Writes the steps for a drive, in pre-operational: who it is; no PDO but RPDO1 and TPDO1, and those mapped
@@ -180,6 +187,8 @@ class SetupRunner {
   /// order.
   using Absent = FixedVector<std::uint16_t, 24>;
   [[nodiscard]] const Absent& absent() const { return absent_; }
+  /// Where the axis stood when it was set up, in counts; nothing where no limits of positions were written.
+  [[nodiscard]] std::optional<std::int32_t> place() const { return place_; }
   /// Neither a velocity (60FF) nor a torque (6071) is asked of it, whatever mode it is in.
   [[nodiscard]] bool has_no_other_target() const { return has_no_other_target_; }
 
@@ -188,6 +197,7 @@ class SetupRunner {
   [[nodiscard]] bool is_left_out(const SetupScript& script);
   void next_step(const SetupScript& script);
   [[nodiscard]] std::uint32_t value_for(const SetupStep& step) const;
+  [[nodiscard]] std::uint32_t limit_for(const SetupStep& step) const;
   void write(const SetupStep& step);
   void read_back(const SetupStep& step);
   void answered(const SetupScript& script);
@@ -212,9 +222,10 @@ class SetupRunner {
   bool is_so_ = false;                  ///< the comparisons
   bool has_no_other_target_ = true;
   Absent absent_;
-  bool has_period_ = true;         ///< 60C2 tells it how long a tick is
-  bool fault_may_coast_ = false;   ///< nobody knows what it does in a fault
-  std::uint32_t range_begin_ = 0;  ///< 607B:1
+  std::optional<std::int32_t> place_;  ///< of the axis when it was set up
+  bool has_period_ = true;             ///< 60C2 tells it how long a tick is
+  bool fault_may_coast_ = false;       ///< nobody knows what it does in a fault
+  std::uint32_t range_begin_ = 0;      ///< 607B:1
   std::uint16_t host_timeout_ms_ = 0;
   std::uint16_t setpoint_timeout_ms_ = 0;
   std::uint16_t drive_heartbeat_ms_ = 0;

@@ -39,6 +39,7 @@ enum class DriveFinding : std::uint8_t {
   mode_not_shown,
   follow_bit_missing,
   moved_while_enabling,
+  moved_outside,
   // at any time after that
   feedback_missing,
   drive_fault,
@@ -62,7 +63,7 @@ enum class DriveFinding : std::uint8_t {
   moves_while_off,
   watchdog_stays,
 };
-inline constexpr std::size_t drive_findings = 48;
+inline constexpr std::size_t drive_findings = 49;
 
 /// The reaction of the loop with the whole rig (a drive decides nothing for the others).
 enum class DriveReaction : std::uint8_t {
