@@ -49,6 +49,8 @@ void SimulatedCia402Drive::meet(const DriveTrouble& trouble) {
     }
     case Kind::silent_object:
       return change_access(trouble.object, ObjectDictionary::Access::silent);
+    case Kind::switched_off:
+      return enter(can::Cia402State::switch_on_disabled);
     case Kind::lose_feedback:
     case Kind::lose_heartbeat:
     case Kind::stick:

@@ -29,6 +29,7 @@ struct DriveTrouble {
     foreign_sender,  ///< at `at_ns`: a target for it that is not from the host: where it stands
     flood,           ///< it sends `value` SDO answers a second that nobody has asked for
     stay_on,         ///< it does not take the order to switch off; its watchdogs still do
+    switched_off,    ///< at `at_ns`: somebody switches it off, by another way than this bus
     sink,            ///< without power the axis moves by `value` counts/s
     no_home,         ///< it does not see its home switch
     homing_error,    ///< its homing fails: bit 13 of the statusword, and the axis comes to rest

@@ -145,6 +145,8 @@ void SimulatedOdrive::meet(const DriveTrouble& trouble) {
       return motor_.put(trouble.place);
     case Kind::reboot:
       return start_anew();
+    case Kind::switched_off:
+      return enter(can::odrive_idle);
     case Kind::no_watchdog:
       settings_.watchdog_ns = 0;
       return;

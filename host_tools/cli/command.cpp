@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <filesystem>
 #include <utility>
 
@@ -64,7 +65,14 @@ void refuse_unknown_picture(const std::optional<std::string>& plot) {
 
 RigFile read_rig(const std::string& path) {
   RigFile rig = read_rig_file(path);
-  refuse_unfit_drives(rig);
+  const std::vector<std::string> warnings = refuse_unfit_drives(rig);
+  constexpr std::size_t max_lines = 20;
+  for (std::size_t i = 0; i < std::min(warnings.size(), max_lines); ++i)
+    fmt::print(stderr, "{}\n", warnings[i]);
+  if (warnings.size() > max_lines) {
+    fmt::print(stderr, "{}: warning: its data sheets have {} more such lines\n", path,
+               warnings.size() - max_lines);
+  }
   return rig;
 }
 

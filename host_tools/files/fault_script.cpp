@@ -54,6 +54,7 @@ constexpr std::array fault_kinds{
         .word = "wrong-mode", .kind = Kind::wrong_mode, .lasts = true, .of_cia402 = true, .own = "mode"},
     FaultKind{.word = "foreign-sender", .kind = Kind::foreign_sender},
     FaultKind{.word = "flood", .kind = Kind::flood, .lasts = true, .own = "frames_per_s"},
+    FaultKind{.word = "switched-off", .kind = Kind::switched_off},
     FaultKind{.word = "stay-on", .kind = Kind::stay_on, .lasts = true},
     FaultKind{.word = "no-home", .kind = Kind::no_home, .lasts = true, .of_cia402 = true},
     FaultKind{.word = "homing-error", .kind = Kind::homing_error, .lasts = true, .of_cia402 = true},

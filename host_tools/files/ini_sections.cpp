@@ -36,8 +36,8 @@ std::string_view IniValue::number_text() const {
   return trimmed(std::string_view(text_).substr(0, text_.find(';')));
 }
 
-void IniValue::refuse(const std::string& message) const {
-  throw InputError(place_, key_ + " " + message);
+IniFault IniValue::fault(const std::string& message) const {
+  return {.line = place_.line, .words = key_ + " " + message};
 }
 
 std::optional<IniSection::Object> IniSection::object() const {
@@ -53,20 +53,44 @@ std::optional<IniSection::Object> IniSection::object() const {
 
 const IniValue* IniSection::find(std::string_view key) const {
   const auto found = values_.find(key);
-  return found == values_.end() ? nullptr : &found->second;
-}
-
-const IniValue& IniSection::at(std::string_view key, std::string_view example) const {
-  const IniValue* const value = find(key);
-  if (value != nullptr) return *value;
-  throw InputError(place_, fmt::format("section {} lacks a line; add {}, say", in_quotes(name_), example));
+  return found == values_.end() || found->second.text().empty() ? nullptr : &found->second;
 }
 
 void IniSection::add(const std::string& key, const std::string& text, std::uint32_t line) {
   const auto [place, is_new] = values_.try_emplace(lower_case(key), key, text, Place{place_.file, line, 0});
+  if (is_new || place->second.text() == text) return;
+  doubt({line,
+         fmt::format("{} is in section {} already, with another value", in_quotes(key), in_quotes(name_))});
+}
+
+void IniSections::begin_section(std::string_view line, const Place& place) {
+  const std::size_t close = line.find(']');
+  if (close == line.npos) {  // what follows belongs to nothing
+    sections_.emplace_back("", place);
+    return faults_.push_back({place.line, fmt::format("section {} has no ]", in_quotes(line))});
+  }
+  const std::string name = lower_case(trimmed(line.substr(1, close - 1)));
+  const auto [earlier, is_new] = by_name_.try_emplace(name, sections_.size());
+  // The second one is read by itself, so that its keys are not taken for those of the first.
+  sections_.emplace_back(name, place);
   if (is_new) return;
-  throw InputError({place_.file, line, 0}, fmt::format("{} is in section {} already; remove one of the two",
-                                                       in_quotes(key), in_quotes(name_)));
+  const std::string words =
+      fmt::format("section {} is in line {} already", in_quotes(name), sections_[earlier->second].line());
+  sections_[earlier->second].doubt({place.line, words});
+}
+
+void IniSections::read_line(std::string_view line, const Place& place) {
+  constexpr char end_of_file = 0x1A;  // of DOS
+  if (line.empty() || line.front() == ';' || line.front() == '#' || line.front() == end_of_file) return;
+  if (line.front() == '[') return begin_section(line, place);
+  const std::size_t equals = line.find('=');
+  if (equals != line.npos && !sections_.empty()) {
+    return sections_.back().add(std::string(trimmed(line.substr(0, equals))),
+                                std::string(trimmed(line.substr(equals + 1))), place.line);
+  }
+  IniFault fault{place.line,
+                 fmt::format("{} is no [SECTION], no KEY=VALUE in one and no comment", in_quotes(line))};
+  sections_.empty() ? faults_.push_back(std::move(fault)) : sections_.back().doubt(std::move(fault));
 }
 
 IniSections::IniSections(std::string_view text, const std::string& file_name) {
@@ -77,29 +101,7 @@ IniSections::IniSections(std::string_view text, const std::string& file_name) {
     const std::size_t end = text.find('\n');
     const std::string_view line = trimmed(text.substr(0, end));
     text.remove_prefix(end == text.npos ? text.size() : end + 1);
-    ++number;
-    if (line.empty() || line.front() == ';') continue;
-    const Place place{file_name, number, 0};
-    if (line.front() == '[') {
-      const std::size_t close = line.find(']');
-      if (close == line.npos) throw InputError(place, "a section has no ]; write [1000], say");
-      const std::string name = lower_case(trimmed(line.substr(1, close - 1)));
-      const auto [earlier, is_new] = by_name_.try_emplace(name, sections_.size());
-      if (!is_new) {
-        throw InputError(place, fmt::format("section {} is in line {} already; remove one of the two",
-                                            in_quotes(name), sections_[earlier->second].line()));
-      }
-      sections_.emplace_back(name, place);
-      continue;
-    }
-    const std::size_t equals = line.find('=');
-    if (equals == line.npos || sections_.empty()) {
-      throw InputError(place, fmt::format("{} is no [SECTION], no KEY=VALUE in one and no comment; remove it "
-                                          "or put ; before it",
-                                          in_quotes(line)));
-    }
-    sections_.back().add(std::string(trimmed(line.substr(0, equals))),
-                         std::string(trimmed(line.substr(equals + 1))), number);
+    read_line(line, {file_name, ++number, 0});
   }
 }
 

@@ -1,5 +1,8 @@
 // The sections of an INI file with the line of each value, as device descriptions have them: [SECTION],
-// KEY=VALUE, comments behind a semicolon. Names are the same in capitals and in small letters.
+// KEY=VALUE, comments behind ; and lines that begin with #. Names are the same in capitals and in small
+// letters.
+//
+// Makers write such files by hand. What is wrong in one is kept for whoever judges it, and the rest is read.
 #pragma once
 
 #include <cstdint>
@@ -18,6 +21,12 @@ std::string lower_case(std::string_view text);
 /// Without the spaces at either end.
 std::string_view trimmed(std::string_view text);
 
+/// Something that is wrong in a file, at a line of it: "KEY is ...".
+struct IniFault {
+  std::uint32_t line = 0;
+  std::string words;
+};
+
 class IniValue {
  public:
   IniValue(std::string key, std::string text, Place place)
@@ -26,8 +35,8 @@ class IniValue {
   [[nodiscard]] const std::string& text() const { return text_; }
   /// Without a comment behind it.
   [[nodiscard]] std::string_view number_text() const;
-  /// Throws InputError: "KEY message".
-  [[noreturn]] void refuse(const std::string& message) const;
+  /// "KEY message".
+  [[nodiscard]] IniFault fault(const std::string& message) const;
 
  private:
   std::string key_, text_;
@@ -45,30 +54,39 @@ class IniSection {
   [[nodiscard]] std::optional<Object> object() const;
   [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] std::uint32_t line() const { return place_.line; }
-  /// Null where it is missing. `key` in small letters.
+  /// Null where it is missing or empty. `key` in small letters.
   [[nodiscard]] const IniValue* find(std::string_view key) const;
-  /// Throws InputError at the section where it is missing.
-  [[nodiscard]] const IniValue& at(std::string_view key, std::string_view example = "") const;
-  /// Throws InputError where it is there already.
+  /// A key that is there already with another text is a fault of the section; nobody knows which one is
+  /// right.
   void add(const std::string& key, const std::string& text, std::uint32_t line);
+  /// Something in this section is not believed, and so is none of its values.
+  void doubt(IniFault fault) { faults_.push_back(std::move(fault)); }
+  [[nodiscard]] const std::vector<IniFault>& faults() const { return faults_; }
 
  private:
   std::string name_;
   Place place_;
   std::map<std::string, IniValue, std::less<>> values_;
+  std::vector<IniFault> faults_;
 };
 
 class IniSections {
  public:
-  /// Throws InputError at a line that is neither, and at a section or key that comes twice.
+  /// Never throws: a line that is neither is a fault, and so is a section that comes twice.
   IniSections(std::string_view text, const std::string& file_name);
+  /// Faults of lines that belong to no section.
+  [[nodiscard]] const std::vector<IniFault>& faults() const { return faults_; }
   [[nodiscard]] const std::vector<IniSection>& all() const { return sections_; }
   /// Null where it is missing. `name` in small letters, without zeros before it.
   [[nodiscard]] const IniSection* find(std::string_view name) const;
 
  private:
+  void read_line(std::string_view line, const Place& place);
+  void begin_section(std::string_view line, const Place& place);
+
   std::vector<IniSection> sections_;
   std::map<std::string, std::size_t, std::less<>> by_name_;
+  std::vector<IniFault> faults_;
 };
 
 }  // namespace inbetween

@@ -16,7 +16,7 @@
 namespace inbetween {
 namespace {
 
-constexpr std::array<std::string_view, 11> cia402_fields = {"type",
+constexpr std::array<std::string_view, 14> cia402_fields = {"type",
                                                             "bus",
                                                             "node",
                                                             "mode",
@@ -26,6 +26,9 @@ constexpr std::array<std::string_view, 11> cia402_fields = {"type",
                                                             "reset",
                                                             "watchdog",
                                                             "eds",
+                                                            "vendor",
+                                                            "product",
+                                                            "serial",
                                                             "watches_following_error"};
 constexpr std::array<std::string_view, 6> odrive_fields = {
     "type", "bus", "node", "turns_per_unit", "firmware", "max_following_error"};
@@ -139,6 +142,14 @@ void read_habits(const TomlTable& table, Cia402Drive& drive) {
   if (const auto eds = table.optional("eds")) {
     drive.eds = (std::filesystem::path(eds->place().file).parent_path() / eds->text()).string();
   }
+  const auto read_word = [&](std::string_view field, std::optional<std::uint32_t>& word) {
+    const auto value = table.optional(field);
+    constexpr std::int64_t max_word = std::numeric_limits<std::uint32_t>::max();
+    if (value) word = static_cast<std::uint32_t>(value->integer(1, max_word));
+  };
+  read_word("vendor", drive.vendor);
+  read_word("product", drive.product);
+  read_word("serial", drive.serial);
   if (const auto watchdog = table.optional("watchdog")) {
     drive.is_guarded = watchdog->choice({"heartbeat", "life-guarding"}) == 1;
   }

@@ -159,14 +159,19 @@ std::string BusDrives<Kind>::drive_trouble() const {
     const Drive& drive = port_->drive(i);
     std::optional<can::DriveFinding> finding = drive.first_finding();
     if (!finding) continue;
-    // A drive that starts anew is silent first; what it has lost by that is what must be known.
+    // A drive that starts anew is silent first; what it has lost by that is what must be known. Where
+    // somebody else was heard first, that is why.
+    const bool is_by_another = finding == can::DriveFinding::foreign_sender;
     for (const can::DriveFinding boot :
          {can::DriveFinding::silent_for_a_while, can::DriveFinding::unexpected_boot}) {
-      if (drive.findings().has(boot)) finding = boot;
+      if (drive.findings().has(boot) && !is_by_another) finding = boot;
     }
     const can::DriveFindingWords words = can::words_of(*finding);
-    return fmt::format("{}: {}{}; {}", named(rig_.axes[axes_[i]]), words.what,
-                       Kind::detail_of(drive, *finding), words.remedy);
+    const bool has_lost = is_by_another && can::loses_reference(drive.findings());
+    return fmt::format("{}: {}{}{}; {}{}", named(rig_.axes[axes_[i]]), words.what,
+                       Kind::detail_of(drive, *finding),
+                       has_lost ? ", and the drive has started anew by it" : "", words.remedy,
+                       has_lost ? ", then find its reference again" : "");
   }
   return "";
 }

@@ -92,6 +92,20 @@ can::DriveHomingSpec homing_spec_of(const RigAxis& axis, const DriveHome& home, 
       .timeout_ns = static_cast<std::int64_t>(home.timeout_s * static_cast<double>(ns_per_s))};
 }
 
+/// The drive must be of the make that its data sheet is of.
+void add_identity_of_sheet(const RigAxis& axis, can::Cia402Setup& setup) {
+  const auto& drive = std::get<Cia402Drive>(axis.drive);
+  if (drive.eds.empty()) return;
+  const EdsFile eds = read_eds_file(drive.eds, drive.node);
+  const auto take = [&](std::uint8_t sub, std::optional<std::uint32_t>& wanted) {
+    const EdsObject* const object = eds.find(0x1018, sub);
+    const bool is_told = object != nullptr && object->value.value_or(0) != 0;  // makers write 0 for any
+    if (is_told && !wanted) wanted = object->value;
+  };
+  take(1, setup.vendor);
+  take(2, setup.product);
+}
+
 can::HomingSetup homing_setup_of(const DriveHome& home, double scale) {
   return {.method = static_cast<std::uint8_t>(home.method),
           .fast = home.fast_speed,
@@ -133,7 +147,10 @@ can::Cia402Settings settings_of(const RigAxis& axis, std::int32_t rate_hz) {
           .quick_stop_deceleration = drive.stop_deceleration,
           .coasts = axis.coasts,
           .stops_without_host = axis.stops_without_host,
-          .watches_following_error = drive.watches_following_error}};
+          .watches_following_error = drive.watches_following_error,
+          .vendor = drive.vendor,
+          .product = drive.product,
+          .serial = drive.serial}};
   // Where the drive's own count is not the axis' position, it would hold limits that lie elsewhere, or those
   // of another rig that it has kept.
   if (axis.reference != Reference::by_drive) settings.setup.position_limits = whole_range;
@@ -169,8 +186,9 @@ std::string words_of(const can::SetupRefusal& refusal) {
     text += fmt::format(" for {:04X}h:{}", mapped.index, mapped.sub);
   }
   if (refusal.found) {
-    text += fmt::format(" is {} ({:X}h), not {} ({:X}h)", *refusal.found, *refusal.found, refusal.expected,
-                        refusal.expected);
+    text += fmt::format(" is {} ({:X}h)", *refusal.found, *refusal.found);
+    const bool is_forbidden = *refusal.found == refusal.expected;
+    if (!is_forbidden) text += fmt::format(", not {} ({:X}h)", refusal.expected, refusal.expected);
   }
   if (refusal.abort_code != 0) {
     text += fmt::format("; {:04X} {:04X}h: {}", refusal.abort_code >> 16, refusal.abort_code & 0xFFFF,
@@ -179,10 +197,32 @@ std::string words_of(const can::SetupRefusal& refusal) {
   return text;
 }
 
-std::vector<std::string> words_of_lacks(const can::SetupRunner& setup) {
+std::vector<std::string> words_of_lacks(const can::Cia402Drive& host) {
+  const auto& absent = host.setup().absent();
+  const auto is_absent = [&](std::uint16_t index) {
+    return std::ranges::find(absent, index) != absent.end();
+  };
   std::vector<std::string> words;
   for (const Lack& lack : lacks) {
-    if (std::ranges::find(setup.absent(), lack.index) != setup.absent().end()) words.emplace_back(lack.words);
+    if (!is_absent(lack.index)) continue;
+    const bool has_no_period = lack.index == can::interpolation_time.index && is_absent(0x1006);
+    words.emplace_back(has_no_period
+                           ? "the drive is not told how long a tick is (neither 60C2 nor 1006); set that in "
+                             "the drive"
+                           : lack.words);
+  }
+  if (host.rpdo() != 1) {
+    words.push_back(
+        fmt::format("its controlword and target go in RPDO {0} (160{1}h), because RPDO 1 cannot have them",
+                    host.rpdo(), host.rpdo() - 1));
+  }
+  for (std::uint16_t number = 1; number <= 4; ++number) {
+    for (const bool is_sent : {false, true}) {
+      const auto pdo = static_cast<std::uint16_t>((is_sent ? 0x1800 : 0x1400) + number - 1);
+      if (!host.setup().has_kept(pdo)) continue;
+      words.push_back(fmt::format("the drive keeps its {} {} (object {:04X}h:1 is fixed), which nobody {}",
+                                  is_sent ? "TPDO" : "RPDO", number, pdo, is_sent ? "hears" : "sends to"));
+    }
   }
   return words;
 }
@@ -194,7 +234,9 @@ void Cia402Kind::count_from(can::Cia402Drive& host, const RigAxis& axis, std::in
 }
 
 can::Cia402Drive Cia402Kind::host_of(const RigAxis& axis, std::int32_t rate_hz) {
-  return value_or_refuse(can::Cia402Drive::make(settings_of(axis, rate_hz)), axis.place, named(axis));
+  can::Cia402Settings settings = settings_of(axis, rate_hz);
+  add_identity_of_sheet(axis, settings.setup);
+  return value_or_refuse(can::Cia402Drive::make(settings), axis.place, named(axis));
 }
 
 can::Cia402Bus Cia402Kind::bus_of(std::span<can::Cia402Drive> hosts, std::int32_t rate_hz,
@@ -209,6 +251,9 @@ std::string Cia402Kind::detail_of(const can::Cia402Drive& host, can::DriveFindin
   if (host.last_emergency().code != 0) {
     text += fmt::format(" (EMCY {:04X}, {})", host.last_emergency().code,
                         can::words_of_emergency(host.last_emergency().code));
+  } else if (host.setup().error_code() != 0) {
+    text += fmt::format(" (error {:04X}h, {})", host.setup().error_code(),
+                        can::words_of_emergency(host.setup().error_code()));
   }
   const bool is_of_setup = host.setup().state() == can::SetupState::refused;
   if (is_of_setup && finding == host.refusal().finding)
@@ -270,7 +315,17 @@ SimulatedCia402Settings simulated_settings_of(const RigAxis& axis, double positi
   SimulatedCia402Settings settings{
       .node = node_of(axis),
       .position = static_cast<std::int32_t>(std::floor(position * drive.counts_per_unit + 0.5))};
-  if (!drive.eds.empty()) settings.objects = dictionary_of(read_eds_file(drive.eds, drive.node));
+  if (!drive.eds.empty()) {
+    const EdsFile eds = read_eds_file(drive.eds, drive.node);
+    settings.objects = dictionary_of(eds, settings.node);
+    const EdsObject* const window = eds.find(can::window_index, 0);
+    if (window != nullptr && !window->value) {
+      constexpr double window_s = 0.1;  // the way at max_velocity
+      settings.objects->set(
+          can::window_index, 0,
+          static_cast<std::uint32_t>(whole_counts(window_s * axis.max_velocity, drive.counts_per_unit)));
+    }
+  }
   if (axis.drive_home) settings.home_switch = axis.drive_home->at * drive.counts_per_unit;
   settings.counts_from_power_on = drive.homing.has_value();
   settings.motor.max_acceleration =

@@ -25,8 +25,8 @@ can::NodeId node_of(const RigAxis& axis);
 can::Cia402Settings settings_of(const RigAxis& axis, std::int32_t rate_hz);
 /// Why a drive could not be set up: the object, what it has, and the words of the drive.
 std::string words_of(const can::SetupRefusal& refusal);
-/// What a drive that is set up does without, with what stands in for each.
-std::vector<std::string> words_of_lacks(const can::SetupRunner& setup);
+/// What a drive that is set up does without, with what stands in for each, and what it has in another way.
+std::vector<std::string> words_of_lacks(const can::Cia402Drive& host);
 /// The frames of a tick beside those for each drive: SYNC, the heartbeat, and one of NMT or SDO.
 inline constexpr std::int64_t frames_of_bus_per_tick = 3;
 /// CiA 402 in the host tools (bus_kind.hpp).
@@ -42,9 +42,7 @@ struct Cia402Kind {
   static can::Cia402Drive host_of(const RigAxis& axis, std::int32_t rate_hz);
   static Bus bus_of(std::span<can::Cia402Drive> hosts, std::int32_t rate_hz, const RigAxis& first);
   static std::string detail_of(const can::Cia402Drive& host, can::DriveFinding finding);
-  static std::vector<std::string> lacks_of(const can::Cia402Drive& host) {
-    return words_of_lacks(host.setup());
-  }
+  static std::vector<std::string> lacks_of(const can::Cia402Drive& host) { return words_of_lacks(host); }
   static std::string fitness_of(const can::Cia402Drive& host, std::int32_t rate_hz);
   static std::vector<can::CanFilter> heard_by_host(const RigAxis& axis);
   static std::vector<can::CanFilter> heard_by_drive(const RigAxis& axis);

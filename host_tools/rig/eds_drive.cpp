@@ -2,7 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "host_tools/files/rig_motors.hpp"
@@ -11,6 +15,7 @@
 #include "inbetween/can/pdo.hpp"
 #include "inbetween/loop/tick_time.hpp"
 #include "sim/can_bus.hpp"
+#include "sim/cia402_objects.hpp"
 
 namespace inbetween {
 namespace {
@@ -57,7 +62,34 @@ void set_up(can::Cia402Bus& bus, SimulatedCia402Drive& drive, std::int32_t rate_
   }
 }
 
-void refuse_unfit_drive(const RigAxis& axis, std::int32_t rate_hz) {
+/// ", and the data sheet has HighLimit = 1": what is refused may only be a limit in a file.
+std::string limits_in_words(const EdsObject* object) {
+  if (object == nullptr || !(object->low || object->high)) return "";
+  std::string words = ", and the data sheet has";
+  if (object->low) words += fmt::format(" LowLimit = {}", *object->low);
+  if (object->low && object->high) words += " and";
+  if (object->high) words += fmt::format(" HighLimit = {}", *object->high);
+  return words;
+}
+
+/// Some drives interpolate in one period only: the rig can go by that.
+std::string remedy_of_period(const EdsFile& eds, const can::SetupRefusal& refusal) {
+  const bool is_period = refusal.object == can::interpolation_time && refusal.found.value_or(0) != 0;
+  if (!is_period) return "";
+  const EdsObject* const exponent =
+      eds.find(can::interpolation_exponent.index, can::interpolation_exponent.sub);
+  constexpr std::uint32_t milliseconds = 0xFD;
+  const auto index =
+      static_cast<std::int8_t>(exponent == nullptr ? milliseconds : exponent->value.value_or(milliseconds));
+  const double rate_hz = std::pow(10.0, -index) / *refusal.found;
+  return std::fabs(rate_hz - std::round(rate_hz)) > 1e-9
+             ? ""
+             : fmt::format("write rate_hz = {:g} in the rig, which is the period that the drive has",
+                           rate_hz);
+}
+
+/// Returns the warnings of its sheet.
+std::vector<std::string> refuse_unfit_drive(const RigAxis& axis, std::int32_t rate_hz) {
   const auto& drive = std::get<Cia402Drive>(axis.drive);
   const EdsFile eds = read_eds_file(drive.eds, drive.node);
   std::vector<can::Cia402Drive> hosts{
@@ -69,47 +101,57 @@ void refuse_unfit_drive(const RigAxis& axis, std::int32_t rate_hz) {
   SimulatedCia402Drive simulated(with_settings(simulated_settings_of(axis, 0)), 0);
   set_up(bus, simulated, rate_hz);
   const can::Cia402Drive& host = hosts.front();
-  if (host.phase() == can::DrivePhase::idle) return;
+  if (host.phase() == can::DrivePhase::idle) return eds.warnings;
   // Of a mapping that is refused, the line is that of the object which may not be in it.
   const bool is_of_mapping = host.refusal().abort_code == can::abort_not_mappable;
   const can::ObjectAddress asked =
       is_of_mapping ? can::read_mapping_value(host.refusal().expected).object : host.refusal().object;
   const EdsObject* const object = eds.find(asked.index, asked.sub);
   const can::DriveFindingWords words = can::words_of(host.first_finding().value());
-  throw InputError(
-      {eds.path, object == nullptr ? 0 : object->line, 0},
-      fmt::format("{}: {} ({}); {}", named(axis), words.what, words_of(host.refusal()), words.remedy));
+  const std::string remedy = remedy_of_period(eds, host.refusal());
+  throw InputError({eds.path, object == nullptr ? 0 : object->line, 0},
+                   fmt::format("{}: {} ({}{}); {}", named(axis), words.what, words_of(host.refusal()),
+                               limits_in_words(object), remedy.empty() ? words.remedy : remedy));
 }
 
 }  // namespace
 
-ObjectDictionary dictionary_of(const EdsFile& eds) {
+ObjectDictionary dictionary_of(const EdsFile& eds, can::NodeId node) {
+  const ObjectDictionary of_profile = factory_objects(node);
   ObjectDictionary objects;
   for (const EdsObject& object : eds.objects) {
     const can::ObjectAddress address{.index = object.index, .sub = object.sub};
-    if (object.size == 0) {
+    const ObjectDictionary::Object* const usual = of_profile.find(address);
+    const bool is_usual_number = usual != nullptr && usual->bytes.empty();
+    if (object.size == 0 && !is_usual_number) {
       // An object of no length is one of which the data sheet does not tell it.
       std::vector<std::uint8_t> bytes = object.bytes;
       if (bytes.empty()) bytes.resize(1);
       objects.add(address, {.access = access_of(object), .bytes = bytes});
       continue;
     }
-    ObjectDictionary::Object number{.size = object.size,
+    ObjectDictionary::Object number{.size = object.size == 0 ? usual->size : object.size,
                                     .access = access_of(object),
-                                    .value = object.value,
                                     .can_be_mapped = object.can_be_mapped};
     number.min = object.low.value_or(number.min);
     number.max = object.high.value_or(number.max);
+    number.value =
+        object.value.value_or(std::clamp(is_usual_number ? usual->value : 0, number.min, number.max));
     objects.add(address, number);
   }
   return objects;
 }
 
-void refuse_unfit_drives(const RigFile& rig) {
+std::vector<std::string> refuse_unfit_drives(const RigFile& rig) {
+  std::vector<std::string> warnings;
   for (const RigAxis& axis : motors_of(rig).rig.axes) {
     const auto* const drive = std::get_if<Cia402Drive>(&axis.drive);
-    if (drive != nullptr && !drive->eds.empty()) refuse_unfit_drive(axis, rig.rate_hz);
+    if (drive == nullptr || drive->eds.empty()) continue;
+    for (std::string& warning : refuse_unfit_drive(axis, rig.rate_hz)) {
+      if (std::ranges::find(warnings, warning) == warnings.end()) warnings.push_back(std::move(warning));
+    }
   }
+  return warnings;
 }
 
 }  // namespace inbetween

@@ -28,6 +28,8 @@ struct DriveInRig<Cia402Kind> {
   static std::string bus() { return bus_can0; }
   static constexpr double resolution = 0.0005;
   static constexpr const char* on = "operation enabled";
+  static constexpr std::int32_t fault = 0x7305;  ///< of a script, and as it is told
+  static constexpr const char* fault_words = "7305h";
   static constexpr bool stops_alone = true;
 };
 /// The same protocol in mode 7.
@@ -44,6 +46,8 @@ struct DriveInRig<OdriveKind> {
   static std::string bus() { return bus_can0; }
   static constexpr double resolution = 1e-5;
   static constexpr const char* on = "closed loop";
+  static constexpr std::int32_t fault = 0x20;  ///< of a script, and as it is told
+  static constexpr const char* fault_words = "gate driver";
   static constexpr bool stops_alone = true;
 };
 template <>
@@ -52,6 +56,8 @@ struct DriveInRig<RmdKind> {
   static std::string bus() { return bus_can0; }
   static constexpr double resolution = 0.0003;  // half a hundredth of a degree of the motor
   static constexpr const char* on = "position";
+  static constexpr std::int32_t fault = 0x2;  ///< of a script, and as it is told
+  static constexpr const char* fault_words = "stalled";
   static constexpr bool stops_alone = true;
 };
 template <>
@@ -63,6 +69,8 @@ struct DriveInRig<CubemarsKind> {
   static std::string bus() { return bus_can0; }
   static constexpr double resolution = 1e-5;
   static constexpr const char* on = "position";
+  static constexpr std::int32_t fault = 3;  ///< of a script, and as it is told
+  static constexpr const char* fault_words = "error 3";
   static constexpr bool stops_alone = false;
 };
 template <>
@@ -71,6 +79,8 @@ struct DriveInRig<MoteusKind> {
   static std::string bus() { return bus_can0 + "data_bitrate = 5000000\n"; }
   static constexpr double resolution = 1e-5;
   static constexpr const char* on = "position";
+  static constexpr std::int32_t fault = 33;  ///< of a script, and as it is told
+  static constexpr const char* fault_words = "fault 33";
   static constexpr bool stops_alone = true;
 };
 

@@ -259,6 +259,33 @@ TYPED_TEST(EveryProtocol, ADriveThatDoesNotSwitchOffIsSaid) {
   EXPECT_EQ(axis.has_power(), !DriveInRig<TypeParam>::stops_alone);
 }
 
+// docs/faults.md 23
+TYPED_TEST(EveryProtocol, AFaultFromBeforeItWasSetUpIsToldByItsCode) {
+  BusAxis<TypeParam> axis;
+  this->add(axis, Trouble::emergency, DriveInRig<TypeParam>::fault);
+  axis.ticks(250);
+  EXPECT_FALSE(axis.switch_on());
+  ASSERT_TRUE(axis.host().first_finding());
+  EXPECT_THAT(TypeParam::detail_of(axis.host(), *axis.host().first_finding()),
+              testing::HasSubstr(DriveInRig<TypeParam>::fault_words))
+      << this->words(axis);
+  EXPECT_FALSE(axis.has_power());
+  EXPECT_FALSE(axis.drive->has_been_moved());
+}
+
+// docs/faults.md 50
+TEST(Cia402OnABus, TwoDevicesWithOneNumberAreFoundBeforeEitherHasPower) {
+  BusAxis<Cia402Kind> axis;
+  const auto second = Cia402Kind::simulate(axis.axis(), {.position = -40, .keeps_record = true});
+  axis.wire.attach(*second);
+  EXPECT_FALSE(axis.switch_on());
+  EXPECT_EQ(axis.host().first_finding(), DriveFinding::two_devices);
+  axis.ticks(500);
+  EXPECT_FALSE(axis.has_power());
+  EXPECT_NE(second->state_name(), std::string("operation enabled"));
+  EXPECT_FALSE(axis.drive->has_been_moved() || second->has_been_moved());
+}
+
 // docs/faults.md 28
 TYPED_TEST(EveryProtocol, AfterAStopItIsSwitchedOnWhereItIsThen) {
   BusAxis<TypeParam> axis;

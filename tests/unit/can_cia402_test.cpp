@@ -253,9 +253,56 @@ TEST_F(SetupOfNode5, RefusesAMappingThatIsNotTaken) {
   objects.freeze(0x1A00, 2);
   expect_refused(DriveFinding::read_back_differs, 0x1A00);
 }
-TEST_F(SetupOfNode5, RefusesAPdoThatCannotBeSwitchedOff) {
-  objects.freeze(0x1402, 1);
-  expect_refused(DriveFinding::read_back_differs, 0x1402);
+TEST_F(SetupOfNode5, LeavesAPdoThatNobodyNeedsAndThatIsFixed) {
+  for (const int fixed : {0x1402, 0x1803}) {
+    objects = {};
+    objects.set(fixed, 1, 4, 0x123);
+    objects.freeze(fixed, 1);
+    work();
+    EXPECT_EQ(runner.state(), SetupState::done);
+    for (const int pdo : {0x1401, 0x1402, 0x1403, 0x1801, 0x1802, 0x1803}) {
+      EXPECT_EQ(runner.has_kept(static_cast<std::uint16_t>(pdo)), pdo == fixed) << std::hex << pdo;
+    }
+  }
+}
+
+TEST_F(SetupOfNode5, RefusesAnRpdoThatItNeedsAndThatIsFixedOtherwise) {
+  objects.freeze(0x1400, 1);
+  expect_refused(DriveFinding::read_back_differs, 0x1400);
+}
+
+TEST_F(SetupOfNode5, NotesTheErrorThatItHas) {
+  objects.set(0x603F, 0, 2, 0x7305);
+  objects.set(0x1003, 1, 4, 0x8611);
+  work();
+  EXPECT_EQ(runner.error_code(), 0x7305);
+  objects.set(0x603F, 0, 2, 0);
+  work();
+  EXPECT_EQ(runner.error_code(), 0x8611);
+  objects.remove(0x603F, 0);
+  objects.remove(0x1003, 1);
+  work();
+  EXPECT_EQ(runner.state(), SetupState::done);
+  EXPECT_EQ(runner.error_code(), 0);
+}
+
+TEST_F(SetupOfNode5, RefusesAnotherSerialNumber) {
+  objects.set(0x1018, 4, 4, 77);
+  setup.serial = 77;
+  work();
+  EXPECT_EQ(runner.state(), SetupState::done);
+  setup.serial = 78;
+  expect_refused(DriveFinding::wrong_device, 0x1018);
+}
+
+TEST_F(SetupOfNode5, UsesTheRpdoThatItIsToldTo) {
+  setup.rpdo = 3;
+  work();
+  ASSERT_EQ(runner.state(), SetupState::done);
+  EXPECT_EQ(objects.value(0x1402, 1), 0x405U);
+  EXPECT_EQ(objects.value(0x1602, 2), 0x607A0020U);
+  EXPECT_NE(objects.value(0x1400, 1) & 0x80000000, 0U);
+  EXPECT_EQ(objects.value(0x1402, 5), 50U);
 }
 
 TEST_F(SetupOfNode5, ReportsTheObjectAndTheReasonOfTheDrive) {

@@ -211,6 +211,21 @@ TEST_F(DriveOfNode5, AFaultIsResetByAnEdge) {
   EXPECT_EQ(tick(disabled, 700)->controlword, 0x0006);
 }
 
+TEST_F(DriveOfNode5, AFaultThatNeedsMoreThanOneEdgeGetsThem) {
+  bring_to_idle();
+  drive->enable(now);
+  int edges = 0;
+  std::uint16_t before = 0;
+  for (int i = 0; i < 200; ++i) {
+    const std::uint16_t word = tick(in_fault, 700)->controlword;
+    edges += (word & 0x80) != 0 && (before & 0x80) == 0 ? 1 : 0;
+    EXPECT_EQ(word & 0x0F, 0) << "and nothing else is ordered";
+    before = word;
+  }
+  EXPECT_GE(edges, 3);
+  EXPECT_EQ(tick(disabled, 700)->controlword, 0x0006);
+}
+
 TEST_F(DriveOfNode5, AFaultThatStaysIsReported) {
   bring_to_idle();
   drive->enable(now);
@@ -672,8 +687,8 @@ TEST_F(DriveOfNode5, SettingsWithoutLimitsAreRefused) {
   EXPECT_TRUE(refuses([](Cia402Settings& bad) { bad.setup.host_timeout_ms = 0; }));
 }
 
-TEST(DriveMemory, ADriveFitsIntoTwoAndAQuarterKilobytes) {
-  EXPECT_LE(sizeof(Cia402Drive), 2304U);
+TEST(DriveMemory, ADriveFitsIntoTwoAndAHalfKilobytes) {
+  EXPECT_LE(sizeof(Cia402Drive), 2432U);
 }
 
 }  // namespace can_drive_test

@@ -7,15 +7,18 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "host_tools/rig/cia402_kind.hpp"
 #include "host_tools/rig/eds_drive.hpp"
+#include "host_tools/rig/rig_drives.hpp"
 #include "host_tools/rig/simulated_hardware.hpp"
 #include "tests/support/eds_text.hpp"
 #include "tests/support/places.hpp"
+#include "tests/support/refused_text.hpp"
 #include "tests/support/rig_text.hpp"
 #include "tests/support/run_program.hpp"
 #include "tests/support/temporary_file.hpp"
@@ -24,6 +27,7 @@ namespace inbetween {
 namespace eds_file_test {
 
 using testing::HasSubstr;
+using testing::Not;
 
 EdsFile read(std::string_view text, int node = 5) {
   return parse_eds(text, "drive.eds", node);
@@ -36,6 +40,13 @@ std::string refusal_of(std::string_view text) {
     return error.what();
   }
   return "accepted";
+}
+
+/// The one warning that a text brings; "" for none.
+std::string warning_of(std::string_view text) {
+  const std::vector<std::string> warnings = read(text).warnings;
+  EXPECT_LE(warnings.size(), 1U);
+  return warnings.empty() ? "" : warnings.front();
 }
 
 constexpr std::string_view some = R"([FileInfo]
@@ -85,7 +96,7 @@ TEST(EdsFile, NumbersAreDecimalHexadecimalOctalNegativeOrASumWithTheNode) {
   EXPECT_EQ(value("0x0007", "017"), 15U);
   EXPECT_EQ(value("0x7", "$NODEID+0x180"), 0x185U);
   EXPECT_EQ(value("0x7", "0x40000180 + $NodeId"), 0x40000185U);
-  EXPECT_EQ(value("0x7", ""), 0U);
+  EXPECT_EQ(value("0x7", ""), std::nullopt) << "unknown until the drive is connected, and never 0";
   EXPECT_EQ(value("0x4", "-1"), 0xFFFFFFFFU);
   EXPECT_EQ(value("0x3", "-3"), 0xFFFDU);
   EXPECT_EQ(value("0x2", "0xFD"), 0xFDU);
@@ -126,36 +137,72 @@ TEST(EdsFile, ListsAndCountsOfObjectsMayBeWrong) {
   EXPECT_EQ(eds.objects.size(), 1U);
 }
 
-TEST(EdsFile, WhatIsWrongIsNamedWithItsLine) {
+TEST(EdsFile, AnEmptyValueOfADeviceLeavesThatOfItsKind) {
+  const EdsFile eds = read(variable("0x7", "1") + "ParameterValue=\n");
+  EXPECT_EQ(eds.find(0x2000, 0)->value, 1U);
+}
+
+TEST(EdsFile, WhatMakersGetWrongIsAWarningWithItsLineAndMakesThatObjectUnknown) {
+  struct Row {
+    std::string text;
+    const char* words;
+  };
+  const std::string unknown = "; it is unknown until the drive is connected";
+  for (const Row& row :
+       {Row{variable("0x5", "256"),
+            "drive.eds:4: warning: DefaultValue is \"256\", which has no room in 1 byte"},
+        Row{variable("0x5", "-1"), "drive.eds:4: warning: DefaultValue is \"-1\""},
+        Row{variable("0x2", "-129"), "drive.eds:4:"},
+        Row{variable("0x7", "08"), "drive.eds:4: warning: DefaultValue"},
+        Row{variable("0x7", "1.5"), "is \"1.5\", and no number such as 12"},
+        Row{variable("0x7", "0x80 (rw)"), "is \"0x80 (rw)\""},
+        Row{variable("0x7", "$NODE+1"), "$NODEID+0x200"}, Row{variable("0x7", "1+"), "drive.eds:4:"},
+        Row{variable("seven", "1"), "drive.eds:2: warning: DataType is \"seven\""},
+        Row{"[2000]\nAccessType=rw\n", "drive.eds:1: warning: section \"2000\" has no DataType"},
+        Row{variable("7", "1") + "DefaultValue=2\n",
+            "drive.eds:5: warning: \"DefaultValue\" is in section \"2000\""},
+        Row{variable("7", "1") + "written by hand\n",
+            "drive.eds:5: warning: \"written by hand\" is no [SECTION]"},
+        Row{variable("7", "1") + "[2000]\nDataType=7\n", "section \"2000\" is in line 1 already"},
+        Row{variable("7", "1") + "[2000sub0]\nDataType=7\n",
+            "drive.eds:5: warning: object 2000h:0 is in line 1"}}) {
+    SCOPED_TRACE(row.text);
+    const EdsFile eds = read(row.text);
+    ASSERT_FALSE(eds.warnings.empty());
+    EXPECT_THAT(eds.warnings.front(), testing::AllOf(HasSubstr(row.words), testing::EndsWith(unknown)));
+    ASSERT_EQ(eds.objects.size(), 1U);
+    EXPECT_EQ(eds.objects.front().value, std::nullopt);
+  }
+}
+
+TEST(EdsFile, WhatIsWrongBesideAnObjectsValueIsAWarningToo) {
+  const auto with_line = [](const char* line) { return variable("0x6", "7") + line + "\n"; };
   EXPECT_EQ(
-      refusal_of(variable("0x5", "256")),
-      "drive.eds:4: error: DefaultValue is \"256\", which has no room in 1 byte; correct it or its DataType");
-  EXPECT_THAT(refusal_of(variable("0x5", "-1")), HasSubstr("drive.eds:4: error: DefaultValue is \"-1\""));
-  EXPECT_THAT(refusal_of(variable("0x2", "-129")), HasSubstr("drive.eds:4:"));
-  EXPECT_THAT(refusal_of(variable("0x7", "08")),
-              HasSubstr("drive.eds:4: error: DefaultValue is \"08\"; write"));
-  EXPECT_THAT(refusal_of(variable("0x7", "$NODE+1")), HasSubstr("$NODEID+0x200"));
-  EXPECT_THAT(refusal_of(variable("0x7", "1+")), HasSubstr("drive.eds:4:"));
-  EXPECT_THAT(refusal_of(variable("seven", "1")), HasSubstr("drive.eds:2: error: DataType is \"seven\""));
-  EXPECT_THAT(refusal_of("[2000]\nDataType=7\nAccessType=often\n"),
-              HasSubstr("drive.eds:3: error: AccessType"));
-  EXPECT_THAT(refusal_of("[2000]\nAccessType=rw\n"),
-              HasSubstr("drive.eds:1: error: section \"2000\" lacks a line; "
-                        "add DataType="));
-  EXPECT_THAT(refusal_of("[2000]\nDataType=7\n"), HasSubstr("add AccessType=rw"));
-  EXPECT_THAT(refusal_of("[2000\n"), HasSubstr("drive.eds:1:"));
-  EXPECT_THAT(refusal_of("DataType=7\n"), HasSubstr("drive.eds:1:"));
-  EXPECT_THAT(refusal_of(std::string(some) + "words\n"), HasSubstr("drive.eds:10: error: \"words\" is no"));
-  EXPECT_THAT(refusal_of(std::string(some) + "AccessType=rw\n"),
-              HasSubstr("drive.eds:10: error: \"AccessType\""));
-  EXPECT_THAT(refusal_of(std::string(some) + "[1000]\n"),
-              HasSubstr("drive.eds:10: error: section \"1000\" is in "
-                        "line 4 already"));
-  EXPECT_THAT(refusal_of(std::string(some) + "[1000sub0]\nDataType=7\nAccessType=ro\n"),
-              HasSubstr("drive.eds:10: error: object 1000h:0 is in line 4 already"));
-  EXPECT_THAT(refusal_of("[2000]\nDataType=7\nAccessType=ro\nCompactSubObj=255\n"),
-              HasSubstr("drive.eds:4:"));
+      warning_of(with_line("HighLimit=65536")),
+      "drive.eds:5: warning: HighLimit is \"65536\", which has no room in 2 bytes; it is unknown until the "
+      "drive is connected");
+  EXPECT_THAT(warning_of(with_line("LowLimit=9\nHighLimit=8")),
+              HasSubstr("drive.eds:5: warning: LowLimit is 9, above HighLimit = 8; neither is believed"));
+  EXPECT_THAT(warning_of(with_line("PDOMapping=2")), HasSubstr("whether it can be mapped is unknown"));
+  EXPECT_THAT(warning_of(with_line("CompactSubObj=255")), HasSubstr("at most 254 parts"));
+  EXPECT_THAT(warning_of("[2000]\nDataType=7\nAccessType=often\n"),
+              HasSubstr("drive.eds:3: warning: AccessType"));
+  EXPECT_THAT(warning_of(variable("7", "1") + "[0005]\nDataType=7\n"), HasSubstr("is no object of a device"));
+  EXPECT_THAT(warning_of("[2001\nDataType=9\n" + variable("7", "1")),
+              HasSubstr("drive.eds:1: warning: section"));
+  EXPECT_THAT(warning_of("DataType=7\n" + variable("7", "1")), HasSubstr("it is passed over"));
+  for (const char* const line :
+       {"AccessType=rw", "# a comment", "; another", "\x1A", "", "ParameterName=T\xFCr"}) {
+    const EdsFile eds = read(with_line(line));
+    EXPECT_THAT(eds.warnings, testing::IsEmpty()) << line;
+    EXPECT_EQ(eds.find(0x2000, 0)->value, 7U) << line;
+  }
+  EXPECT_EQ(read("[2000]\nDataType=7\n").find(0x2000, 0)->can_be_written, true) << "nothing else is said";
+}
+
+TEST(EdsFile, WithoutAnyObjectItIsNoDataSheet) {
   EXPECT_THAT(refusal_of("; nothing\n"), HasSubstr("drive.eds: error: the file has no object"));
+  EXPECT_THAT(refusal_of("words\n"), HasSubstr("drive.eds: error: the file has no object"));
 }
 
 // --- the drive of a rig
@@ -217,11 +264,12 @@ TEST(EdsDrive, WhatItLacksIsToldBeforeAnythingIsConnectedWithTheLine) {
   EXPECT_EQ(
       Sheet(eds_text({.without = {"1016", "1017", "1400sub5"}}), ", watchdog = \"life-guarding\"").refusal(),
       "");
-  EXPECT_THAT(Sheet(eds_text({.without = {"1600sub2"}})).refusal(), HasSubstr("1600h:2"));
+  EXPECT_THAT(Sheet(eds_text({.without = {"1600sub2", "1601sub2"}})).refusal(), HasSubstr("1600h:2"));
   EXPECT_THAT(Sheet(eds_text({.without = {"6064"}})).refusal(),
               HasSubstr("(object 1A00h:2 for 6064h:0; 0602 0000h: the device has no such object)"));
-  EXPECT_THAT(Sheet(eds_text({.period_access = "ro"})).refusal(),
-              testing::ContainsRegex("drive.eds:[1-9][0-9]*: .*60C2h:1 is 1 \\(1h\\), not 4"));
+  EXPECT_THAT(
+      Sheet(eds_text({.period_access = "ro"})).refusal(),
+      testing::ContainsRegex("drive.eds:[1-9][0-9]*: .*60C2h:1 is 1 \\(1h\\), not 4.*write rate_hz = 1000"));
   EXPECT_THAT(Sheet(eds_text({.without = {"6007"}})).refusal(), HasSubstr("on_host_lost"));
   EXPECT_EQ(Sheet(eds_text({.without = {"6502"}})).refusal(), "");
 }
@@ -237,9 +285,6 @@ TEST(EdsDrive, AnObjectThatMayNotBeMappedIsToldWithItsOwnLine) {
   std::string unsaid = sheet;
   for (std::size_t at = 0; (at = unsaid.find("PDOMapping=0\n")) != unsaid.npos;) unsaid.erase(at, 13);
   EXPECT_EQ(Sheet(unsaid).refusal(), "") << "what the file does not say may be";
-  EXPECT_THAT(
-      Sheet(std::string(eds_text({})) + "[2000]\nDataType=7\nAccessType=rw\nPDOMapping=2\n").refusal(),
-      HasSubstr("PDOMapping is 2; write 0 or 1"));
 }
 
 // Jog needs a terminal, and reads the rig as goto does.
@@ -273,10 +318,114 @@ TEST(EdsDrive, AMissingDataSheetAndOneThatIsWrongAreErrorsOfOneLine) {
   EXPECT_THAT(empty.refusal(), HasSubstr("drive.eds: error: the file has no object"));
   std::filesystem::remove(empty.folder.path() / "drive.eds");
   EXPECT_THAT(empty.refusal(), HasSubstr("drive.eds: error: "));
-  const Sheet wrong(eds_text({.modes = "none"}));
-  const ProgramRun run = run_program({"goto", "--rig", wrong.rig(), "--sim", "--fast", "--yes", "slide=20"});
-  EXPECT_EQ(run.status, 1);
-  EXPECT_THAT(run.err, testing::ContainsRegex("drive.eds:[1-9][0-9]*: error: DefaultValue is \"none\""));
+}
+
+/// A part of a sheet in other words.
+std::string changed(std::string_view from, std::string_view to) {
+  return with(eds_text({}), from, to);
+}
+std::string in_section(const std::string& section, std::string_view from, std::string_view to) {
+  std::string text = eds_text({});
+  return text.replace(text.find(from, text.find("[" + section + "]")), from.size(), to);
+}
+std::string without_values(const std::vector<std::string>& sections) {
+  std::string text = eds_text({});
+  for (const std::string& section : sections) {
+    const std::size_t begin = text.find("DefaultValue=", text.find("[" + section + "]"));
+    text.erase(begin, text.find('\n', begin) + 1 - begin);
+  }
+  return text;
+}
+
+// Each in the form in which a maker's file has it.
+TEST(EdsDrive, SheetsAsMakersWriteThemPlay) {
+  struct Row {
+    const char* what;
+    std::string sheet;
+    std::vector<std::string> said;  ///< in warnings and notes
+  };
+  std::string crlf;
+  for (const char c : "\xEF\xBB\xBF" + eds_text({}) + "\x1A") crlf += c == '\n' ? "\r\n" : std::string(1, c);
+  for (const Row& row : {
+           Row{"no device type, as maxon and Schunk have it", without_values({"1000"}), {}},
+           Row{"no modes, as Elmo has it", without_values({"6502"}), {}},
+           Row{"no value of anything that can only be read",
+               without_values({"1000", "1001", "1018sub0", "1018sub1", "6041", "6061", "6064", "6502"}),
+               {}},
+           Row{"no following error window", without_values({"6065", "6066"}), {}},
+           Row{"a device type that is empty", changed("DefaultValue=0x00020192", "DefaultValue="), {}},
+           Row{"a DCF with empty values",
+               changed("DefaultValue=0x00020192", "DefaultValue=0x20192\nParameterValue="),
+               {}},
+           Row{"a limit one too high, as Eyou has it",
+               eds_text({}) + "[2023]\nDataType=6\nAccessType=rw\nHighLimit=65536\n",
+               {"warning: HighLimit is \"65536\"", "drive.eds:"}},
+           Row{"an unused RPDO that is fixed, as Faulhaber has it",
+               in_section("1401sub1", "AccessType=rw", "AccessType=ro"),
+               {"keeps its RPDO 2 (object 1401h:1 is fixed)"}},
+           Row{"room in the second RPDO only, as iPOS has it",
+               eds_text({.without = {"1600sub2", "1600sub3", "1600sub4"}}),
+               {"its controlword and target go in RPDO 2 (1601h)"}},
+           Row{"CRLF, a byte order mark and the end of a DOS file", crlf, {}},
+           Row{"a window with a decimal", eds_text({.window = "2000.0"}), {"DefaultValue is \"2000.0\""}},
+           Row{"modes with words behind them",
+               eds_text({.modes = "0xA1 = csp"}),
+               {"DefaultValue is \"0xA1 = csp\""}},
+           Row{"a statusword without a type",
+               changed("[6041]\nParameterName=p\nObjectType=0x7\nDataType=0x0006\n",
+                       "[6041]\nParameterName=p\n"),
+               {"section \"6041\" has no DataType"}},
+           Row{"objects of the dummy kind",
+               "[0005]\nDataType=5\n" + eds_text({}),
+               {"section \"0005\" is no object"}},
+           Row{"a part in small letters", changed("[607A]", "[607a]"), {}},
+           Row{"access in capitals, and none", in_section("6040", "AccessType=rww", "AccessType=RWW"), {}},
+           Row{"a heartbeat twice",
+               eds_text({}) + "[1017]\nDataType=6\nAccessType=rw\nDefaultValue=1\n",
+               {"section \"1017\" is in line"}},
+           Row{"a line of text", eds_text({}) + "end of file\n", {"\"end of file\" is no [SECTION]"}},
+       }) {
+    SCOPED_TRACE(row.what);
+    const Sheet sheet(row.sheet);
+    const ProgramRun run =
+        run_program({"goto", "--rig", sheet.rig(), "--sim", "--fast", "--yes", "slide=20"});
+    EXPECT_EQ(run.status, 0) << run.err << run.out;
+    for (const std::string& words : row.said) EXPECT_THAT(run.err, HasSubstr(words));
+    if (row.said.empty()) {
+      EXPECT_THAT(run.err, Not(HasSubstr("warning")));
+    }
+  }
+}
+
+TEST(EdsDrive, APeriodThatIsFixedNamesTheRateAndTheLimitOfTheFile) {
+  const std::string fixed = with(eds_text({}), "[60C2sub1]\n", "[60C2sub1]\nLowLimit=1\nHighLimit=1\n");
+  EXPECT_THAT(Sheet(fixed).refusal(),
+              testing::AllOf(HasSubstr("the data sheet has LowLimit = 1 and HighLimit = 1"),
+                             HasSubstr("write rate_hz = 1000 in the rig")));
+}
+
+// docs/faults.md 51
+TEST(EdsDrive, ADriveOfAnotherMakeThanItsSheetIsRefused) {
+  const Sheet sheet(eds_text({}));
+  const RigFile rig = read_rig_file(sheet.rig());
+  RigFile without = rig;
+  std::get<Cia402Drive>(without.axes[0].drive).eds.clear();
+  SimulatedHardware hardware(without, {0});  // of vendor 5101h
+  RigDrives drives(rig, hardware);
+  drives.enable();
+  std::vector<DriveState<double>> states(1);
+  for (std::int64_t now_ns = 4'000'000; now_ns < 10'000'000'000 && drives.trouble().empty();
+       now_ns += 4'000'000) {
+    drives.read(states, now_ns);
+    drives.write({}, now_ns);
+  }
+  EXPECT_FALSE(states[0].is_on);
+  EXPECT_THAT(drives.trouble(), HasSubstr("(object 1018h:1 is 20737 (5101h), not 4660 (1234h))"));
+}
+
+TEST(EdsDrive, AWarningIsToldOnceHoweverManyDrivesHaveTheSheet) {
+  const Sheet sheet(eds_text({}) + "[2023]\nDataType=6\nAccessType=rw\nHighLimit=65536\n");
+  EXPECT_EQ(refuse_unfit_drives(read_rig_file(sheet.rig())).size(), 1U);
 }
 
 }  // namespace eds_file_test

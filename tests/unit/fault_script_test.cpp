@@ -59,6 +59,7 @@ TEST(FaultScript, EveryWordIsATroubleOfTheDrive) {
       {"foreign-sender", {"at = 1", Kind::foreign_sender}},
       {"flood", {"at = 1\nframes_per_s = 1", Kind::flood}},
       {"stay-on", {"at = 1", Kind::stay_on}},
+      {"switched-off", {"at = 1", Kind::switched_off}},
       {"no-home", {"at = 1", Kind::no_home}},
       {"homing-error", {"at = 1", Kind::homing_error}},
       {"no-window", {"", Kind::no_window}},

@@ -1,6 +1,7 @@
 // What CANSimple cannot say is not sent, and what is no frame of it is not read.
 #include "inbetween/can/odrive.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -10,6 +11,7 @@
 #include <string>
 
 #include "inbetween/can/servo_drive.hpp"
+#include "tests/support/bus_axis.hpp"
 
 namespace inbetween::can {
 namespace odrive_test {
@@ -112,6 +114,54 @@ TEST(OdriveReport, AnyFramesAreUnderstoodOrRefused) {
     }
   }
   EXPECT_GT(understood, 1000);
+}
+
+// --- what it says of itself, and what it does not
+
+using Axis = inbetween::BusAxis<OdriveKind>;
+std::string trouble_of(const Axis& axis) {
+  const auto finding = axis.host().first_finding();
+  return finding ? std::string(words_of(*finding).what) + "; " + words_of(*finding).remedy : "";
+}
+
+TEST(OdriveOnABus, SwitchedOffByAnotherProgramItIsToldSoAndKeepsItsPlace) {
+  Axis axis;
+  ASSERT_TRUE(axis.switch_on());
+  axis.from = axis.state.actual;
+  for (int tick = 0; tick <= 125; ++tick) axis.tick(axis.swing(tick * 0.004));
+  axis.drive->add_trouble({.kind = DriveTrouble::Kind::switched_off, .at_ns = axis.now_ns});
+  for (int tick = 126; tick < 300 && axis.worst == DriveCondition::fine; ++tick)
+    axis.tick(axis.swing(tick * 0.004));
+  EXPECT_EQ(axis.worst, DriveCondition::cannot_follow);
+  EXPECT_EQ(
+      trouble_of(axis),
+      "somebody else has switched the drive off: it tells no error, and was heard all the time; disconnect "
+      "other masters and set-up tools from the drive");
+  EXPECT_FALSE(axis.port->has_forgotten(0));
+}
+
+TEST(OdriveOnABus, ARestartIsStillARestart) {
+  Axis axis;
+  ASSERT_TRUE(axis.switch_on());
+  axis.from = axis.state.actual;
+  for (int tick = 0; tick <= 125; ++tick) axis.tick(axis.swing(tick * 0.004));
+  axis.drive->add_trouble({.kind = DriveTrouble::Kind::reboot, .at_ns = axis.now_ns});
+  axis.ticks(1500, axis.swing(0.5));
+  EXPECT_TRUE(axis.host().findings().has(DriveFinding::unexpected_boot)) << trouble_of(axis);
+  EXPECT_FALSE(axis.host().findings().has(DriveFinding::switched_off_by_another));
+  EXPECT_TRUE(axis.port->has_forgotten(0));
+}
+
+TEST(OdriveOnABus, OneThatSendsHeartbeatsAndNoEstimatesIsToldThatAndIsLetGo) {
+  Axis axis;
+  axis.drive->add_trouble({.kind = DriveTrouble::Kind::lose_feedback});
+  EXPECT_FALSE(axis.switch_on());
+  EXPECT_THAT(trouble_of(axis), testing::AllOf(testing::HasSubstr("the drive tells how it is, but not where"),
+                                               testing::HasSubstr("encoder_msg_rate_ms")));
+  axis.port->disable();
+  axis.ticks(1500);
+  EXPECT_FALSE(axis.host().findings().has(DriveFinding::moves_while_off));
+  EXPECT_FALSE(axis.drive->has_been_moved());
 }
 
 }  // namespace odrive_test

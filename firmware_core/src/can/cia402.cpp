@@ -82,8 +82,8 @@ PdoMapping feedback_mapping() {
   return PdoMapping::make(entries).value();
 }
 
-Frame command_frame(NodeId node, const DriveCommand& command) {
-  Frame frame{.id = rpdo1_id(node), .length = 6};
+Frame command_frame(NodeId node, const DriveCommand& command, std::uint32_t rpdo) {
+  Frame frame{.id = rpdo_id(node, rpdo), .length = 6};
   store(frame.data, 0, command.controlword);
   store(frame.data, 2, static_cast<std::uint32_t>(command.target));
   return frame;

@@ -14,7 +14,7 @@ bool is_from(const Cia402Drive& drive, std::uint32_t id) {
 }
 
 bool is_to(const Cia402Drive& drive, std::uint32_t id) {
-  return id == rpdo1_id(drive.node()) || id == sdo_request_id(drive.node());
+  return id == rpdo_id(drive.node(), drive.rpdo()) || id == sdo_request_id(drive.node());
 }
 
 }  // namespace

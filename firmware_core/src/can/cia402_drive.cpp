@@ -89,6 +89,8 @@ void Cia402Drive::enter(DrivePhase phase, std::int64_t now_ns) {
   switch (phase) {
     case booting:
       order_ = settings_.reset;
+      has_tried_all_rpdos_ = false;
+      use_rpdo(1);
       phase_deadline_ns_ = now_ns + settings_.boot_timeout_ns;
       heartbeat_.stop();
       feedback_ = {};
@@ -100,6 +102,7 @@ void Cia402Drive::enter(DrivePhase phase, std::int64_t now_ns) {
       has_lost_touch_ = false;
       break;
     case configuring:
+      strays_ = 0;
       runner_.begin(script_);
       break;
     case starting:
@@ -266,8 +269,27 @@ void Cia402Drive::advance_configuring(std::int64_t now_ns) {
     runner_.begin(script_);
     return;
   }
+  if (tries_another_rpdo()) return;
   find(runner_.refusal().finding);
   apply(DriveEvent::refused, now_ns);
+}
+
+void Cia402Drive::use_rpdo(std::uint8_t number) {
+  settings_.setup.rpdo = number;
+  static_cast<void>(write_setup_script(settings_.setup, script_));  // as long as that of any other number
+}
+
+/// Some drives have the controlword and the target in an RPDO of their own choice, and no room in the first.
+bool Cia402Drive::tries_another_rpdo() {
+  constexpr std::uint8_t last = 4;
+  const std::uint16_t object = runner_.refusal().object.index;
+  const auto number = static_cast<std::uint16_t>(rpdo() - 1);
+  const bool is_of_rpdo = object == 0x1400 + number || object == 0x1600 + number;
+  if (!is_of_rpdo || has_tried_all_rpdos_) return false;
+  has_tried_all_rpdos_ = rpdo() == last;
+  use_rpdo(static_cast<std::uint8_t>(has_tried_all_rpdos_ ? 1 : rpdo() + 1));
+  runner_.begin(script_);
+  return true;
 }
 
 void Cia402Drive::advance_starting(std::int64_t now_ns) {
@@ -277,6 +299,10 @@ void Cia402Drive::advance_starting(std::int64_t now_ns) {
 }
 
 void Cia402Drive::advance_clearing(std::int64_t now_ns) {
+  // It is the rise of the bit that resets a fault. Some drives need a second one.
+  constexpr std::int64_t half_edge_ns = 100'000'000;
+  const std::int64_t begun_ns = phase_deadline_ns_ - settings_.stop_timeout_ns;
+  resets_now_ = (now_ns - begun_ns) / half_edge_ns % 2 == 0;
   const Cia402State at = state();
   const bool is_clear =
       !is_faulty(at) && at != Cia402State::not_ready && at != Cia402State::unknown && missed_in_row_ == 0;
@@ -418,7 +444,8 @@ std::uint16_t Cia402Drive::controlword() const {
   if (goes_off()) return disabling_controlword();
   // Not enabled, or not any more, before it is in the right mode and its target is held.
   const bool waits_for_mode = phase_ == enabling && !is_seeded_;
-  const std::uint16_t word = controlword_for(goal_of(phase_), state());
+  const bool waits_for_edge = phase_ == clearing && !resets_now_;
+  const std::uint16_t word = controlword_for(waits_for_edge ? Cia402Goal::off : goal_of(phase_), state());
   if (waits_for_mode && word == control_enable_operation) return control_switch_on;
   // From where it is held, once it is in operation: the drive begins to interpolate by the rise of this bit.
   const bool is_on = (phase_ == enabling || phase_ == following) && state() == Cia402State::operation_enabled;
@@ -450,7 +477,7 @@ std::optional<Frame> Cia402Drive::command(std::optional<std::int32_t> target) {
   if (!is_supervised() && !(goes_off() && hears_commands())) return {};
   if (phase_ == following && is_commanded_ && !target) return {};
   choose_target(target);
-  return command_frame(node(), {.controlword = controlword(), .target = target_});
+  return command_frame(node(), {.controlword = controlword(), .target = target_}, rpdo());
 }
 
 bool Cia402Drive::wants_service() const {

@@ -5,6 +5,10 @@ namespace inbetween::can {
 
 using enum DrivePhase;
 
+namespace {
+constexpr std::uint8_t max_strays = 3;
+}  // namespace
+
 void Cia402Drive::receive(const Frame& frame, std::int64_t now_ns) {
   if (phase_ == off) return;
   if (frame.id == heartbeat_id(node())) return take_heartbeat(frame, now_ns);
@@ -12,7 +16,13 @@ void Cia402Drive::receive(const Frame& frame, std::int64_t now_ns) {
   if (frame.id == tpdo1_id(node())) return take_feedback(frame, now_ns);
   if (frame.id != sdo_answer_id(node())) return;
   const bool is_awaited = is_leaving() ? exit_.receive(frame) : runner_.receive(frame);
-  if (!is_awaited) ++counters_.stray_answers;
+  if (is_awaited) return;
+  ++counters_.stray_answers;
+  // A late answer comes once or twice. Of two devices with one number the second answers every question.
+  if (phase_ == configuring && ++strays_ > max_strays) {
+    find(DriveFinding::two_devices);
+    apply(DriveEvent::refused, now_ns);
+  }
 }
 
 void Cia402Drive::take_bad_frame() {

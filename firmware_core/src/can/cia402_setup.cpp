@@ -86,6 +86,12 @@ void switch_on(ScriptWriter& writer, const Pdo& pdo, std::uint32_t cob_id) {
   writer.add({.action = SetupAction::switch_on, .object = cob_id_of(pdo), .value = cob_id});
 }
 
+/// A fault from before this program was there has no emergency that it could hear.
+void ask_for_error(ScriptWriter& writer) {
+  writer.add({.action = SetupAction::note_error, .object = {.index = 0x603F}, .size = 2});
+  writer.add({.action = SetupAction::note_error, .object = {.index = 0x1003, .sub = 1}});
+}
+
 void check_identity(ScriptWriter& writer, const Cia402Setup& setup) {
   constexpr std::uint32_t profile = 402;
   const auto expect = [&](ObjectAddress object, std::uint32_t value, std::uint32_t mask, DriveFinding finding,
@@ -101,6 +107,7 @@ void check_identity(ScriptWriter& writer, const Cia402Setup& setup) {
   expect({.index = 0x1000}, profile, 0xFFFF, DriveFinding::wrong_device);
   if (setup.vendor) expect({.index = 0x1018, .sub = 1}, *setup.vendor, all, DriveFinding::wrong_device);
   if (setup.product) expect({.index = 0x1018, .sub = 2}, *setup.product, all, DriveFinding::wrong_device);
+  if (setup.serial) expect({.index = 0x1018, .sub = 4}, *setup.serial, all, DriveFinding::wrong_device);
   const std::uint32_t mode_bit = 1U << (static_cast<unsigned>(setup.mode_of_operation()) - 1);
   // A drive that does not say which modes it has is told to take this one, and must show it before it is
   // enabled.
@@ -111,20 +118,25 @@ void check_identity(ScriptWriter& writer, const Cia402Setup& setup) {
 
 void set_pdos(ScriptWriter& writer, const Cia402Setup& setup) {
   const auto switch_off = [&](const Pdo& pdo) {
-    writer.add({.action = SetupAction::switch_off, .object = cob_id_of(pdo), .may_be_absent = true});
+    writer.add({.action = SetupAction::switch_off,
+                .object = cob_id_of(pdo),
+                .may_be_absent = true,
+                .may_stay = true});
   };
-  for (unsigned number = 2; number <= 4; ++number) {
-    switch_off(rpdo(number));
-    switch_off(tpdo(number));
+  for (unsigned number = 1; number <= 4; ++number) {
+    if (number != setup.rpdo) switch_off(rpdo(number));
+    if (number != 1) switch_off(tpdo(number));
   }
-  compare(writer, rpdo(1), command_mapping(setup.mode), rpdo1_id(setup.node));
-  map(writer, rpdo(1), command_mapping(setup.mode));
+  const Pdo received = rpdo(setup.rpdo);
+  const std::uint32_t id = rpdo_id(setup.node, setup.rpdo);
+  compare(writer, received, command_mapping(setup.mode), id);
+  map(writer, received, command_mapping(setup.mode));
   writer.add({.action = SetupAction::watchdog,
-              .object = {.index = rpdo(1).communication, .sub = pdo_sub_event_timer},
+              .object = {.index = received.communication, .sub = pdo_sub_event_timer},
               .size = 2,
               .may_be_absent = true,
               .value = setup.setpoint_timeout_ms});
-  switch_on(writer, rpdo(1), rpdo1_id(setup.node));
+  switch_on(writer, received, id);
 
   compare(writer, tpdo(1), feedback_mapping(), tpdo1_id(setup.node));
   map(writer, tpdo(1), feedback_mapping());
@@ -303,6 +315,7 @@ Status check(const Cia402Setup& setup) {
   if (setup.homing && !is_homing_method(setup.homing->method)) {
     return refuse("the profile has no such method of homing", "use 1 to 14, 17 to 30, 33 to 35 or 37");
   }
+  if (setup.rpdo < 1 || setup.rpdo > 4) return refuse("a drive has the RPDOs 1 to 4", "use one of them");
   if (setup.place_window_counts < 0) {
     return refuse("the window around where an axis stands is negative", "give it in counts");
   }
@@ -337,6 +350,7 @@ Status write_setup_script(const Cia402Setup& setup, SetupScript& script) {
   // A drive that shows its mode only once it is enabled may be in another one until then.
   writer.add({.action = SetupAction::look, .object = {.index = 0x60FF}});
   writer.add({.action = SetupAction::look, .object = {.index = 0x6071}, .size = 2});
+  ask_for_error(writer);
   return writer.status();
 }
 

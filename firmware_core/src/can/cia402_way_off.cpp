@@ -85,7 +85,7 @@ void Cia402Drive::give_up_disabling(std::int64_t now_ns) {
 void Cia402Drive::enter_leaving(std::int64_t now_ns) {
   order_ = has_lost_touch_ ? settings_.reset : NmtCommand::enter_pre_operational;
   phase_deadline_ns_ = now_ns + settings_.boot_timeout_ns;
-  has_lost_touch_ ? exit_.hush() : exit_.release();
+  has_lost_touch_ ? exit_.hush() : exit_.release(runner_.absent().span(), rpdo());
 }
 
 /// A drive that does not give its watchdogs away is set back to what it watched at power-on.

@@ -1,5 +1,6 @@
 #include "inbetween/can/drive_exit.hpp"
 
+#include <algorithm>
 #include <array>
 
 #include "inbetween/can/pdo.hpp"
@@ -36,6 +37,12 @@ constexpr Releases guarded_releases{{{{.index = 0x1400, .sub = pdo_sub_event_tim
                                      {{.index = 0x100D}, 1},
                                      {{.index = 0x100C}, 2}}};
 
+ObjectAddress object_of(const Release& release, std::uint8_t rpdo) {
+  ObjectAddress object = release.object;
+  if (object.sub == pdo_sub_event_timer) object.index = static_cast<std::uint16_t>(object.index + rpdo - 1);
+  return object;
+}
+
 enum Question : std::size_t { statusword, position, controlword_order, questions };
 
 bool is_absent(std::uint32_t abort_code) {
@@ -46,6 +53,21 @@ bool is_absent(std::uint32_t abort_code) {
 
 ExitState next_state(ExitState state, ExitEvent event) {
   return table[static_cast<std::size_t>(state)][static_cast<std::size_t>(event)];
+}
+
+void DriveExit::release(std::span<const std::uint16_t> absent, std::uint8_t rpdo) {
+  rpdo_ = rpdo;
+  absent_ = 0;
+  const Releases& all = is_guarded_ ? guarded_releases : releases;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const bool is_absent = std::ranges::find(absent, object_of(all[i], rpdo).index) != absent.end();
+    if (is_absent) absent_ |= static_cast<std::uint8_t>(1U << i);
+  }
+  apply(ExitEvent::release);
+}
+
+bool DriveExit::is_absent_here(std::size_t step) const {
+  return step < releases.size() && ((absent_ >> step) & 1U) != 0;
 }
 
 void DriveExit::apply(ExitEvent event) {
@@ -77,7 +99,7 @@ void DriveExit::has_answered() {
   const bool has_failed = client_.state() == SdoState::failed;
   if (state_ == releasing) {
     if (has_failed && !is_absent(client_.abort_code())) return apply(ExitEvent::refused);
-    if (++step_ == releases.size()) apply(ExitEvent::all_released);
+    ++step_;
     return;
   }
   const bool must_answer = step_ != controlword_order || client_.abort_code() == abort_timeout;
@@ -101,9 +123,11 @@ void DriveExit::begin_question(std::optional<std::uint16_t> controlword) {
 }
 
 void DriveExit::begin_release() {
+  while (is_absent_here(step_)) ++step_;
+  if (step_ == releases.size()) return apply(ExitEvent::all_released);
   is_begun_ = true;
   const Release& release = (is_guarded_ ? guarded_releases : releases)[step_];
-  client_.begin_download(release.object, release.size, 0);
+  client_.begin_download(object_of(release, rpdo_), release.size, 0);
 }
 
 }  // namespace inbetween::can

@@ -66,6 +66,14 @@ constexpr std::array table{
         {.what = "the drive does not tell how and where it is",
          .remedy = "look at its supply, node number and bitrate, and that it sends its heartbeat and its "
                    "estimates"}},
+    Row{DriveFinding::place_unsaid,
+        {.what = "the drive tells how it is, but not where",
+         .remedy =
+             "let it send its position by itself, as often as its manual allows (encoder_msg_rate_ms of an "
+             "ODrive)"}},
+    Row{DriveFinding::two_devices,
+        {.what = "two devices answer to its node number",
+         .remedy = "give each device of the bus a node number of its own"}},
     Row{DriveFinding::wrong_firmware,
         {.what = "the drive has another firmware than the rig says",
          .remedy = "correct firmware in the drive of the axis, or load another into the drive"}},
@@ -117,6 +125,10 @@ constexpr std::array table{
     Row{DriveFinding::left_operation,
         {.what = "the drive has switched itself off",
          .remedy = "look at its enable input and supply",
+         .reaction = controlled_stop}},
+    Row{DriveFinding::switched_off_by_another,
+        {.what = "somebody else has switched the drive off: it tells no error, and was heard all the time",
+         .remedy = "disconnect other masters and set-up tools from the drive",
          .reaction = controlled_stop}},
     Row{DriveFinding::wrong_mode,
         {.what = "the drive is in another mode of operation than it was told",

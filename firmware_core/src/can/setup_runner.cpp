@@ -49,6 +49,9 @@ void SetupRunner::begin(const SetupScript& script) {
   fault_may_coast_ = false;
   range_begin_ = 0;
   place_.reset();
+  error_code_ = 0;
+  kept_pdos_ = 0;
+  cob_id_ = {};
   absent_.clear();
   has_period_ = true;
   has_no_other_target_ = true;
@@ -81,7 +84,17 @@ void SetupRunner::begin_step(const SetupScript& script) {
   abort_code_ = 0;
   if (!reads_first(step.action)) return write(step);
   state_ = next_state(state_, SetupEvent::begin_reading);
+  if (step.object == cob_id_.object && cob_id_.object.index != 0) {
+    found_ = cob_id_.value;
+    return has_read(script, step);
+  }
   client_.begin_upload(step.object, step.size);
+}
+
+void SetupRunner::note_cob_id(const SetupStep& step) {
+  const unsigned group = step.object.index & 0xFE00U;
+  const bool is_cob_id = (group == 0x1400 || group == 0x1800) && step.object.sub == pdo_sub_cob_id;
+  if (is_cob_id) cob_id_ = {.object = step.object, .value = *found_};
 }
 
 void SetupRunner::next_step(const SetupScript& script) {
@@ -138,8 +151,12 @@ void SetupRunner::answered(const SetupScript& script) {
   const SetupStep& step = script[step_];
   if (state_ == writing) return read_back(step);
   found_ = client_.value();
+  note_cob_id(step);
   if (state_ == reading) return has_read(script, step);
-  is_right(step) ? next_step(script) : refuse(step, step.finding);
+  if (is_right(step)) return next_step(script);
+  if (!step.may_stay) return refuse(step, step.finding);
+  kept_pdos_ |= bit_of(step.object.index);
+  next_step(script);
 }
 
 void SetupRunner::has_read(const SetupScript& script, const SetupStep& step) {
@@ -153,6 +170,9 @@ void SetupRunner::has_read(const SetupScript& script, const SetupStep& step) {
       return is_equal ? refuse(step, step.finding) : next_step(script);
     case SetupAction::look:
       has_no_other_target_ = has_no_other_target_ && *found_ == 0;
+      return next_step(script);
+    case SetupAction::note_error:
+      if (error_code_ == 0) error_code_ = static_cast<std::uint16_t>(*found_);
       return next_step(script);
     case SetupAction::note_place:
       place_ = static_cast<std::int32_t>(*found_);
@@ -178,7 +198,8 @@ bool SetupRunner::is_right(const SetupStep& step) {
     case SetupAction::try_limit:
       return true;
     case SetupAction::watchdog:
-      return note_watchdog(step) || step.object.index == 0x1400;  // the heartbeat of the host is watched, too
+      return note_watchdog(step) ||
+             (step.object.index & 0xFFFCU) == 0x1400;  // the heartbeat of the host is watched, too
     default:
       return *found_ == (written_ & mask_of(step.size));
   }
@@ -216,6 +237,7 @@ void SetupRunner::has_failed(const SetupScript& script, const SetupStep& step) {
     is_so_ = false;
     return next_step(script);
   }
+  if (step.action == SetupAction::note_error) return next_step(script);
   const bool is_there = abort_code_ != abort_no_object && abort_code_ != abort_no_sub_index;
   if (step.action == SetupAction::look) {
     if (is_there) has_no_other_target_ = false;

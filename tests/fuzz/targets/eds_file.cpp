@@ -14,12 +14,17 @@ namespace {
 void require_object(const EdsObject& object) {
   fuzz_require(object.size <= 4, "a number has at most four bytes");
   fuzz_require(object.size == 0 || object.bytes.empty(), "an object is a number or bytes");
-  const bool fits = object.size == 0 || object.size == 4 || object.value >> (8 * object.size) == 0;
+  const bool fits =
+      object.size == 0 || object.size == 4 || object.value.value_or(0) >> (8 * object.size) == 0;
   fuzz_require(fits, "a number has room");
   fuzz_require(object.line > 0, "an object has its line");
 }
 
 void require_objects(const EdsFile& file) {
+  for (const std::string& warning : file.warnings) {
+    fuzz_require(warning.starts_with("any.eds:") && warning.find('\n') == warning.npos,
+                 "a warning is one line");
+  }
   fuzz_require(!file.objects.empty() && file.objects.size() <= max_eds_objects, "objects fit");
   for (std::size_t i = 0; i < file.objects.size(); ++i) {
     const EdsObject& object = file.objects[i];

@@ -38,9 +38,12 @@ constexpr std::uint32_t emergency_id(NodeId node) {
 constexpr std::uint32_t tpdo1_id(NodeId node) {
   return 0x180U + node.value();
 }
-/// To the drive, with its first set of process data.
+/// To the drive, with one of its four sets of process data, 1 to 4 (pre-defined connection set, CiA 301).
+constexpr std::uint32_t rpdo_id(NodeId node, std::uint32_t number) {
+  return 0x100U + 0x100U * number + node.value();
+}
 constexpr std::uint32_t rpdo1_id(NodeId node) {
-  return 0x200U + node.value();
+  return rpdo_id(node, 1);
 }
 constexpr std::uint32_t sdo_answer_id(NodeId node) {
   return 0x580U + node.value();

@@ -89,7 +89,7 @@ struct DriveFeedback {
 PdoMapping command_mapping(Cia402Mode mode);
 PdoMapping feedback_mapping();
 
-Frame command_frame(NodeId node, const DriveCommand& command);
+Frame command_frame(NodeId node, const DriveCommand& command, std::uint32_t rpdo = 1);
 /// Nothing where the frame is another one or has another length.
 std::optional<DriveFeedback> read_feedback(const Frame& frame, NodeId node);
 

@@ -93,6 +93,8 @@ class Cia402Drive {
   /// out_of_range (it is in use). Then nothing changes.
   Status set_position_limits(const CountRange& limits);
   [[nodiscard]] Cia402Mode mode() const { return settings_.setup.mode; }
+  /// Which RPDO carries its targets: the first that can be mapped so.
+  [[nodiscard]] std::uint8_t rpdo() const { return settings_.setup.rpdo; }
   [[nodiscard]] NodeId host() const { return settings_.setup.host; }
   [[nodiscard]] std::uint8_t sync_overflow() const { return settings_.setup.sync_overflow; }
   /// How long the drive is to believe that the host lives.
@@ -195,6 +197,8 @@ class Cia402Drive {
   void watch_connection(std::int64_t now_ns);
   void advance(std::int64_t now_ns);
   void advance_configuring(std::int64_t now_ns);
+  [[nodiscard]] bool tries_another_rpdo();
+  void use_rpdo(std::uint8_t number);
   [[nodiscard]] bool may_have_been_operational() const;
   void advance_starting(std::int64_t now_ns);
   void advance_clearing(std::int64_t now_ns);
@@ -256,11 +260,14 @@ class Cia402Drive {
   bool has_feedback_ = false;                ///< in this phase or one before, since it was started
   bool is_fresh_ = false;                    ///< feedback has come since the last tick
   bool host_heartbeat_sent_ = false;
-  bool is_seeded_ = false;         ///< enabling: the target is held
-  bool is_commanded_ = false;      ///< following: a target has been given
-  bool has_written_ = false;       ///< its set-up has begun to write, since it was connected
-  bool has_booted_again_ = false;  ///< since its reset was sent: the first boot-up was of its power-on
-  bool was_sent_back_ = false;     ///< to pre-operational, since it was connected: it had started by itself
+  bool has_tried_all_rpdos_ = false;  ///< and tells why the first one cannot be used
+  std::uint8_t strays_ = 0;           ///< configuring: answers that nobody had asked for
+  bool resets_now_ = false;           ///< clearing: the bit that resets a fault is set
+  bool is_seeded_ = false;            ///< enabling: the target is held
+  bool is_commanded_ = false;         ///< following: a target has been given
+  bool has_written_ = false;          ///< its set-up has begun to write, since it was connected
+  bool has_booted_again_ = false;     ///< since its reset was sent: the first boot-up was of its power-on
+  bool was_sent_back_ = false;  ///< to pre-operational, since it was connected: it had started by itself
   /// It has left Operational by itself, or reported a fault of communication, since it was connected. When it
   /// leaves, its communication starts anew, which forgets such a fault.
   bool has_lost_touch_ = false;

@@ -38,6 +38,7 @@ struct Cia402Setup {
   NodeId host;
   std::int64_t rate_hz = 250;
   Cia402Mode mode = Cia402Mode::cyclic_position;
+  std::uint8_t rpdo = 1;  ///< which RPDO has the controlword and the target, 1 to 4
   /// It is switched on to home by itself, and takes no targets.
   std::optional<HomingSetup> homing{};
   std::uint8_t sync_overflow = 0;         ///< object 1019; 0: no counter in SYNC
@@ -65,6 +66,7 @@ struct Cia402Setup {
   bool watches_following_error = false;
   std::optional<std::uint32_t> vendor{};   ///< 1018:1, must be so
   std::optional<std::uint32_t> product{};  ///< 1018:2, must be so
+  std::optional<std::uint32_t> serial{};   ///< 1018:4, must be so
 
   /// As 6060 and 6061 number it.
   [[nodiscard]] std::int8_t mode_of_operation() const {
@@ -93,6 +95,7 @@ enum class SetupAction : std::uint8_t {
   forbid,           ///< (object & mask) must not be `value`, or `finding`
   expect_no_range,  ///< it must be `value`, or 0 as the other end of the range, or `finding`
   look,             ///< whether the object is 0 or absent is remembered
+  note_error,       ///< the code of the error that the drive has
   note_place,       ///< the position of the axis, for the limits that are written later
   compare,          ///< whether (object & mask) is `value`: of several in a row each must be, for `unless_so`
   // These read first, and write only what differs: a drive may have it fixed, or keep it in flash.
@@ -118,17 +121,18 @@ struct SetupStep {
   std::uint8_t size = 4;
   bool may_be_absent : 1 = false;  ///< the abort "no such object" or "no such sub-index" is an answer, too
   bool may_be_hidden : 1 = false;  ///< it need not be readable
+  bool may_stay : 1 = false;       ///< nothing depends on it: a drive in which it is fixed may keep it
   bool unless_so : 1 = false;      ///< left out where the comparisons before it have found what they look for
   std::uint32_t value = 0;
   std::uint32_t mask = 0xFFFFFFFF;  ///< of a limit: how far it is from an axis that stands beyond it
 };
-inline constexpr std::size_t setup_steps = 78;
+inline constexpr std::size_t setup_steps = 80;
 using SetupScript = FixedVector<SetupStep, setup_steps>;
 
-/// Writes the steps for a drive, in pre-operational: who it is; no PDO but RPDO1 and TPDO1, and those mapped
-/// as command_mapping and feedback_mapping say; the period; what watches over it; the mode. Errors: those of
-/// interpolation_period; out_of_range (a time of 0, an option or a range that leaves the drive unwatched,
-/// host and drive the same node).
+/// Writes the steps for a drive, in pre-operational: who it is; no PDO but one RPDO and TPDO1, and those
+/// mapped as command_mapping and feedback_mapping say; the period; what watches over it; the mode. Errors:
+/// those of interpolation_period; out_of_range (an RPDO that is not 1 to 4, a time of 0, an option or a range
+/// that leaves the drive unwatched, host and drive the same node).
 Status write_setup_script(const Cia402Setup& setup, SetupScript& script);
 
 /// Why a drive was refused.
@@ -187,13 +191,22 @@ class SetupRunner {
   /// order.
   using Absent = FixedVector<std::uint16_t, 24>;
   [[nodiscard]] const Absent& absent() const { return absent_; }
+  /// The code of the error that it had when it was set up (603F, or else 1003:1); 0 for none.
+  [[nodiscard]] std::uint16_t error_code() const { return error_code_; }
+  /// Whether the drive does not switch off a PDO that nobody needs, by the index of its identifier.
+  [[nodiscard]] bool has_kept(std::uint16_t pdo) const { return (kept_pdos_ & bit_of(pdo)) != 0; }
   /// Where the axis stood when it was set up, in counts; nothing where no limits of positions were written.
   [[nodiscard]] std::optional<std::int32_t> place() const { return place_; }
   /// Neither a velocity (60FF) nor a torque (6071) is asked of it, whatever mode it is in.
   [[nodiscard]] bool has_no_other_target() const { return has_no_other_target_; }
 
  private:
+  /// RPDOs in the low four bits, TPDOs above.
+  static std::uint8_t bit_of(std::uint16_t pdo) {
+    return static_cast<std::uint8_t>(1U << ((pdo & 3U) + (pdo >= 0x1800 ? 4U : 0U)));
+  }
   void begin_step(const SetupScript& script);
+  void note_cob_id(const SetupStep& step);
   [[nodiscard]] bool is_left_out(const SetupScript& script);
   void next_step(const SetupScript& script);
   [[nodiscard]] std::uint32_t value_for(const SetupStep& step) const;
@@ -222,6 +235,14 @@ class SetupRunner {
   bool is_so_ = false;                  ///< the comparisons
   bool has_no_other_target_ = true;
   Absent absent_;
+  /// The identifier of a PDO as it is now: several steps in a row need it.
+  struct CobId {
+    ObjectAddress object{};
+    std::uint32_t value = 0;
+  };
+  CobId cob_id_;
+  std::uint8_t kept_pdos_ = 0;
+  std::uint16_t error_code_ = 0;
   std::optional<std::int32_t> place_;  ///< of the axis when it was set up
   bool has_period_ = true;             ///< 60C2 tells it how long a tick is
   bool fault_may_coast_ = false;       ///< nobody knows what it does in a fault

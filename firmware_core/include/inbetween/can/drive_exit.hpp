@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 
 #include "inbetween/can/canopen_id.hpp"
 #include "inbetween/can/cia402.hpp"
@@ -44,7 +45,8 @@ class DriveExit {
   void hush() { apply(ExitEvent::hush); }
   /// Goes on if it is asking already.
   void ask() { apply(ExitEvent::ask); }
-  void release() { apply(ExitEvent::release); }
+  /// Nothing is written that the drive does not have, by the index of the object. `rpdo` carried its targets.
+  void release(std::span<const std::uint16_t> absent, std::uint8_t rpdo);
 
   /// At most one frame. `controlword` is what the drive is ordered while it is asked; nothing is ordered
   /// without: then another frame does that.
@@ -63,7 +65,10 @@ class DriveExit {
   void begin_release();
 
   SdoClient client_;
+  [[nodiscard]] bool is_absent_here(std::size_t step) const;
   bool is_guarded_;
+  std::uint8_t rpdo_ = 1;
+  std::uint8_t absent_ = 0;  ///< a bit for each watchdog
   ExitState state_ = ExitState::silent;
   std::size_t step_ = 0;
   bool is_begun_ = false;  ///< the transfer of this step

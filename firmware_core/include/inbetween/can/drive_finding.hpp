@@ -26,6 +26,8 @@ enum class DriveFinding : std::uint8_t {
   counts_round,
   watchdog_unset,
   unheard,
+  place_unsaid,
+  two_devices,
   wrong_firmware,
   place_unknown,
   watchdog_unproven,
@@ -44,6 +46,7 @@ enum class DriveFinding : std::uint8_t {
   feedback_missing,
   drive_fault,
   left_operation,
+  switched_off_by_another,
   wrong_mode,
   target_ignored,
   following_error,
@@ -63,7 +66,7 @@ enum class DriveFinding : std::uint8_t {
   moves_while_off,
   watchdog_stays,
 };
-inline constexpr std::size_t drive_findings = 49;
+inline constexpr std::size_t drive_findings = 52;
 
 /// The reaction of the loop with the whole rig (a drive decides nothing for the others).
 enum class DriveReaction : std::uint8_t {

@@ -248,11 +248,12 @@ class ServoDrive {
   std::optional<bool> has_watchdog_;
   bool is_silent_ = false;  ///< configuring: it is well, and its watchdog is to be proven
   std::int64_t silent_ns_ = 0;
-  std::int64_t heard_ns_ = 0;  ///< when any frame came from it
-  bool was_silent_ = false;    ///< for so long that it may have started anew
-  bool has_ceased_ = false;    ///< following: a target was missing
-  std::int64_t now_ns_ = 0;    ///< of the last tick
-  bool holds_ = false;         ///< clearing: after a quick stop, of which nothing has been lost
+  std::int64_t heard_ns_ = 0;         ///< when any frame came from it
+  std::int64_t silent_until_ns_ = 0;  ///< the end of its last silence
+  bool was_silent_ = false;           ///< for so long that it may have started anew
+  bool has_ceased_ = false;           ///< following: a target was missing
+  std::int64_t now_ns_ = 0;           ///< of the last tick
+  bool holds_ = false;                ///< clearing: after a quick stop, of which nothing has been lost
   std::int64_t proven_ns_ = 0;
   bool is_commanded_ = false;  ///< following: a target has been given
   ServoTarget sent_;           ///< the last one
@@ -333,6 +334,7 @@ void ServoDrive<Protocol>::receive(const Frame& frame, std::int64_t now_ns) {
     ++counters_.foreign_frames;
     find(DriveFinding::foreign_sender);
   } else {
+    if (now_ns - heard_ns_ > settings_.place_timeout_ns) silent_until_ns_ = now_ns;
     heard_ns_ = now_ns;
   }
   if (report.is_bad) take_bad_frame();
@@ -505,8 +507,11 @@ void ServoDrive<Protocol>::advance_enabling(std::int64_t now_ns) {
 template <ServoProtocol Protocol>
 void ServoDrive<Protocol>::watch_following(std::int64_t now_ns) {
   if (status_.errors != 0 || !status_.is_on) {
-    // Without an error nothing but a new start switches it off.
-    find(status_.errors != 0 ? DriveFinding::drive_fault : DriveFinding::unexpected_boot);
+    // Without an error a new start switches it off, which takes a while, or somebody else has done it.
+    const bool was_heard = Protocol::habits.tells_restart && silent_until_ns_ < phase_ns_;
+    find(status_.errors != 0 ? DriveFinding::drive_fault
+         : was_heard         ? DriveFinding::switched_off_by_another
+                             : DriveFinding::unexpected_boot);
     apply(DriveEvent::dropped_out, now_ns);
     return;
   }
@@ -529,7 +534,9 @@ template <ServoProtocol Protocol>
 void ServoDrive<Protocol>::advance_disabling(std::int64_t now_ns) {
   watch_rest(now_ns);
   if (is_resting_ && !order_) give(ServoOrder::switch_off);
-  if (status_.is_off && has_told_since_order() && is_resting_) {
+  // One that has never told where it is has never been told to go anywhere.
+  const bool rests = is_resting_ || place_ns_ == 0;
+  if (status_.is_off && has_told_since_order() && rests) {
     apply(DriveEvent::disabled, now_ns);
     return;
   }
@@ -545,7 +552,11 @@ void ServoDrive<Protocol>::watch_deadline(std::int64_t now_ns) {
     case booting: {
       const bool is_heard = place_ns_ != 0 && status_ns_ != 0;
       const bool is_known = is_expected_device_.has_value() || !protocol_.tells_identity();
-      find(!is_heard ? DriveFinding::unheard : !is_known ? Protocol::misfit : DriveFinding::not_switched_off);
+      const bool has_no_place = place_ns_ == 0 && status_ns_ != 0;
+      find(has_no_place ? DriveFinding::place_unsaid
+           : !is_heard  ? DriveFinding::unheard
+           : !is_known  ? Protocol::misfit
+                        : DriveFinding::not_switched_off);
       break;
     }
     case clearing:
