@@ -127,6 +127,12 @@ TEST(OdriveFault, WhatIsWrongWithADriveInMotionStopsAllAndIsSaidInWords) {
   }
 }
 
+// Somebody looks at it by its USB port.
+TEST(OdriveFault, OneThatAnotherProgramSwitchesOffIsToldSo) {
+  const BusScene scene = odrive_scene({.faults = fault_of("pan", "\"switched-off\"") + "after_motion = 4\n"});
+  expect_stopped_with(scene, "axis \"pan\": somebody else has switched the drive off");
+}
+
 // docs/faults.md 16
 TEST(OdriveFault, ALinkThatGoesDownEndsTheRunAndTheDrivesStop) {
   const BusScene scene = odrive_scene({.during = "sleep 7; ip link set can0 down"});
@@ -161,8 +167,8 @@ TEST(OdriveRun, ADriveThatForgotItsTurnsIsNotBelieved) {
                              HasSubstr("second ended with 0")));
   EXPECT_EQ(run.status, 1) << run.out;
   EXPECT_THAT(run.err,
-              AllOf(HasSubstr("axis \"slide\" was left at 16"),
-                    HasSubstr("its drive tells 0, 1640 mm less"), HasSubstr("--stands-at slide=16")));
+              AllOf(HasSubstr("axis \"slide\" was left at 16"), HasSubstr("its drive tells 0, 1640 mm less"),
+                    HasSubstr("--stands-at slide=16")));
   for (const OdriveAxis& axis : axes) {
     EXPECT_THAT(run.out, testing::ContainsRegex(fmt::format("{},end,idle,-?0\\.0000", axis.name)))
         << "it has not moved";

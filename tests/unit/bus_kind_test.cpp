@@ -259,6 +259,24 @@ TYPED_TEST(EveryProtocol, ADriveThatDoesNotSwitchOffIsSaid) {
   EXPECT_EQ(axis.has_power(), !DriveInRig<TypeParam>::stops_alone);
 }
 
+// docs/faults.md 24, 48. A drive that tells nothing of its restart tells another place.
+TYPED_TEST(EveryProtocol, ARestartWhileItIsIdleMovesNothingAndIsSeen) {
+  BusAxis<TypeParam> axis;
+  axis.port->let_switch_on(false);
+  axis.port->enable();
+  ASSERT_TRUE(axis.tick_until([&] { return axis.host().phase() == can::DrivePhase::idle; }))
+      << this->words(axis);
+  const double told = axis.state.actual;
+  this->add(axis, Trouble::reboot);
+  axis.ticks(1500);
+  axis.port->let_switch_on(true);
+  axis.ticks(1500);
+  EXPECT_NEAR(axis.truly(), 20, 0.001);
+  EXPECT_FALSE(axis.drive->has_been_moved());
+  const bool tells_another = std::fabs(axis.state.actual - told) > 1;
+  EXPECT_TRUE(axis.port->has_forgotten(0) || tells_another || !axis.state.is_on) << this->words(axis);
+}
+
 // docs/faults.md 23
 TYPED_TEST(EveryProtocol, AFaultFromBeforeItWasSetUpIsToldByItsCode) {
   BusAxis<TypeParam> axis;
