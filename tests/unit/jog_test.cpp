@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <csignal>
+#include <fstream>
 #include <functional>
 #include <map>
 #include <optional>
@@ -444,6 +445,67 @@ TEST(Jog, AnUnreferencedAxisIsSlowerAndStaysUnreferenced) {
   EXPECT_GT(end.positions[0], 0.1);
   EXPECT_LT(end.positions[0], 2) << "a tenth as fast";
   EXPECT_FALSE(lost.is_referenced(0));
+}
+
+/// Where the one axis of a record was, while it was told where to be.
+std::vector<double> places_of(const std::string& record) {
+  std::vector<double> places;
+  std::ifstream file(record);
+  std::string line;
+  std::getline(file, line);
+  while (std::getline(file, line)) {
+    const bool is_told = line.find(",,") == std::string::npos;
+    if (is_told) places.push_back(std::stod(line.substr(line.rfind(',') + 1)));
+  }
+  return places;
+}
+
+// docs/faults.md 49. The drive would take it in by itself, if its limits were narrower.
+TEST(Jog, AnAxisOutsideItsLimitsStandsStillUntilAKeyIsPressedAndComesInSlowly) {
+  const RigFile rig =
+      parse_rig(rig_text({{.name = "slide",
+                           .min = 0,
+                           .max = 1200,
+                           .max_velocity = 250,
+                           .max_acceleration = 500,
+                           .more = "max_jerk = 5000\nreference = \"drive\"",
+                           .drive = R"(type = "cia402", bus = "can0", node = 1, counts_per_unit = 1000)"}},
+                         {.rate_hz = 250, .more = bus_can0}),
+                "rig.toml");
+  constexpr double increment = 10, max_step = 0.1 * 250 * tick_s;
+  constexpr double count = 0.0015;  // one of 0.001, and rounding
+  const TemporaryFolder folder;
+  for (const double stands : {-3.0, -20.0, 1203.0, 1260.0}) {
+    const double inwards = stands < 0 ? 1 : -1;
+    const std::string in = stands < 0 ? right : left;
+    const std::string out = stands < 0 ? left : right;
+    for (const std::string& key : {std::string(), out, in}) {
+      const double way = key == in ? increment : 0;
+      SCOPED_TRACE(testing::Message() << stands << ", then " << way);
+      RigReference reference(rig, (folder.path() / "positions").string());
+      JogOptions options{.session = {.simulated = true, .fast = true, .standing = {{"slide", stands}}}};
+      options.share = 1;
+      options.session.record = (folder.path() / "record.csv").string();
+      int ticks = 0;
+      options.session.audience.keys = [&]() -> std::string {
+        ++ticks;
+        return ticks == 500 ? "5" : ticks == 510 ? key : ticks == 1000 ? "q" : "";
+      };
+      const SetupEnd end = jog(rig, 0, reference, options);
+      EXPECT_TRUE(end.is_done) << end.reason;
+      const std::vector<double> places = places_of(*options.session.record);
+      ASSERT_GT(places.size(), 400U);
+      EXPECT_NEAR(places.front(), stands, count);
+      EXPECT_NEAR(places.back(), stands + inwards * way, 2 * count);
+      double fastest = 0;
+      for (std::size_t i = 1; i < places.size(); ++i) {
+        const double step = inwards * (places[i] - places[i - 1]);
+        ASSERT_GE(step, -count) << "no further out";
+        fastest = std::max(fastest, step);
+      }
+      EXPECT_LE(fastest, way > 0 ? max_step + count : count);
+    }
+  }
 }
 
 TEST(JogCommand, WrongUsageIsOneLineWithStatus2) {
