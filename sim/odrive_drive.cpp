@@ -1,6 +1,7 @@
 #include "sim/odrive_drive.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -186,6 +187,13 @@ void SimulatedOdrive::receive(const can::Frame& frame) {
   }
 }
 
+/// The gate driver, the encoder that does not answer, the overspeed: whatever part has failed (0.5).
+std::uint32_t SimulatedOdrive::part_errors(std::size_t part) const {
+  constexpr std::array<std::uint32_t, 3> of_axis{0x40, 0x100, 0x200};
+  constexpr std::array<std::uint32_t, 3> of_part{0x8, 0x4, 0x1};
+  return (errors_ & of_axis.at(part)) != 0 ? of_part.at(part) : 0;
+}
+
 void SimulatedOdrive::obey_state(std::uint32_t state) {
   if (state == can::odrive_idle && !has_trouble(Kind::stay_on)) enter(can::odrive_idle);
   if (state != can::odrive_closed_loop || errors_ != 0) return;
@@ -219,7 +227,17 @@ void SimulatedOdrive::answer(const can::Frame& question) {
     case OdriveMessage::estimates:
       return send(estimates());
     case OdriveMessage::error:
-      if (is_06) send(can::odrive_error_frame(settings_.node, {.active = errors_}));
+      send(is_06 ? can::odrive_error_frame(settings_.node, {.active = errors_, .disarm_reason = errors_})
+                 : can::odrive_part_frame(settings_.node, can::OdrivePart::motor, part_errors(0)));
+      return;
+    case OdriveMessage::address:
+      if (is_06) return send(can::odrive_address_frame(settings_.node, settings_.serial));
+      return;
+    case OdriveMessage::parameter_order:
+      if (!is_06) send(can::odrive_part_frame(settings_.node, can::OdrivePart::encoder, part_errors(1)));
+      return;
+    case OdriveMessage::controller_error:
+      if (!is_06) send(can::odrive_part_frame(settings_.node, can::OdrivePart::controller, part_errors(2)));
       return;
     default:
       return;

@@ -13,6 +13,7 @@ namespace inbetween {
 struct SimulatedOdriveSettings {
   can::OdriveNode node;
   can::OdriveFamily family = can::OdriveFamily::firmware_06;
+  std::uint64_t serial = 0x2468'ACE0'1357;         ///< 0.6
   double turns = 0;                                ///< at power-on
   std::int64_t watchdog_ns = 100'000'000;          ///< 0: it has none
   std::int64_t enable_delay_ns = 100'000'000;      ///< from the order until it holds
@@ -58,6 +59,7 @@ class SimulatedOdrive final : public SimulatedCanDrive {
   void obey_state(std::uint32_t state);
   void take_position(const can::OdrivePosition& position);
   void answer(const can::Frame& question);
+  [[nodiscard]] std::uint32_t part_errors(std::size_t part) const;
   [[nodiscard]] can::Frame heartbeat() const;
   [[nodiscard]] can::Frame estimates() const;
   [[nodiscard]] bool has_trouble(Kind kind) const { return troubles_.has(kind, now_ns_); }

@@ -72,7 +72,7 @@ struct Cia402Drive {
   bool is_guarded = false;               // life guarding instead of heartbeats
   bool interpolates = false;             // interpolated position (mode 7) instead of cyclic (mode 8)
   double enable_timeout_s = 5;
-  std::string eds = {};                  // path of its data sheet; empty: none
+  std::string eds = {};                                                 // path of its data sheet; empty: none
   std::optional<std::uint32_t> vendor = {}, product = {}, serial = {};  // must be so (1018:1, :2, :4)
   double acceleration_scale = 0;         // units of the drive per unit/s^2, above 0
   std::optional<DriveHome> homing = {};  // there while the drive is used to home itself, and takes no targets

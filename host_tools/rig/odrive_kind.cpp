@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 
 #include "host_tools/files/diagnostics.hpp"
 #include "host_tools/rig/servo_kind.hpp"
@@ -47,7 +49,23 @@ OdriveKind::Bus OdriveKind::bus_of(std::span<Bus::Drive> hosts, std::int32_t /*r
 
 std::string OdriveKind::detail_of(const Bus::Drive& host, can::DriveFinding /*finding*/) {
   const bool is_old = host.protocol().family() == can::OdriveFamily::firmware_05;
-  return words_of_error_bits(host.last_errors(), is_old ? words_of_error_05 : words_of_error_06);
+  std::string words = words_of_error_bits(host.last_errors(), is_old ? words_of_error_05 : words_of_error_06);
+  if (words.empty()) return words;
+  constexpr std::array<const char* (*)(std::uint32_t), can::odrive_parts.size()> words_of_parts{
+      [](std::uint32_t bit) { return can::words_of_odrive_part(can::OdrivePart::motor, bit); },
+      [](std::uint32_t bit) { return can::words_of_odrive_part(can::OdrivePart::encoder, bit); },
+      [](std::uint32_t bit) { return can::words_of_odrive_part(can::OdrivePart::controller, bit); }};
+  constexpr std::array names{"motor", "encoder", "controller"};
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const std::uint32_t errors = host.protocol().part_errors().at(i);
+    if (errors != 0)
+      words += fmt::format(", of its {}{}", names.at(i), words_of_error_bits(errors, words_of_parts.at(i)));
+  }
+  const std::uint32_t reason = host.protocol().disarm_reason();
+  if (reason != 0 && reason != host.last_errors()) {
+    words += fmt::format(", switched off by{}", words_of_error_bits(reason, words_of_error_06));
+  }
+  return words;
 }
 
 std::string OdriveKind::fitness_of(const Bus::Drive& host, std::int32_t /*rate_hz*/) {

@@ -11,6 +11,7 @@
 #include <string>
 
 #include "inbetween/can/servo_drive.hpp"
+#include "sim/odrive_drive.hpp"
 #include "tests/support/bus_axis.hpp"
 
 namespace inbetween::can {
@@ -60,7 +61,7 @@ TEST(OdriveError, IsSaidInWordsByItsFamily) {
 }
 
 TEST(OdriveReport, AnEstimateThatIsNoNumberIsABadFrame) {
-  const Odrive odrive(node, v06);
+  Odrive odrive(node, v06);
   EXPECT_FALSE(odrive.read(odrive_estimates_frame(node, 1, 2)).is_bad);
   EXPECT_TRUE(odrive.read(odrive_estimates_frame(node, std::nanf(""), 0)).is_bad);
   Frame shortened = odrive_estimates_frame(node, 1, 2);
@@ -69,7 +70,7 @@ TEST(OdriveReport, AnEstimateThatIsNoNumberIsABadFrame) {
 }
 
 TEST(OdriveReport, WhileItIsBusyItIsNeitherOnNorOff) {
-  const Odrive odrive(node, v06);
+  Odrive odrive(node, v06);
   const auto status = [&](std::uint8_t state, std::uint8_t result) {
     return odrive.read(odrive_heartbeat_frame(node, v06, {.state = state, .result = result})).status.value();
   };
@@ -93,7 +94,7 @@ TEST(OdriveReport, AnyFramesAreUnderstoodOrRefused) {
     frame.length = static_cast<std::uint8_t>(random() % 4 == 0 ? random() % 9 : 8);
     for (std::uint8_t& byte : frame.data) byte = static_cast<std::uint8_t>(random());
     for (const OdriveFamily family : {v05, v06}) {
-      const Odrive odrive(node, family);
+      Odrive odrive(node, family);
       if (!odrive.is_concerned(frame)) continue;
       const ServoReport report = odrive.read(frame);
       if (report.place) {
@@ -138,6 +139,44 @@ TEST(OdriveOnABus, SwitchedOffByAnotherProgramItIsToldSoAndKeepsItsPlace) {
       "somebody else has switched the drive off: it tells no error, and was heard all the time; disconnect "
       "other masters and set-up tools from the drive");
   EXPECT_FALSE(axis.port->has_forgotten(0));
+}
+
+// docs/faults.md 50
+TEST(OdriveOnABus, TwoOfThemWithOneNumberAreFoundByTheirSerials) {
+  Axis axis;
+  const double scale = OdriveKind::scale_of(axis.axis());
+  SimulatedOdrive second(
+      {.node = *OdriveNode::make(3), .serial = 42, .turns = -40 * scale, .keeps_record = true}, 0);
+  axis.wire.attach(second);
+  EXPECT_FALSE(axis.switch_on());
+  EXPECT_EQ(axis.host().first_finding(), DriveFinding::two_devices);
+  axis.ticks(500);
+  EXPECT_FALSE(axis.has_power() || second.is_on());
+  EXPECT_FALSE(axis.drive->has_been_moved() || second.has_been_moved());
+}
+
+// docs/faults.md 23
+TEST(OdriveOnABus, TheErrorsOfItsPartsAreToldByTheirCodes) {
+  for (const auto& [code, words] : {std::pair{0x40, "of its motor (error 8h: its gate driver has failed)"},
+                                    {0x100, "of its encoder (error 4h: it does not answer)"},
+                                    {0x200, "of its controller (error 1h: it was too fast)"}}) {
+    Axis axis(R"(type = "odrive", bus = "can0", node = 3, turns_per_unit = 0.25, firmware = "0.5")");
+    axis.drive->add_trouble({.kind = DriveTrouble::Kind::emergency, .value = code});
+    axis.ticks(250);
+    EXPECT_FALSE(axis.switch_on());
+    EXPECT_THAT(OdriveKind::detail_of(axis.host(), *axis.host().first_finding()), testing::HasSubstr(words));
+  }
+}
+
+TEST(OdriveReport, TheOtherFamilyIsNeverAskedForItsNumber) {
+  Odrive old(node, v05);
+  Odrive unknown(node, v06);
+  for (int i = 0; i < 20; ++i) {
+    for (Odrive* drive : {&old, &unknown}) {
+      const auto asked = drive->order(ServoOrder::say_what_you_are);
+      EXPECT_NE(asked ? asked->id & odrive_message_bits : 0, 0x06U) << "0.5 would take another node by it";
+    }
+  }
 }
 
 TEST(OdriveOnABus, ARestartIsStillARestart) {

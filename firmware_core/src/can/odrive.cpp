@@ -75,6 +75,33 @@ constexpr std::array words_06{Words{0x1, "it is still starting"},
                               Words{0x1000'0000, "its thermistor is not connected"},
                               Words{0x4000'0000, "it could not be calibrated"}};
 
+/// Of the parts of 0.5, as its sources name them.
+constexpr std::array words_of_motor{Words{0x1, "the resistance of its phases is out of range"},
+                                    Words{0x2, "the inductance of its phases is out of range"},
+                                    Words{0x8, "its gate driver has failed"},
+                                    Words{0x10, "its control was too late"},
+                                    Words{0x80, "its modulation was too high"},
+                                    Words{0x400, "its current sensors are saturated"},
+                                    Words{0x1000, "its current has left its limits"},
+                                    Words{0x2'0000, "its motor is too hot"},
+                                    Words{0x4'0000, "its power stage is too hot"}};
+constexpr std::array words_of_encoder{Words{0x1, "the bandwidth is too high for the gain"},
+                                      Words{0x2, "its counts a turn do not go with the pole pairs"},
+                                      Words{0x4, "it does not answer"},
+                                      Words{0x8, "its mode is not known"},
+                                      Words{0x10, "its Hall signals are not possible"},
+                                      Words{0x20, "its index has not been found"},
+                                      Words{0x40, "its SPI does not answer in time"},
+                                      Words{0x80, "its SPI tells nonsense"},
+                                      Words{0x100, "its SPI is not ready"},
+                                      Words{0x200, "its Hall signals are not calibrated"}};
+constexpr std::array words_of_controller{
+    Words{0x1, "it was too fast"}, Words{0x2, "its input mode is not known"},
+    Words{0x4, "the bandwidth is too high for the gain"}, Words{0x20, "its estimate is not valid"}};
+
+/// 0.5 does not say its version, which is waited for.
+constexpr std::size_t questions_of_version = 3;
+
 }  // namespace
 
 std::optional<Frame> odrive_position_frame(OdriveNode node, const OdrivePosition& position) {
@@ -207,6 +234,54 @@ Frame odrive_error_frame(OdriveNode node, const OdriveError& told) {
   return frame;
 }
 
+std::optional<std::uint32_t> read_odrive_part(const Frame& frame, OdriveNode node, OdrivePart part) {
+  const bool is_it = !frame.is_extended && !frame.is_remote &&
+                     frame.id == odrive_id(node, static_cast<OdriveMessage>(part)) && frame.length >= 4;
+  if (!is_it) return {};
+  return load<std::uint32_t>(frame.data, 0);
+}
+
+Frame odrive_part_frame(OdriveNode node, OdrivePart part, std::uint32_t errors) {
+  Frame frame = frame_of(node, static_cast<OdriveMessage>(part), part == OdrivePart::motor ? 8 : 4);
+  store(frame.data, 0, errors);
+  return frame;
+}
+
+const char* words_of_odrive_part(OdrivePart part, std::uint32_t bit) {
+  const auto find = [bit](const auto& table) {
+    for (const Words& row : table) {
+      if (row.bit == bit) return row.words;
+    }
+    return "an error that this program does not know";
+  };
+  switch (part) {
+    case OdrivePart::motor:
+      return find(words_of_motor);
+    case OdrivePart::encoder:
+      return find(words_of_encoder);
+    case OdrivePart::controller:
+      break;
+  }
+  return find(words_of_controller);
+}
+
+std::optional<std::uint64_t> read_odrive_serial(const Frame& frame, OdriveNode node) {
+  constexpr std::uint8_t min_length = 7;
+  const bool is_it = !frame.is_extended && !frame.is_remote && frame.id == odrive_id(node, address) &&
+                     frame.length >= min_length && frame.data[0] == node.value();
+  if (!is_it) return {};
+  std::uint64_t serial = 0;
+  for (std::size_t i = 0; i < 6; ++i) serial |= std::uint64_t{frame.data[1 + i]} << (8 * i);
+  return serial;
+}
+
+Frame odrive_address_frame(OdriveNode node, std::uint64_t serial) {
+  Frame frame = frame_of(node, address, 8);
+  frame.data[0] = node.value();
+  for (std::size_t i = 0; i < 6; ++i) frame.data[1 + i] = static_cast<std::uint8_t>(serial >> (8 * i));
+  return frame;
+}
+
 const char* words_of_odrive_error(OdriveFamily family, std::uint32_t bit) {
   const auto find = [bit](const auto& table) {
     for (const Words& row : table) {
@@ -217,8 +292,13 @@ const char* words_of_odrive_error(OdriveFamily family, std::uint32_t bit) {
   return family == OdriveFamily::firmware_05 ? find(words_05) : find(words_06);
 }
 
-ServoReport Odrive::read(const Frame& frame) const {
+ServoReport Odrive::read(const Frame& frame) {
   if (frame.is_remote) return {};
+  if (family_ == OdriveFamily::firmware_05) {
+    for (std::size_t i = 0; i < odrive_parts.size(); ++i) {
+      if (const auto told = read_odrive_part(frame, node_, odrive_parts[i])) part_errors_[i] = *told;
+    }
+  }
   switch (static_cast<OdriveMessage>(frame.id & odrive_message_bits)) {
     case heartbeat: {
       const auto told = read_odrive_heartbeat(frame, node_, family_);
@@ -238,7 +318,19 @@ ServoReport Odrive::read(const Frame& frame) const {
       const auto told = read_odrive_version(frame, node_);
       if (!told) return {.is_bad = true};
       const bool is_06 = told->firmware[0] == 0 && told->firmware[1] == 6;
-      return {.is_expected_device = is_06 && family_ == OdriveFamily::firmware_06};
+      is_06_ = is_06 && family_ == OdriveFamily::firmware_06;
+      return {.is_expected_device = is_06_};
+    }
+    case error:
+      if (const auto told = read_odrive_error(frame, node_); told && is_06_)
+        disarm_reason_ = told->disarm_reason;
+      return {};
+    case address: {
+      const auto told = read_odrive_serial(frame, node_);
+      if (!told || !is_06_) return {};
+      const bool is_another = serial_ && *serial_ != *told;
+      serial_ = told;
+      return {.is_another_device = is_another};
     }
     case parameter_order:
       return {.is_of_a_host = family_ == OdriveFamily::firmware_06};
@@ -254,10 +346,35 @@ ServoReport Odrive::read(const Frame& frame) const {
   }
 }
 
-std::optional<Frame> Odrive::order(ServoOrder order) const {
+/// What is asked of 0.6 means something else to 0.5, and the other way round: each family is known first. Two
+/// questions for its number, so that a second device has answered as well.
+std::optional<Frame> Odrive::next_question() {
+  constexpr std::array of_06{address, error, address};
+  const std::size_t step = asked_;
+  if (asked_ < 0xFF) ++asked_;
+  if (family_ == OdriveFamily::firmware_06) {
+    if (!is_06_) {
+      asked_ = 0;
+      return odrive_question(node_, version);
+    }
+    return step < of_06.size() ? std::optional(odrive_question(node_, of_06[step])) : std::nullopt;
+  }
+  if (step < questions_of_version) return odrive_question(node_, version);
+  const std::size_t part = step - questions_of_version;
+  if (part >= odrive_parts.size()) return {};
+  return odrive_question(node_, static_cast<OdriveMessage>(odrive_parts[part]));
+}
+
+bool Odrive::has_more_to_ask(std::uint32_t errors) const {
+  constexpr std::size_t of_06 = 3;
+  if (family_ == OdriveFamily::firmware_06) return is_06_ && asked_ < of_06;
+  return errors != 0 && asked_ < questions_of_version + odrive_parts.size();
+}
+
+std::optional<Frame> Odrive::order(ServoOrder order) {
   switch (order) {
     case ServoOrder::say_what_you_are:
-      return odrive_question(node_, version);
+      return next_question();
     case ServoOrder::set_watchdog:
       return {};  // it is a setting of the drive
     case ServoOrder::clear_errors:

@@ -52,6 +52,7 @@ enum class OdriveMessage : std::uint8_t {
   error = 0x03,             ///< as read here 0.6 only
   parameter_order = 0x04,   ///< RxSdo, 0.6 only: reads or writes a setting
   parameter_answer = 0x05,  ///< TxSdo, 0.6 only
+  address = 0x06,           ///< 0.6 only: in 0.5 it sets the node, also without a number
   axis_state = 0x07,
   estimates = 0x09,
   controller_mode = 0x0B,
@@ -60,7 +61,11 @@ enum class OdriveMessage : std::uint8_t {
   input_torque = 0x0E,
   limits = 0x0F,
   clear_errors = 0x18,
+  controller_error = 0x1D,  ///< as asked for here 0.5 only
 };
+/// What 0.5 is asked for the errors of its parts: other messages in 0.6.
+enum class OdrivePart : std::uint8_t { motor = 0x03, encoder = 0x04, controller = 0x1D };
+inline constexpr std::array odrive_parts{OdrivePart::motor, OdrivePart::encoder, OdrivePart::controller};
 /// The bits of an identifier that are the message.
 inline constexpr std::uint32_t odrive_message_bits = 0x1F;
 constexpr std::uint32_t odrive_id(OdriveNode node, OdriveMessage message) {
@@ -130,6 +135,16 @@ struct OdriveError {
 std::optional<OdriveError> read_odrive_error(const Frame& frame, OdriveNode node);
 Frame odrive_error_frame(OdriveNode node, const OdriveError& told);
 
+/// The errors of a part of 0.5; of its motor the low half.
+std::optional<std::uint32_t> read_odrive_part(const Frame& frame, OdriveNode node, OdrivePart part);
+Frame odrive_part_frame(OdriveNode node, OdrivePart part, std::uint32_t errors);
+/// One bit of them in words.
+const char* words_of_odrive_part(OdrivePart part, std::uint32_t bit);
+
+/// The number that one device has alone, of 48 bits.
+std::optional<std::uint64_t> read_odrive_serial(const Frame& frame, OdriveNode node);
+Frame odrive_address_frame(OdriveNode node, std::uint64_t serial);
+
 /// The error bit that says that nobody has spoken to the drive for longer than its watchdog allows.
 constexpr std::uint32_t odrive_watchdog_error(OdriveFamily family) {
   return family == OdriveFamily::firmware_05 ? 0x800U : 0x100'0000U;
@@ -153,9 +168,11 @@ class Odrive {
   [[nodiscard]] bool is_concerned(const Frame& frame) const {
     return !frame.is_extended && (frame.id & ~odrive_message_bits) == std::uint32_t{node_.value()} << 5;
   }
-  [[nodiscard]] ServoReport read(const Frame& frame) const;
-  /// Nothing where the drive needs no such order.
-  [[nodiscard]] std::optional<Frame> order(ServoOrder order) const;
+  [[nodiscard]] ServoReport read(const Frame& frame);
+  /// Nothing where the drive needs no such order. Asked again what it is, it is asked for more each time.
+  [[nodiscard]] std::optional<Frame> order(ServoOrder order);
+  /// Whether it has not been asked yet for all that there is to know of one with these errors.
+  [[nodiscard]] bool has_more_to_ask(std::uint32_t errors) const;
   /// A position that acts at once. It feeds the watchdog.
   [[nodiscard]] std::optional<Frame> command(const ServoTarget& target) const;
   /// Every frame feeds the watchdog, and a position does nothing to a drive that is off.
@@ -169,10 +186,23 @@ class Odrive {
 
   [[nodiscard]] OdriveNode node() const { return node_; }
   [[nodiscard]] OdriveFamily family() const { return family_; }
+  /// What the parts of 0.5 have told of their errors, in the order of odrive_parts.
+  [[nodiscard]] const std::array<std::uint32_t, odrive_parts.size()>& part_errors() const {
+    return part_errors_;
+  }
+  /// Why 0.6 was switched off last.
+  [[nodiscard]] std::uint32_t disarm_reason() const { return disarm_reason_; }
 
  private:
+  [[nodiscard]] std::optional<Frame> next_question();
+
   OdriveNode node_;
   OdriveFamily family_;
+  bool is_06_ = false;      ///< it has said so
+  std::uint8_t asked_ = 0;  ///< questions since it was to say what it is
+  std::optional<std::uint64_t> serial_;
+  std::array<std::uint32_t, odrive_parts.size()> part_errors_{};
+  std::uint32_t disarm_reason_ = 0;
 };
 
 }  // namespace inbetween::can

@@ -244,6 +244,7 @@ class ServoDrive {
   std::int64_t order_heard_ns_ = never;  ///< a status after this knows of the order
   std::optional<bool> is_expected_device_;
   std::uint32_t version_ = 0;
+  bool is_alone_ = true;     ///< the same
   bool knows_place_ = true;  ///< as far as it has told
   std::optional<bool> has_watchdog_;
   bool is_silent_ = false;  ///< configuring: it is well, and its watchdog is to be proven
@@ -280,6 +281,7 @@ void ServoDrive<Protocol>::enter(DrivePhase phase, std::int64_t now_ns) {
       place_ns_ = status_ns_ = 0;
       is_expected_device_.reset();
       knows_place_ = true;
+      is_alone_ = true;
       has_watchdog_.reset();
       last_errors_ = 0;
       give(ServoOrder::say_what_you_are);
@@ -338,6 +340,7 @@ void ServoDrive<Protocol>::receive(const Frame& frame, std::int64_t now_ns) {
     heard_ns_ = now_ns;
   }
   if (report.is_bad) take_bad_frame();
+  if (report.is_another_device) is_alone_ = false;
   if (report.place) {
     ++counters_.feedback;
     place_ = *report.place;
@@ -447,12 +450,16 @@ void ServoDrive<Protocol>::advance(std::int64_t now_ns) {
 template <ServoProtocol Protocol>
 void ServoDrive<Protocol>::advance_booting(std::int64_t now_ns) {
   if (is_expected_device_ == false) return refuse(Protocol::misfit, now_ns);
+  if (!is_alone_) return refuse(DriveFinding::two_devices, now_ns);
   if (!knows_place_) return refuse(DriveFinding::place_unknown, now_ns);
   const bool is_heard = place_ns_ != 0 && status_ns_ != 0;
   if (!is_heard) return;
   const bool is_known = is_expected_device_.has_value() ||
                         (!protocol_.tells_identity() && now_ns - phase_ns_ > settings_.identity_timeout_ns);
   if (!is_known) return;
+  if constexpr (requires { protocol_.has_more_to_ask(status_.errors); }) {
+    if (protocol_.has_more_to_ask(status_.errors)) return;
+  }
   if (status_.is_off) {
     apply(DriveEvent::booted, now_ns);
   } else if ((status_.is_on || brakes_alone()) && order_ != ServoOrder::switch_off) {

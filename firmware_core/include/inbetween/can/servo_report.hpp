@@ -43,8 +43,9 @@ struct ServoReport {
   std::optional<bool> knows_place{};
   /// It repeats the time after which it stops alone: the one that it was told, or another.
   std::optional<bool> has_watchdog{};
-  bool is_bad = false;        ///< short, or not to be understood
-  bool is_of_a_host = false;  ///< only a host sends such a frame
+  bool is_another_device = false;  ///< not the one that has answered before
+  bool is_bad = false;             ///< short, or not to be understood
+  bool is_of_a_host = false;       ///< only a host sends such a frame
 };
 
 /// What a drive is told beside positions.
