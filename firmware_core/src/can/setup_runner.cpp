@@ -74,21 +74,25 @@ bool SetupRunner::is_left_out(const SetupScript& script) {
 }
 
 void SetupRunner::begin_step(const SetupScript& script) {
-  while (step_ != script.size() && is_left_out(script)) ++step_;
-  if (step_ == script.size()) {
-    state_ = next_state(state_, SetupEvent::finished);
-    return;
-  }
-  const SetupStep& step = script[step_];
-  found_.reset();
-  abort_code_ = 0;
-  if (!reads_first(step.action)) return write(step);
-  state_ = next_state(state_, SetupEvent::begin_reading);
-  if (step.object == cob_id_.object && cob_id_.object.index != 0) {
+  for (;; ++step_) {
+    while (step_ != script.size() && is_left_out(script)) ++step_;
+    if (step_ == script.size()) {
+      state_ = next_state(state_, SetupEvent::finished);
+      return;
+    }
+    const SetupStep& step = script[step_];
+    found_.reset();
+    abort_code_ = 0;
+    if (!reads_first(step.action)) return write(step);
+    state_ = next_state(state_, SetupEvent::begin_reading);
+    const bool is_known = step.object == cob_id_.object && cob_id_.object.index != 0;
+    if (!is_known) {
+      client_.begin_upload(step.object, step.size);
+      return;
+    }
     found_ = cob_id_.value;
-    return has_read(script, step);
+    if (!has_read(step)) return;
   }
-  client_.begin_upload(step.object, step.size);
 }
 
 void SetupRunner::note_cob_id(const SetupStep& step) {
@@ -152,37 +156,49 @@ void SetupRunner::answered(const SetupScript& script) {
   if (state_ == writing) return read_back(step);
   found_ = client_.value();
   note_cob_id(step);
-  if (state_ == reading) return has_read(script, step);
+  if (state_ == reading) {
+    if (has_read(step)) next_step(script);
+    return;
+  }
   if (is_right(step)) return next_step(script);
   if (!step.may_stay) return refuse(step, step.finding);
   kept_pdos_ |= bit_of(step.object.index);
   next_step(script);
 }
 
-void SetupRunner::has_read(const SetupScript& script, const SetupStep& step) {
+/// Whether a step has ended with what was read; if not, it is refused, or writes.
+bool SetupRunner::has_read(const SetupStep& step) {
   const bool is_equal = (*found_ & step.mask) == step.value;
+  bool has_ended = true;
   switch (step.action) {
     case SetupAction::expect:
-      return is_equal ? next_step(script) : refuse(step, step.finding);
+      has_ended = is_equal;
+      break;
     case SetupAction::expect_no_range:
-      return is_no_range(step) ? next_step(script) : refuse(step, step.finding);
+      has_ended = is_no_range(step);
+      break;
     case SetupAction::forbid:
-      return is_equal ? refuse(step, step.finding) : next_step(script);
+      has_ended = !is_equal;
+      break;
     case SetupAction::look:
       has_no_other_target_ = has_no_other_target_ && *found_ == 0;
-      return next_step(script);
+      break;
     case SetupAction::note_error:
       if (error_code_ == 0) error_code_ = static_cast<std::uint16_t>(*found_);
-      return next_step(script);
+      break;
     case SetupAction::note_place:
       place_ = static_cast<std::int32_t>(*found_);
-      return next_step(script);
+      break;
     case SetupAction::compare:
       is_so_ = is_equal;
-      return next_step(script);
+      break;
     default:
-      return *found_ == (value_for(step) & mask_of(step.size)) ? next_step(script) : write(step);
+      has_ended = *found_ == (value_for(step) & mask_of(step.size));
+      if (!has_ended) write(step);
+      return has_ended;
   }
+  if (!has_ended) refuse(step, step.finding);
+  return has_ended;
 }
 
 /// Whether the drive has the right value in an object, after it was written or has refused that.

@@ -214,7 +214,7 @@ class SetupRunner {
   void write(const SetupStep& step);
   void read_back(const SetupStep& step);
   void answered(const SetupScript& script);
-  void has_read(const SetupScript& script, const SetupStep& step);
+  bool has_read(const SetupStep& step);
   void has_failed(const SetupScript& script, const SetupStep& step);
   [[nodiscard]] bool can_do_without(const SetupStep& step) const;
   void is_absent(const SetupScript& script, const SetupStep& step);
