@@ -73,12 +73,13 @@ Lowest lowest_of(const std::vector<double>& values, std::size_t drawn_spans, Cur
 }
 
 /// Control values may lie below a curve that does not: refined, they come near to it.
-std::vector<double> through_values(const MoveTrack& track, std::int32_t frames) {
+std::vector<double> through_values(const MoveTrack& track, const std::vector<double>& drawn,
+                                   std::int32_t frames) {
   const CurveEnds ends = ends_of(track);
   std::vector<double> values =
-      ends == CurveEnds::periodic ? interpolating_periodic(track.speed) : interpolating(track.speed);
+      ends == CurveEnds::periodic ? interpolating_periodic(drawn) : interpolating(drawn);
   const std::size_t drawn_spans = values.size() - 1;
-  const double largest = *std::ranges::max_element(track.speed);
+  const double largest = *std::ranges::max_element(drawn);
   const auto is_below = [&](double value) { return value < -curve_rounding * largest; };
   while (std::ranges::any_of(values, is_below) && may_be_finer(values)) {
     values = on_twice_as_many(values, ends);
@@ -114,7 +115,7 @@ std::vector<double> drawn_curve(const MoveTrack& track, std::int32_t frames) {
   std::vector<double> values = track.speed;
   if (values.size() == 1) values.push_back(values.front());
   const double frames_per_drawn_span = static_cast<double>(frames) / static_cast<double>(values.size() - 1);
-  if (track.through) values = through_values(track, frames);
+  if (track.through) values = through_values(track, values, frames);
   const RestingEnds rest = track.rest.value_or(RestingEnds{false, false});
   const double in = ramp_frames(track.ease_in, rest.start, frames_per_drawn_span);
   const double out = ramp_frames(track.ease_out, rest.end, frames_per_drawn_span);

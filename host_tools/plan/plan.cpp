@@ -165,6 +165,23 @@ std::string message_of(const SolverError& refused, const MoveTrack& track, std::
   return fmt::format("{}{}; {}", where, error.what, error.remedy);
 }
 
+/// A track with one key stands there. It has no way of which a distance could be told; and one in space is
+/// solved along a way, so that it has the key twice.
+void stand_at_one_key(MoveFile& move) {
+  for (MoveTrack& track : move.tracks) {
+    if (track.keys.size() != 1) continue;
+    track.distance.reset();
+    if (!track.space) continue;
+    track.closed = track.periodic = false;
+    MoveKey& key = track.keys.front();
+    key.hold.reset();
+    key.breaks = key.ease = false;
+    if (track.timing == Timing::speed) key.frame.reset();
+    track.keys.push_back(key);
+    if (key.frame) track.keys.back().frame = move.frames;
+  }
+}
+
 void refuse_curves_in_space(const MoveTrack& track) {
   if (track.timing == Timing::speed) return;
   const MoveKinetic kinetic = kinetic_of(track);
@@ -284,6 +301,7 @@ Plan::Plan(MoveFile move, std::optional<RigFile> rig, const PlanOptions& options
       part_(played_frames_of(options.frames, move_.frames, {move_.path, 0, 0})),
       rig_(std::move(rig)),
       kinematics_(options.kinematics) {
+  stand_at_one_key(move_);
   list_axes();
   settle_positions(move_, rig_);
   settle_aims(move_, kinematics_.get(), axes_in_move());
@@ -369,7 +387,8 @@ void Plan::warn_of_mixed_units() {
   if (!rig_) return;
   for (std::size_t t = 0; t < move_.tracks.size(); ++t) {
     const MoveTrack& track = move_.tracks[t];
-    if (!track.weights.empty() || !length_unit(t).empty() || track.space || track.distance) continue;
+    const bool is_said = !track.weights.empty() || track.space || track.distance;
+    if (is_said || track.keys.size() == 1 || !length_unit(t).empty()) continue;
     std::set<std::string_view> units;
     for (const PlanAxis& axis : axes_) {
       if (axis.track == t) units.insert(to_string(*axis.unit));
