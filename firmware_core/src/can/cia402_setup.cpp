@@ -327,6 +327,22 @@ Status check(const Cia402Setup& setup) {
 
 }  // namespace
 
+/// What is done to one RPDO is done to the other.
+void change_rpdo(SetupScript& script, NodeId node, std::uint8_t from, std::uint8_t to) {
+  const auto away = static_cast<std::uint16_t>(from - 1);
+  const auto wanted = static_cast<std::uint16_t>(to - 1);
+  for (SetupStep& step : script) {
+    const unsigned group = step.object.index & 0xFFFCU;
+    if (group != 0x1400 && group != 0x1600) continue;
+    const unsigned number = step.object.index & 3U;
+    if (number != away && number != wanted) continue;
+    const bool has_cob_id =
+        group == 0x1400 && step.object.sub == pdo_sub_cob_id && step.value == rpdo_id(node, from);
+    if (has_cob_id) step.value = rpdo_id(node, to);
+    step.object.index = static_cast<std::uint16_t>(group | (number == away ? wanted : away));
+  }
+}
+
 // A script by value would stand on the stack of a microcontroller twice.
 Status write_setup_script(const Cia402Setup& setup, SetupScript& script) {
   if (const Status valid = check(setup); !valid) return valid.error();

@@ -134,6 +134,9 @@ using SetupScript = FixedVector<SetupStep, setup_steps>;
 /// those of interpolation_period; out_of_range (an RPDO that is not 1 to 4, a time of 0, an option or a range
 /// that leaves the drive unwatched, host and drive the same node).
 Status write_setup_script(const Cia402Setup& setup, SetupScript& script);
+/// The same script with the RPDO `to`, 1 to 4, for controlword and target instead of `from`. In place,
+/// because a drive finds in a tick that it needs that, and there is no stack for a second script.
+void change_rpdo(SetupScript& script, NodeId node, std::uint8_t from, std::uint8_t to);
 
 /// Why a drive was refused.
 struct SetupRefusal {
