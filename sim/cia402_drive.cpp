@@ -116,6 +116,7 @@ SimulatedCia402Drive::MotionObjects SimulatedCia402Drive::motion_objects() const
 
 void SimulatedCia402Drive::step(double seconds) {
   motor_.hold(has_trouble(Kind::stick));
+  const std::optional<double> speed = troubles_.place(Kind::run_away, now_ns_);
   switch (state_) {
     case Cia402State::operation_enabled:
       follow(motion_objects(), seconds);
@@ -123,7 +124,11 @@ void SimulatedCia402Drive::step(double seconds) {
       break;
     case Cia402State::quick_stop_active:
     case Cia402State::fault_reaction_active:
-      slow_down(seconds);
+      if (speed && state_ == Cia402State::quick_stop_active) {
+        motor_.follow_speed(*speed, seconds);
+      } else {
+        slow_down(seconds);
+      }
       break;
     default:
       motor_.coast(seconds);
@@ -152,7 +157,8 @@ void SimulatedCia402Drive::follow(const MotionObjects& objects, double seconds) 
     slow_demand_down(seconds);
     from_ = demand_;
   }
-  is_following_error_ = objects.is_too_far(demand_ - motor_.position(), seconds, beyond_window_s_);
+  is_following_error_ =
+      objects.is_too_far(demand_ - motor_.position(), seconds, beyond_window_s_) && !has_trouble(Kind::blind);
 }
 
 /// So many steps, or less if there is a following error after one. Returns how many it were.
@@ -172,6 +178,8 @@ std::int64_t SimulatedCia402Drive::follow_target(const MotionObjects& objects, d
   SimulatedMotor::Demand demand{.position = demand_, .velocity = demand_velocity_};
   double since_sync_s = since_sync_s_;
   double beyond_window_s = beyond_window_s_;
+  const std::optional<double> runs_away = troubles_.place(Kind::run_away, now_ns_);
+  const bool is_blind = has_trouble(Kind::blind);
   bool is_too_far = false;
   std::int64_t made = 0;
   while (made < steps && !is_too_far) {
@@ -180,8 +188,9 @@ std::int64_t SimulatedCia402Drive::follow_target(const MotionObjects& objects, d
     demand.position = since_sync_s < period ? from + velocity * since_sync_s : target;
     // The last step of a period ends with the next SYNC.
     demand.velocity = since_sync_s < period + seconds / 2 ? velocity : 0;
-    motor.follow(demand, seconds);
-    is_too_far = objects.is_too_far(demand.position - motor.position(), seconds, beyond_window_s);
+    runs_away ? motor.follow_speed(*runs_away, seconds) : motor.follow(demand, seconds);
+    is_too_far =
+        objects.is_too_far(demand.position - motor.position(), seconds, beyond_window_s) && !is_blind;
   }
   motor_ = motor;
   demand_ = demand.position;

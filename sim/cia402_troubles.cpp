@@ -54,6 +54,9 @@ void SimulatedCia402Drive::meet(const DriveTrouble& trouble) {
     case Kind::lose_feedback:
     case Kind::lose_heartbeat:
     case Kind::stick:
+    case Kind::run_away:
+    case Kind::blind:
+    case Kind::other_scale:
     case Kind::wrong_mode:
     case Kind::ignore_target:
     case Kind::lose_sent:

@@ -56,6 +56,9 @@ void SimulatedCubemars::step(double seconds) {
     }
     return;
   }
+  if (const auto speed = troubles_.place(Kind::run_away, now_ns_))
+    return motor_.follow_speed(*speed, seconds);
+  if (told_turns_per_s_) return motor_.follow_speed(*told_turns_per_s_, seconds);
   const double turns_per_count = 1 / settings_.scale.counts_of(1);
   demand_.go_to(turns_of(told_.position) + zero_,
                 {.velocity = told_.max_velocity * turns_per_count,
@@ -65,7 +68,8 @@ void SimulatedCubemars::step(double seconds) {
 }
 
 double SimulatedCubemars::turns_of(std::int32_t counts) const {
-  return counts / settings_.scale.counts_per_deg / deg_per_turn;
+  const double taken = counts * troubles_.place(Kind::other_scale, now_ns_).value_or(1);
+  return taken / settings_.scale.counts_per_deg / deg_per_turn;
 }
 
 /// Tenths of a degree, cut off, in 16 bits that go round.
@@ -131,15 +135,25 @@ void SimulatedCubemars::receive(const can::Frame& frame) {
   if (now_ns_ < boot_ns_) return;
   const auto position = can::read_cubemars_position(frame, settings_.motor_number);
   const auto current = can::read_cubemars_current(frame, settings_.motor_number);
-  const bool is_meant = position || current;
+  const auto speed = can::read_cubemars_speed(frame, settings_.motor_number);
+  const bool is_meant = position || current || speed;
   if (!is_meant || troubles_.takes_frame(Kind::lose_heard, now_ns_)) return;
   if (position) return take_position(*position);
+  if (speed) return take_speed(*speed);
   if (*current == 0 && !has_trouble(Kind::stay_on)) set_power(false);
+}
+
+void SimulatedCubemars::take_speed(std::int32_t erpm) {
+  if (error_ != 0) return;
+  told_turns_per_s_ = erpm / 60.0 / settings_.scale.electric_turns_per_turn;
+  set_power(true);
 }
 
 void SimulatedCubemars::take_position(const can::CubemarsPosition& position) {
   if (error_ != 0) return;
   if (!has_trouble(Kind::ignore_target)) told_ = position;
+  if (told_turns_per_s_) demand_.start(motor_.position());
+  told_turns_per_s_.reset();
   set_power(true);
   if (!first_target_) first_target_ = position.position;
   has_been_moved_ = has_been_moved_ || position.position != *first_target_;

@@ -48,6 +48,7 @@ class SimulatedCubemars final : public SimulatedCanDrive {
   void meet(const DriveTrouble& trouble);
   void set_power(bool is_on);
   void take_position(const can::CubemarsPosition& position);
+  void take_speed(std::int32_t erpm);
   [[nodiscard]] can::Frame feedback() const;
   [[nodiscard]] double turns_of(std::int32_t counts) const;
   [[nodiscard]] bool has_trouble(Kind kind) const { return troubles_.has(kind, now_ns_); }
@@ -61,6 +62,7 @@ class SimulatedCubemars final : public SimulatedCanDrive {
   std::uint8_t error_ = 0;
   double zero_ = 0;  ///< where its encoder counts from
   can::CubemarsPosition told_;
+  std::optional<double> told_turns_per_s_;  ///< instead of a position
   SimulatedRamp demand_;
   std::optional<std::int32_t> first_target_;
   bool has_been_moved_ = false;

@@ -34,6 +34,13 @@ std::int32_t DriveTroubles::value(Kind kind, std::int64_t now_ns) const {
   return 0;
 }
 
+std::optional<double> DriveTroubles::place(Kind kind, std::int64_t now_ns) const {
+  for (const Met& met : met_) {
+    if (met.trouble.kind == kind && is_there(met.trouble, now_ns)) return met.trouble.place;
+  }
+  return {};
+}
+
 bool DriveTroubles::takes_frame(Kind kind, std::int64_t now_ns) {
   for (Met& met : met_) {
     const DriveTrouble& trouble = met.trouble;

@@ -17,6 +17,9 @@ struct DriveTrouble {
     lose_heartbeat,  ///< heartbeats are not sent
     emergency,       ///< at `at_ns`: an EMCY with code `value`, and a fault
     stick,           ///< the motor is held
+    run_away,        ///< with power the motor runs at `place` drive units/s, whatever it is told
+    blind,           ///< it does not see its following error
+    other_scale,     ///< it takes positions for `place` times what they are
     reboot,          ///< at `at_ns`: the drive starts anew
     move_by_hand,    ///< at `at_ns`: the axis is moved by `value` counts
     put_by_hand,  ///< at `at_ns`: the axis is moved to `place`, from where 0 was at power-on, in drive units
@@ -43,7 +46,7 @@ struct DriveTrouble {
   std::int64_t at_ns = 0;
   std::int64_t for_ns = std::int64_t{1} << 62;
   std::int32_t value = 0;
-  double place = 0;  ///< put_by_hand
+  double place = 0;  ///< put_by_hand, run_away, other_scale
   /// How many frames are lost, shortened or doubled at most; of those meant for it, where it hears nothing.
   std::int32_t frames = std::numeric_limits<std::int32_t>::max();
   can::ObjectAddress object{};
@@ -61,6 +64,7 @@ class DriveTroubles {
   [[nodiscard]] bool has(Kind kind, std::int64_t now_ns) const;
   /// 0 where there is none.
   [[nodiscard]] std::int32_t value(Kind kind, std::int64_t now_ns) const;
+  [[nodiscard]] std::optional<double> place(Kind kind, std::int64_t now_ns) const;
   /// Whether such a trouble takes this frame; it is one of those that it may take.
   bool takes_frame(Kind kind, std::int64_t now_ns);
   /// How many frames of a flood are due since the last call.

@@ -81,6 +81,9 @@ void SimulatedMoteus::advance(std::int64_t now_ns) {
 
 void SimulatedMoteus::step(double seconds) {
   motor_.hold(has_trouble(Kind::stick));
+  const bool has_power = (mode_ == MoteusMode::position && has_torque()) || mode_ == MoteusMode::timeout;
+  const std::optional<double> speed = troubles_.place(Kind::run_away, now_ns_);
+  if (has_power && speed) return motor_.follow_speed(*speed, seconds);
   if (mode_ == MoteusMode::position && has_torque()) {
     control_ += command_.velocity * seconds;
     const double inside = std::clamp(control_, settings_.min_turns, settings_.max_turns);

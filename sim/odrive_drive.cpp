@@ -74,6 +74,8 @@ void SimulatedOdrive::step(double seconds) {
     }
     return;
   }
+  if (const auto speed = troubles_.place(Kind::run_away, now_ns_))
+    return motor_.follow_speed(*speed, seconds);
   motor_.follow({.position = static_cast<double>(input_.turns) + zero_, .velocity = input_.turns_per_s},
                 seconds);
   if (std::fabs(motor_.velocity()) > settings_.velocity_limit) fail(velocity_error(settings_.family));

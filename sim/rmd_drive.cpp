@@ -58,6 +58,8 @@ void SimulatedRmd::advance(std::int64_t now_ns) {
 
 void SimulatedRmd::step(double seconds) {
   motor_.hold(has_trouble(Kind::stick));
+  const std::optional<double> speed = troubles_.place(Kind::run_away, now_ns_);
+  if (state_ != State::off && speed) return motor_.follow_speed(*speed, seconds);
   switch (state_) {
     case State::off:
       motor_.coast(seconds);

@@ -39,6 +39,10 @@ class SimulatedMotor {
     }
     integrate(kept + damper, spring, lost, seconds);
   }
+  /// Moves for `seconds` and is brought to a velocity, wherever it is.
+  void follow_speed(double velocity, double seconds) {
+    follow({.position = position_, .velocity = velocity}, seconds);
+  }
   /// Moves for `seconds` without current.
   void coast(double seconds) {
     integrate(kept_velocity(seconds), 0, settings_.coasting_friction * seconds, seconds);

@@ -2,6 +2,7 @@
 #include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <numeric>
 #include <optional>
 #include <string>
@@ -12,6 +13,7 @@
 #include "drivers/linux/monotonic_clock.hpp"
 #include "host_tools/cli/command.hpp"
 #include "host_tools/cli/held_keys.hpp"
+#include "host_tools/cli/measured_scale.hpp"
 #include "host_tools/cli/run_screen.hpp"
 #include "host_tools/cli/setup_arguments.hpp"
 #include "host_tools/cli/taught_keys.hpp"
@@ -24,15 +26,18 @@ namespace inbetween {
 namespace {
 
 constexpr double default_reach = 0.1;
+constexpr double default_share = 0.1;
 
 struct JogArguments {
   SetupArguments setup;
   std::string axis;
-  double share = 0.1;
+  double share = default_share;
   std::optional<std::string> device;
   std::optional<double> reach;
   std::optional<std::string> teach;
   std::vector<std::string> axes_of_new;
+  std::optional<double> measure;
+  bool yes = false;
 };
 
 void print_steps(const RigFile& rig, const RigReference& reference) {
@@ -43,8 +48,25 @@ void print_steps(const RigFile& rig, const RigReference& reference) {
   }
 }
 
+int measure(const JogArguments& arguments) {
+  if (arguments.device || arguments.teach) {
+    throw UsageError("--measure moves the axis once; leave out --device and --teach");
+  }
+  if (!(std::fabs(*arguments.measure) > 0))
+    throw UsageError("--measure is 0; write how far the axis is to move");
+  if (arguments.share > default_share) throw UsageError("with --measure --speed is 0.1 at most");
+  if (!arguments.yes && !KeyTerminal::is_there()) {
+    throw UsageError("nobody is at a terminal who could agree; add --yes");
+  }
+  return measure_scale(
+      arguments.setup,
+      {.axis = arguments.axis, .way = *arguments.measure, .share = arguments.share, .yes = arguments.yes});
+}
+
 int jog_command(const JogArguments& arguments) {
   check_setup_usage(arguments.setup);
+  if (arguments.measure) return measure(arguments);
+  if (arguments.yes) throw UsageError("--yes is for --measure");
   if (!KeyTerminal::is_there()) throw UsageError("jog needs somebody at a terminal; use goto in a script");
   if (arguments.setup.allow_jitter && arguments.share > jitter_share) {
     throw UsageError("with --allow-jitter --speed is 0.1 at most");
@@ -118,6 +140,10 @@ void describe(CLI::App& app, JogArguments& arguments) {
                  "otherwise")
       ->delimiter(',')
       ->allow_extra_args(false);
+  app.add_option("--measure", arguments.measure,
+                 "a way, in the unit of the axis: it moves by it, once and slowly, then asks what you have\n"
+                 "measured, and says by what its scale is wrong");
+  app.add_flag("--yes", arguments.yes, "with --measure: agree that the axis moves");
   app.footer(
       R"(Left and right, or - and +, move the axis by one step; 1 to 5 choose how long it is, from fine to a
 hundredth of the way between its limits at most. Up and down choose the axis, any other key stops it; q, Esc
@@ -140,6 +166,10 @@ else changes meanwhile is read again and never overwritten. Keys of a track with
 replaced only, since a new one would need its frame; keys in the world, and of axes that count round (wrap),
 are edited in the file. An unreferenced axis has no position to store. Whether the move fits, check says.
 
+With --measure WAY nothing is moved by keys: put a mark where the axis stands, agree, measure how far it has
+gone, and write that in its unit. The command says what to write into the rig. A drive that takes and tells
+positions in one wrong scale cannot find that out by itself.
+
 Axes stay inside their soft limits. One that stands outside moves inwards only, at a tenth of its velocity at
 most until this command ends. An unreferenced axis (one that does not know where it is) has none: it
 moves at a tenth of the share at most. Bring it to its mark, and say so with inbetween goto --set-zero.
@@ -151,6 +181,7 @@ Examples:
   inbetween jog --rig rig.toml pan --speed 0.02
   inbetween jog --rig rig.toml pan --device /dev/input/by-id/usb-pad-event-joystick
   inbetween jog --rig rig.toml slide --teach move.toml
+  inbetween jog --rig rig.toml slide --measure 100
   inbetween jog --rig rig.toml pan --sim --from pan=30)");
 }
 

@@ -19,9 +19,9 @@ namespace {
 using Kind = DriveTrouble::Kind;
 
 constexpr std::array<std::string_view, 1> script_fields = {"fault"};
-constexpr std::array<std::string_view, 14> fault_fields = {
-    "axis", "what", "at",   "after_motion", "for",    "count", "direction",
-    "code", "to",   "mode", "frames_per_s", "object", "sub",   "value"};
+constexpr std::array<std::string_view, 16> fault_fields = {
+    "axis", "what", "at",           "after_motion", "for", "count", "direction", "code",
+    "to",   "mode", "frames_per_s", "object",       "sub", "value", "speed",     "ratio"};
 
 /// A fault by its word, and which fields it has besides axis and what.
 struct FaultKind {
@@ -47,6 +47,9 @@ constexpr std::array fault_kinds{
     FaultKind{.word = "lose-heartbeat", .kind = Kind::lose_heartbeat, .lasts = true},
     FaultKind{.word = "emergency", .kind = Kind::emergency, .lasts = true, .own = "code"},
     FaultKind{.word = "stick", .kind = Kind::stick, .lasts = true},
+    FaultKind{.word = "run-away", .kind = Kind::run_away, .lasts = true, .own = "speed"},
+    FaultKind{.word = "blind", .kind = Kind::blind, .lasts = true, .of_cia402 = true},
+    FaultKind{.word = "other-scale", .kind = Kind::other_scale, .has_time = false, .own = "ratio"},
     FaultKind{.word = "reboot", .kind = Kind::reboot},
     FaultKind{.word = "move-by-hand", .kind = Kind::move_by_hand, .own = "to"},
     FaultKind{.word = "ignore-target", .kind = Kind::ignore_target, .lasts = true},
@@ -97,7 +100,8 @@ void refuse_foreign_fields(const TomlTable& table, const FaultKind& kind) {
   refuse("count", kind.counts);
   refuse("object", kind.of_object);
   refuse("sub", kind.of_object);
-  for (const std::string_view own : {"direction", "code", "to", "mode", "frames_per_s", "value"}) {
+  for (const std::string_view own :
+       {"direction", "code", "to", "mode", "frames_per_s", "value", "speed", "ratio"}) {
     refuse(own, kind.own == own);
   }
 }
@@ -183,6 +187,18 @@ void read_object(const TomlTable& table, const RigAxis& axis, DriveTrouble& trou
   trouble.value = static_cast<std::int32_t>(static_cast<std::uint32_t>(value));
 }
 
+/// Of a drive that takes positions in another scale than it tells them: any other tells what it takes.
+double read_ratio(const TomlValue& value, const RigAxis& axis) {
+  if (!std::holds_alternative<CubemarsDrive>(axis.drive)) {
+    value.refuse(
+        fmt::format("needs an axis with a cubemars drive, whose positions have two scales, and {} has "
+                    "none",
+                    in_quotes(axis.name)));
+  }
+  constexpr double max_ratio = 1000;
+  return value.number(-max_ratio, max_ratio);
+}
+
 /// The largest error that the drive of an axis can tell.
 std::int64_t max_error_of(const RigAxis& axis) {
   if (std::holds_alternative<Cia402Drive>(axis.drive)) return 0xFFFF;
@@ -209,6 +225,14 @@ void read_own(const TomlTable& table, const FaultKind& kind, const RigFile& rig,
     case Kind::move_by_hand:
       trouble.kind = Kind::put_by_hand;
       trouble.place = read_place(table.required("to", "the position that it is moved to, to = 0.0"),
+                                 rig.axes[fault.axis]);
+      return;
+    case Kind::run_away:
+      trouble.place = read_place(table.required("speed", "how fast it runs, speed = 60.0 (unit/s)"),
+                                 rig.axes[fault.axis]);
+      return;
+    case Kind::other_scale:
+      trouble.place = read_ratio(table.required("ratio", "how far it goes for one unit, ratio = 1.25"),
                                  rig.axes[fault.axis]);
       return;
     case Kind::wrong_mode:

@@ -16,7 +16,7 @@
 namespace inbetween {
 namespace {
 
-constexpr std::array<std::string_view, 14> cia402_fields = {"type",
+constexpr std::array<std::string_view, 16> cia402_fields = {"type",
                                                             "bus",
                                                             "node",
                                                             "mode",
@@ -29,16 +29,18 @@ constexpr std::array<std::string_view, 14> cia402_fields = {"type",
                                                             "vendor",
                                                             "product",
                                                             "serial",
-                                                            "watches_following_error"};
-constexpr std::array<std::string_view, 6> odrive_fields = {
-    "type", "bus", "node", "turns_per_unit", "firmware", "max_following_error"};
-constexpr std::array<std::string_view, 5> moteus_fields = {"type", "bus", "node", "turns_per_unit",
-                                                           "max_following_error"};
-constexpr std::array<std::string_view, 6> rmd_fields = {
-    "type", "bus", "node", "turns_per_unit", "max_following_error", "no_watchdog"};
-constexpr std::array<std::string_view, 11> cubemars_fields = {
-    "type", "bus",  "node",           "turns_per_unit", "max_following_error", "pole_pairs",
-    "gear", "mode", "counts_per_deg", "erpm_per_count", "no_watchdog"};
+                                                            "watches_following_error",
+                                                            "max_following_error",
+                                                            "in_position"};
+constexpr std::array<std::string_view, 7> odrive_fields = {
+    "type", "bus", "node", "turns_per_unit", "firmware", "max_following_error", "in_position"};
+constexpr std::array<std::string_view, 6> moteus_fields = {
+    "type", "bus", "node", "turns_per_unit", "max_following_error", "in_position"};
+constexpr std::array<std::string_view, 7> rmd_fields = {
+    "type", "bus", "node", "turns_per_unit", "max_following_error", "in_position", "no_watchdog"};
+constexpr std::array<std::string_view, 12> cubemars_fields = {
+    "type",       "bus",  "node", "turns_per_unit", "max_following_error", "in_position",
+    "pole_pairs", "gear", "mode", "counts_per_deg", "erpm_per_count",      "no_watchdog"};
 constexpr std::array<std::string_view, 13> step_dir_fields = {
     "type",     "chip",     "step",         "dir",         "enable",        "steps_per_unit", "max_step_rate",
     "pulse_us", "pause_us", "dir_setup_us", "dir_hold_us", "enable_active", "latest_us"};
@@ -224,11 +226,20 @@ StepDirDrive read_step_dir(const TomlTable& table, const RigAxis& axis, TakenLin
   return drive;
 }
 
-/// Of a drive that does not watch it itself, in axis units.
-double read_following_error(const TomlTable& table, const RigAxis& axis) {
+/// Whatever the drive watches by itself. Positions are `count` apart, in axis units.
+FollowLimits read_follow_limits(const TomlTable& table, const RigAxis& axis, double count) {
   constexpr double usual_s = 0.1;
+  constexpr double usual_share = 0.1;
   const auto error = table.optional("max_following_error");
-  return error ? error->positive_number() : usual_s * axis.max_velocity;
+  const double largest = std::max(usual_s * axis.max_velocity, 4 * count);
+  FollowLimits limits{.max_following_error = error ? error->positive_number() : largest};
+  const auto place = table.optional("in_position");
+  limits.in_position = place ? place->positive_number()
+                             : std::min(std::max(usual_share * limits.max_following_error, 2 * count),
+                                        limits.max_following_error);
+  if (limits.in_position <= limits.max_following_error) return limits;
+  place->refuse(fmt::format("is {}, more than max_following_error = {}; write less", limits.in_position,
+                            limits.max_following_error));
 }
 
 /// Whether somebody accepts that the drive does not stop by itself if this program dies.
@@ -249,7 +260,7 @@ OdriveDrive read_odrive(const TomlTable& table, OdriveDrive drive, const RigAxis
   }
   const TomlValue firmware = table.required("firmware", R"(the firmware of the drive, firmware = "0.6")");
   drive.firmware = static_cast<OdriveFirmware>(firmware.choice({"0.5", "0.6"}));
-  drive.max_following_error = read_following_error(table, axis);
+  drive.follow = read_follow_limits(table, axis, count_of(Drive(drive)));
   return drive;
 }
 
@@ -257,7 +268,9 @@ OdriveDrive read_odrive(const TomlTable& table, OdriveDrive drive, const RigAxis
 RmdDrive read_rmd(const TomlTable& table, RigAxis axis, const RigContext& rig) {
   const auto [bus, node] = read_can_address(table, {1, 32}, rig);
   const double turns_per_unit = read_scale(table, "turns_per_unit", axis, max_turns);
-  RmdDrive drive{bus, node, turns_per_unit, read_following_error(table, axis), accepts_no_watchdog(table)};
+  RmdDrive drive{.bus = bus, .node = node, .turns_per_unit = turns_per_unit};
+  drive.follow = read_follow_limits(table, axis, count_of(Drive(drive)));
+  drive.has_no_watchdog = accepts_no_watchdog(table);
   axis.drive = drive;
   const double deg_per_s = max_rmd_deg_per_s_of(axis);
   if (deg_per_s > max_rmd_deg_per_s) {
@@ -319,7 +332,8 @@ void require_accepted_mode(const TomlTable& table) {
 CubemarsDrive read_cubemars(const TomlTable& table, RigAxis axis, const RigContext& rig) {
   const auto [bus, node] = read_can_address(table, {1, 255}, rig);
   const double turns_per_unit = read_scale(table, "turns_per_unit", axis, max_cubemars_turns);
-  CubemarsDrive drive{bus, node, turns_per_unit, read_following_error(table, axis)};
+  CubemarsDrive drive{.bus = bus, .node = node, .turns_per_unit = turns_per_unit};
+  drive.follow = read_follow_limits(table, axis, count_of(Drive(drive)));
   constexpr std::int64_t max_pole_pairs = 100;
   constexpr double min_gear = 0.01;
   constexpr double max_gear = 1000;
@@ -408,6 +422,7 @@ Drive read_drive(const TomlValue& value, const RigAxis& axis, const RigContext& 
       const auto deceleration = table.optional("deceleration_per_unit");
       drive.acceleration_scale = deceleration ? deceleration->number() : std::abs(counts_per_unit);
       read_habits(table, drive);
+      drive.follow = read_follow_limits(table, axis, count_of(Drive(drive)));
       return drive;
     }
     case 1: {
@@ -418,8 +433,9 @@ Drive read_drive(const TomlValue& value, const RigAxis& axis, const RigContext& 
     case 2: {
       const TomlTable table(fields, "a moteus drive", moteus_fields);
       const auto [bus, node] = read_can_address(table, {1, 126}, rig, CanFrames::fd);
-      return MoteusDrive{bus, node, read_scale(table, "turns_per_unit", axis, max_turns),
-                         read_following_error(table, axis)};
+      MoteusDrive drive{bus, node, read_scale(table, "turns_per_unit", axis, max_turns)};
+      drive.follow = read_follow_limits(table, axis, count_of(Drive(drive)));
+      return drive;
     }
     case 3:
       return read_rmd(TomlTable(fields, "an rmd drive", rmd_fields), axis, rig);

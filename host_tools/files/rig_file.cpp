@@ -488,10 +488,36 @@ double count_of(const Drive& drive) {
   return std::visit(Count{}, drive);
 }
 
+double stop_acceleration_of(const RigAxis& axis) {
+  return axis.stop_acceleration.value_or(default_stop_ratio * axis.max_acceleration);
+}
+
+double rest_way_of(const RigAxis& axis) {
+  constexpr double seconds = 0.05;
+  constexpr double usual_steps_per_turn = 8'192;
+  constexpr double velocity_share = 0.01;
+  const bool is_unsaid =
+      std::holds_alternative<OdriveDrive>(axis.drive) || std::holds_alternative<MoteusDrive>(axis.drive);
+  const double step = is_unsaid
+                          ? 1 / std::fabs(usual_steps_per_turn * turns_per_unit_of(axis.drive).value_or(1))
+                          : count_of(axis.drive);
+  const double stoppable = std::sqrt(2 * stop_acceleration_of(axis) * step);
+  return std::max(2 * step, seconds * std::min(velocity_share * axis.max_velocity, stoppable));
+}
+
 std::optional<double> turns_per_unit_of(const Drive& drive) {
   return std::visit(
       [](const auto& its) -> std::optional<double> {
         if constexpr (requires { its.turns_per_unit; }) return its.turns_per_unit;
+        return {};
+      },
+      drive);
+}
+
+std::optional<FollowLimits> follow_limits_of(const Drive& drive) {
+  return std::visit(
+      [](const auto& its) -> std::optional<FollowLimits> {
+        if constexpr (requires { its.follow; }) return its.follow;
         return {};
       },
       drive);

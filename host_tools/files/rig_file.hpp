@@ -61,6 +61,12 @@ struct DriveHome {
   Place place;
 };
 
+/// How far an axis may be from where it is told to be, in its unit and above 0.
+struct FollowLimits {
+  double max_following_error = 0;  // while it moves
+  double in_position = 0;          // a second after its motion at most
+};
+
 // Scales are signed (the sign reverses the motor) and never 0; position 0 is count 0.
 struct Cia402Drive {
   std::string bus;
@@ -74,7 +80,8 @@ struct Cia402Drive {
   double enable_timeout_s = 5;
   std::string eds = {};                                                 // path of its data sheet; empty: none
   std::optional<std::uint32_t> vendor = {}, product = {}, serial = {};  // must be so (1018:1, :2, :4)
-  double acceleration_scale = 0;         // units of the drive per unit/s^2, above 0
+  double acceleration_scale = 0;  // units of the drive per unit/s^2, above 0
+  FollowLimits follow = {};
   std::optional<DriveHome> homing = {};  // there while the drive is used to home itself, and takes no targets
 };
 enum class OdriveFirmware { v0_5, v0_6 };
@@ -83,22 +90,22 @@ struct OdriveDrive {
   int node = 0;  // 0..62
   double turns_per_unit = 0;
   OdriveFirmware firmware = OdriveFirmware::v0_6;
-  double max_following_error = 0;  // unit, above 0
+  FollowLimits follow = {};
 };
 /// A MyActuator RMD motor.
 struct RmdDrive {
   std::string bus;
-  int node = 0;                    // 1..32
-  double turns_per_unit = 0;       // of the output shaft
-  double max_following_error = 0;  // unit, above 0
-  bool has_no_watchdog = false;    // somebody accepts that
+  int node = 0;               // 1..32
+  double turns_per_unit = 0;  // of the output shaft
+  FollowLimits follow = {};
+  bool has_no_watchdog = false;  // somebody accepts that
 };
 /// A CubeMars AK motor in servo mode. It has no watchdog, and somebody accepts that.
 struct CubemarsDrive {
   std::string bus;
-  int node = 0;                    // 1..255
-  double turns_per_unit = 0;       // of the output shaft
-  double max_following_error = 0;  // unit, above 0
+  int node = 0;               // 1..255
+  double turns_per_unit = 0;  // of the output shaft
+  FollowLimits follow = {};
   double pole_pairs = 0;
   double gear = 0;                 // turns of the motor per turn of the output shaft
   double counts_per_deg = 10'000;  // of a position
@@ -108,7 +115,7 @@ struct MoteusDrive {
   std::string bus;
   int node = 0;  // 1..126
   double turns_per_unit = 0;
-  double max_following_error = 0;  // unit, above 0
+  FollowLimits follow = {};
 };
 
 /// A stepper driver that takes a step at each rising edge of STEP. Times are rounded up to nanoseconds;
@@ -143,6 +150,9 @@ std::optional<double> turns_per_unit_of(const Drive& drive);
 
 /// How far two neighbouring positions of the drive are apart, in axis units: a count, or a step.
 double count_of(const Drive& drive);
+
+/// Nothing for a drive that does not tell where it is.
+std::optional<FollowLimits> follow_limits_of(const Drive& drive);
 
 /// Whether the drive works open loop: it counts steps or servo pulses, and nothing reports where the axis
 /// really is.
@@ -214,6 +224,12 @@ struct RigAxis {
   std::optional<MotorLimits> motor_limits = {};  // of the motors, if they are not those of the axis
 };
 
+/// The axis rests where it goes no further than this in 50 ms: two steps of its encoder, or what it covers at
+/// a hundredth of max_velocity, if stop_acceleration brings it to rest from there within a step. The encoder
+/// of a drive that counts turns is taken to have 8192 steps a turn where its protocol does not say.
+double rest_way_of(const RigAxis& axis);
+/// `stop_acceleration`, or else 1.5 * max_acceleration.
+double stop_acceleration_of(const RigAxis& axis);
 /// How far an axis may be from a place and still be taken to be there: what it covers at max_velocity in half
 /// a millisecond, whatever its scale.
 double place_tolerance(const RigAxis& axis);

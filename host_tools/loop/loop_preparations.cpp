@@ -29,7 +29,9 @@ void Arriving::tick(std::int32_t ticks, std::int64_t now_ns) {
   bool moved = false;
   for (std::size_t i = 0; i < positions_.size(); ++i) {
     const double now = loop_.drive_states()[i].actual;
-    moved = moved || now != positions_[i];
+    const DriveState<double>& drive = loop_.drive_states()[i];
+    const bool arrives = !drive.is_in_position && drive.own_stop == OwnStop::none;
+    moved = moved || arrives || now != positions_[i];
     positions_[i] = now;
   }
   still_ticks_ = moved ? 0 : still_ticks_ + 1;

@@ -35,7 +35,8 @@ class Arming final : public Preparation {
   std::vector<double> positions_;
 };
 
-/// Waits until the axes stand still, a second at most: drives follow their last setpoint with a lag.
+/// Waits until the axes stand still where they were told to be, a second at most: drives follow their last
+/// setpoint with a lag. One that was stopped alone is not waited for.
 class Arriving final : public Preparation {
  public:
   Arriving(RunLoop& loop, std::int32_t rate_hz);

@@ -18,15 +18,18 @@ namespace {
 /// Copies what the drives tell on a tick, for threads other than that of the loop.
 class Looking final : public Preparation {
  public:
-  explicit Looking(RunLoop& loop) : Preparation(loop), states_(loop.drive_states().size()) {}
+  explicit Looking(RunLoop& loop)
+      : Preparation(loop), states_(loop.drive_states().size()), told_(loop.setpoints().size()) {}
   void tick(std::int32_t ticks, std::int64_t now_ns) override {
     state_ = loop_.tick(ticks, now_ns).state;
     std::ranges::copy(loop_.drive_states(), states_.begin());
+    std::ranges::copy(loop_.setpoints(), told_.begin());
     has_looked_ = true;
   }
   [[nodiscard]] bool is_over() const override { return has_looked_; }
 
   [[nodiscard]] const std::vector<DriveState<double>>& states() const { return states_; }
+  [[nodiscard]] double told(std::size_t axis) const { return told_[axis].position; }
   /// Setpoints have ceased, and nobody has acknowledged it.
   [[nodiscard]] bool has_ceased() const {
     return state_ == SupervisorState::faulted || state_ == SupervisorState::cut_off;
@@ -34,6 +37,7 @@ class Looking final : public Preparation {
 
  private:
   std::vector<DriveState<double>> states_;
+  std::vector<Setpoint<double>> told_;
   SupervisorState state_ = SupervisorState::disarmed;
   bool has_looked_ = false;
 };
@@ -116,13 +120,25 @@ bool RigSession::arm() {
   return true;
 }
 
-void RigSession::rest() {
+std::string RigSession::rest() {
   Arriving arriving(loop(), rig().rate_hz);
   perform(arriving);
   Looking looking(loop());
   perform(looking);
   for (std::size_t a = 0; a < positions_.size(); ++a) positions_[a] = looking.states()[a].actual;
   reference_.at_rest(drives_, looking.states(), looking.has_ceased());
+  for (std::size_t a = 0; a < positions_.size(); ++a) {
+    const DriveState<double>& drive = looking.states()[a];
+    if (drive.is_in_position || drive.own_stop != OwnStop::none) continue;
+    const RigAxis& axis = rig_.axes[a];
+    const double off = looking.told(a) - drive.actual;
+    return fmt::format(
+        "{} has not arrived: it stands at {:.6g} {}, {:.3g} {} from where it was told to be (in_position = "
+        "{:.3g}), and its drive tells no fault; look for what holds it",
+        named(axis), drive.actual, to_string(axis.unit), off, to_string(axis.unit),
+        follow_limits_of(axis.drive).value_or(FollowLimits{}).in_position);
+  }
+  return "";
 }
 
 void RigSession::keep(const std::vector<DriveState<double>>& states) {

@@ -70,8 +70,9 @@ class RigSession {
   [[nodiscard]] const std::vector<double>& positions() const { return positions_; }
   /// Until it is over. With the `last` of its ticks, if that is known, progress is told.
   ActEnd perform(LoopTask& act, std::optional<std::int64_t> last = std::nullopt);
-  /// Waits until the axes stand still, and tells the reference where.
-  void rest();
+  /// Waits until the axes stand still, and tells the reference where. Says which axis is not where it was
+  /// told to be, and what to do; "" if all are, or were stopped.
+  std::string rest();
   /// The same, of what the drives have told in the tick in which everything rested.
   void keep(const std::vector<DriveState<double>>& states);
   /// At once, or after a stop if something still moves. Nothing if it is not armed.

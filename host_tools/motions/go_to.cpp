@@ -48,23 +48,11 @@ void refuse_to_hurry(const RigFile& rig, const std::vector<GoTarget>& targets,
   }
 }
 
-SetupEnd go(RigSession& session, const std::vector<GoTarget>& targets, RigReference& reference,
-            const GoOptions& options) {
-  SetupEnd end;
-  if (!session.arm()) {
-    end.reason = reason_of(session, "the drives were not switched on");
-    return end;
-  }
-  end.positions = session.positions();
-  std::vector<GoTarget> away = targets;
-  std::erase_if(away, [&](const GoTarget& to) { return end.positions[to.axis] == to.position; });
-  if (away.empty()) {
-    end.is_done = true;
-    end.reason = "the axes are there already";
-    return end;
-  }
-  refuse_to_hurry(session.rig(), away, end.positions, options.share);
-  SlowWay way(session.rig(), away, end.positions, options.share);
+/// From where the axes stand, which are on.
+SetupEnd move(RigSession& session, const std::vector<GoTarget>& away, RigReference& reference, double share,
+              const GoOptions& options) {
+  SetupEnd end{.positions = session.positions()};
+  SlowWay way(session.rig(), away, end.positions, share);
   if (!options.session.audience.confirm(way.describe("these axes move together:"))) {
     end.reason = "nobody agreed, and nothing has moved";
     return end;
@@ -80,9 +68,26 @@ SetupEnd go(RigSession& session, const std::vector<GoTarget>& targets, RigRefere
   } else {
     end.reason = reason_of(session, played.begun ? "stopped on the way" : played.begun.error().what);
   }
-  session.rest();
+  const std::string unreached = session.rest();
+  if (end.is_done && !unreached.empty()) end = {.is_done = false, .reason = unreached};
   end.positions = session.positions();
   return end;
+}
+
+SetupEnd not_switched_on(const RigSession& session) {
+  return {.reason = reason_of(session, "the drives were not switched on")};
+}
+
+SetupEnd go(RigSession& session, const std::vector<GoTarget>& targets, RigReference& reference,
+            const GoOptions& options) {
+  if (!session.arm()) return not_switched_on(session);
+  std::vector<GoTarget> away = targets;
+  std::erase_if(away, [&](const GoTarget& to) { return session.positions()[to.axis] == to.position; });
+  if (away.empty()) {
+    return {.is_done = true, .reason = "the axes are there already", .positions = session.positions()};
+  }
+  refuse_to_hurry(session.rig(), away, session.positions(), options.share);
+  return move(session, away, reference, options.share, options);
 }
 
 }  // namespace
@@ -95,6 +100,27 @@ SetupEnd go_to(const RigFile& rig, const std::vector<GoTarget>& targets, RigRefe
   reference.refuse_unreferenced(wanted);
   RigSession session(rig, reference, options.session);
   return end_of(session, [&] { return go(session, targets, reference, options); });
+}
+
+SetupEnd go_by(const RigFile& rig, std::size_t axis, double way, RigReference& reference,
+               const GoOptions& options) {
+  RigSession session(rig, reference, options.session);
+  return end_of(session, [&]() -> SetupEnd {
+    if (!session.arm()) return not_switched_on(session);
+    const RigAxis& of = rig.axes[axis];
+    const double from = session.positions()[axis];
+    const double to = from + way;
+    const bool is_referenced = reference.is_referenced(axis);
+    if (is_referenced && (to < of.min || to > of.max)) {
+      throw LimitError(of.place,
+                       fmt::format("{} stands at {:.10g} {} and would go to {:.10g}, outside its limits "
+                                   "{}; write another way, such as {:g}",
+                                   named(of), from, to_string(of.unit), to, range_in_words(of), -way));
+    }
+    constexpr double unreferenced_share = 0.1;
+    return move(session, {{.axis = axis, .position = to}}, reference,
+                options.share * (is_referenced ? 1 : unreferenced_share), options);
+  });
 }
 
 }  // namespace inbetween

@@ -61,7 +61,8 @@ SetupEnd home_armed(RigSession& session, const std::vector<std::size_t>& axes, R
     end.reason = homing.reason();
     if (end.reason.empty()) end.reason = reason_of(session, "stopped before its end");
   }
-  session.rest();
+  const std::string unreached = session.rest();
+  if (end.is_done && !unreached.empty()) end = {.is_done = false, .reason = unreached};
   end.positions = session.positions();
   for (std::size_t i = 0; end.is_done && i < axes.size(); ++i) {
     end.positions[axes[i]] += homing.shift(i);

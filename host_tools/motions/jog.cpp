@@ -341,7 +341,10 @@ SetupEnd jog_session(RigSession& session, std::size_t selected, RigReference& re
       jog.has_taught();
     }
   }
-  session.rest();
+  const std::string unreached = session.rest();
+  if (jog.was_left() && !unreached.empty()) {
+    return {.is_done = false, .reason = unreached, .positions = session.positions()};
+  }
   const bool was_left = jog.was_left();
   const std::string reason = end.begun ? reason_of(session, "the rig was stopped") : end.begun.error().what;
   return {.is_done = was_left, .reason = was_left ? "left" : reason, .positions = session.positions()};

@@ -191,8 +191,9 @@ class Run {
       }
     }
     if (is_open) close_take(transport.was_whole());
-    session_.rest();
+    const std::string unreached = session_.rest();
     end_takes(end, transport);
+    if (!unreached.empty() && report_.ending == Ending::finished) end_by(Ending::fault, unreached);
   }
 
   void end_takes(const ActEnd& end, const Transport& transport) {
@@ -231,8 +232,12 @@ class Run {
     reference_.about_to_move(axes);
     const ActEnd end = session_.perform(performance, last);
     report_.ticks = end.ticks + 1;
-    session_.rest();
-    if (end.begun && performance.is_done()) return true;
+    const std::string unreached = session_.rest();
+    if (end.begun && performance.is_done()) {
+      if (unreached.empty()) return true;
+      end_by(Ending::fault, unreached);
+      return false;
+    }
     if (performance.keys().has_lost_time()) {
       end_by(Ending::fault,
              "a tick came so late that an axis would have jumped, and the rig was stopped on its path");

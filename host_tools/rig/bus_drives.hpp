@@ -19,6 +19,7 @@
 
 #include "host_tools/files/diagnostics.hpp"
 #include "host_tools/files/rig_file.hpp"
+#include "host_tools/rig/bus_kind.hpp"
 #include "host_tools/rig/counters.hpp"
 #include "host_tools/rig/rig_hardware.hpp"
 #include "inbetween/can/bus_port.hpp"
@@ -78,6 +79,7 @@ class BusDrives final
       Kind::count_from(lanes_[of.lane].bus->drives()[of.drive], rig_.axes[axes_[drive]], of.zero);
     }
   }
+  void stop_one(std::size_t drive, OwnStop how) override { port_->stop_one(drive, how); }
   [[nodiscard]] bool has_lost_position(std::size_t drive) const override {
     return port_->has_forgotten(drive);
   }
@@ -122,8 +124,10 @@ class BusDrives final
       buses_.emplace_back().name = name;
       bus = buses_.end() - 1;
     }
-    ports_.push_back(
-        {static_cast<std::size_t>(bus - buses_.begin()), bus->hosts.size(), Kind::scale_of(axis)});
+    ports_.push_back({.lane = static_cast<std::size_t>(bus - buses_.begin()),
+                      .drive = bus->hosts.size(),
+                      .scale = Kind::scale_of(axis),
+                      .watch = watch_of(axis)});
     bus->axes.push_back(a);
     bus->hosts.push_back(Kind::host_of(axis, rig_.rate_hz));
   }
@@ -168,8 +172,10 @@ std::string BusDrives<Kind>::drive_trouble() const {
     }
     const can::DriveFindingWords words = can::words_of(*finding);
     const bool has_lost = is_by_another && can::loses_reference(drive.findings());
-    return fmt::format("{}: {}{}{}; {}{}", named(rig_.axes[axes_[i]]), words.what,
+    const bool was_cut = port_->own_stop(i) == OwnStop::cut;
+    return fmt::format("{}: {}{}{}{}; {}{}", named(rig_.axes[axes_[i]]), words.what,
                        Kind::detail_of(drive, *finding),
+                       was_cut ? ", and went on when its drive was to stop it: its power was cut" : "",
                        has_lost ? ", and the drive has started anew by it" : "", words.remedy,
                        has_lost ? ", then find its reference again" : "");
   }
@@ -192,6 +198,13 @@ std::string BusDrives<Kind>::left_on() const {
   std::string all;
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     const Drive& drive = port_->drive(i);
+    const RigAxis& axis = rig_.axes[axes_[i]];
+    if (const auto speed = port_->speed_without_power(i)) {
+      all += fmt::format(
+          "{}{} still moved at {:.3g} {}/s when its power went; see that it has come to rest "
+          "before anybody goes near it",
+          all.empty() ? "" : ". And ", named(axis), *speed, to_string(axis.unit));
+    }
     if (drive.phase() == can::DrivePhase::off) continue;
     can::DriveFinding why = can::DriveFinding::not_switched_off;
     for (const can::DriveFinding end :
@@ -199,8 +212,7 @@ std::string BusDrives<Kind>::left_on() const {
       if (drive.findings().has(end)) why = end;
     }
     const can::DriveFindingWords words = can::words_of(why);
-    all += fmt::format("{}{}: {}; {}", all.empty() ? "" : ". And ", named(rig_.axes[axes_[i]]), words.what,
-                       words.remedy);
+    all += fmt::format("{}{}: {}; {}", all.empty() ? "" : ". And ", named(axis), words.what, words.remedy);
   }
   return all;
 }

@@ -12,6 +12,7 @@
 #include "host_tools/rig/moteus_kind.hpp"
 #include "host_tools/rig/odrive_kind.hpp"
 #include "host_tools/rig/rmd_kind.hpp"
+#include "inbetween/loop/axis_watch.hpp"
 
 namespace inbetween {
 
@@ -48,6 +49,9 @@ void with_kind_of(const RigAxis& axis, Use&& use) {
     if (is_of_kind<Kind>(axis)) use.template operator()<Kind>();
   });
 }
+
+/// What is asked of the motor of an axis, whatever its drive makes of it.
+AxisWatch<double> watch_of(const RigAxis& axis);
 
 /// The frames of the drives on a bus in a tick, and at worst their bits on the wire.
 BusShare share_of_bus(const RigFile& rig, const Bus& bus);

@@ -158,6 +158,7 @@ can::Cia402Settings settings_of(const RigAxis& axis, std::int32_t rate_hz) {
   settings.enable_timeout_ns =
       static_cast<std::int64_t>(drive.enable_timeout_s * static_cast<double>(ns_per_s));
   settings.hold_tolerance_counts = whole_counts(place_tolerance(axis), scale);
+  settings.max_following_error_counts = whole_counts(drive.follow.max_following_error, scale);
   if (drive.homing) {
     settings.setup.homing = homing_setup_of(*drive.homing, scale);
     settings.homing = homing_spec_of(axis, *drive.homing, scale, rate_hz);

@@ -47,7 +47,7 @@ can::CubemarsSettings cubemars_settings_of(const RigAxis& axis) {
 CubemarsKind::Bus::Drive CubemarsKind::host_of(const RigAxis& axis, std::int32_t rate_hz) {
   const CubemarsDrive& drive = std::get<CubemarsDrive>(axis.drive);
   can::ServoSettings settings =
-      servo_settings_of(axis, drive.turns_per_unit, drive.max_following_error, rate_hz);
+      servo_settings_of(axis, drive.turns_per_unit, drive.follow.max_following_error, rate_hz);
   set_noise(settings, 2 / cubemars_steps_per_turn);
   const can::Cubemars motor =
       value_or_refuse(can::Cubemars::make(cubemars_settings_of(axis)), axis.place, named(axis));

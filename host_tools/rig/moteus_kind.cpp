@@ -48,7 +48,7 @@ std::vector<can::CanFilter> filters_for(std::uint32_t receiver) {
 MoteusKind::Bus::Drive MoteusKind::host_of(const RigAxis& axis, std::int32_t rate_hz) {
   const MoteusDrive& drive = std::get<MoteusDrive>(axis.drive);
   can::ServoSettings settings =
-      servo_settings_of(axis, drive.turns_per_unit, drive.max_following_error, rate_hz);
+      servo_settings_of(axis, drive.turns_per_unit, drive.follow.max_following_error, rate_hz);
   settings.place_timeout_ns = std::max(min_answer_wait_ns, answers_waited_for * ns_per_s / rate_hz);
   settings.status_timeout_ns = settings.place_timeout_ns;
   const double watchdog_s = static_cast<double>(moteus_watchdog_ns(rate_hz)) / static_cast<double>(ns_per_s);

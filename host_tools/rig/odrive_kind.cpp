@@ -36,10 +36,10 @@ const char* words_of_error_06(std::uint32_t bit) {
 
 OdriveKind::Bus::Drive OdriveKind::host_of(const RigAxis& axis, std::int32_t rate_hz) {
   const OdriveDrive& drive = std::get<OdriveDrive>(axis.drive);
-  return value_or_refuse(
-      Bus::Drive::make(can::Odrive(odrive_node_of(axis), family_of(axis)),
-                       servo_settings_of(axis, drive.turns_per_unit, drive.max_following_error, rate_hz)),
-      axis.place, named(axis));
+  return value_or_refuse(Bus::Drive::make(can::Odrive(odrive_node_of(axis), family_of(axis)),
+                                          servo_settings_of(axis, drive.turns_per_unit,
+                                                            drive.follow.max_following_error, rate_hz)),
+                         axis.place, named(axis));
 }
 
 OdriveKind::Bus OdriveKind::bus_of(std::span<Bus::Drive> hosts, std::int32_t /*rate_hz*/,

@@ -30,8 +30,8 @@ void refuse_falling_axes(const RigFile& rig) {
   }
 }
 
-RigDrives::RigDrives(const RigFile& rig, RigHardware& hardware)
-    : hardware_(hardware), rig_(motors_of(rig)), of_(rig_.rig.axes.size()) {
+RigDrives::RigDrives(const RigFile& rig, RigHardware& hardware) : hardware_(hardware), rig_(motors_of(rig)) {
+  motors_.of.resize(rig_.rig.axes.size());
   const RigFile& motors = rig_.rig;
   refuse_overloaded_buses(motors);
   std::vector<std::size_t> others;
@@ -56,13 +56,13 @@ RigDrives::RigDrives(const RigFile& rig, RigHardware& hardware)
   }
   if (!others.empty()) add(others, std::move(other_drives));
   if (rig_.gears.empty()) return;
-  states_.resize(of_.size());
-  setpoints_.resize(of_.size());
+  states_.resize(motors_.of.size());
+  setpoints_.resize(motors_.of.size());
   axes_.emplace(motors_, MotorMemory<double>{rig_.gears, rig_.of, states_, setpoints_});
 }
 
 void RigDrives::add(std::span<const std::size_t> axes, std::unique_ptr<AxisDrives> drives) {
-  for (std::size_t i = 0; i < axes.size(); ++i) of_[axes[i]] = {.drives = drives.get(), .number = i};
+  for (std::size_t i = 0; i < axes.size(); ++i) motors_.of[axes[i]] = {.drives = drives.get(), .number = i};
   motors_.parts.push_back({.axes = {axes.begin(), axes.end()}, .drives = std::move(drives)});
 }
 
@@ -120,17 +120,17 @@ void RigDrives::quick_stop() {
 }
 
 void RigDrives::place(std::size_t axis, double position) {
-  for (std::size_t m = 0; m < of_.size(); ++m) {
+  for (std::size_t m = 0; m < motors_.of.size(); ++m) {
     if (rig_.of[m].axis != axis) continue;
-    of_[m].drives->place(of_[m].number, axes_ ? axes_->motor_at(m, position) : position);
+    motors_.of[m].drives->place(motors_.of[m].number, axes_ ? axes_->motor_at(m, position) : position);
   }
 }
 
 std::vector<double> RigDrives::zeros(std::size_t axis) const {
   std::vector<double> zeros;
-  for (std::size_t m = 0; m < of_.size(); ++m) {
+  for (std::size_t m = 0; m < motors_.of.size(); ++m) {
     if (rig_.of[m].axis != axis) continue;
-    const std::optional<double> zero = of_[m].drives->zero(of_[m].number);
+    const std::optional<double> zero = motors_.of[m].drives->zero(motors_.of[m].number);
     if (!zero) return {};
     zeros.push_back(*zero);
   }
@@ -139,14 +139,14 @@ std::vector<double> RigDrives::zeros(std::size_t axis) const {
 
 void RigDrives::set_zeros(std::size_t axis, std::span<const double> zeros) {
   auto zero = zeros.begin();
-  for (std::size_t m = 0; m < of_.size() && zero != zeros.end(); ++m) {
-    if (rig_.of[m].axis == axis) of_[m].drives->set_zero(of_[m].number, *zero++);
+  for (std::size_t m = 0; m < motors_.of.size() && zero != zeros.end(); ++m) {
+    if (rig_.of[m].axis == axis) motors_.of[m].drives->set_zero(motors_.of[m].number, *zero++);
   }
 }
 
 bool RigDrives::has_lost_position(std::size_t axis) const {
-  for (std::size_t m = 0; m < of_.size(); ++m) {
-    if (rig_.of[m].axis == axis && of_[m].drives->has_lost_position(of_[m].number)) return true;
+  for (std::size_t m = 0; m < motors_.of.size(); ++m) {
+    if (rig_.of[m].axis == axis && motors_.of[m].drives->has_lost_position(motors_.of[m].number)) return true;
   }
   return false;
 }

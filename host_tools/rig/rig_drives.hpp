@@ -50,7 +50,7 @@ class RigDrives {
   void set_zeros(std::size_t axis, std::span<const double> zeros);
   /// The homing that the drive of an axis does by itself, for the loop's thread; null where it takes targets.
   [[nodiscard]] can::Cia402Homing* homing(std::size_t axis) const {
-    return of_[axis].drives->homing(of_[axis].number);
+    return motors_.of[axis].drives->homing(motors_.of[axis].number);
   }
   /// Steps were lost, so that nobody knows where the axis is.
   [[nodiscard]] bool has_lost_position(std::size_t axis) const;
@@ -93,8 +93,10 @@ class RigDrives {
     void enable();
     void disable();
     void quick_stop();
+    void stop_one(std::size_t motor, OwnStop how) { of[motor].drives->stop_one(of[motor].number, how); }
 
     std::vector<Part> parts;
+    std::vector<OfPart> of;  ///< for each motor
   };
   void add(std::span<const std::size_t> axes, std::unique_ptr<AxisDrives> drives);
   [[nodiscard]] std::string first_of(std::string (AxisDrives::*words)() const) const;
@@ -103,7 +105,6 @@ class RigDrives {
   RigHardware& hardware_;
   RigMotors rig_;
   MotorDrives motors_;
-  std::vector<OfPart> of_;  ///< for each motor
   std::vector<DriveState<double>> states_;
   std::vector<Setpoint<double>> setpoints_;
   std::optional<MotorPort<double, MotorDrives>> axes_;  ///< where an axis has a gear

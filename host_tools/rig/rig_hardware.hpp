@@ -98,6 +98,8 @@ class AxisDrives {
   virtual void enable() = 0;
   virtual void disable() = 0;
   virtual void quick_stop() = 0;
+  /// StopsOne. A drive that only takes setpoints knows no other stop.
+  virtual void stop_one(std::size_t /*drive*/, OwnStop /*how*/) {}
   /// Whether they can be switched on, and whether they may: drives of all protocols wait for each other.
   [[nodiscard]] virtual bool is_set_up() const { return true; }
   virtual void let_switch_on(bool /*may*/) {}

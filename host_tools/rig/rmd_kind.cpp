@@ -37,7 +37,7 @@ can::RmdSettings rmd_settings_of(const RigAxis& axis, std::int32_t rate_hz) {
 RmdKind::Bus::Drive RmdKind::host_of(const RigAxis& axis, std::int32_t rate_hz) {
   const RmdDrive& drive = std::get<RmdDrive>(axis.drive);
   can::ServoSettings settings =
-      servo_settings_of(axis, drive.turns_per_unit, drive.max_following_error, rate_hz);
+      servo_settings_of(axis, drive.turns_per_unit, drive.follow.max_following_error, rate_hz);
   set_noise(settings, 2 / can::rmd_steps_per_turn);
   // Of four answers one tells how it is.
   settings.status_timeout_ns = std::max(settings.status_timeout_ns, 12 * ns_per_s / rate_hz);

@@ -11,9 +11,7 @@ namespace inbetween {
 
 void set_noise(can::ServoSettings& settings, double turns) {
   constexpr double hold_s = 0.002;
-  const double rest_s = static_cast<double>(settings.rest_ns) / static_cast<double>(ns_per_s);
   settings.hold_tolerance_turns = std::max(4 * turns, hold_s * settings.max_turns_per_s);
-  settings.rest_turns = std::max(2 * turns, 0.01 * settings.max_turns_per_s * rest_s);
 }
 
 std::string words_of_error_bits(std::uint32_t errors, const char* (*words_of_bit)(std::uint32_t)) {
@@ -43,9 +41,7 @@ can::ServoSettings servo_settings_of(const RigAxis& axis, double turns_per_unit,
   settings.hold_tolerance_turns = std::max(noise_turns, hold_s * max_turns_per_s);
   settings.first_step_turns = std::max(1e-4, 0.5 * scale * axis.max_acceleration * tick_s * tick_s);
   settings.max_following_error_turns = scale * max_following_error;
-  // A hundredth of max_velocity is rest: the estimates of velocity are not used.
-  const double rest_s = static_cast<double>(settings.rest_ns) / static_cast<double>(ns_per_s);
-  settings.rest_turns = std::max(noise_turns, 0.01 * max_turns_per_s * rest_s);
+  settings.rest_turns = scale * rest_way_of(axis);  // the estimates of velocity are not used
   settings.disable_timeout_ns += static_cast<std::int64_t>(2 * axis.max_velocity / axis.max_acceleration *
                                                            static_cast<double>(ns_per_s));
   settings.place_timeout_ns = std::max(settings.place_timeout_ns, 3 * ns_per_s / rate_hz);

@@ -14,7 +14,7 @@ namespace inbetween {
 can::ServoSettings servo_settings_of(const RigAxis& axis, double turns_per_unit, double max_following_error,
                                      std::int32_t rate_hz);
 /// Of a drive that counts turns of its output shaft, in steps or with noise of `turns`: what counts as
-/// holding a place and as rest.
+/// holding a place.
 void set_noise(can::ServoSettings& settings, double turns);
 /// The bits of an error in words, " (error 14h: ..., ...)"; nothing for 0.
 std::string words_of_error_bits(std::uint32_t errors, const char* (*words_of_bit)(std::uint32_t));

@@ -22,6 +22,19 @@ TEST(CubemarsFrames, APositionWithItsLimitsIsByteForByteAsItShallBe) {
   EXPECT_NEAR(scale.counts_of(5000.0 / 189 / 60), 500, 1e-9) << "5000 electrical turns a minute";
 }
 
+TEST(CubemarsFrames, ASpeedIsPacketThreeWithElectricalTurnsAMinute) {
+  const Frame frame = cubemars_speed_frame(motor, -5000);
+  EXPECT_TRUE(frame.is_extended);
+  EXPECT_EQ(frame.id, 0x300U | motor.value());
+  ASSERT_EQ(frame.length, 4);
+  EXPECT_EQ(frame.data[0], 0xFF);
+  EXPECT_EQ(frame.data[1], 0xFF);
+  EXPECT_EQ(frame.data[2], 0xEC);
+  EXPECT_EQ(frame.data[3], 0x78);
+  EXPECT_EQ(read_cubemars_speed(frame, motor), -5000);
+  EXPECT_FALSE(read_cubemars_position(frame, motor));
+}
+
 TEST(CubemarsFrames, FeedbackIsReadAndWrittenAgain) {
   const Frame golden = golden_frames("cubemars_frames.json").at("feedback_90deg");
   const CubemarsFeedback told{.decidegrees = 900, .dekaerpm = 500, .centiamperes = 150, .celsius = 40};

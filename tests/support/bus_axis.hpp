@@ -111,6 +111,7 @@ class BusAxis {
     hosts.push_back(Kind::host_of(axis(), rig.rate_hz));
     bus.emplace(Kind::bus_of(hosts, rig.rate_hz, axis()));
     lanes.push_back({&*bus, &link, targets, known, frames});
+    axes[0].watch = watch_of(axis());
     port.emplace(*Port::make(lanes, axes));
   }
   BusAxis(const BusAxis&) = delete;

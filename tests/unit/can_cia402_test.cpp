@@ -96,7 +96,7 @@ TEST(Cia402, EveryFindingHasWords) {
     EXPECT_STRNE(words.what, "") << i;
     EXPECT_STRNE(words.remedy, "") << i;
   }
-  EXPECT_EQ(words_of(DriveFinding::following_error).reaction, DriveReaction::controlled_stop_then_quick);
+  EXPECT_EQ(words_of(DriveFinding::following_error).reaction, DriveReaction::own_stop);
   EXPECT_EQ(words_of(DriveFinding::watchdog_unset).reaction, DriveReaction::refuse);
   EXPECT_TRUE(words_of(DriveFinding::unexpected_boot).loses_reference);
 }

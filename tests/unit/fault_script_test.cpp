@@ -45,6 +45,11 @@ void refused(std::string_view what, std::string_view more, std::initializer_list
   expect_refused(parse, fault(what, more), words);
 }
 
+TEST(FaultScript, ARunawayRunsInUnitsOfItsAxisAndAnotherScaleNeedsADriveWithTwo) {
+  EXPECT_EQ(only("run-away", "at = 1\nspeed = 60").trouble.place, -60'000);
+  refused("other-scale", "ratio = @1.25", {"ratio", "needs an axis with a cubemars drive"});
+}
+
 TEST(FaultScript, EveryWordIsATroubleOfTheDrive) {
   const std::map<std::string, std::pair<std::string, Kind>> words{
       {"short-frames", {"at = 1", Kind::shorten}},
@@ -52,6 +57,8 @@ TEST(FaultScript, EveryWordIsATroubleOfTheDrive) {
       {"lose-heartbeat", {"at = 1", Kind::lose_heartbeat}},
       {"emergency", {"at = 1\ncode = 1", Kind::emergency}},
       {"stick", {"at = 1", Kind::stick}},
+      {"run-away", {"at = 1\nspeed = 60", Kind::run_away}},
+      {"blind", {"at = 1", Kind::blind}},
       {"reboot", {"at = 1", Kind::reboot}},
       {"move-by-hand", {"at = 1\nto = 2", Kind::put_by_hand}},
       {"ignore-target", {"at = 1", Kind::ignore_target}},

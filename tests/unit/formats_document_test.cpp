@@ -146,7 +146,7 @@ TEST(FormatsDocument, ItsExamplesAreAccepted) {
   ASSERT_EQ(examples.size(), 3U);
   EXPECT_EQ(parse_move(examples[0], "docs/formats.md").tracks.size(), 6U);
   EXPECT_EQ(parse_rig(examples[1], "docs/formats.md").axes.size(), 8U);
-  EXPECT_EQ(parse_faults(examples[2], "docs/formats.md").faults.size(), 7U);
+  EXPECT_EQ(parse_faults(examples[2], "docs/formats.md").faults.size(), 9U);
 }
 
 TEST(FormatsDocument, ItsExamplesHaveEveryField) {

@@ -25,6 +25,7 @@ struct ToldMotors {
   void enable() {}
   void disable() {}
   void quick_stop() {}
+  void stop_one(std::size_t motor, OwnStop how) { states[motor].own_stop = how; }
 
   std::vector<DriveState<double>> states;
   std::vector<Setpoint<double>> told = std::vector<Setpoint<double>>(states.size());
@@ -82,6 +83,31 @@ TEST(MotorPort, AFaultOfOneMotorIsThatOfItsAxis) {
   EXPECT_FALSE(rig.axes[0].is_on);
   EXPECT_TRUE(rig.axes[0].is_leaving);
   EXPECT_EQ(rig.axes[0].condition, DriveCondition::unreachable);
+}
+
+// docs/faults.md 52
+TEST(MotorPort, WhereOneMotorIsStoppedAloneTheOthersOfItsAxisAreToo) {
+  for (const std::size_t first : {0U, 2U}) {
+    Gantry rig;
+    for (const OwnStop how : {OwnStop::stopped, OwnStop::cut}) {
+      rig.motors.states[first].own_stop = how;
+      rig.read();
+      EXPECT_EQ(rig.axes[0].own_stop, how);
+      EXPECT_EQ(rig.motors.states[0].own_stop, how);
+      EXPECT_EQ(rig.motors.states[2].own_stop, how);
+      EXPECT_EQ(rig.motors.states[1].own_stop, OwnStop::none) << "another axis goes on";
+    }
+  }
+}
+
+TEST(MotorPort, AnAxisHasArrivedWhenAllItsMotorsHave) {
+  Gantry rig;
+  rig.read();
+  EXPECT_TRUE(rig.axes[0].is_in_position);
+  rig.motors.states[2].is_in_position = false;
+  rig.read();
+  EXPECT_FALSE(rig.axes[0].is_in_position);
+  EXPECT_TRUE(rig.axes[1].is_in_position);
 }
 
 TEST(MotorPort, MotorsThatAreTooFarApartCannotFollow) {

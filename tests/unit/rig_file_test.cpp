@@ -167,13 +167,15 @@ TEST(RigFile, ReadsEveryLimitAndEveryKindOfDrive) {
   EXPECT_EQ(std::get<OdriveDrive>(rig.axes[0].drive).node, 0);
   EXPECT_EQ(std::get<OdriveDrive>(rig.axes[0].drive).turns_per_unit, 12.5);
   EXPECT_EQ(std::get<OdriveDrive>(rig.axes[0].drive).firmware, OdriveFirmware::v0_5);
-  EXPECT_EQ(std::get<OdriveDrive>(rig.axes[0].drive).max_following_error, 0.1) << "a tenth of a second";
+  EXPECT_EQ(std::get<OdriveDrive>(rig.axes[0].drive).follow.max_following_error, 0.1)
+      << "a tenth of a second";
 
   EXPECT_EQ(rig.axes[1].unit, AxisUnit::turn);
   EXPECT_EQ(std::get<MoteusDrive>(rig.axes[1].drive).bus, "can1");
   EXPECT_EQ(std::get<MoteusDrive>(rig.axes[1].drive).node, 126);
   EXPECT_EQ(std::get<MoteusDrive>(rig.axes[1].drive).turns_per_unit, 1);
-  EXPECT_EQ(std::get<MoteusDrive>(rig.axes[1].drive).max_following_error, 0.1) << "a tenth of a second";
+  EXPECT_EQ(std::get<MoteusDrive>(rig.axes[1].drive).follow.max_following_error, 0.1)
+      << "a tenth of a second";
   EXPECT_EQ(bus_named(rig, "can1").data_bitrate, 2'000'000);
   EXPECT_EQ(bus_named(rig, "can0").data_bitrate, std::nullopt);
 
@@ -444,7 +446,7 @@ TEST(RigFile, AnRmdMotorCanBeToldTheLimitOfEveryVelocity) {
   const RmdDrive& rmd = std::get<RmdDrive>(read.axes[0].drive);
   EXPECT_EQ(rmd.node, 32);
   EXPECT_EQ(rmd.turns_per_unit, -12.5);
-  EXPECT_EQ(rmd.max_following_error, 0.1);
+  EXPECT_EQ(rmd.follow.max_following_error, 0.1);
   EXPECT_TRUE(rmd.has_no_watchdog);
   EXPECT_EQ(max_rmd_deg_per_s_of(read.axes[0]), 5400);
   expect_rig_refused(rig(R"({ type = "rmd", bus = "can0", node = @0, turns_per_unit = 12.5 })"),

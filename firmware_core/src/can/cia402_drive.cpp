@@ -36,11 +36,12 @@ Result<Cia402Drive> Cia402Drive::make(const Cia402Settings& settings) {
   const std::int64_t heartbeat_ns = settings.setup.drive_heartbeat_ms * std::int64_t{1'000'000};
   const bool is_sensible =
       settings.max_step_counts > 0 && settings.hold_tolerance_counts >= 0 &&
-      settings.first_step_counts >= 1 && settings.missing_limit > 0 && settings.stop_timeout_ns > 0 &&
-      settings.bad_frame_limit >= 0 && settings.bad_frame_ticks > 0 && settings.boot_timeout_ns > 0 &&
-      settings.sdo_timeout_ns > 0 && settings.enable_timeout_ns > 0 &&
-      settings.disable_timeout_ns > settings.rest_ns && settings.rest_ns >= 0 && settings.rest_counts >= 0 &&
-      settings.ignore_grace_ns >= 0 && settings.homing.has_value() == settings.setup.homing.has_value() &&
+      settings.first_step_counts >= 1 && settings.max_following_error_counts > 0 &&
+      settings.missing_limit > 0 && settings.stop_timeout_ns > 0 && settings.bad_frame_limit >= 0 &&
+      settings.bad_frame_ticks > 0 && settings.boot_timeout_ns > 0 && settings.sdo_timeout_ns > 0 &&
+      settings.enable_timeout_ns > 0 && settings.disable_timeout_ns > settings.rest_ns &&
+      settings.rest_ns >= 0 && settings.rest_counts >= 0 && settings.ignore_grace_ns >= 0 &&
+      settings.homing.has_value() == settings.setup.homing.has_value() &&
       settings.heartbeat_timeout_ns >= 2 * heartbeat_ns;
   if (!is_sensible) {
     return Error{.code = ErrorCode::out_of_range,
@@ -100,6 +101,7 @@ void Cia402Drive::enter(DrivePhase phase, std::int64_t now_ns) {
       has_booted_again_ = false;
       emergency_ns_.reset();
       has_lost_touch_ = false;
+      is_cut_ = false;
       break;
     case configuring:
       strays_ = 0;
@@ -275,8 +277,9 @@ void Cia402Drive::advance_configuring(std::int64_t now_ns) {
 }
 
 void Cia402Drive::use_rpdo(std::uint8_t number) {
+  if (number == rpdo()) return;
+  change_rpdo(script_, node(), rpdo(), number);
   settings_.setup.rpdo = number;
-  static_cast<void>(write_setup_script(settings_.setup, script_));  // as long as that of any other number
 }
 
 /// Some drives have the controlword and the target in an RPDO of their own choice, and no room in the first.
@@ -390,8 +393,11 @@ void Cia402Drive::watch_following(std::int64_t now_ns) {
   if (homing_) return homing_->tick(feedback_, now_ns);  // whose bits 11 to 13 mean other things, too
   if (status_has(status_follows_target)) followed_ns_ = now_ns;
   if (now_ns - followed_ns_ > settings_.ignore_grace_ns) find_lasting(DriveFinding::target_ignored);
-  // In interpolated position the profile says nothing of this bit.
-  if (!interpolates() && status_has(status_following_error)) find_lasting(DriveFinding::following_error);
+  // In interpolated position the profile says nothing of this bit; and some drives say nothing at all.
+  const bool tells_error = !interpolates() && status_has(status_following_error);
+  const bool is_too_far =
+      is_commanded_ && distance(feedback_.actual, target_) > settings_.max_following_error_counts;
+  if (tells_error || is_too_far) find_lasting(DriveFinding::following_error);
   if (!status_has(status_internal_limit)) unlimited_ns_ = now_ns;
   if (now_ns - unlimited_ns_ > settings_.ignore_grace_ns) find_lasting(DriveFinding::internal_limit);
 }

@@ -37,6 +37,7 @@ bool Cia402Drive::has_no_power() const {
 
 /// A quick stop is not cut short: without voltage the axis would coast.
 std::uint16_t Cia402Drive::disabling_controlword() const {
+  if (is_cut_ && !is_faulty(state())) return control_disable_voltage;
   if (state() == Cia402State::quick_stop_active && !is_resting_) return control_quick_stop;
   return controlword_for(has_lost_touch_by_fault() ? Cia402Goal::reset_fault : Cia402Goal::off, state());
 }

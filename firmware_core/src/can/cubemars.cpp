@@ -75,6 +75,17 @@ std::optional<std::int32_t> read_cubemars_current(const Frame& frame, CubemarsMo
   return get<std::int32_t>(frame, 0);
 }
 
+Frame cubemars_speed_frame(CubemarsMotor motor, std::int32_t erpm) {
+  Frame frame = frame_of(motor, speed, 4);
+  put(frame, 0, erpm);
+  return frame;
+}
+
+std::optional<std::int32_t> read_cubemars_speed(const Frame& frame, CubemarsMotor motor) {
+  if (!is_packet(frame, motor, speed, 4)) return {};
+  return get<std::int32_t>(frame, 0);
+}
+
 Frame cubemars_feedback_frame(CubemarsMotor motor, const CubemarsFeedback& told) {
   Frame frame = frame_of(motor, feedback, 8);
   put(frame, 0, told.decidegrees);
@@ -179,7 +190,9 @@ std::optional<Frame> Cubemars::hold(ServoHold how, double turns) {
     case ServoHold::switching_on:
       return position(turns, settings_.hold_velocity);
     case ServoHold::stopping:
-      return position(turns, settings_.max_velocity);
+      // Where it stands would be said in a scale that may be the reason for the stop.
+      may_have_power_ = true;
+      return cubemars_speed_frame(settings_.motor, 0);
   }
   return {};
 }

@@ -141,7 +141,12 @@ constexpr std::array table{
     Row{DriveFinding::following_error,
         {.what = "the axis is too far from its target",
          .remedy = "look for what holds it, or move slower",
-         .reaction = controlled_stop_then_quick}},
+         .reaction = own_stop}},
+    Row{DriveFinding::scale_differs,
+        {.what = "the axis moves by more or less than it is told: the drive takes positions in another scale "
+                 "than it tells them",
+         .remedy = "compare its scales with those of its firmware, and measure with inbetween jog --measure",
+         .reaction = own_stop}},
     Row{DriveFinding::internal_limit,
         {.what = "the drive has reached a limit of its own (statusword bit 11)",
          .remedy = "look at its soft limits and limit switches",
@@ -214,6 +219,10 @@ static_assert(is_in_order());
 
 DriveFindingWords words_of(DriveFinding finding) {
   return table[static_cast<std::size_t>(finding)].words;
+}
+
+bool stops_alone(const DriveFindings& findings) {
+  return findings.has(DriveFinding::following_error) || findings.has(DriveFinding::scale_differs);
 }
 
 bool loses_reference(const DriveFindings& findings) {

@@ -114,12 +114,12 @@ void require_drive(const RigAxis& axis) {
     require_scale(axis, odrive->turns_per_unit, max_turns);
     fuzz_require(std::fabs(odrive->turns_per_unit) * axis.max_velocity <= max_odrive_turns_per_s,
                  "an ODrive can be told every velocity");
-    fuzz_require(odrive->max_following_error > 0, "an ODrive has a window for its following error");
+    fuzz_require(odrive->follow.max_following_error > 0, "an ODrive has a window for its following error");
   } else if (const auto* rmd = std::get_if<RmdDrive>(&axis.drive)) {
     fuzz_require(rmd->node >= 1 && rmd->node <= 32, "an RMD motor is in 1..32");
     require_scale(axis, rmd->turns_per_unit, max_turns);
     fuzz_require(max_rmd_deg_per_s_of(axis) <= max_rmd_deg_per_s, "an RMD motor has a velocity limit");
-    fuzz_require(rmd->max_following_error > 0, "an RMD motor has a window for its following error");
+    fuzz_require(rmd->follow.max_following_error > 0, "an RMD motor has a window for its following error");
   } else if (const auto* cubemars = std::get_if<CubemarsDrive>(&axis.drive)) {
     fuzz_require(cubemars->node >= 1 && cubemars->node <= 255, "a CubeMars motor is in 1..255");
     require_scale(axis, cubemars->turns_per_unit, max_cubemars_turns);
@@ -128,7 +128,7 @@ void require_drive(const RigAxis& axis) {
                  "a CubeMars motor has its limits");
   } else if (const auto* moteus = std::get_if<MoteusDrive>(&axis.drive)) {
     fuzz_require(moteus->node >= 1 && moteus->node <= 126, "a moteus node is in 1..126");
-    fuzz_require(moteus->max_following_error > 0, "a moteus has a window for its following error");
+    fuzz_require(moteus->follow.max_following_error > 0, "a moteus has a window for its following error");
     require_scale(axis, moteus->turns_per_unit, max_turns);
   } else if (const auto* step_dir = std::get_if<StepDirDrive>(&axis.drive)) {
     fuzz_require(!step_dir->chip.empty() && step_dir->step != step_dir->dir, "step and dir are two lines");

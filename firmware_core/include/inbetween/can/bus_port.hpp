@@ -12,6 +12,7 @@
 #include "inbetween/base/result.hpp"
 #include "inbetween/can/drive_finding.hpp"
 #include "inbetween/can/drive_phase.hpp"
+#include "inbetween/loop/axis_watch.hpp"
 #include "inbetween/loop/ports.hpp"
 
 /// Drives of one protocol, on any number of buses, as the drives of a rig (DrivePort). docs/new-drive.md says
@@ -46,6 +47,9 @@ concept BusDrive = requires(Drive& drive, const Drive& known, std::int64_t now_n
   { drive.disable(now_ns) } -> std::convertible_to<bool>;
   { drive.leave(now_ns) } -> std::convertible_to<bool>;
   { drive.quick_stop(now_ns) } -> std::convertible_to<bool>;
+  /// As disable, but at once, whether the axis rests or not.
+  { drive.cut(now_ns) } -> std::convertible_to<bool>;
+  { known.may_have_power() } -> std::convertible_to<bool>;
   /// Somebody has seen the findings. Those whose cause lasts come back with the next tick.
   drive.acknowledge();
   { known.phase() } -> std::convertible_to<DrivePhase>;
@@ -102,7 +106,7 @@ constexpr std::size_t frames_per_read(std::size_t drives) {
   return 4 * drives + 16;
 }
 
-/// The drive of an axis of the rig, and its scale.
+/// The drive of an axis of the rig, and its scale. Without a watch nothing but its drive looks after it.
 template <DriveBus Bus, Precise Real>
 struct BusAxis {
   std::size_t lane = 0;
@@ -112,6 +116,11 @@ struct BusAxis {
   /// follows; none: the place 0 of the drive is position 0.
   std::optional<Real> stands_at = {};
   typename Bus::Drive::Place zero = {};  ///< the place of position 0, kept by the port
+  std::optional<AxisWatch<Real>> watch = {};
+  // Kept by the port.
+  OwnStop own_stop = OwnStop::none;
+  bool had_power = false;
+  std::optional<Real> speed_without_power = {};  ///< it still moved, in units/s, when its power went
 };
 
 /// The operator may see these counters of a lane. They only grow.
@@ -129,6 +138,9 @@ inline constexpr std::int32_t unsent_ticks_limit = 3;
 ///
 /// A fault of a drive is reported once when it is found, and then as long as it lasts while the drive
 /// follows targets: a drive that is off can be switched on again, which finds out for itself.
+///
+/// A drive that is too far from its target is stopped alone and at once. It loses its power if it gets away
+/// all the same (AxisWatch), or does not answer.
 template <DriveBus Bus, Precise Real, FrameLink<typename Bus::Frame> Link>
 class BusPort {
  public:
@@ -182,6 +194,7 @@ class BusPort {
   void write(std::span<const Setpoint<Real>> setpoints, std::int64_t now_ns) {
     now_ns_ = now_ns;
     const bool has_targets = !setpoints.empty() && take_targets(setpoints);
+    if (!has_targets) tell_nothing();
     if (wants_on_ && may_switch_on_ && is_set_up()) switch_on();
     if (lets_go_ && none_may_have_power()) {
       for_each_drive([&](Drive& drive) { drive.leave(now_ns); });
@@ -214,6 +227,11 @@ class BusPort {
                           .has_forgotten = lane.drives[d].has_forgotten};
       }
     }
+    for (Axis& axis : axes_) {
+      axis.own_stop = OwnStop::none;
+      axis.speed_without_power.reset();
+      if (axis.watch) axis.watch->reset();
+    }
     is_out_of_range_ = false;
     lets_go_ = false;
     wants_on_ = true;
@@ -226,6 +244,19 @@ class BusPort {
   void quick_stop() {
     wants_on_ = false;
     for_each_drive([&](Drive& drive) { drive.quick_stop(now_ns_); });
+  }
+
+  /// StopsOne. The others go on.
+  void stop_one(std::size_t axis, OwnStop how) {
+    Axis& of = axes_[axis];
+    if (how <= of.own_stop) return;
+    of.own_stop = how;
+    if (how == OwnStop::cut) {
+      drive_of(of).cut(now_ns_);
+      return;
+    }
+    drive_of(of).quick_stop(now_ns_);
+    if (of.watch) of.watch->begin_stop();
   }
 
   /// The axis is at `position`, whatever its drive counts, from now on. Only while no setpoint follows: the
@@ -254,6 +285,11 @@ class BusPort {
   [[nodiscard]] bool has_forgotten(std::size_t axis) const {
     return lanes_[axes_[axis].lane].drives[axes_[axis].drive].has_forgotten;
   }
+  [[nodiscard]] OwnStop own_stop(std::size_t axis) const { return axes_[axis].own_stop; }
+  /// How fast the axis still moved when its power went, in units/s; nothing if it rested.
+  [[nodiscard]] std::optional<Real> speed_without_power(std::size_t axis) const {
+    return axes_[axis].speed_without_power;
+  }
   /// The drive of an axis, for whoever wants to know what is wrong.
   [[nodiscard]] const Drive& drive(std::size_t axis) const { return drive_of(axes_[axis]); }
 
@@ -277,10 +313,32 @@ class BusPort {
       place(i, *axis.stands_at);
       axis.stands_at.reset();
     }
-    return {.actual = static_cast<Real>(drive.held_place() - axis.zero) / axis.scale,
+    const Real actual = static_cast<Real>(drive.held_place() - axis.zero) / axis.scale;
+    if (axis.watch) look_at(axis, drive, actual);
+    const DriveCondition condition = condition_of(axis);
+    watch_over(i);
+    return {.actual = actual,
             .is_on = drive.phase() == DrivePhase::following,
             .is_leaving = drive.is_leaving() && lanes_[axis.lane].link->is_up(),
-            .condition = condition_of(axis)};
+            .is_in_position = !axis.watch || axis.watch->is_in_position(),
+            .own_stop = axis.own_stop,
+            .condition = condition};
+  }
+  void look_at(Axis& axis, const Drive& drive, Real actual) {
+    axis.watch->look(actual, now_ns_);
+    const bool has_power = drive.may_have_power();
+    if (axis.had_power && !has_power && axis.watch->moves()) axis.speed_without_power = axis.watch->speed();
+    axis.had_power = has_power;
+  }
+  /// After its findings are known.
+  void watch_over(std::size_t i) {
+    const Axis& axis = axes_[i];
+    const Drive& drive = drive_of(axis);
+    const bool is_too_far = drive.phase() == DrivePhase::following && stops_alone(drive.findings());
+    if (is_too_far) stop_one(i, OwnStop::stopped);
+    if (axis.own_stop != OwnStop::stopped) return;
+    const bool gets_away = axis.watch && axis.watch->gets_away();
+    if (gets_away || drive.findings().has(DriveFinding::quick_stop_ignored)) stop_one(i, OwnStop::cut);
   }
 
   [[nodiscard]] DriveCondition condition_of(const Axis& axis) {
@@ -292,6 +350,8 @@ class BusPort {
       worst = std::max(worst, DriveCondition::cannot_follow);
     PortDrive& known = lane.drives[axis.drive];
     DriveFindings reported = drive.findings().without(known.seen);
+    // One that was stopped alone and does not answer loses its power, and the others go on.
+    if (axis.own_stop == OwnStop::stopped) reported = reported.without(DriveFinding::quick_stop_ignored);
     if (drive.phase() == DrivePhase::following) reported.add(drive.lasting());
     known.seen = drive.findings();
     known.has_forgotten = known.has_forgotten || loses_reference(known.seen);
@@ -304,7 +364,7 @@ class BusPort {
     switch (reaction) {
       case DriveReaction::refuse:
       case DriveReaction::controlled_stop:
-      case DriveReaction::controlled_stop_then_quick:
+      case DriveReaction::own_stop:
         return DriveCondition::cannot_follow;
       case DriveReaction::quick_stop:
       case DriveReaction::cease_setpoints:
@@ -313,10 +373,15 @@ class BusPort {
     return DriveCondition::unreachable;
   }
 
+  void tell_nothing() {
+    for (Axis& axis : axes_) {
+      if (axis.watch) axis.watch->tell_nothing();
+    }
+  }
   /// False, and nothing is sent, where one is beyond what a drive can be told.
   bool take_targets(std::span<const Setpoint<Real>> setpoints) {
     for (std::size_t i = 0; i < axes_.size(); ++i) {
-      const Axis& axis = axes_[i];
+      Axis& axis = axes_[i];
       const auto target =
           Drive::target_of(setpoints[i].position * axis.scale, setpoints[i].velocity * axis.scale, axis.zero);
       if (!target) {
@@ -324,6 +389,7 @@ class BusPort {
         return false;
       }
       lanes_[axis.lane].targets[axis.drive] = *target;
+      if (axis.watch) axis.watch->tell(setpoints[i].position);
     }
     return true;
   }

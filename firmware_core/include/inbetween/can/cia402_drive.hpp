@@ -37,6 +37,8 @@ struct Cia402Settings {
   /// The furthest that the first target may be from the held one: what the axis covers from rest in a tick,
   /// at least a count. A first target that is further is not sent.
   std::int32_t first_step_counts = 100;
+  /// The furthest that the axis may be from its target, whatever the drive makes of that.
+  std::int32_t max_following_error_counts = std::numeric_limits<std::int32_t>::max();
   /// Ticks in a row without feedback that are a finding; one may always come late.
   std::int32_t missing_limit = 3;
   /// Bad frames that are still no finding; one is forgiven in every `bad_frame_ticks`.
@@ -111,6 +113,11 @@ class Cia402Drive {
   bool disable(std::int64_t now_ns) {
     return apply(has_written_ ? DriveEvent::disable : DriveEvent::disconnect, now_ns);
   }
+  /// The same at once, whether the axis rests or not.
+  bool cut(std::int64_t now_ns) {
+    is_cut_ = true;
+    return disable(now_ns);
+  }
   /// Only a disabled drive takes this. It then is off, or is abandoned within two boot_timeout_ns.
   bool leave(std::int64_t now_ns) { return apply(DriveEvent::leave, now_ns); }
   bool quick_stop(std::int64_t now_ns) { return apply(DriveEvent::quick_stop, now_ns); }
@@ -155,6 +162,8 @@ class Cia402Drive {
   [[nodiscard]] Cia402Homing* homing() { return homing_ ? &*homing_ : nullptr; }
 
   [[nodiscard]] DrivePhase phase() const { return phase_; }
+  /// As far as it has told.
+  [[nodiscard]] bool may_have_power() const { return has_feedback_ && !has_no_power(); }
   [[nodiscard]] const DriveFindings& findings() const { return findings_; }
   /// Those of the last tick whose cause is still there.
   [[nodiscard]] const DriveFindings& lasting() const { return lasting_; }
@@ -275,6 +284,7 @@ class Cia402Drive {
   std::int32_t rest_counts_at_ = 0;
   std::optional<std::int64_t> rest_since_ns_;
   bool is_resting_ = false;
+  bool is_cut_ = false;  ///< its power goes at once
 };
 
 }  // namespace inbetween::can

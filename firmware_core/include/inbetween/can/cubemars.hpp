@@ -6,6 +6,7 @@
 #include "inbetween/base/result.hpp"
 #include "inbetween/can/drive_finding.hpp"
 #include "inbetween/can/frame.hpp"
+#include "inbetween/can/scale_watch.hpp"
 #include "inbetween/can/servo_report.hpp"
 
 /// The servo mode of CubeMars' AK motors: 29-bit identifiers of a packet number and the motor's, big-endian
@@ -40,6 +41,7 @@ class CubemarsMotor {
 /// The packets that are used here.
 enum class CubemarsPacket : std::uint8_t {
   current = 1,   ///< 0 A takes the power away
+  speed = 3,     ///< 0 brakes and holds, whatever the scale of positions is
   position = 6,  ///< with limits of velocity and acceleration
   feedback = 0x29,
 };
@@ -75,6 +77,10 @@ std::optional<CubemarsPosition> read_cubemars_position(const Frame& frame, Cubem
 Frame cubemars_current_frame(CubemarsMotor motor, std::int32_t milliamperes);
 std::optional<std::int32_t> read_cubemars_current(const Frame& frame, CubemarsMotor motor);
 
+/// Electrical turns a minute.
+Frame cubemars_speed_frame(CubemarsMotor motor, std::int32_t erpm);
+std::optional<std::int32_t> read_cubemars_speed(const Frame& frame, CubemarsMotor motor);
+
 // --- from the motor
 
 struct CubemarsFeedback {
@@ -105,7 +111,14 @@ struct CubemarsSettings {
 class Cubemars {
  public:
   using Frame = can::Frame;
-  static constexpr ServoHabits habits{.starts_by_target = true, .tells_restart = false};
+  static constexpr ServoHabits habits{
+      .starts_by_target = true, .tells_restart = false, .has_two_scales = true};
+  /// Feedback comes in tenths of a degree, cut off: so that two places are told up to a step wrong.
+  [[nodiscard]] ScaleWatch::Settings scale_watch() const {
+    return {.noise_turns = 1.2 / 3'600,
+            .proof_turns = 10.0 / 360,
+            .ramp_turns_per_s2 = settings_.max_acceleration / settings_.scale.counts_of(1)};
+  }
   static constexpr DriveFinding misfit = DriveFinding::wrong_firmware;
   static constexpr ServoWatch watch() { return ServoWatch::accepted; }
 

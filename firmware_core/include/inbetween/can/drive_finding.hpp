@@ -50,6 +50,7 @@ enum class DriveFinding : std::uint8_t {
   wrong_mode,
   target_ignored,
   following_error,
+  scale_differs,
   internal_limit,
   emergency,
   heartbeat_lost,
@@ -66,15 +67,15 @@ enum class DriveFinding : std::uint8_t {
   moves_while_off,
   watchdog_stays,
 };
-inline constexpr std::size_t drive_findings = 52;
+inline constexpr std::size_t drive_findings = 53;
 
 /// The reaction of the loop with the whole rig (a drive decides nothing for the others).
 enum class DriveReaction : std::uint8_t {
-  refuse,                      ///< E: nothing is switched on
-  controlled_stop,             ///< CS: all axes slow down together on the path
-  controlled_stop_then_quick,  ///< CS, then this drive's own quick stop
-  quick_stop,                  ///< all drives stop by their own ramps
-  cease_setpoints,             ///< SS: nothing is sent, the drive's own watchdog stops the motor
+  refuse,           ///< E: nothing is switched on
+  controlled_stop,  ///< CS: all axes slow down together on the path
+  own_stop,         ///< CS of the others; this drive stops by itself at once, or loses its power
+  quick_stop,       ///< all drives stop by their own ramps
+  cease_setpoints,  ///< SS: nothing is sent, the drive's own watchdog stops the motor
 };
 
 struct DriveFindingWords {
@@ -88,10 +89,14 @@ DriveFindingWords words_of(DriveFinding finding);
 class DriveFindings;
 /// Whether the drive may have forgotten where it is, by one of these.
 bool loses_reference(const DriveFindings& findings);
+/// Whether the drive is not where it is told to be, by one of these, and has to stop by itself.
+bool stops_alone(const DriveFindings& findings);
 
 /// Several findings at a time.
 class DriveFindings {
  public:
+  constexpr DriveFindings() = default;
+  constexpr DriveFindings(DriveFinding finding) : bits_(bit(finding)) {}  // NOLINT: one is several, too
   constexpr void add(DriveFinding finding) { bits_ |= bit(finding); }
   constexpr void add(const DriveFindings& others) { bits_ |= others.bits_; }
   constexpr void clear() { bits_ = 0; }

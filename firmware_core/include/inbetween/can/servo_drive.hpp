@@ -5,12 +5,14 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <type_traits>
 
 #include "inbetween/base/precision.hpp"
 #include "inbetween/base/result.hpp"
 #include "inbetween/can/drive_counters.hpp"
 #include "inbetween/can/drive_finding.hpp"
 #include "inbetween/can/drive_phase.hpp"
+#include "inbetween/can/scale_watch.hpp"
 #include "inbetween/can/servo_report.hpp"
 
 /// A servo drive that knows positions in turns and no SYNC, as its host sees it: watched, proven to stop
@@ -97,7 +99,12 @@ class ServoDrive {
   // BusDrive.
   bool connect(std::int64_t now_ns) { return apply(DriveEvent::connect, now_ns); }
   bool enable(std::int64_t now_ns) { return findings_.empty() && apply(DriveEvent::enable, now_ns); }
+  /// Its power goes once the axis rests, which it is held for; or after half of disable_timeout_ns.
   bool disable(std::int64_t now_ns) { return apply(DriveEvent::disable, now_ns); }
+  bool cut(std::int64_t now_ns) {
+    is_cut_ = true;
+    return disable(now_ns);
+  }
   bool leave(std::int64_t now_ns) { return apply(DriveEvent::leave, now_ns); }
   bool quick_stop(std::int64_t now_ns) { return apply(DriveEvent::quick_stop, now_ns); }
   void acknowledge() {
@@ -117,6 +124,8 @@ class ServoDrive {
   std::optional<Frame> service(std::int64_t now_ns);
 
   [[nodiscard]] DrivePhase phase() const { return phase_; }
+  /// As far as it has told.
+  [[nodiscard]] bool may_have_power() const { return status_ns_ != 0 && !status_.is_off; }
   [[nodiscard]] const DriveFindings& findings() const { return findings_; }
   [[nodiscard]] const DriveFindings& lasting() const { return lasting_; }
   [[nodiscard]] std::optional<DriveFinding> first_finding() const { return first_finding_; }
@@ -199,7 +208,8 @@ class ServoDrive {
     return !Protocol::habits.tells_restart && !holds_ && !status_.is_off;
   }
   [[nodiscard]] bool is_asked_beside_targets() const {
-    const bool is_told = is_supervised() || (phase_ == configuring && !is_silent_);
+    const bool is_told = is_supervised() || (phase_ == configuring && !is_silent_) ||
+                         (phase_ == disabling && is_held_ && !order_);
     return Protocol::habits.is_asked_apart && is_told && !(phase_ == following && has_ceased_);
   }
   /// One that can be told only a place, and not to switch on where it is, is told the place before that.
@@ -263,6 +273,10 @@ class ServoDrive {
   double rest_turns_at_ = 0;
   std::int64_t rest_since_ns_ = 0;
   bool is_resting_ = false;
+  bool is_cut_ = false;   ///< its power goes at once
+  bool is_held_ = false;  ///< disabling: until it rests
+  struct NoScaleWatch {};
+  [[no_unique_address]] std::conditional_t<Protocol::habits.has_two_scales, ScaleWatch, NoScaleWatch> scale_;
   std::int32_t bad_frame_level_ = 0;
   std::int32_t ticks_to_forgive_;
 };
@@ -284,6 +298,7 @@ void ServoDrive<Protocol>::enter(DrivePhase phase, std::int64_t now_ns) {
       is_alone_ = true;
       has_watchdog_.reset();
       last_errors_ = 0;
+      is_cut_ = false;
       give(ServoOrder::say_what_you_are);
       break;
     case configuring:
@@ -308,6 +323,7 @@ void ServoDrive<Protocol>::enter(DrivePhase phase, std::int64_t now_ns) {
       break;
     case following:
       is_commanded_ = false;
+      if constexpr (Protocol::habits.has_two_scales) scale_.begin();
       break;
     case DrivePhase::refused:
       if (status_.is_on) give(ServoOrder::switch_off);  // its watchdog was tried
@@ -321,7 +337,9 @@ void ServoDrive<Protocol>::enter(DrivePhase phase, std::int64_t now_ns) {
       phase_deadline_ns_ = now_ns + settings_.disable_timeout_ns;
       rest_since_ns_ = 0;
       is_resting_ = false;
-      if (!brakes_alone()) give(ServoOrder::switch_off);
+      is_held_ = (before == following || before == stopping) && !is_cut_ && status_.is_on &&
+                 status_.errors == 0 && !brakes_alone() && may_be_commanded() && !is_lost();
+      if (is_cut_ || (!is_held_ && !brakes_alone())) give(ServoOrder::switch_off);
       break;
     default:
       break;
@@ -526,6 +544,12 @@ void ServoDrive<Protocol>::watch_following(std::int64_t now_ns) {
     find(DriveFinding::moved_while_enabling);
   }
   if (!is_near(sent_.turns, settings_.max_following_error_turns)) find_lasting(DriveFinding::following_error);
+  if constexpr (Protocol::habits.has_two_scales) {
+    if (is_commanded_) {
+      scale_.look(protocol_.scale_watch(), place_.turns, place_ns_ == now_ns, sent_, now_ns);
+    }
+    if (scale_.differs()) find_lasting(DriveFinding::scale_differs);
+  }
 }
 
 template <ServoProtocol Protocol>
@@ -629,8 +653,10 @@ auto ServoDrive<Protocol>::command(const std::optional<Target>& target) -> std::
       return protocol_.hold(ServoHold::switching_on, switching_on_turns());
     case configuring:
       return is_silent_ ? protocol_.question() : protocol_.hold(ServoHold::watched, place_.turns);
-    case booting:
     case disabling:
+      if (is_held_ && !order_) return protocol_.hold(ServoHold::stopping, sent_.turns);
+      return protocol_.question();
+    case booting:
     case DrivePhase::refused:
       return protocol_.question();
     default:

@@ -88,6 +88,9 @@ struct ServoHabits {
   /// Its answer to a target does not say where it is, and a question feeds its watchdog as a target does: it
   /// is asked beside its targets, and not at all once they have ceased.
   bool is_asked_apart = false;
+  /// It takes positions in one scale and tells them in another, of which the rig may have one wrong: they are
+  /// compared (ScaleWatch, `scale_watch` of the protocol).
+  bool has_two_scales = false;
 };
 
 /// How the drives of a protocol are told, and what their frames say. Frame in, frame out.

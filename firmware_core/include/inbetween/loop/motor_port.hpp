@@ -59,12 +59,19 @@ struct MotorMemory {
   std::span<Setpoint<Real>> setpoints;  ///< motors
 };
 
+/// Drives of which one can be stopped, or lose its power, while the others go on.
+template <class Motors>
+concept StopsOne = requires(Motors& motors, std::size_t motor, OwnStop how) {
+  motors.stop_one(motor, how);
+};
+
 /// A DrivePort of the axes over one of their motors (`Motors`). Refers to the caller's memory.
 ///
 /// An axis is where its first motor says. It is on when all its motors are, and has the worst of their
 /// conditions: a fault of one stops all axes. Motors of one axis that are further apart than it allows while
 /// they are on cannot follow. Nothing moves them together: each keeps the distance with which it was switched
-/// on, so that no motor moves by being switched on. O(motors), no allocation.
+/// on, so that no motor moves by being switched on. Where one is stopped alone, or has lost its power, so do
+/// the others of its axis (StopsOne). O(motors), no allocation.
 template <Precise Real, DrivePort<Real> Motors>
 class MotorPort {
  public:
@@ -83,7 +90,10 @@ class MotorPort {
       axis.is_on = axis.is_on && motor.is_on;
       axis.is_leaving = axis.is_leaving || motor.is_leaving;
       axis.condition = std::max(axis.condition, motor.condition);
+      axis.is_in_position = axis.is_in_position && motor.is_in_position;
+      axis.own_stop = std::max(axis.own_stop, motor.own_stop);
     }
+    if constexpr (StopsOne<Motors>) stop_together(states);
     for (std::size_t m = axes; m < memory_.motors.size(); ++m) supervise_skew(m, states);
   }
 
@@ -145,6 +155,12 @@ class MotorPort {
     return motor;
   }
 
+  void stop_together(std::span<const DriveState<Real>> axes) {
+    for (std::size_t m = 0; m < memory_.motors.size(); ++m) {
+      const OwnStop how = axes[memory_.motors[m].axis].own_stop;
+      if (memory_.states[m].own_stop < how) motors_->stop_one(m, how);
+    }
+  }
   void supervise_skew(std::size_t m, std::span<DriveState<Real>> states) {
     const std::size_t a = memory_.motors[m].axis;
     AxisGear<Real>& gear = memory_.axes[a];

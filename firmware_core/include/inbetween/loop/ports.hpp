@@ -18,12 +18,22 @@ enum class DriveCondition : std::uint8_t {
   unreachable,    ///< setpoints do not or must not arrive any more
 };
 
+/// What is done to one drive while the others go on: after a following error.
+enum class OwnStop : std::uint8_t {
+  none,
+  stopped,  ///< it is told to stop by its own ramp, and to stay there
+  cut,      ///< its power is taken away, whether it rests or not
+};
+
 /// The state that a drive has told until now.
 template <Precise Real>
 struct DriveState {
   Real actual = 0;  ///< position in axis units
   bool is_on = false;
   bool is_leaving = false;  ///< it is being switched off, and whoever ends now would leave it half-way
+  /// It is where it was told to be, or is told nothing, or does not tell where it is.
+  bool is_in_position = true;
+  OwnStop own_stop = OwnStop::none;
   DriveCondition condition = DriveCondition::fine;
 };
 

@@ -1,0 +1,113 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <optional>
+
+#include "inbetween/base/precision.hpp"
+#include "inbetween/loop/ports.hpp"
+
+/// A motor against what it was told: whether it has arrived, whether it moves, and whether it gets away from
+/// its own drive after a following error.
+
+namespace inbetween {
+
+/// What is asked of a motor, in its unit and seconds. All but the ends of its range are above 0.
+template <Precise Real>
+struct WatchBounds {
+  Real min = 0;
+  Real max = 0;
+  Real max_velocity = 0;
+  Real stop_acceleration = 0;
+  Real max_following_error = 0;
+  Real in_position = 0;  ///< no further from its target than this it has arrived
+  Real rest = 0;         ///< it rests where it has not gone further than this in 25 to 50 ms
+};
+
+/// In a tick: look() at what it tells, then tell() what it is told. O(1), no allocation.
+template <Precise Real>
+class AxisWatch {
+ public:
+  explicit AxisWatch(const WatchBounds<Real>& bounds) : bounds_(bounds) {}
+
+  /// The drives are switched on anew.
+  void reset() { *this = AxisWatch(bounds_); }
+
+  void look(Real actual, std::int64_t now_ns) {
+    actual_ = actual;
+    now_ns_ = now_ns;
+    long_.look({actual, now_ns}, 25'000'000);
+    short_.look({actual, now_ns}, 8'000'000);
+  }
+  void tell(Real target) { target_ = target; }
+  /// It is told nothing any more.
+  void tell_nothing() { target_.reset(); }
+
+  /// True as well where it is told nothing.
+  [[nodiscard]] bool is_in_position() const {
+    return !target_ || std::fabs(actual_ - *target_) <= bounds_.in_position;
+  }
+  /// Its mean speed in the last 25 to 50 ms.
+  [[nodiscard]] Real speed() const { return speed_since(long_.before); }
+  /// It has gone further than it may at rest, and is not just coming to rest: what brakes was faster before.
+  [[nodiscard]] bool moves() const {
+    constexpr Real goes_on = Real(0.6);
+    return long_.before && std::fabs(actual_ - long_.before->place) > bounds_.rest &&
+           speed_since(short_.before) > goes_on * speed();
+  }
+
+  /// Its own drive is to stop it from now on.
+  void begin_stop() {
+    const Real velocity = std::min(speed(), bounds_.max_velocity);
+    const Real target = target_.value_or(actual_);
+    stop_ =
+        Stop{.target = target,
+             .place = actual_,
+             .reach = std::fabs(actual_ - target) + velocity * velocity / (2 * bounds_.stop_acceleration) +
+                      bounds_.max_following_error};
+  }
+  /// It goes on where its drive was to stop it: further from the target that it had then than it was, by more
+  /// than braking takes and a following error; or out of its range. What stands still while its path goes on
+  /// does neither.
+  [[nodiscard]] bool gets_away() const {
+    if (!stop_) return false;
+    const bool is_outside = actual_ > std::max(bounds_.max, stop_->place) + bounds_.in_position ||
+                            actual_ < std::min(bounds_.min, stop_->place) - bounds_.in_position;
+    return is_outside || std::fabs(actual_ - stop_->target) > stop_->reach;
+  }
+
+ private:
+  struct Look {
+    Real place;
+    std::int64_t at_ns;
+  };
+  /// Where it was once to twice a time ago.
+  struct Before {
+    std::optional<Look> before, latest;
+    void look(const Look& now, std::int64_t apart_ns) {
+      if (!latest) before = latest = now;
+      if (now.at_ns - latest->at_ns < apart_ns) return;
+      before = latest;
+      latest = now;
+    }
+  };
+  [[nodiscard]] Real speed_since(const std::optional<Look>& from) const {
+    if (!from || now_ns_ <= from->at_ns) return 0;
+    return std::fabs(actual_ - from->place) / (static_cast<Real>(now_ns_ - from->at_ns) * Real(1e-9));
+  }
+  struct Stop {
+    Real target;
+    Real place;
+    Real reach;
+  };
+
+  WatchBounds<Real> bounds_;
+  Real actual_ = 0;
+  std::int64_t now_ns_ = 0;
+  Before long_, short_;
+  std::optional<Real> target_;
+  std::optional<Stop> stop_;
+};
+
+}  // namespace inbetween
