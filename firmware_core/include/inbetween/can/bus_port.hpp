@@ -252,6 +252,7 @@ class BusPort {
     if (how <= of.own_stop) return;
     of.own_stop = how;
     if (how == OwnStop::cut) {
+      note_speed(of);
       drive_of(of).cut(now_ns_);
       return;
     }
@@ -327,8 +328,13 @@ class BusPort {
   void look_at(Axis& axis, const Drive& drive, Real actual) {
     axis.watch->look(actual, now_ns_);
     const bool has_power = drive.may_have_power();
-    if (axis.had_power && !has_power && axis.watch->moves()) axis.speed_without_power = axis.watch->speed();
+    if (axis.had_power && !has_power) note_speed(axis);
     axis.had_power = has_power;
+  }
+  /// Its power goes.
+  static void note_speed(Axis& axis) {
+    const bool is_new = axis.watch && axis.watch->moves() && !axis.speed_without_power;
+    if (is_new) axis.speed_without_power = axis.watch->speed();
   }
   /// After its findings are known.
   void watch_over(std::size_t i) {
