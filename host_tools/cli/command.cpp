@@ -83,6 +83,9 @@ Plan make_plan(const std::string& move, const std::optional<std::string>& rig, S
   PlanOptions options{.solver = solver};
   if (rig_file && rig_file->kinematics) {
     options.kinematics = std::make_shared<const Kinematics>(read_kinematics(*rig_file));
+    for (const Warning& warning : options.kinematics->warnings()) {
+      fmt::print(stderr, "{}\n", to_string(warning));
+    }
   }
   if (!part.turns) options.frames = part.frames;
   Plan plan(read_move_file(move), std::move(rig_file), options);

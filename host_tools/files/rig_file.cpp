@@ -58,7 +58,7 @@ constexpr std::array<std::string_view, 4> input_fields = {"chip", "line", "activ
 constexpr std::array<std::string_view, 4> emergency_stop_fields = {"chip", "line", "stops_at", "bias"};
 constexpr std::array<std::string_view, 4> camera_fields = {"chip", "line", "idle", "asks"};
 constexpr std::array<std::string_view, 3> output_fields = {"chip", "line", "idle"};
-constexpr std::array<std::string_view, 2> kinematics_fields = {"urdf", "tip"};
+constexpr std::array<std::string_view, 4> kinematics_fields = {"urdf", "tip", "limits", "at"};
 
 constexpr std::array<std::string_view, 3> reference_names = {"drive", "operator", "home"};
 /// The name by which cues call the shutter of the camera.
@@ -412,6 +412,17 @@ std::optional<RigKinematics> read_rig_kinematics(const TomlTable& rig) {
     for (const TomlValue& one : tip.list(max_rig_tips)) kinematics.tips.push_back({one.text(), one.place()});
   } else {
     kinematics.tips.push_back({tip.text(), tip.place()});
+  }
+  if (const auto limits = table.optional("limits")) {
+    kinematics.has_limits_of_rig = limits->choice({"both", "rig"}) == 1;
+  }
+  if (const auto at = table.optional("at")) {
+    constexpr double max_value = 1e6;
+    for (const auto& [key, node] : at->table()) {
+      const std::string name(std::string_view{key});
+      const TomlValue stays(node, "at." + name);
+      kinematics.at.push_back({name, stays.number(-max_value, max_value), stays.place()});
+    }
   }
   std::set<std::string_view> names;
   for (const RigTip& one : kinematics.tips) {

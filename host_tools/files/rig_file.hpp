@@ -261,10 +261,19 @@ struct RigTip {
   Place place;
 };
 
+/// Where a joint of the URDF file is that no axis moves.
+struct RigJoint {
+  std::string name;
+  double value = 0;  // rad or m
+  Place place;
+};
+
 /// The geometry of the rig.
 struct RigKinematics {
   std::string urdf;  // path from the folder of the rig's file
   std::vector<RigTip> tips;
+  bool has_limits_of_rig = false;  // those of the URDF file do not count
+  std::vector<RigJoint> at = {};   // where joints without an axis are
 };
 
 /// In counts of its firmware, of which 16 bits with a sign hold `max`.

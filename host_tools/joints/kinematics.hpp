@@ -1,7 +1,8 @@
 // The geometry of a rig: the joint tree of its URDF file, driven by its axes.
 //
-// A joint has the name of the axis that moves it, or mimics one that has. The axis' unit says in what it
-// counts: degrees, radians or turns for a joint that turns, millimetres or metres for one that slides.
+// A joint has the name of the axis that moves it, or mimics one that has; any other stays where it is. The
+// axis' unit says in what it counts: degrees, radians or turns for a joint that turns, millimetres or metres
+// for one that slides.
 #pragma once
 
 #include <cstdint>
@@ -23,9 +24,9 @@ struct Tip {
 /// Movable.
 class Kinematics {
  public:
-  /// `rig` has a section [kinematics]. Throws InputError, in the rig's file or the URDF file, where a joint
-  /// has no axis, an axis has a unit that the joint cannot have, an axis may go farther or faster than a
-  /// joint that it moves, or a tip is no link.
+  /// `rig` has a section [kinematics]. Throws InputError, in the rig's file or the URDF file, where an axis
+  /// has a unit that its joint cannot have, or may go farther or faster than the joint, a tip is no link, or
+  /// a joint that is to stay somewhere is none or has an axis.
   Kinematics(const UrdfFile& urdf, const RigFile& rig);
 
   /// Coordinate i is axis i of the rig, in its unit; the world is the root link, in metres.
@@ -33,8 +34,11 @@ class Kinematics {
   [[nodiscard]] const std::vector<Tip>& tips() const { return tips_; }
   /// The name of each link of tree().
   [[nodiscard]] const std::vector<std::string>& links() const { return links_; }
+  /// What was passed over, and which joints stay where they are.
+  [[nodiscard]] const std::vector<Warning>& warnings() const { return warnings_; }
 
  private:
+  std::vector<Warning> warnings_;
   std::vector<Joint<double>> memory_;
   JointTree<double> tree_;
   std::vector<Tip> tips_;

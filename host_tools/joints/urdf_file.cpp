@@ -42,46 +42,50 @@ UrdfJointKind read_kind(const XmlElement& joint) {
   return static_cast<UrdfJointKind>(found - kind_names.begin());
 }
 
-void read_origin(const XmlElement& element, UrdfJoint& joint) {
+void read_origin(const XmlElement& element, UrdfJoint& joint, PassedOver& passed) {
   const auto origin = element.child("origin");
   if (!origin) return;
-  origin->allow_attributes({"xyz", "rpy"});
+  origin->allow_attributes({"xyz", "rpy"}, passed);
   joint.xyz = origin->numbers("xyz", {}, max_urdf_number);
   joint.rpy = origin->numbers("rpy", {}, max_urdf_number);
 }
 
-void read_axis(const XmlElement& element, UrdfJoint& joint) {
+/// That of a fixed joint means nothing, and many exporters write zeros there.
+void read_axis(const XmlElement& element, UrdfJoint& joint, PassedOver& passed) {
+  if (joint.kind == UrdfJointKind::fixed) return;
   const auto axis = element.child("axis");
   if (!axis) return;
-  axis->allow_attributes({"xyz"});
+  axis->allow_attributes({"xyz"}, passed);
   joint.axis = axis->numbers("xyz", joint.axis, max_urdf_number);
   const bool has_length = std::ranges::any_of(joint.axis, [](double x) { return x != 0; });
   if (!has_length) axis->refuse("has no direction; write xyz=\"0 0 1\", say");
 }
 
-void read_limit(const XmlElement& element, UrdfJoint& joint) {
+void read_limit(const XmlElement& element, UrdfJoint& joint, PassedOver& passed) {
   const bool needs_one = joint.kind == UrdfJointKind::revolute || joint.kind == UrdfJointKind::prismatic;
   const auto limit = element.child("limit");
   if (!limit) {
     if (!needs_one) return;
     element.refuse("has no <limit>; add <limit lower=\"-1\" upper=\"1\" effort=\"1\" velocity=\"1\"/>, say");
   }
-  limit->allow_attributes({"lower", "upper", "effort", "velocity"});
+  limit->allow_attributes({"lower", "upper", "effort", "velocity"}, passed);
   UrdfLimit found;
   found.place = limit->place();
   found.lower = limit->number("lower", 0, max_urdf_number);
   found.upper = limit->number("upper", 0, max_urdf_number);
+  found.lower_decimals = limit->decimals("lower");
+  found.upper_decimals = limit->decimals("upper");
   found.velocity = limit->number("velocity", std::nullopt, max_urdf_number);
   if (found.lower > found.upper) limit->refuse("has a lower above upper; exchange them");
   if (found.velocity < 0) limit->refuse("has a negative velocity; write its magnitude");
   if (needs_one) joint.limit = found;  // a continuous joint has an effort and a velocity there, and no ends
 }
 
-std::optional<std::string> read_mimic(const XmlElement& element, UrdfJoint& joint) {
+std::optional<std::string> read_mimic(const XmlElement& element, UrdfJoint& joint, PassedOver& passed) {
   const auto mimic = element.child("mimic");
   if (!mimic) return std::nullopt;
   if (joint.kind == UrdfJointKind::fixed) mimic->refuse("cannot move a fixed joint; remove it");
-  mimic->allow_attributes({"joint", "multiplier", "offset"});
+  mimic->allow_attributes({"joint", "multiplier", "offset"}, passed);
   joint.mimic = UrdfMimic{.joint = 0,
                           .multiplier = mimic->number("multiplier", 1, max_urdf_number),
                           .offset = mimic->number("offset", 0, max_urdf_number),
@@ -89,25 +93,25 @@ std::optional<std::string> read_mimic(const XmlElement& element, UrdfJoint& join
   return mimic->text("joint", "joint=\"the joint that it follows\"");
 }
 
-std::string linked(const XmlElement& joint, const char* end) {
+std::string linked(const XmlElement& joint, const char* end, PassedOver& passed) {
   const XmlElement element = joint.required_child(end, fmt::format("<{} link=\"...\"/>", end));
-  element.allow_attributes({"link"});
+  element.allow_attributes({"link"}, passed);
   return element.text("link", "link=\"the name of a link\"");
 }
 
-UrdfJoint read_joint(const XmlElement& element, Names& taken, JointNames& names) {
-  element.allow_attributes({"name", "type"});
-  element.allow_children(joint_parts);
+UrdfJoint read_joint(const XmlElement& element, Names& taken, JointNames& names, PassedOver& passed) {
+  element.allow_attributes({"name", "type"}, passed);
+  element.allow_children(joint_parts, passed);
   UrdfJoint joint;
   joint.place = element.place();
   joint.name = name_of(element, "name=\"swing\", say", taken);
   joint.kind = read_kind(element);
-  names.parent = linked(element, "parent");
-  names.child = linked(element, "child");
-  read_origin(element, joint);
-  read_axis(element, joint);
-  read_limit(element, joint);
-  names.mimicked = read_mimic(element, joint);
+  names.parent = linked(element, "parent", passed);
+  names.child = linked(element, "child", passed);
+  read_origin(element, joint, passed);
+  read_axis(element, joint, passed);
+  read_limit(element, joint, passed);
+  names.mimicked = read_mimic(element, joint, passed);
   return joint;
 }
 
@@ -118,6 +122,7 @@ struct ReadParts {
   std::vector<UrdfJoint> joints;
   std::vector<JointNames> names;
   Names link_index, joint_index;
+  PassedOver passed;
 
   explicit ReadParts(const XmlElement& robot) {
     for (const XmlElement& link : robot.children("link")) {
@@ -131,7 +136,7 @@ struct ReadParts {
     if (links.empty()) robot.refuse("has no <link>; add <link name=\"base\"/>");
     for (const XmlElement& joint : robot.children("joint")) {
       names.emplace_back();
-      joints.push_back(read_joint(joint, joint_index, names.back()));
+      joints.push_back(read_joint(joint, joint_index, names.back(), passed));
     }
   }
 };
@@ -215,7 +220,13 @@ UrdfFile ordered(ReadParts parts, const std::string& file_name) {
   const std::vector<std::size_t> order = in_order(parts, holder);
   std::vector<std::size_t> place_of(order.size());
   for (std::size_t i = 0; i < order.size(); ++i) place_of[order[i]] = i;
-  UrdfFile file{.path = file_name, .links = {}, .joints = {}};
+  UrdfFile file{.path = file_name, .links = {}, .joints = {}, .warnings = {}};
+  if (!parts.passed.names.empty()) {
+    file.warnings.push_back(
+        {parts.passed.first,
+         fmt::format("of another program, and passed over wherever it stands in a joint: {}",
+                     comma_separated(parts.passed.names))});
+  }
   for (const std::size_t link : order) {
     file.links.push_back(parts.links[link]);
     if (!holder[link]) continue;
@@ -240,6 +251,10 @@ UrdfFile parse_urdf(std::string_view text, const std::string& file_name) {
   const XmlElement root = document.root();
   if (root.name() != "robot") {
     throw InputError({file_name, 1, 0}, "the file does not begin with <robot>; is it a URDF file?");
+  }
+  if (const auto unexpanded = document.first_with_prefix("xacro:")) {
+    unexpanded->refuse(
+        fmt::format("is of xacro, and this file was not expanded; write: xacro {} > robot.urdf", file_name));
   }
   return ordered(ReadParts(root), file_name);
 }

@@ -1,7 +1,8 @@
 // The links and joints of a URDF file (Unified Robot Description Format). docs/formats.md says what is read.
 //
 // Everything that places a link is checked: what is misspelt or doubled there would put a link where nobody
-// expects it. What else a URDF file holds (shapes, masses, sensors, colours) is passed over.
+// expects it. What else a URDF file holds (shapes, masses, sensors, colours) is passed over; words of other
+// programs inside a joint with a warning.
 #pragma once
 
 #include <array>
@@ -28,7 +29,8 @@ std::string_view to_string(UrdfJointKind kind);
 struct UrdfLimit {
   double lower = 0;
   double upper = 0;
-  double velocity = 0;
+  double velocity = 0;                         // 0: not known
+  int lower_decimals = 0, upper_decimals = 0;  // as they are written
   Place place;
 };
 
@@ -57,6 +59,7 @@ struct UrdfFile {
   std::string path;
   std::vector<std::string> links;  // the root first, each link behind its parent
   std::vector<UrdfJoint> joints;   // joint i holds link i + 1
+  std::vector<Warning> warnings;
 };
 
 /// Reads and checks a URDF file. Throws InputError with the line of the first thing that is wrong.

@@ -8,6 +8,9 @@
 #include <cmath>
 #include <memory>
 #include <system_error>
+#include <utility>
+
+#include "host_tools/files/spelling.hpp"
 
 namespace inbetween {
 namespace {
@@ -33,6 +36,22 @@ std::optional<std::vector<double>> numbers_in(std::string_view text) {
     if (!text.empty() && !is_blank(text.front())) return std::nullopt;
     numbers.push_back(number);
   }
+}
+
+/// Whether a word that is none of these was probably meant to be one: misspelt, cut off, in another case, or
+/// with its letters in another order.
+bool is_one_meant(std::string_view word, std::span<const std::string_view> known) {
+  constexpr std::size_t few = 3;
+  if (probably_meant(word, known)) return true;
+  const auto sorted = [](std::string_view text) {
+    std::string letters(text);
+    for (char& c : letters) c = static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
+    std::ranges::sort(letters);
+    return letters;
+  };
+  return std::ranges::any_of(known, [&](std::string_view one) {
+    return sorted(one) == sorted(word) || (word.size() >= few && one.starts_with(word));
+  });
 }
 
 /// A file that is still a program for xacro says so by its first expression.
@@ -128,18 +147,46 @@ XmlElement XmlElement::required_child(std::string_view name, std::string_view ex
   return *found;
 }
 
-void XmlElement::allow_attributes(std::initializer_list<std::string_view> known) const {
+void PassedOver::add(std::string name, const Place& place) {
+  if (names.empty()) first = place;
+  if (std::ranges::find(names, name) == names.end()) names.push_back(std::move(name));
+}
+
+std::optional<XmlElement> XmlDocument::first_with_prefix(std::string_view prefix) const {
+  const auto found =
+      std::ranges::find_if(nodes_, [&](const XmlNode& node) { return node.name.starts_with(prefix); });
+  return found == nodes_.end() ? std::nullopt : std::optional(XmlElement(*found, file_name_));
+}
+
+int XmlElement::decimals(std::string_view attribute) const {
+  const XmlAttribute* const found = find(attribute);
+  if (found == nullptr || found->value.find_first_of("eE") != std::string::npos) return 0;
+  const std::size_t point = found->value.find('.');
+  if (point == std::string::npos) return 0;
+  const std::size_t end = found->value.find_first_not_of("0123456789", point + 1);
+  return static_cast<int>(std::min(end, found->value.size()) - point - 1);
+}
+
+void XmlElement::allow_attributes(std::initializer_list<std::string_view> known, PassedOver& passed) const {
   for (const XmlAttribute& attribute : node_->attributes) {
     if (std::ranges::find(known, attribute.name) != known.end()) continue;
+    if (!is_one_meant(attribute.name, {known.begin(), known.size()})) {
+      passed.add(attribute.name, {*file_name_, attribute.line, 0});
+      continue;
+    }
     throw InputError({*file_name_, attribute.line, 0},
                      fmt::format("<{}>: unknown attribute {}; its attributes are {}", name(),
                                  in_quotes(attribute.name), comma_separated(known)));
   }
 }
 
-void XmlElement::allow_children(std::span<const std::string_view> known) const {
+void XmlElement::allow_children(std::span<const std::string_view> known, PassedOver& passed) const {
   for (const XmlElement& child : children()) {
     if (std::ranges::find(known, child.name()) != known.end()) continue;
+    if (!is_one_meant(child.name(), known)) {
+      passed.add(fmt::format("<{}>", child.name()), child.place());
+      continue;
+    }
     child.refuse(fmt::format("is not known in <{}>; write {}", name(), comma_separated(known)));
   }
 }

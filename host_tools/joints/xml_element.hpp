@@ -29,6 +29,13 @@ struct XmlNode {
   std::ptrdiff_t size = 0;  // itself and all within
 };
 
+/// Words of other programs in a file.
+struct PassedOver {
+  std::vector<std::string> names = {};  // each once, as it is written
+  Place first = {};
+  void add(std::string name, const Place& place);
+};
+
 /// Refers into the document that it came from.
 class XmlElement {
  public:
@@ -42,11 +49,13 @@ class XmlElement {
   [[nodiscard]] std::optional<XmlElement> child(std::string_view name) const;
   [[nodiscard]] XmlElement required_child(std::string_view name, std::string_view example) const;
 
-  /// Refuses the first attribute that is not one of these.
-  void allow_attributes(std::initializer_list<std::string_view> known) const;
-  /// Refuses the first element within that is not one of these.
-  void allow_children(std::span<const std::string_view> known) const;
+  /// Refuses the first attribute that is probably meant to be one of these, and passes over what is none.
+  void allow_attributes(std::initializer_list<std::string_view> known, PassedOver& passed) const;
+  /// The same of the elements within.
+  void allow_children(std::span<const std::string_view> known, PassedOver& passed) const;
 
+  /// The digits behind the point of a number; 0 where the attribute is not there, or has an exponent.
+  [[nodiscard]] int decimals(std::string_view attribute) const;
   [[nodiscard]] bool has(std::string_view attribute) const { return find(attribute) != nullptr; }
   /// Text of 1 to 255 bytes without control characters.
   [[nodiscard]] std::string text(std::string_view attribute, std::string_view example) const;
@@ -73,6 +82,8 @@ class XmlDocument {
   /// Refuses text that is not well-formed, and a document type, which could define words and defaults of its
   /// own.
   XmlDocument(std::string_view text, const std::string& file_name);
+  /// The first element whose name begins so.
+  [[nodiscard]] std::optional<XmlElement> first_with_prefix(std::string_view prefix) const;
   [[nodiscard]] XmlElement root() const { return {nodes_.front(), file_name_}; }
 
  private:

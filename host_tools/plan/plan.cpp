@@ -173,11 +173,11 @@ void stand_at_one_key(MoveFile& move) {
     track.distance.reset();
     if (!track.space) continue;
     track.closed = track.periodic = false;
-    MoveKey& key = track.keys.front();
+    MoveKey key = track.keys.front();
     key.hold.reset();
     key.breaks = key.ease = false;
     if (track.timing == Timing::speed) key.frame.reset();
-    track.keys.push_back(key);
+    track.keys.assign(2, key);
     if (key.frame) track.keys.back().frame = move.frames;
   }
 }

@@ -1,5 +1,6 @@
 #include "host_tools/joints/kinematics.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -10,6 +11,7 @@
 #include <vector>
 
 #include "tests/support/refused_text.hpp"
+#include "tests/support/rig_text.hpp"
 
 namespace inbetween {
 namespace kinematics_test {
@@ -124,9 +126,7 @@ void expect_refused(const std::string& urdf, const std::string& rig_text, std::s
   }
 }
 
-TEST(Kinematics, AJointWithoutAxisIsRefused) {
-  expect_refused(crane, with(rig, "name = \"track\"", "name = \"trakc\""), "crane.urdf:6",
-                 {"\"track\"", "no axis"});
+TEST(Kinematics, AnAxisOfAJointThatMimicsIsRefused) {
   expect_refused(crane, with(rig, "name = \"focus\"", "name = \"level\""), "rig.toml:6:1",
                  {"\"level\"", "mimics", "crane.urdf:24"});
 }
@@ -143,11 +143,58 @@ TEST(Kinematics, AnAxisThatGoesBeyondItsJointIsRefused) {
   expect_refused(crane, with(rig, "min = -50", "min = -57.3"), "rig.toml:14:1", {"min = -57.3 deg"});
   expect_refused(crane, with(rig, "max_velocity = 500", "max_velocity = 501"), "rig.toml:22:1",
                  {"max_velocity", "0.5 (crane.urdf:10)"});
-  // A joint that mimics has limits of its own.
+  // Those of a joint that mimics are often left from before it did.
   const std::string limited = with(crane, "<joint name=\"level\" type=\"continuous\">",
                                    "<joint name=\"level\" type=\"revolute\">\n"
                                    "<limit lower=\"-0.5\" upper=\"1\" velocity=\"9\"/>");
-  expect_refused(limited, rig, "rig.toml:14:1", {"max = 50 deg", "\"level\"", "crane.urdf:20"});
+  const Kinematics all_the_same = kinematics_of(limited, rig);
+  ASSERT_EQ(all_the_same.warnings().size(), 1U);
+  EXPECT_THAT(all_the_same.warnings()[0].message, testing::HasSubstr("do not count: level (limits)"));
+}
+
+// Case 25. The crane without an axis for its track stands where the track is at 0, or where the rig says.
+TEST(Kinematics, AJointWithoutAxisStaysWhereItIs) {
+  const auto joints_of = [](const Kinematics& kinematics) { return kinematics.tree().joints().size(); };
+  const std::string other = with(rig, "name = \"track\"", "name = \"other\"");
+  const Kinematics held = kinematics_of(crane, other);
+  EXPECT_EQ(joints_of(held), joints_of(kinematics_of(crane, rig)));
+  ASSERT_EQ(held.warnings().size(), 1U);
+  EXPECT_THAT(held.warnings()[0].message, testing::HasSubstr("stay where they are (rad, m): track at "));
+  const Kinematics said =
+      kinematics_of(crane, with(other, "[kinematics]", "[kinematics]\nat = { track = 0.25 }"));
+  EXPECT_THAT(said.warnings()[0].message, testing::HasSubstr("track at 0.25"));
+  expect_refused(crane, with(rig, "[kinematics]", "[kinematics]\nat = { track = 0.25 }"), "rig.toml:4:16",
+                 {"\"track\"", "moved by an axis"});
+  expect_refused(crane, with(rig, "[kinematics]", "[kinematics]\nat = { trakc = 0.25 }"), "rig.toml:4:16",
+                 {"\"trakc\"", "correct the name"});
+}
+
+/// Two links and one joint of this kind with this limit, and an axis from -min to min.
+Kinematics limited_to(const std::string& limit, double most, const std::string& unit = "deg",
+                      const std::string& more = "") {
+  const std::string urdf =
+      fmt::format(R"(<robot name="r"><link name="a"/><link name="b"/><joint name="j" type="{}">
+<parent link="a"/><child link="b"/><limit {}/></joint></robot>)",
+                  unit == "mm" ? "prismatic" : "revolute", limit);
+  const std::string text =
+      rig_text({{.name = "j", .unit = unit, .min = -most, .max = most, .max_velocity = 1}},
+               {.more = "[kinematics]\nurdf = \"r.urdf\"\ntip = \"b\"\n" + more});
+  return {parse_urdf(urdf, "r.urdf"), parse_rig(text, "rig.toml")};
+}
+
+// Cases 23 and 24
+TEST(Kinematics, ALimitThatWasRoundedIsTheSameLimitUpToATenthOfADegree) {
+  const std::string pi = R"(lower="-3.14159" upper="3.1416" velocity="9")";
+  EXPECT_NO_THROW(limited_to(pi, 180));
+  EXPECT_THROW(limited_to(pi, 180.01), InputError);
+  EXPECT_NO_THROW(limited_to(R"(lower="-3.141" upper="3.142" velocity="9")", 180)) << "cut off";
+  EXPECT_THROW(limited_to(R"(lower="-3.14" upper="3.14" velocity="9")", 180), InputError) << "two decimals";
+  EXPECT_NO_THROW(limited_to(R"(lower="-0.5000" upper="0.5000" velocity="9")", 500.04, "mm"));
+  EXPECT_THROW(limited_to(R"(lower="-0.500" upper="0.500" velocity="9")", 500.06, "mm"), InputError);
+  EXPECT_NO_THROW(limited_to(R"(lower="-1" upper="1" velocity="9")", 180, "deg", "limits = \"rig\"\n"));
+  const Kinematics unknown = limited_to(R"(lower="-4" upper="4" velocity="0")", 180);
+  ASSERT_EQ(unknown.warnings().size(), 1U);
+  EXPECT_THAT(unknown.warnings()[0].message, testing::HasSubstr("do not count: j (velocity 0)"));
 }
 
 TEST(Kinematics, ATipThatIsNoLinkIsRefused) {

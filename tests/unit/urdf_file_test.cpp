@@ -101,8 +101,8 @@ TEST(UrdfFile, AMisspeltWordIsRefusedAtItsLine) {
 }
 
 TEST(UrdfFile, AnAttributeIsRefusedAtItsOwnLine) {
-  expect_refused_at("effort=\"100\" velocity", "effort\n =\t'\n\"&gt;velocity=' velocity=\"1\"\n\n speed",
-                    {"\"speed\""}, 4);
+  expect_refused_at("effort=\"100\" velocity", "effort\n =\t'\n\"&gt;velocity=' velocity=\"1\"\n\n velocty",
+                    {"\"velocty\""}, 4);
   expect_refused_at("upper=\"1\" effort=\"100\"", "effort='>'\r\n  upper = \"&lt;>'\"", {"upper is \"<>'\""},
                     1);
 }
@@ -119,6 +119,40 @@ TEST(UrdfFile, AWrongNumberIsRefusedAtItsLine) {
   expect_refused_at("lower=\"-1\" upper=\"1\"", "lower=\"1\" upper=\"-1\"", {"exchange"});
   expect_refused_at("effort=\"100\" velocity=\"1\"", "effort=\"100\"", {"no velocity"});
   expect_refused_at("effort=\"100\" velocity=\"1\"", "effort=\"100\" velocity=\"-1\"", {"magnitude"});
+}
+
+// Cases 20 and 21: what exporters and other programs write.
+TEST(UrdfFile, WhatPlacesNothingIsPassedOverWithOneWarning) {
+  std::string text =
+      with(crane, "<axis xyz=\"0 1 0\"/>",
+           "<axis xyz=\"0 1 0\" gz:frame=\"a\"/><controller_gains p=\"1\"/><controller_gains p=\"2\"/>\n"
+           "<drake:effort/><traits/>");
+  text = with(text, "<robot", "<robot xmlns:gz=\"x\" xmlns:drake=\"y\"");
+  const UrdfFile file = parse_urdf(text, "crane.urdf");
+  ASSERT_EQ(file.warnings.size(), 1U);
+  EXPECT_THAT(file.warnings[0].message,
+              testing::HasSubstr("<controller_gains>, <drake:effort>, <traits>, gz:frame"));
+  EXPECT_TRUE(parse_urdf(crane, "crane.urdf").warnings.empty());
+}
+
+TEST(UrdfFile, TheAxisOfAFixedJointMeansNothingAndThatOfAMovingOneHasADirection) {
+  const std::string fixed = R"(<robot name="r"><link name="a"/><link name="b"/><joint name="j" type="fixed">
+<parent link="a"/><child link="b"/><axis xyz="0 0 0"/></joint></robot>)";
+  EXPECT_EQ(parse_urdf(fixed, "a.urdf").joints[0].axis, (std::array<double, 3>{1, 0, 0}));
+  EXPECT_THROW(parse_urdf(with(fixed, "\"fixed\"", "\"continuous\""), "a.urdf"), InputError);
+}
+
+TEST(UrdfFile, WhatXacroHasNotExpandedIsCalledThat) {
+  try {
+    parse_urdf(R"(<robot name="r" xmlns:xacro="x">
+<xacro:include filename="b"/><link name="a"/></robot>)",
+               "r.urdf.xacro");
+    FAIL() << "accepted";
+  } catch (const InputError& error) {
+    EXPECT_STREQ(error.what(),
+                 "r.urdf.xacro:2: error: <xacro:include> is of xacro, and this file was not expanded; "
+                 "write: xacro r.urdf.xacro > robot.urdf");
+  }
 }
 
 TEST(UrdfFile, WhatIsGivenTwiceIsRefused) {

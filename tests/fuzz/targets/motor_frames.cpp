@@ -79,6 +79,8 @@ struct CubemarsUnderTest {
   static std::optional<int> limit_in(const Frame& frame) {
     fuzz_require(frame.is_extended && (frame.id & 0xFFU) == cubemars_motor.value(), "for it");
     const auto position = read_cubemars_position(frame, cubemars_motor);
+    // A speed gives power as a position does, and 0 is the only one.
+    if (read_cubemars_speed(frame, cubemars_motor) == 0) return 1;
     fuzz_require(position || read_cubemars_current(frame, cubemars_motor) == 0, "a position, or no current");
     return position ? std::optional<int>(position->max_velocity) : std::nullopt;
   }
@@ -140,8 +142,9 @@ class BusUnderTest {
       const std::optional<int> limit = Motor::limit_in(frames.at(i));
       if (!limit) continue;
       fuzz_require(*limit > 0 && *limit <= 100, "a velocity limit");
-      const bool may_have_power =
-          phase == DrivePhase::enabling || phase == DrivePhase::following || phase == DrivePhase::stopping;
+      const bool is_held = phase == DrivePhase::disabling && drive.status().is_on;  // until it rests
+      const bool may_have_power = phase == DrivePhase::enabling || phase == DrivePhase::following ||
+                                  phase == DrivePhase::stopping || is_held;
       fuzz_require(may_have_power, "a position switches a motor on that shall be off");
       fuzz_require(!(phase == DrivePhase::following && has_ceased_), "targets have ceased");
     }
