@@ -25,6 +25,7 @@ class AxisRefusals {
         rig_(*plan.rig()),
         limits_(plan.rig()->axes[index]),
         index_(index),
+        axis_in_track_(plan.axes()[index].track_axis),
         axis_(report.axes[index]),
         report_(report) {}
 
@@ -48,14 +49,25 @@ class AxisRefusals {
     const Peak<double>& highest = axis_.range->highest;
     const double below = limits_.min - lowest.value;
     const double above = highest.value - limits_.max;
-    if (below <= 0 && above <= 0) return;
+    const double rounding = position_rounding(limits_);
+    if (below <= rounding && above <= rounding) return;
     const Peak<double>& worst = below > above ? lowest : highest;
     refuse(place_,
-           fmt::format(
-               "axis {} would go to {} {} at frame {:.2f}, outside {} of the rig {}; move its keys inward",
-               in_quotes(axis_.name), worst.value, axis_.unit, worst.frame, range_in_words(limits_),
-               in_quotes(rig_.name)),
+           fmt::format("axis {} would go to {} {} at frame {:.2f}, outside {} of the rig {}; {}",
+                       in_quotes(axis_.name), worst.value, axis_.unit, worst.frame, range_in_words(limits_),
+                       in_quotes(rig_.name), remedy_of_position()),
            false, true);
+  }
+  /// Where its keys are inside, it is the curve between them that goes beyond.
+  [[nodiscard]] std::string remedy_of_position() const {
+    const bool can_overshoot =
+        track_.overshoot && (track_.spline == Spline::smooth || track_.spline == Spline::catmull_rom);
+    const bool keys_are_inside = !track_.space && std::ranges::all_of(track_.keys, [&](const MoveKey& key) {
+      const double at = key.at[axis_in_track_];
+      return at >= limits_.min && at <= limits_.max;
+    });
+    if (!keys_are_inside || !can_overshoot) return "move its keys inward";
+    return "keep the curve between its keys with overshoot = false, or move its keys inward";
   }
 
   /// The largest step of this axis, and how many there are beside it.
@@ -178,6 +190,7 @@ class AxisRefusals {
   const RigFile& rig_;
   const RigAxis& limits_;
   std::size_t index_;
+  std::size_t axis_in_track_;
   const CheckedAxis& axis_;
   CheckReport& report_;
 };

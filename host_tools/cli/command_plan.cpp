@@ -110,6 +110,7 @@ int plan_command(const PlanArguments& arguments) {
   const Solver solver = arguments.solver == "closed-form" ? Solver::closed_form : Solver::runge_kutta;
   const Plan plan = make_plan(arguments.move, arguments.rig, solver,
                               {.turns = arguments.turns, .frames = frame_range_argument(arguments.frames)});
+  for (const Warning& warning : plan.keys_outside()) fmt::print(stderr, "{}\n", to_string(warning));
   const PlanRows rows = arguments.per == "tick" ? PlanRows::tick : PlanRows::frame;
   if (arguments.csv) {
     write_output(*arguments.csv, [&](std::FILE* file) { write_plan_csv(plan, rows, file); });

@@ -89,9 +89,12 @@ void read_position(const TomlTable& table, std::size_t index, const MoveTrack& t
     const std::vector<TomlValue> coordinates = at.list(max_track_axes);
     if (coordinates.size() != track.axes.size()) {
       throw InputError(at.place(),
-                       fmt::format("key {} has {}; write {}, one for each of its axes ({})", index,
+                       fmt::format("key {} has {}; write {}, one for each of its axes ({}){}", index,
                                    counted(static_cast<std::int64_t>(coordinates.size()), "number"),
-                                   track.axes.size(), comma_separated(track.axes)));
+                                   track.axes.size(), comma_separated(track.axes),
+                                   coordinates.size() > track.axes.size()
+                                       ? "; a decimal has a point, 0.5, and a comma begins another number"
+                                       : ""));
     }
     for (const TomlValue& coordinate : coordinates) {
       key.at.push_back(coordinate.number());

@@ -38,6 +38,8 @@ void refuse_positions_beyond_limits(const Plan& plan) {
       if (positions[d] >= plan.limits()[d].min() && positions[d] <= plan.limits()[d].max()) continue;
       const std::size_t a = plan.axis_of(d);
       const RigAxis& axis = plan.rig()->axes[a];
+      const double rounding = position_rounding(axis);
+      if (positions[d] >= axis.min - rounding && positions[d] <= axis.max + rounding) continue;
       throw LimitError(
           plan.place_of(a),
           fmt::format("axis {} would go to {} {} at frame {:.2f}, outside {} of the rig {}; move its keys "

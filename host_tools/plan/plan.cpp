@@ -403,6 +403,28 @@ void Plan::warn_of_mixed_units() {
   }
 }
 
+std::vector<Warning> Plan::keys_outside() const {
+  std::vector<Warning> outside;
+  for (std::size_t a = 0; rig_ && a < axes_.size(); ++a) {
+    const PlanAxis& planned = axes_[a];
+    if (!planned.track || move_.tracks[*planned.track].space) continue;
+    const RigAxis& axis = rig_->axes[a];
+    const double rounding = position_rounding(axis);
+    const std::vector<MoveKey>& keys = move_.tracks[*planned.track].keys;
+    const auto key = std::ranges::find_if(keys, [&](const MoveKey& one) {
+      const double at = one.at[planned.track_axis];
+      return at < axis.min - rounding || at > axis.max + rounding;
+    });
+    if (key == keys.end()) continue;
+    const bool has_place = planned.track_axis < key->at_places.size();
+    outside.push_back({has_place ? key->at_places[planned.track_axis] : key->place,
+                       fmt::format("key {}: axis {} is at {:.10g} {}, outside {} of the rig {}",
+                                   key - keys.begin(), in_quotes(axis.name), key->at[planned.track_axis],
+                                   to_string(axis.unit), range_in_words(axis), in_quotes(rig_->name))});
+  }
+  return outside;
+}
+
 void Plan::list_tips() {
   if (!kinematics_) return;
   for (std::size_t i = 0; i < kinematics_->tips().size(); ++i) {
@@ -465,6 +487,7 @@ void Plan::put_together() {
 }
 
 bool Plan::is_moving(std::size_t track, RollEnd end) const {
+  if (move_.tracks[track].keys.size() == 1) return false;
   const std::int32_t frame = end == RollEnd::before ? part_.first : part_.last;
   if (frame == (end == RollEnd::before ? 0 : move_.frames)) {
     return inbetween::is_moving(track_views_[track], end);

@@ -57,6 +57,8 @@ class Plan {
   [[nodiscard]] const std::vector<SolvedTrack<double>>& tracks() const { return tracks_; }
   [[nodiscard]] const std::vector<PlanAxis>& axes() const { return axes_; }
   [[nodiscard]] const std::vector<Warning>& warnings() const { return warnings_; }
+  /// The first key of each axis that lies outside its range on the rig, which `check` refuses.
+  [[nodiscard]] std::vector<Warning> keys_outside() const;
   /// The frames of the move that are planned to be played.
   [[nodiscard]] const WholeFrames& part() const { return part_; }
   [[nodiscard]] bool is_whole() const { return part_ == WholeFrames{0, move_.frames}; }

@@ -123,7 +123,23 @@ TEST(Check, APathThatSwingsBeyondALimitBetweenItsKeysIsRefused) {
   ASSERT_THAT(report.refusals, SizeIs(1));
   EXPECT_GT(report.axes[0].range->highest.value, 200);
   ASSERT_FALSE(report.fits());
-  EXPECT_THAT(report.refusals[0].message, HasSubstr("move its keys inward"));
+  EXPECT_THAT(report.refusals[0].message,
+              HasSubstr("keep the curve between its keys with overshoot = false, or move its keys inward"));
+  EXPECT_TRUE(check_of("overshoot = false\n" + swing + gently, rig_with("", 4000), 400).fits());
+}
+
+// Case 53: what is rounded on the way to a key on a limit exceeds nothing.
+TEST(Check, AKeyOnALimitIsInside) {
+  for (const int frame : {40, 41, 43, 44}) {
+    const std::string blink = fmt::format(
+        "overshoot = false\ntiming = \"frames\"\nkeys = [ {{ at = [0, 0], frame = 0 }}, {{ at = [0, 0], "
+        "frame = 37 }}, "
+        "{{ at = [200, 1], frame = {} }}, {{ at = [0, 0], frame = 48 }}, {{ at = [0, 0], frame = 96 }} ]\n",
+        frame);
+    for (const CheckRefusal& refusal : check_of(blink, rig_with("", 4000), 96).refusals) {
+      EXPECT_THAT(refusal.message, testing::Not(HasSubstr("outside"))) << frame;
+    }
+  }
 }
 
 TEST(Check, AnAxisInNoTrackStaysAndHasNoRange) {

@@ -6,11 +6,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <initializer_list>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "host_tools/plan/drawn_curve.hpp"
+#include "tests/support/places.hpp"
 #include "tests/support/refused_text.hpp"
 #include "tests/support/rig_text.hpp"
 
@@ -85,6 +88,59 @@ TEST(Plan, ALengthHasTheUnitOfTheAxesThatCount) {
   const Plan plan = plan_of(two_tracks, rig_of({{"focus", "turn"}, {"slide", "m"}, {"pan", "deg"}}));
   EXPECT_EQ(plan.length_unit(0), "m");  // pan has no weight
   EXPECT_EQ(plan.length_unit(1), "turn");
+}
+
+/// A track on the arm of the examples.
+Plan plan_on_arm(const std::string& track) {
+  const RigFile rig = read_rig_file(in_checkout("examples/arm/rig.toml"));
+  const std::string head =
+      "name = \"m\"\nfps = 24\nframes = 48\n[[track]]\naxes = [\"shoulder\", \"elbow\"]\n";
+  return {parse_move(head + track, "move.toml"),
+          rig,
+          {.kinematics = std::make_shared<const Kinematics>(read_kinematics(rig))}};
+}
+
+// Case 50
+TEST(Plan, ATrackWithOneKeyInSpaceOrByDistanceStandsThere) {
+  const Plan hand =
+      plan_on_arm("space = \"hand\"\nelbow = \"up\"\nspeed = [1]\nkeys = [{ at = [0.4, 0.1, 0] }]\n");
+  const Plan twice = plan_on_arm(
+      "space = \"hand\"\nelbow = \"up\"\nspeed = [1]\nkeys = [{ at = [0.4, 0.1, 0] }, "
+      "{ at = [0.4, 0.1, 0] }]\n");
+  const Plan angles = plan_on_arm("distance = \"hand\"\nspeed = [1]\nkeys = [{ at = [10, 80] }]\n");
+  for (const double frame : {0.0, 20.0, 48.0}) {
+    std::array<double, 2> at{};
+    std::array<double, 2> of_twice{};
+    hand.played().positions({static_cast<std::int32_t>(frame), 0}, at);
+    twice.played().positions({static_cast<std::int32_t>(frame), 0}, of_twice);
+    EXPECT_EQ(at, of_twice);
+    angles.played().positions({static_cast<std::int32_t>(frame), 0}, at);
+    EXPECT_EQ(at, (std::array<double, 2>{10, 80}));
+  }
+  EXPECT_FALSE(angles.is_moving(0, RollEnd::before)) << "it stands, whatever its speed curve says";
+}
+
+// Case 51
+TEST(Plan, ACurveThroughOneValueIsThatThroughTwoEqualOnes) {
+  for (const char* more : {"rest = \"both\"", "ease_in = 8", "ease_out = 3", ""}) {
+    const auto values = [&](const char* speed) {
+      const std::string text = fmt::format(
+          "name = \"m\"\nfps = 24\nframes = 48\n[[track]]\naxes = [\"a\"]\nkeys = [{{ at "
+          "= [0] }}, {{ at = [9] }}]\nthrough = true\nspeed = {}\n{}\n",
+          speed, more);
+      const MoveFile move = parse_move(text, "move.toml");
+      return drawn_curve(move.tracks[0], move.frames);
+    };
+    EXPECT_EQ(values("[10]"), values("[10, 10]")) << more;
+  }
+}
+
+TEST(Plan, SaysAtOnceThatAKeyIsOutsideItsAxis) {
+  const Plan plan = plan_on_arm("speed = [0, 0, 1, 0, 0]\nkeys = [{ at = [0, 80] }, { at = [20, 200] }]\n");
+  EXPECT_TRUE(plan.warnings().empty()) << "check and run refuse it";
+  ASSERT_EQ(plan.keys_outside().size(), 1U);
+  EXPECT_THAT(plan.keys_outside()[0].message,
+              testing::HasSubstr("key 1: axis \"elbow\" is at 200 deg, outside -150..150 deg"));
 }
 
 TEST(Plan, WarnsThatMillimetresCountAsDegreesWhereNobodySaidOtherwise) {
