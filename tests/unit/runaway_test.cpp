@@ -265,6 +265,19 @@ TYPED_TEST(RunawayOnABus, WhatStillMovesWhenItsPowerGoesIsSaidWithItsSpeed) {
   EXPECT_NEAR(*axis.port->speed_without_power(0), 60, 15);
 }
 
+/// The same drive with a degree of its shaft, or ten counts, for a degree of the axis.
+template <class Kind>
+std::string coarse() {
+  std::string text = DriveInRig<Kind>::text();
+  const std::string scale =
+      std::is_base_of_v<Cia402Kind, Kind> ? "counts_per_unit = 1000" : "turns_per_unit = ";
+  const std::size_t at = text.find(scale);
+  const std::size_t end = std::min(text.find(',', at), text.size());
+  return text.replace(
+      at, end - at,
+      std::is_base_of_v<Cia402Kind, Kind> ? "counts_per_unit = 10" : "turns_per_unit = 0.0027777778");
+}
+
 TYPED_TEST(RunawayOnABus, NoMoveWithinItsLimitsIsTakenForOne) {
   std::mt19937 random(7);
   const auto between = [&](double a, double b) {
@@ -273,7 +286,9 @@ TYPED_TEST(RunawayOnABus, NoMoveWithinItsLimitsIsTakenForOne) {
   // Of all kinds together 1002.
   for (int move = 0; move < 167; ++move) {
     SCOPED_TRACE(move);
-    BusAxis<TypeParam> axis(DriveInRig<TypeParam>::text(), "", between(-5, 5));
+    // With a fine scale, and with one in which the steps of the encoder are coarse for the axis.
+    BusAxis<TypeParam> axis(move % 2 == 0 ? DriveInRig<TypeParam>::text() : coarse<TypeParam>(), "",
+                            between(-5, 5));
     const std::int64_t lag_ns = 4'000'000 * std::uniform_int_distribution<std::int64_t>(0, 5)(random);
     // Of CiA 402 its targets, which SYNC applies; of others all that they hear.
     constexpr bool has_sync = std::is_base_of_v<Cia402Kind, TypeParam>;
