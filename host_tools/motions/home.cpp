@@ -78,10 +78,14 @@ std::vector<std::size_t> home_axes(const RigFile& rig, const std::vector<std::st
   for (const std::string& name : names) {
     const std::size_t a = axis_named(rig, name);
     if (!has_home(rig.axes[a])) {
-      throw InputError(rig.axes[a].place,
-                       fmt::format("axis {} has no home switch; leave it out, and say where it stands with "
-                                   "inbetween goto --set-zero",
-                                   in_quotes(name)));
+      // What is refused for such an axis is not the way on.
+      const bool knows = rig.axes[a].reference == Reference::by_drive;
+      throw InputError(
+          rig.axes[a].place,
+          fmt::format(
+              "axis {} has no home switch; leave it out, {}", in_quotes(name),
+              knows ? "because its drive says where it is: to count from elsewhere, set that in the drive"
+                    : "and say where it stands with inbetween goto --set-zero"));
     }
     wanted[a] = true;
   }

@@ -20,6 +20,7 @@
 #include "host_tools/plan/move_rolls.hpp"
 #include "host_tools/rig/simulated_hardware.hpp"
 #include "sim/simulated_switch.hpp"
+#include "tests/support/places.hpp"
 #include "tests/support/run_program.hpp"
 #include "tests/support/temporary_file.hpp"
 
@@ -305,6 +306,9 @@ TEST(HomeCommand, BadInputIsOneLine) {
   expect_refused(stage.home({"roll", "--sim", "--fast"}), 1, {"no axis \"roll\"", "slide, focus, pan"});
   expect_refused(stage.home({"focus", "--sim", "--fast"}), 1,
                  {"slider.toml:13:1: error: axis \"focus\" has no home switch", "goto --set-zero"});
+  expect_refused(
+      run_program({"home", "--rig", in_checkout("examples/camera_rig.toml"), "pan", "--sim", "--fast"}), 1,
+      {"axis \"pan\" has no home switch", "its drive says where it is"});
   const std::string text = slider;
   const std::size_t home = text.find("home = "), end = text.find('\n', home);
   const std::size_t second = text.find("home = ", end);
