@@ -116,7 +116,6 @@ SimulatedCia402Drive::MotionObjects SimulatedCia402Drive::motion_objects() const
 
 void SimulatedCia402Drive::step(double seconds) {
   motor_.hold(has_trouble(Kind::stick));
-  const std::optional<double> speed = troubles_.place(Kind::run_away, now_ns_);
   switch (state_) {
     case Cia402State::operation_enabled:
       follow(motion_objects(), seconds);
@@ -124,11 +123,7 @@ void SimulatedCia402Drive::step(double seconds) {
       break;
     case Cia402State::quick_stop_active:
     case Cia402State::fault_reaction_active:
-      if (speed && state_ == Cia402State::quick_stop_active) {
-        motor_.follow_speed(*speed, seconds);
-      } else {
-        slow_down(seconds);
-      }
+      slow_down(seconds);
       break;
     default:
       motor_.coast(seconds);
@@ -233,7 +228,10 @@ bool SimulatedCia402Drive::slow_demand_down(double seconds) {
   return rests;
 }
 
+/// A motor that runs away obeys no quick stop; a fault takes its power in the end.
 void SimulatedCia402Drive::slow_down(double seconds) {
+  const std::optional<double> speed = troubles_.place(Kind::run_away, now_ns_);
+  if (speed && state_ == Cia402State::quick_stop_active) return motor_.follow_speed(*speed, seconds);
   if (!slow_demand_down(seconds)) return;
   if (state_ == Cia402State::fault_reaction_active) {
     enter(Cia402State::fault);

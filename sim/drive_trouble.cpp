@@ -22,23 +22,25 @@ std::optional<DriveTrouble> DriveTroubles::begin_next(std::int64_t now_ns) {
   return {};
 }
 
+const DriveTrouble* DriveTroubles::find(Kind kind, std::int64_t now_ns) const {
+  for (const Met& met : met_) {
+    if (met.trouble.kind == kind && is_there(met.trouble, now_ns)) return &met.trouble;
+  }
+  return nullptr;
+}
+
 bool DriveTroubles::has(Kind kind, std::int64_t now_ns) const {
-  return std::ranges::any_of(
-      met_, [&](const Met& met) { return met.trouble.kind == kind && is_there(met.trouble, now_ns); });
+  return find(kind, now_ns) != nullptr;
 }
 
 std::int32_t DriveTroubles::value(Kind kind, std::int64_t now_ns) const {
-  for (const Met& met : met_) {
-    if (met.trouble.kind == kind && is_there(met.trouble, now_ns)) return met.trouble.value;
-  }
-  return 0;
+  const DriveTrouble* const trouble = find(kind, now_ns);
+  return trouble == nullptr ? 0 : trouble->value;
 }
 
 std::optional<double> DriveTroubles::place(Kind kind, std::int64_t now_ns) const {
-  for (const Met& met : met_) {
-    if (met.trouble.kind == kind && is_there(met.trouble, now_ns)) return met.trouble.place;
-  }
-  return {};
+  const DriveTrouble* const trouble = find(kind, now_ns);
+  return trouble == nullptr ? std::nullopt : std::optional(trouble->place);
 }
 
 bool DriveTroubles::takes_frame(Kind kind, std::int64_t now_ns) {

@@ -76,6 +76,9 @@ class DriveTroubles {
     bool is_begun = false;
     std::int64_t frames = 0;  ///< that it has taken or, in a flood, sent
   };
+  /// The first of this kind that is there now; null where there is none.
+  [[nodiscard]] const DriveTrouble* find(Kind kind, std::int64_t now_ns) const;
+
   std::vector<Met> met_;
 };
 

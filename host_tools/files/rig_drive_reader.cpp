@@ -118,7 +118,7 @@ double read_count_scale(const TomlTable& table, std::string_view field, const Ri
 std::uint32_t read_stop_deceleration(const TomlTable& table, double counts_per_unit, const RigAxis& axis) {
   const auto field = table.optional("deceleration_per_unit");
   const double scale = field ? field->positive_number() : std::abs(counts_per_unit);
-  const double stop = axis.stop_acceleration.value_or(default_stop_ratio * axis.max_acceleration);
+  const double stop = stop_acceleration_of(axis);
   const double deceleration = std::round(stop * scale);
   if (deceleration >= 1 && deceleration <= std::numeric_limits<std::uint32_t>::max()) {
     return static_cast<std::uint32_t>(deceleration);

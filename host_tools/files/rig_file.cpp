@@ -542,7 +542,7 @@ CubemarsLimits cubemars_limits_of(const RigAxis& axis) {
   const CubemarsDrive& drive = std::get<CubemarsDrive>(axis.drive);
   const double erpm_per_unit = 60 * std::fabs(drive.turns_per_unit) * drive.gear * drive.pole_pairs;
   const double counts_per_unit = erpm_per_unit / drive.erpm_per_count;
-  const double stop = axis.stop_acceleration.value_or(default_stop_ratio * axis.max_acceleration);
+  const double stop = stop_acceleration_of(axis);
   return {.velocity = std::ceil(certified_share * axis.max_velocity * counts_per_unit),
           .stop_acceleration = std::ceil(stop * counts_per_unit)};
 }

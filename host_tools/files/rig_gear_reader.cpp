@@ -109,12 +109,11 @@ AxisBacklash read_backlash(const TomlValue& value) {
 
 /// The limits as somebody wrote them.
 MotorLimits written_limits(const RigAxis& axis) {
-  MotorLimits limits{
-      .max_velocity = axis.max_velocity,
-      .max_acceleration = axis.max_acceleration,
-      .max_jerk = axis.max_jerk,
-      .stop_acceleration = axis.stop_acceleration.value_or(default_stop_ratio * axis.max_acceleration),
-      .stop_jerk = axis.stop_jerk};
+  MotorLimits limits{.max_velocity = axis.max_velocity,
+                     .max_acceleration = axis.max_acceleration,
+                     .max_jerk = axis.max_jerk,
+                     .stop_acceleration = stop_acceleration_of(axis),
+                     .stop_jerk = axis.stop_jerk};
   if (!limits.stop_jerk && axis.max_jerk) limits.stop_jerk = default_stop_ratio * *axis.max_jerk;
   return limits;
 }

@@ -140,8 +140,7 @@ RigAxis slow_enough_everywhere(const RigAxis& axis) {
     share = std::min({share, motor.max_velocity() / asked[0], std::sqrt(acceleration / asked[1])});
     if (jerk) share = std::min(share, std::cbrt(*jerk / asked[2]));
   };
-  const double stop_acceleration =
-      axis.stop_acceleration.value_or(default_stop_ratio * axis.max_acceleration);
+  const double stop_acceleration = stop_acceleration_of(axis);
   const double jerk = axis.max_jerk.value_or(0);
   const double stop_jerk = axis.stop_jerk.value_or(default_stop_ratio * jerk);
   lower({axis.max_velocity, axis.max_acceleration, jerk}, motor.max_acceleration(), motor.max_jerk());

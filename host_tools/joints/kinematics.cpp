@@ -86,12 +86,12 @@ void refuse_mimic_with_axis(const UrdfJoint& joint, const RigFile& rig) {
 /// How far beyond a limit of the file the rig may go: as far as a number with so many decimals was rounded or
 /// cut off, and no further than 0.1 deg or 0.05 mm.
 double slack_of(int decimals, UrdfJointKind kind, double value) {
-  constexpr int least_decimals = 3;
-  constexpr double most_rad = 0.1 * std::numbers::pi / 180;
-  constexpr double most_m = 0.05e-3;
+  constexpr int min_decimals = 3;
+  constexpr double max_rad = 0.1 * std::numbers::pi / 180;
+  constexpr double max_m = 0.05e-3;
   const double exact = rounding * (1 + std::fabs(value));
-  if (decimals < least_decimals) return exact;
-  const double most = kind == UrdfJointKind::prismatic ? most_m : most_rad;
+  if (decimals < min_decimals) return exact;
+  const double most = kind == UrdfJointKind::prismatic ? max_m : max_rad;
   return std::max(exact, std::min(most, std::pow(10.0, -decimals)));
 }
 

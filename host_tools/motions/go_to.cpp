@@ -8,6 +8,7 @@
 #include "host_tools/check/check.hpp"
 #include "host_tools/files/diagnostics.hpp"
 #include "host_tools/loop/manual_motion.hpp"
+#include "host_tools/motions/jog.hpp"
 #include "host_tools/reference/axis_positions.hpp"
 #include "host_tools/rig/rig_watch.hpp"
 
@@ -117,9 +118,8 @@ SetupEnd go_by(const RigFile& rig, std::size_t axis, double way, RigReference& r
                                    "{}; write another way, such as {:g}",
                                    named(of), from, to_string(of.unit), to, range_in_words(of), -way));
     }
-    constexpr double unreferenced_share = 0.1;
     return move(session, {{.axis = axis, .position = to}}, reference,
-                options.share * (is_referenced ? 1 : unreferenced_share), options);
+                options.share * (is_referenced ? 1 : unreferenced_jog_share), options);
   });
 }
 

@@ -1,7 +1,6 @@
 // Whatever fields of moves and rigs stand beside each other: planned, checked and played, or refused in one
 // line.
 #include <gtest/gtest.h>
-#include <sys/time.h>
 #include <unistd.h>
 
 #include <algorithm>

@@ -38,6 +38,17 @@ T get(const Frame& frame, std::size_t offset) {
   return static_cast<T>(value);
 }
 
+/// A packet that holds one number.
+Frame number_frame(CubemarsMotor motor, CubemarsPacket packet, std::int32_t number) {
+  Frame frame = frame_of(motor, packet, 4);
+  put(frame, 0, number);
+  return frame;
+}
+std::optional<std::int32_t> number_in(const Frame& frame, CubemarsMotor motor, CubemarsPacket packet) {
+  if (!is_packet(frame, motor, packet, 4)) return {};
+  return get<std::int32_t>(frame, 0);
+}
+
 constexpr std::array words{"no error",
                            "its motor is too hot",
                            "it takes too much current",
@@ -65,25 +76,19 @@ std::optional<CubemarsPosition> read_cubemars_position(const Frame& frame, Cubem
 }
 
 Frame cubemars_current_frame(CubemarsMotor motor, std::int32_t milliamperes) {
-  Frame frame = frame_of(motor, current, 4);
-  put(frame, 0, milliamperes);
-  return frame;
+  return number_frame(motor, current, milliamperes);
 }
 
 std::optional<std::int32_t> read_cubemars_current(const Frame& frame, CubemarsMotor motor) {
-  if (!is_packet(frame, motor, current, 4)) return {};
-  return get<std::int32_t>(frame, 0);
+  return number_in(frame, motor, current);
 }
 
 Frame cubemars_speed_frame(CubemarsMotor motor, std::int32_t erpm) {
-  Frame frame = frame_of(motor, speed, 4);
-  put(frame, 0, erpm);
-  return frame;
+  return number_frame(motor, speed, erpm);
 }
 
 std::optional<std::int32_t> read_cubemars_speed(const Frame& frame, CubemarsMotor motor) {
-  if (!is_packet(frame, motor, speed, 4)) return {};
-  return get<std::int32_t>(frame, 0);
+  return number_in(frame, motor, speed);
 }
 
 Frame cubemars_feedback_frame(CubemarsMotor motor, const CubemarsFeedback& told) {

@@ -47,7 +47,7 @@ concept BusDrive = requires(Drive& drive, const Drive& known, std::int64_t now_n
   { drive.disable(now_ns) } -> std::convertible_to<bool>;
   { drive.leave(now_ns) } -> std::convertible_to<bool>;
   { drive.quick_stop(now_ns) } -> std::convertible_to<bool>;
-  /// As disable, but at once, whether the axis rests or not.
+  /// Takes the power away at once, whether the axis rests or not; otherwise it does what disable does.
   { drive.cut(now_ns) } -> std::convertible_to<bool>;
   { known.may_have_power() } -> std::convertible_to<bool>;
   /// Somebody has seen the findings. Those whose cause lasts come back with the next tick.

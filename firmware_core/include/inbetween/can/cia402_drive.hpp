@@ -113,7 +113,7 @@ class Cia402Drive {
   bool disable(std::int64_t now_ns) {
     return apply(has_written_ ? DriveEvent::disable : DriveEvent::disconnect, now_ns);
   }
-  /// The same at once, whether the axis rests or not.
+  /// Takes the power away at once, whether the axis rests or not.
   bool cut(std::int64_t now_ns) {
     is_cut_ = true;
     return disable(now_ns);
@@ -162,7 +162,7 @@ class Cia402Drive {
   [[nodiscard]] Cia402Homing* homing() { return homing_ ? &*homing_ : nullptr; }
 
   [[nodiscard]] DrivePhase phase() const { return phase_; }
-  /// As far as it has told.
+  /// Whether it has told something of itself, and not that it has no power.
   [[nodiscard]] bool may_have_power() const { return has_feedback_ && !has_no_power(); }
   [[nodiscard]] const DriveFindings& findings() const { return findings_; }
   /// Those of the last tick whose cause is still there.

@@ -27,7 +27,7 @@ class ScaleWatch {
   };
 
   void begin() { *this = {}; }
-  /// In every tick with a target. `place_turns` is what the drive has told now if it `is_new`.
+  /// Is called in every tick that has a target. The drive has told `place_turns` in this tick if it `is_new`.
   void look(const Settings& settings, double place_turns, bool is_new, const ServoTarget& told,
             std::int64_t now_ns) {
     constexpr std::int64_t apart_ns = 4'000'000;

@@ -124,7 +124,7 @@ class ServoDrive {
   std::optional<Frame> service(std::int64_t now_ns);
 
   [[nodiscard]] DrivePhase phase() const { return phase_; }
-  /// As far as it has told.
+  /// Whether it has told something of itself, and not that it has no power.
   [[nodiscard]] bool may_have_power() const { return status_ns_ != 0 && !status_.is_off; }
   [[nodiscard]] const DriveFindings& findings() const { return findings_; }
   [[nodiscard]] const DriveFindings& lasting() const { return lasting_; }

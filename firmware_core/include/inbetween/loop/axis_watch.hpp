@@ -13,7 +13,7 @@
 
 namespace inbetween {
 
-/// What is asked of a motor, in its unit and seconds. All but the ends of its range are above 0.
+/// The bounds that a motor must keep, in its unit and seconds. All but the ends of its range are above 0.
 template <Precise Real>
 struct WatchBounds {
   Real min = 0;
@@ -25,7 +25,8 @@ struct WatchBounds {
   Real rest = 0;         ///< it rests where it has not gone further than this in 25 to 50 ms
 };
 
-/// In a tick: look() at what it tells, then tell() what it is told. O(1), no allocation.
+/// In every tick look() takes what the motor tells, and then tell() takes what it is told. Every call is O(1)
+/// and allocates nothing.
 template <Precise Real>
 class AxisWatch {
  public:
@@ -82,7 +83,7 @@ class AxisWatch {
     Real place;
     std::int64_t at_ns;
   };
-  /// Where it was once to twice a time ago.
+  /// Remembers where the motor was at least `apart_ns` ago, and at most twice as long ago.
   struct Before {
     std::optional<Look> before, latest;
     void look(const Look& now, std::int64_t apart_ns) {

@@ -18,7 +18,7 @@ enum class DriveCondition : std::uint8_t {
   unreachable,    ///< setpoints do not or must not arrive any more
 };
 
-/// What is done to one drive while the others go on: after a following error.
+/// How one drive is stopped after a following error, while the others go on.
 enum class OwnStop : std::uint8_t {
   none,
   stopped,  ///< it is told to stop by its own ramp, and to stay there
