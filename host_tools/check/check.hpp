@@ -68,9 +68,14 @@ struct CheckedStep {
 /// One reason why the move does not fit.
 struct CheckRefusal {
   Place place;
-  std::string message;  ///< what, and what to do
+  std::string what;
+  std::string remedy;    ///< what cures such a fault as a rule: it was not tried (find_cure)
+  std::size_t axis = 0;  ///< in CheckReport::axes
+  double frame = 0;      ///< where it is worst
   bool slower_helps = false;
   bool at_any_rate = false;  ///< holds however slowly the path is passed, and wherever the rig rests on it
+
+  [[nodiscard]] std::string message() const { return what + "; " + remedy; }
 };
 
 /// The demands of controlled stops on an axis of the rig, whenever they begin, against its stop limits.

@@ -172,7 +172,7 @@ class FrameSearch {
         fitting_plan_ = std::move(plan);
         proven_ = frames;
       } else {
-        last_refusal_ = nearest_->refusals.front().message;
+        last_refusal_ = nearest_->refusals.front().message();
       }
       return nearest_->fits();
     } catch (const InputError& error) {  // two keys on one frame, a lock that cannot be met, too many ticks
@@ -231,7 +231,7 @@ SmallestFrames smallest_frames(const Plan& plan, const CheckReport& report,
                                const std::function<void(double share, std::int32_t frames)>& progress,
                                const std::function<bool()>& is_over) {
   for (const CheckRefusal& refusal : report.refusals) {
-    if (!refusal.slower_helps) return {std::nullopt, refusal.message};
+    if (!refusal.slower_helps) return {std::nullopt, refusal.message()};
   }
   return FrameSearch(plan, report, progress, is_over).run();
 }

@@ -40,8 +40,10 @@ class AxisRefusals {
   }
 
  private:
-  void refuse(const Place& place, std::string message, bool slower_helps, bool at_any_rate = false) {
-    report_.refusals.push_back({place, std::move(message), slower_helps, at_any_rate});
+  void refuse(const Place& place, double frame, std::string what, std::string_view remedy, bool slower_helps,
+              bool at_any_rate = false) {
+    report_.refusals.push_back(
+        {place, std::move(what), std::string(remedy), index_, frame, slower_helps, at_any_rate});
   }
 
   void add_position() {
@@ -52,11 +54,11 @@ class AxisRefusals {
     const double rounding = position_rounding(limits_);
     if (below <= rounding && above <= rounding) return;
     const Peak<double>& worst = below > above ? lowest : highest;
-    refuse(place_,
-           fmt::format("axis {} would go to {} {} at frame {:.2f}, outside {} of the rig {}; {}",
+    refuse(place_, worst.frame,
+           fmt::format("axis {} would go to {} {} at frame {:.2f}, outside {} of the rig {}",
                        in_quotes(axis_.name), worst.value, axis_.unit, worst.frame, range_in_words(limits_),
-                       in_quotes(rig_.name), remedy_of_position()),
-           false, true);
+                       in_quotes(rig_.name)),
+           remedy_of_position(), false, true);
   }
   /// Where its keys are inside, it is the curve between them that goes beyond.
   [[nodiscard]] std::string remedy_of_position() const {
@@ -93,11 +95,10 @@ class AxisRefusals {
       if (step.axis == index_ && step.velocity > 0) largest.take(step, &CheckedStep::velocity);
     }
     if (largest.step == nullptr) return;
-    refuse(place_of(*largest.step),
-           fmt::format("axis {} would step by {:.6g} {}/s at {}, which no drive can follow; {}",
-                       in_quotes(axis_.name), largest.step->velocity, axis_.unit, largest.where(),
-                       remedy_of(*largest.step)),
-           false);
+    refuse(place_of(*largest.step), largest.step->frame,
+           fmt::format("axis {} would step by {:.6g} {}/s at {}, which no drive can follow",
+                       in_quotes(axis_.name), largest.step->velocity, axis_.unit, largest.where()),
+           remedy_of(*largest.step), false);
   }
 
   void add_acceleration_step() {
@@ -113,10 +114,10 @@ class AxisRefusals {
     const std::string rule = limits_.max_acceleration_step
                                  ? fmt::format("max_acceleration_step is {} {}/s^2", most, axis_.unit)
                                  : "max_jerk allows no step";
-    refuse(place_of(*largest.step),
-           fmt::format("axis {} would step by {} {}/s^2 at {}, and {}; {}", in_quotes(axis_.name), step,
-                       axis_.unit, largest.where(), rule, remedy_of(*largest.step)),
-           limits_.max_acceleration_step.has_value());
+    refuse(place_of(*largest.step), largest.step->frame,
+           fmt::format("axis {} would step by {} {}/s^2 at {}, and {}", in_quotes(axis_.name), step,
+                       axis_.unit, largest.where(), rule),
+           remedy_of(*largest.step), limits_.max_acceleration_step.has_value());
   }
 
   /// If something has no bound, its derivatives have none either: it is said once.
@@ -134,26 +135,25 @@ class AxisRefusals {
   }
   void add_unbounded(std::string_view quantity, const CheckedPeak& peak, std::string_view what) {
     refuse(
-        place_,
+        place_, peak.frame,
         fmt::format("axis {} would need {} without bound near frame {:.2f}, where the path {} and is passed "
-                    "at a speed; {}",
-                    in_quotes(axis_.name), quantity, peak.frame, what, turn_remedy),
-        false, true);
+                    "at a speed",
+                    in_quotes(axis_.name), quantity, peak.frame, what),
+        turn_remedy, false, true);
   }
 
   void add_peak(const CheckedPeak& peak, std::string_view limit, std::string_view per) {
     if (!peak.is_exceeded()) return;
     const auto [value, most] = told_apart(peak.value, *peak.limit, Digits::significant, 6);
-    refuse(
-        place_,
-        fmt::format(
-            "axis {} would reach {} {}{} at frame {:.2f}, and {} {} {} {}{}; {}", in_quotes(axis_.name),
-            value, axis_.unit, per, peak.frame, limit,
-            limits_.backlash && !limits_.calibration ? "leaves beside the take-up of the backlash" : "is",
-            most, axis_.unit, per,
-            track_.timing == Timing::speed ? "give the move more frames, or draw a flatter speed curve there"
-                                           : "give the move more frames there"),
-        true);
+    refuse(place_, peak.frame,
+           fmt::format(
+               "axis {} would reach {} {}{} at frame {:.2f}, and {} {} {} {}{}", in_quotes(axis_.name), value,
+               axis_.unit, per, peak.frame, limit,
+               limits_.backlash && !limits_.calibration ? "leaves beside the take-up of the backlash" : "is",
+               most, axis_.unit, per),
+           track_.timing == Timing::speed ? "give the move more frames, or draw a flatter speed curve there"
+                                          : "give the move more frames there",
+           true);
   }
 
   [[nodiscard]] static bool is_start(const CheckedStep& step) { return step.frame <= 0; }
@@ -256,13 +256,11 @@ void refuse_roll(const Plan& plan, const RollObstacle& obstacle, CheckReport& re
   if (frame != (starts ? 0 : plan.move().frames)) {
     report.refusals.push_back(
         {plan.place_of(index),
-         fmt::format(
-             "frame {} is passed moving, and on a {} of {} axis {} {}; {} on a frame where the move is "
-             "slower or rests{}",
-             frame, name_of(obstacle.end), counted(breach.frames, "frame"), in_quotes(axis.name),
-             breach_in_words(breach, axis), starts ? "begin" : "end",
-             room ? ", or give the move more frames" : ""),
-         room});
+         fmt::format("frame {} is passed moving, and on a {} of {} axis {} {}", frame, name_of(obstacle.end),
+                     counted(breach.frames, "frame"), in_quotes(axis.name), breach_in_words(breach, axis)),
+         fmt::format("{} on a frame where the move is slower or rests{}", starts ? "begin" : "end",
+                     room ? ", or give the move more frames" : ""),
+         index, static_cast<double>(frame), room});
     return;
   }
   const std::string remedy =
@@ -274,10 +272,10 @@ void refuse_roll(const Plan& plan, const RollObstacle& obstacle, CheckReport& re
       {track.speed_places.empty() ? plan.place_of(index)
        : starts                   ? track.speed_places.front()
                                   : track.speed_places.back(),
-       fmt::format("the move {} moving, and on a {} of {} axis {} {}; {}", starts ? "starts" : "ends",
+       fmt::format("the move {} moving, and on a {} of {} axis {} {}", starts ? "starts" : "ends",
                    name_of(obstacle.end), counted(breach.frames, "frame"), in_quotes(axis.name),
-                   breach_in_words(breach, axis), remedy),
-       room});
+                   breach_in_words(breach, axis)),
+       remedy, index, static_cast<double>(frame), room});
 }
 
 void refuse_motor(const Plan& plan, const CheckedMotor& motor, CheckReport& report) {
@@ -289,11 +287,10 @@ void refuse_motor(const Plan& plan, const CheckedMotor& motor, CheckReport& repo
     report.refusals.push_back(
         {plan.place_of(motor.axis),
          fmt::format(
-             "the motor of axis {} would reach {} {}{} at frame {:.2f}, and {} of its calibration {} {} "
-             "{}{}; give the move more frames, or draw it slower there",
+             "the motor of axis {} would reach {} {}{} at frame {:.2f}, and {} of its calibration {} {} {}{}",
              in_quotes(axis.name), value, motor.unit, per, peak.frame, limit,
              axis.backlash ? "leaves beside the take-up of the backlash" : "is", most, motor.unit, per),
-         true});
+         "give the move more frames, or draw it slower there", motor.axis, peak.frame, true});
   };
   refuse(motor.velocity, "max_velocity", "/s");
   refuse(motor.acceleration, "max_acceleration", "/s^2");
@@ -319,10 +316,10 @@ void refuse_stop(const Plan& plan, const PlannedStops& planned, CheckReport& rep
   report.refusals.push_back(
       {plan.place_of(index),
        fmt::format("{}axis {} could not be stopped at frame {:.2f}: the motion alone takes {} {}{} there, "
-                   "and {} is {} {}{}; give the move more frames, or raise {}",
+                   "and {} is {} {}{}",
                    planned.is_of_motor() ? "the motor of " : "", in_quotes(axis.name), obstacle.frame, value,
-                   unit, per, limit, most, unit, per, limit),
-       true});
+                   unit, per, limit, most, unit, per),
+       fmt::format("give the move more frames, or raise {}", limit), index, obstacle.frame, true});
 }
 
 }  // namespace inbetween

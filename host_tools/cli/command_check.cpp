@@ -17,6 +17,7 @@
 #include "host_tools/files/output_file.hpp"
 #include "host_tools/files/speed_rewrite.hpp"
 #include "host_tools/files/toml_source.hpp"
+#include "host_tools/fit/cure.hpp"
 #include "host_tools/fit/fewest_fit.hpp"
 #include "host_tools/fit/fit_output.hpp"
 #include "host_tools/fit/fit_plot.hpp"
@@ -63,6 +64,7 @@ FewestFit find_fewest(const Plan& plan, const CheckReport& report, const Smalles
 struct Searched {
   SmallestFrames smallest;
   std::optional<FewestFit> fitted;
+  std::optional<Cure> cure;
   bool was_interrupted = false;
 };
 Searched search(const CheckArguments& arguments, const Plan& plan, const CheckReport& report) {
@@ -89,6 +91,7 @@ Searched search(const CheckArguments& arguments, const Plan& plan, const CheckRe
     found.smallest.may_be_refined = arguments.fit.has_value();
     if (arguments.fit) found.fitted = std::move(fewest);
   }
+  if (!arguments.fit) found.cure = find_cure(plan, report, found.smallest);
   found.was_interrupted = watch && InterruptWatch::asked();
   return found;
 }
@@ -115,6 +118,17 @@ void draw_limits(const CheckArguments& arguments, const Plan& plan, const CheckR
   LimitsPlot plot = limits_plot_of(after, check(after));
   add_fitted_curves(plan, after, fitted->fit, plot);
   draw_limits_plot(plot, *arguments.plot, arguments.style);
+}
+
+/// What a fault asks for as a rule is not said where something else has been tried and is known to help.
+void complain_of_limits(const Plan& plan, const CheckReport& report, const std::optional<Cure>& cure) {
+  for (const CheckRefusal& refusal : report.refusals)
+    complain(LimitError(refusal.place, cure ? refusal.what : refusal.message()).what());
+  if (!cure) return;
+  const std::string in_frames =
+      cure->frames == plan.move().frames ? "" : fmt::format(", in {}", counted(cure->frames, "frame"));
+  complain(fmt::format("{}: note: it fits with {}{}; this was tried", to_string(cure->place), cure->words,
+                       in_frames));
 }
 
 void complain_of_no_fit(const CheckArguments& arguments, const Plan& plan, const SpeedFit& fit,
@@ -176,6 +190,13 @@ int check_command(const CheckArguments& arguments) {
       JsonWriter json(file);
       json.begin_object();
       write_check(json, plan, report, smallest);
+      if (searched.cure) {
+        json.object("cure", [&] {
+          json.member("line", searched.cure->place.line);
+          json.member("with", searched.cure->words);
+          json.member("frames", searched.cure->frames);
+        });
+      }
       if (fitted) write_fit(json, fitted->fit, fitted->move.frames);
       json.end_object();
       json.finish();
@@ -186,8 +207,7 @@ int check_command(const CheckArguments& arguments) {
   print_check(plan, report, smallest, out);
   if (fit != nullptr) print_fit(plan, *fit, fitted->move.frames, *arguments.fit, out);
   if (fit != nullptr && fit->found) return 0;
-  for (const CheckRefusal& refusal : report.refusals)
-    complain(LimitError(refusal.place, refusal.message).what());
+  complain_of_limits(plan, report, searched.cure);
   if (fit != nullptr) complain_of_no_fit(arguments, plan, *fit, searched);
   if (searched.was_interrupted) return exit_fault;
   return report.fits() ? 0 : exit_limit;
@@ -238,6 +258,11 @@ one frame less it was tried and does not fit. Where slowing down cures nothing, 
 speed curve with as many control values needs fewer, it tells how many, if such a search is quick (32 values
 at most; segments and values, times the axes of the track, 200 at most). --fit OUT --fewest looks for one with
 more control values too, and writes the move in the fewest frames.
+
+Where the move does not fit, small changes of it are tried, each by the same proof: keys that are nearly in one
+place at one place, ease = true where it is refused, overshoot = false, corners = "ease", a smooth spline,
+kinetic = "curves", another speed curve. The first that lets it fit in as many frames is named, or else the one
+with which the fewest frames would do.
 
 --frames 20..80 checks a part of the move as what it is when it is played alone: from rest, by a pre-roll into
 frame 20 as the move passes it, and by a post-roll out of frame 80 to rest. A part may fit where the whole

@@ -50,7 +50,7 @@ constexpr double detour_reach = 1.05;
 constexpr std::size_t max_values_tried_again = 64;
 /// It is brought nearer at most this often, and as long as it gains this share of its change.
 constexpr int max_rounds = 12;
-constexpr double min_gain = 1e-4;
+constexpr double min_gain_of_round = 1e-4;
 /// The curve leans on a limit if it uses this share of the allowance.
 constexpr double leaning_share = 0.97;
 
@@ -224,7 +224,7 @@ class TrackSearch {
         if (is_first || reached.change < best.change) best = {reached.values, reached.change};
         if (!gains || options_.ends()) break;
       } else if (best.values.empty()) {
-        reason_ = report->refusals.front().message;
+        reason_ = report->refusals.front().message();
       }
       if (!report->fits()) spare *= 3;
       std::vector<Allowance> measured = allowances;
@@ -247,7 +247,7 @@ class TrackSearch {
       level.nearest = reached.values;
       if (options_.ends()) return std::nullopt;
       if (const std::optional<CheckReport> report = fitted_.judge(level.nearest, reason_)) {
-        if (!report->fits()) reason_ = report->refusals.front().message;
+        if (!report->fits()) reason_ = report->refusals.front().message();
       }
     }
     return std::nullopt;
@@ -268,7 +268,7 @@ class TrackSearch {
       if (report->fits()) {
         const double gain = 1 - reached.change / best.change;
         if (gain > 0) best = {values, reached.change};
-        if (gain < min_gain) break;
+        if (gain < min_gain_of_round) break;
       }
       adjust(*report, with.samples, allowances);
       add_peaks(*report, ControlCurve(values, fitted_.ends()), with.samples);
@@ -355,7 +355,7 @@ std::string hopeless(const FittedTrack& fitted) {
            "time it by speed";
   }
   for (const CheckRefusal& refusal : fitted.report().refusals) {
-    if (!refusal.slower_helps) return refusal.message;
+    if (!refusal.slower_helps) return refusal.message();
   }
   for (const KeyLock& lock :
        fitted.solved().key_timing() ? fitted.solved().key_timing()->locks : std::span<const KeyLock>()) {
@@ -410,7 +410,7 @@ std::optional<std::string> refusal_of(const Plan& plan, const std::vector<TrackF
   for (const TrackFit& fit : tracks) replace_curve(move.tracks[fit.track], fit.speed);
   const CheckReport report = check(Plan(std::move(move), plan));
   if (report.fits()) return std::nullopt;
-  return report.refusals.front().message;
+  return report.refusals.front().message();
 }
 
 }  // namespace

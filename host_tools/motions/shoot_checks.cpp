@@ -96,7 +96,7 @@ std::unique_ptr<StagedMove> checked_shoot(const Plan& plan, double top_rate, con
   for (const std::string& axis : shoot.still) static_cast<void>(axis_named(*plan.rig(), axis));
   const CheckReport report = check(plan);
   for (const CheckRefusal& refusal : report.refusals) {
-    if (refusal.at_any_rate) throw LimitError(refusal.place, refusal.message);
+    if (refusal.at_any_rate) throw LimitError(refusal.place, refusal.message());
   }
   const double top = std::min(top_rate, report.highest_rate_between_steps);
   const auto stops = stops_up_to(plan, top, report);

@@ -306,6 +306,7 @@ Plan::Plan(MoveFile move, std::optional<RigFile> rig, const PlanOptions& options
   settle_positions(move_, rig_);
   settle_aims(move_, kinematics_.get(), axes_in_move());
   warn_of_mixed_units();
+  warn_of_near_keys();
   list_tips();
   if (rig_) check_cues(move_, *rig_);
   solve(options, other);
@@ -400,6 +401,38 @@ void Plan::warn_of_mixed_units() {
          fmt::format("1 {} count{} as 1 {} of distance along this track; give weights, one per axis, to say "
                      "otherwise",
                      fmt::join(units, " and 1 "), units.size() == 1 ? "s" : "", first)});
+  }
+}
+
+std::string Plan::distance_in_words(std::size_t index, const NearKeys& pair) const {
+  const MoveTrack& track = move_.tracks[index];
+  if (track.space) return fmt::format("{:.6g} m", pair.distance);
+  std::string unit = track.distance ? "" : length_unit(index);
+  std::vector<std::size_t> differing;
+  for (std::size_t d = 0; d < track.axes.size(); ++d) {
+    if (track.keys[pair.first].at[d] != track.keys[pair.first + 1].at[d]) differing.push_back(d);
+  }
+  double distance = pair.distance;
+  if (differing.size() == 1) {  // then it needs no weight
+    const std::size_t d = differing.front();
+    distance = std::fabs(track.keys[pair.first + 1].at[d] - track.keys[pair.first].at[d]);
+    const auto axis = std::ranges::find_if(
+        axes_, [&](const PlanAxis& one) { return one.track == index && one.track_axis == d; });
+    unit = axis->unit ? to_string(*axis->unit) : "";
+  }
+  return fmt::format("{:.6g}{}{}", distance, unit.empty() ? "" : " ", unit);
+}
+
+void Plan::warn_of_near_keys() {
+  for (std::size_t t = 0; t < move_.tracks.size(); ++t) {
+    for (const NearKeys& pair : near_keys(move_.tracks[t])) {
+      warnings_.push_back(
+          {move_.tracks[t].keys[pair.first + 1].place,
+           fmt::format("keys {} and {} are {} apart, {:.0f} times nearer than their neighbours, and the path "
+                       "may turn at once between them; remove one, or give both one place",
+                       pair.first, pair.first + 1, distance_in_words(t, pair),
+                       std::floor(pair.times_nearer))});
+    }
   }
 }
 

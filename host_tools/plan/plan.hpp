@@ -15,6 +15,7 @@
 #include "host_tools/joints/kinematics.hpp"
 #include "host_tools/plan/followed_path.hpp"
 #include "host_tools/plan/move_rolls.hpp"
+#include "host_tools/plan/near_keys.hpp"
 #include "host_tools/plan/solved_track.hpp"
 #include "host_tools/plan/space_track.hpp"
 
@@ -85,6 +86,8 @@ class Plan {
 
   /// The duration of the frames that are played, without the rolls.
   [[nodiscard]] double duration_s() const;
+  /// How far two such keys of a track are apart: "0.1 mm".
+  [[nodiscard]] std::string distance_in_words(std::size_t track, const NearKeys& pair) const;
   /// "mm" where all axes of a track with a weight above 0 share it; "" where they do not or have none.
   [[nodiscard]] std::string length_unit(std::size_t track) const;
 
@@ -95,6 +98,7 @@ class Plan {
   void refuse_too_many_ticks() const;
   void list_axes();
   void warn_of_mixed_units();
+  void warn_of_near_keys();
   void list_tips();
   [[nodiscard]] std::vector<AxisInMove> axes_in_move() const;
   /// What moves each axis of the rig, by tracks that are solved.

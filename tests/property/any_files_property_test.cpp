@@ -70,7 +70,7 @@ Outcome use(const RandomFiles& files, bool plays) {
     const Plan plan(parse_move(files.move, "move.toml"), rig, {.kinematics = joints_of(files, rig)});
     if (!rig) return {"planned", ""};
     const CheckReport report = check(plan);
-    if (!report.fits()) return {"does not fit", report.refusals.front().message};
+    if (!report.fits()) return {"does not fit", report.refusals.front().message()};
     if (!plays) return {"fits", ""};
     const RunReport played = run(plan, {.simulated = true, .fast = true});
     return {played.ending == Ending::finished ? "played" : "not finished", played.reason};

@@ -130,7 +130,7 @@ TEST(TurningMoveProperty, IsRefusedForWhatItDoesAndForNothingElse) {
     ++rested;
     const Plan limited(*move, rig, {});
     const CheckReport report = check(limited);
-    for (const CheckRefusal& refusal : report.refusals) RC_LOG() << refusal.message << '\n';
+    for (const CheckRefusal& refusal : report.refusals) RC_LOG() << refusal.message() << '\n';
     RC_ASSERT(report.fits());
     const SmallestFrames smallest = smallest_frames(limited, report, {});
     RC_ASSERT(smallest.frames.has_value());

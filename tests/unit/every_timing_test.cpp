@@ -69,7 +69,7 @@ class EveryTiming : public testing::TestWithParam<TimingKind> {
 
 void expect_certified(const Plan& plan) {
   const CheckReport report = check(plan);
-  ASSERT_TRUE(report.fits()) << report.refusals.front().message;
+  ASSERT_TRUE(report.fits()) << report.refusals.front().message();
   const Move<double>& move = plan.played();
   for (const std::size_t d : {0U, 1U}) {
     const Sampled found = sampled(plan, d, move.first_frame(), move.last_frame());
@@ -113,7 +113,7 @@ TEST_P(EveryTiming, APartOfItIsCertifiedForWhatItDoesWithRollsOfItsOwn) {
 
 void expect_foretold_stops(const Plan& plan) {
   const CheckReport report = check(plan);
-  ASSERT_TRUE(report.fits()) << report.refusals.front().message;
+  ASSERT_TRUE(report.fits()) << report.refusals.front().message();
   const PlannedStops stops(plan);
   ASSERT_TRUE(stops.bounds().has_value());
   const std::int32_t rate_hz = plan.rig()->rate_hz;

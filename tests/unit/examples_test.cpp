@@ -100,7 +100,7 @@ TEST(Examples, ANodABlinkAJawAndATurntableTakeAtMostTenLinesAndFitTheirRig) {
     const std::string text = file_contents(file(example.move).string());
     EXPECT_LE(std::ranges::count(text, '\n'), 10) << example.move;
     const CheckReport report = check(plan_for_rig(example));
-    EXPECT_TRUE(report.fits()) << example.move << ": " << report.refusals.front().message;
+    EXPECT_TRUE(report.fits()) << example.move << ": " << report.refusals.front().message();
     for (const CheckedStep& step : report.steps) EXPECT_EQ(step.velocity, 0) << example.move;
   }
 }

@@ -75,7 +75,7 @@ TEST(KeyFrames, WhatStepsNamesCurvesAsTheRemedy) {
   for (const char* way : {"kinetic = \"monotone\"\n", "kinetic = \"linear\"\n"}) {
     const ProgramRun run = run_on(rig, "check", move_of(way + zoom));
     EXPECT_EQ(run.status, 3) << way;
-    EXPECT_THAT(run.err, HasSubstr("use kinetic = \"curves\"")) << way;
+    EXPECT_THAT(run.err, HasSubstr("note: it fits with kinetic = \"curves\"; this was tried")) << way;
   }
   const ProgramRun old = run_on(rig, "check", move_of("kinetic = \"smooth\"\n" + zoom));
   EXPECT_EQ(old.status, 1);

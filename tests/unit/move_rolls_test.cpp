@@ -125,10 +125,10 @@ TEST(Rolls, AnAxisThatStartsOnItsLimitHasNoRoomHoweverSlowItIs) {
   const Plan plan = plan_of(move_of("10", "[0], [400], [900]"));
   const CheckReport report = check(plan);
   ASSERT_THAT(report.refusals, SizeIs(1));
-  EXPECT_THAT(report.refusals[0].message, HasSubstr("the move starts moving, and on a pre-roll of"));
-  EXPECT_THAT(report.refusals[0].message, HasSubstr("axis \"track\" would go to -"));
-  EXPECT_THAT(report.refusals[0].message, HasSubstr("outside 0..1500"));
-  EXPECT_THAT(report.refusals[0].message, HasSubstr("begin the speed curve with 0, 0, at rest"));
+  EXPECT_THAT(report.refusals[0].message(), HasSubstr("the move starts moving, and on a pre-roll of"));
+  EXPECT_THAT(report.refusals[0].message(), HasSubstr("axis \"track\" would go to -"));
+  EXPECT_THAT(report.refusals[0].message(), HasSubstr("outside 0..1500"));
+  EXPECT_THAT(report.refusals[0].message(), HasSubstr("begin the speed curve with 0, 0, at rest"));
   EXPECT_FALSE(report.refusals[0].slower_helps);
   EXPECT_EQ(smallest_frames(plan, report, {}).frames, std::nullopt);
   EXPECT_THROW(run(plan, {.simulated = true, .fast = true}), LimitError);
@@ -139,7 +139,7 @@ TEST(Rolls, AnAxisWithLittleRoomFitsInMoreFramesAndNotInOneLess) {
   const CheckReport report = check(plan);
   ASSERT_THAT(report.refusals, SizeIs(1));
   EXPECT_TRUE(report.refusals[0].slower_helps);
-  EXPECT_THAT(report.refusals[0].message, HasSubstr("or give the move more frames"));
+  EXPECT_THAT(report.refusals[0].message(), HasSubstr("or give the move more frames"));
   const SmallestFrames smallest = smallest_frames(plan, report, {});
   ASSERT_TRUE(smallest.frames) << smallest.reason;
   EXPECT_GT(*smallest.frames, 120);
@@ -154,7 +154,7 @@ TEST(Rolls, ALimitThatTheMoveItselfBreaksIsSaidOnce) {
   const CheckReport report = check(plan_of(move_of("10", "[300], [500], [900]", 20)));
   ASSERT_FALSE(report.fits());
   for (const CheckRefusal& refusal : report.refusals) {
-    EXPECT_THAT(refusal.message, testing::Not(HasSubstr("roll"))) << refusal.message;
+    EXPECT_THAT(refusal.message(), testing::Not(HasSubstr("roll"))) << refusal.message();
   }
 }
 

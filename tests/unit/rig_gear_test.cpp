@@ -138,14 +138,14 @@ TEST(RigGear, WhatCannotBeIsRefusedAtItsPlace) {
 
 TEST(RigGear, AMoveThatItsMotorCannotFollowIsRefusedWithAxisAndFrame) {
   const CheckReport slow = check(plan_of(move_of("focus", "{ at = [5] }, { at = [0.5] }", 144), lens_text()));
-  EXPECT_TRUE(slow.fits()) << slow.refusals.front().message;
+  EXPECT_TRUE(slow.fits()) << slow.refusals.front().message();
   ASSERT_EQ(slow.motors.size(), 1U);
   EXPECT_EQ(slow.motors.front().unit, "deg");
   EXPECT_TRUE(slow.stops.has_value());
   const CheckReport quick = check(plan_of(move_of("focus", "{ at = [5] }, { at = [0.5] }", 36), lens_text()));
   ASSERT_FALSE(quick.fits());
-  EXPECT_THAT(quick.refusals.front().message, HasSubstr("the motor of axis \"focus\" would reach"));
-  EXPECT_THAT(quick.refusals.front().message, HasSubstr("at frame"));
+  EXPECT_THAT(quick.refusals.front().message(), HasSubstr("the motor of axis \"focus\" would reach"));
+  EXPECT_THAT(quick.refusals.front().message(), HasSubstr("at frame"));
   EXPECT_LT(quick.highest_rate, 1);
   EXPECT_LE(quick.axes.front().velocity.value, 10) << "the axis itself could";
 }
@@ -153,7 +153,7 @@ TEST(RigGear, AMoveThatItsMotorCannotFollowIsRefusedWithAxisAndFrame) {
 TEST(RigGear, WhatTheTakeUpNeedsIsMissingForTheMotion) {
   const std::string move = move_of("gantry", there_and_back, 60);
   const CheckReport plain = check(plan_of(move, gantry_text("")));
-  ASSERT_TRUE(plain.fits()) << plain.refusals.front().message;
+  ASSERT_TRUE(plain.fits()) << plain.refusals.front().message();
   // A limit just above what the motion needs.
   const double needed = plain.axes.front().acceleration.value;
   const std::string rig =
@@ -161,7 +161,7 @@ TEST(RigGear, WhatTheTakeUpNeedsIsMissingForTheMotion) {
                {.rate_hz = 250, .more = bus_can0});
   const CheckReport tight = check(plan_of(move, rig));
   ASSERT_FALSE(tight.fits());
-  EXPECT_THAT(tight.refusals.front().message,
+  EXPECT_THAT(tight.refusals.front().message(),
               HasSubstr("max_acceleration leaves beside the take-up of the backlash"));
 }
 

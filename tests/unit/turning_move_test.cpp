@@ -74,7 +74,7 @@ void expect_fits(const RandomMove& move) {
   expect_true_certificate(move);
   const Plan plan = plan_of(move);
   const CheckReport report = check(plan);
-  for (const CheckRefusal& refusal : report.refusals) ADD_FAILURE() << refusal.message;
+  for (const CheckRefusal& refusal : report.refusals) ADD_FAILURE() << refusal.message();
   EXPECT_TRUE(report.stops.has_value());
   EXPECT_TRUE(smallest_frames(plan, report, {}).frames.has_value());
 }

@@ -110,7 +110,10 @@ class MotionBounds {
     const PathPoint<Real> end = track_.locate({part_.last, 0});
     PathPoint<Real> lowest = start;
     PathPoint<Real> highest = start;
-    axis.lowest.value = axis.highest.value = path.segment(start.segment)[d].value(start.t);
+    const auto position = [&](const PathPoint<Real>& point) {
+      return path.position(point, static_cast<std::int32_t>(d));
+    };
+    axis.lowest.value = axis.highest.value = position(start);
     const auto take = [&](Real value, const PathPoint<Real>& point) {
       if (value < axis.lowest.value) {
         axis.lowest.value = value;
@@ -127,11 +130,11 @@ class MotionBounds {
       const Real first = i == start.segment ? start.t : Real(0);
       const Real last = i == end.segment ? end.t : Real(1);
       for (const Real t : turning_points(cubic)) {
-        if (t > first && t < last) take(cubic.value(t), {i, t});
+        if (t > first && t < last) take(position({i, t}), {i, t});
       }
       if (i < end.segment) take(path.segment(i + 1)[d].c0, {i + 1, 0});
     }
-    take(path.segment(end.segment)[d].value(end.t), end);
+    take(position(end), end);
     axis.lowest.frame = frame_of(lowest);
     axis.highest.frame = frame_of(highest);
   }

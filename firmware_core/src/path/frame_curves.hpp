@@ -216,6 +216,9 @@ class FrameCurves {
         part = restarted(hermite(delta, slopes), static_cast<Real>(j) / 4);
       }
       part.c0 += begin;
+      // Rounding of the chord may carry it beyond the next key.
+      const Real end = key(k + 1, d);
+      if (!spec_.overshoot) part.c0 = std::clamp(part.c0, std::min(begin, end), std::max(begin, end));
       slot(first + j, d) = part;
     }
   }

@@ -365,6 +365,7 @@ Result<Path<Real>> Path<Real>::make(const PathSpec<Real>& spec, const PathMemory
   path.weights_ = construction.weights();
   if (!spec.key_frames.empty()) path.knots_ = memory.knots.first(construction.segments());
   path.over_frames_ = !spec.key_frames.empty();
+  path.overshoots_ = spec.overshoot;
   path.spline_ = spec.spline;
   path.closed_ = spec.closed;
   return path;
@@ -378,7 +379,10 @@ void Path<Real>::positions(std::span<const PathPoint<Real>> points, std::span<Re
     const std::span<const Real> places = std::span(memory).first(count);
     const std::span<const Cubic<Real>> cubics = segment(points[begin].segment);
     for (std::size_t d = 0; d < static_cast<std::size_t>(axis_count_); ++d) {
-      evaluate<Real>(cubics[d], places, out.subspan(d * points.size() + begin, count));
+      const std::span<Real> written = out.subspan(d * points.size() + begin, count);
+      evaluate<Real>(cubics[d], places, written);
+      if (overshoots_) continue;
+      for (Real& position : written) position = kept(position, points[begin].segment, d);
     }
     begin += count;
   }

@@ -223,6 +223,13 @@ PathPoint<Real> moving_side(const Path<Real>& path, const PathPoint<Real>& point
 }
 
 template <Precise Real>
+inline void keep_positions(const Path<Real>& path, std::int32_t segment, std::span<AxisMotion<Real>> axes) {
+  if (path.overshoots()) [[likely]]
+    return;
+  for (std::size_t d = 0; d < axes.size(); ++d) axes[d].position = path.kept(axes[d].position, segment, d);
+}
+
+template <Precise Real>
 Derivatives write_standstill(const Path<Real>& path, const AlongPath<Real>& along,
                              const Standstill<Real>& standstill, std::span<AxisMotion<Real>> out) {
   const std::span<const Cubic<Real>> cubics = path.segment(along.point.segment);
@@ -338,11 +345,13 @@ Derivatives Track<Real>::motion(const FrameTime<Real>& time, std::span<AxisMotio
     const PathPoint<Real> point = locate(time);
     const ParameterRates<Real> s = is_outside(time) ? ParameterRates<Real>{} : key_frame_rates(time);
     write_slopes(path_.segment(point.segment), path_.weights(), point.t, axes);
+    keep_positions(path_, point.segment, axes);
     return pass_in_time(s, axes);
   }
   const AlongPath<Real> where = along_profile(time);
   const std::span<const Cubic<Real>> cubics = path_.segment(where.point.segment);
   const SlopeProducts<Real> products = write_slopes(cubics, path_.weights(), where.point.t, axes);
+  keep_positions(path_, where.point.segment, axes);
   if (is_far_from_standstill(products, distance_rounding())) [[likely]]
     return pass_in_time(parameter_rates(where, ParametricSpeed<Real>(products)), axes);
   return write_slow(where, axes);
@@ -375,7 +384,7 @@ Derivatives Track<Real>::write_slow(AlongPath<Real> where, std::span<AxisMotion<
     derivatives = pass_in_time(parameter_rates(where, scaled.speed, scaled.scale), axes);
   }
   for (std::size_t d = 0; d < axes.size(); ++d) {
-    axes[d].position = path_.segment(here.segment)[d].value(here.t);  // to the last bit, from either side
+    axes[d].position = path_.position(here, static_cast<std::int32_t>(d));  // from either side
   }
   return derivatives;
 }

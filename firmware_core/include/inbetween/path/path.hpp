@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -45,9 +46,9 @@ struct PathSpec {
   std::span<const Real> weights = {};
   /// One per key, read for `tcb` only. Empty: all zero.
   std::span<const KeyShape<Real>> shapes = {};
-  /// false: no axis leaves the values of its two keys between them, for smooth and catmull_rom. Slopes are
-  /// lowered to 3 times the lesser of the two chords' and to 0 where the axis turns back or stays (Fritsch
-  /// and Carlson 1980), so that the path is C1 where that happens.
+  /// false: no axis leaves the values of its two keys between them, to the last bit, for smooth and
+  /// catmull_rom. Slopes are lowered to 3 times the lesser of the two chords' and to 0 where the axis turns
+  /// back or stays (Fritsch and Carlson 1980), so that the path is C1 where that happens.
   bool overshoot = true;
   /// The frame of every key, and of a closed path that of the return to key 0: the knots of the path are
   /// frames, and every axis is a curve over time. Empty: the path has no notion of time.
@@ -222,8 +223,19 @@ class Path {
   }
   /// Position of one axis, in axis units.
   [[nodiscard]] Real position(const PathPoint<Real>& point, std::int32_t axis) const {
-    return segment(point.segment)[static_cast<std::size_t>(axis)].value(point.t);
+    const auto d = static_cast<std::size_t>(axis);
+    return kept(segment(point.segment)[d].value(point.t), point.segment, d);
   }
+  /// What has been worked out as a position of an axis on a segment, without what rounding adds beyond the
+  /// ends of that segment where the path does not overshoot.
+  [[nodiscard]] Real kept(Real position, std::int32_t segment_index, std::size_t axis) const {
+    if (overshoots_ || segment_index >= segment_count_) return position;
+    const Real begin = segment(segment_index)[axis].c0;
+    const Real end = segment(segment_index + 1)[axis].c0;
+    return begin < end ? std::clamp(position, begin, end) : std::clamp(position, end, begin);
+  }
+  /// false: a position may need kept(). What positions(), position() and a Track give is kept already.
+  [[nodiscard]] bool overshoots() const { return overshoots_; }
   /// The positions of all axes at many points, axis after axis: out[axis * points.size() + i]. Quickest where
   /// many points of one segment follow each other, as in a table of frames.
   void positions(std::span<const PathPoint<Real>> points, std::span<Real> out) const;
@@ -243,6 +255,7 @@ class Path {
   Spline spline_ = Spline::smooth;
   bool closed_ = false;
   bool over_frames_ = false;
+  bool overshoots_ = true;
 };
 
 /// Memory for paths of up to `Keys` keys (closed or open) and `Axes` axes.

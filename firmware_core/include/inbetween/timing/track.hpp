@@ -218,6 +218,9 @@ class Track {
     const PathPoint<Real> point = locate(time);
     const auto axes = static_cast<std::size_t>(path_.axis_count());
     write_values(path_.segment(point.segment), point.t, out.first(axes));
+    if (path_.overshoots()) [[likely]]
+      return;
+    for (std::size_t d = 0; d < axes; ++d) out[d] = path_.kept(out[d], point.segment, d);
   }
 
   /// locate() at whole frames `first`, `first` + 1, ..., bit for bit, in runs of frames that share a span

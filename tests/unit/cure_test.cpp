@@ -1,0 +1,157 @@
+// What a refused move is told to change: each advice was tried, and is tried here again as its words say.
+#include "host_tools/fit/cure.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "host_tools/plan/near_keys.hpp"
+#include "tests/support/refused_text.hpp"
+#include "tests/support/rig_text.hpp"
+
+namespace inbetween {
+namespace cure_test {
+
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::SizeIs;
+
+/// A camera on a slide.
+std::string slide_and_pan() {
+  return rig_text({{.name = "slide",
+                    .max = 1800,
+                    .max_velocity = 500,
+                    .max_acceleration = 800,
+                    .more = "max_jerk = 8000\n"},
+                   {.name = "pan",
+                    .unit = "deg",
+                    .min = -180,
+                    .max = 180,
+                    .max_velocity = 90,
+                    .max_acceleration = 180,
+                    .more = "max_jerk = 1800\n"}});
+}
+
+/// The head of a puppet.
+std::string neck() {
+  return rig_text(
+      {{.name = "yaw", .unit = "deg", .min = -70, .max = 70, .max_velocity = 180, .max_acceleration = 900},
+       {.name = "nod", .unit = "deg", .min = -30, .max = 35, .max_velocity = 150, .max_acceleration = 800}});
+}
+
+std::string move_of(const std::string& axes, int frames, const std::string& track) {
+  return fmt::format("name = \"m\"\nfps = 24\nframes = {}\n[[track]]\naxes = [{}]\n{}", frames, axes, track);
+}
+
+Plan plan_of(const std::string& move, const std::string& rig) {
+  return {parse_move(move, "move.toml"), parse_rig(rig, "rig.toml"), {}};
+}
+
+std::optional<Cure> cure_of(const std::string& move, const std::string& rig) {
+  const Plan plan = plan_of(move, rig);
+  const CheckReport report = check(plan);
+  return find_cure(plan, report, smallest_frames(plan, report, {}));
+}
+
+bool fits(const std::string& move, const std::string& rig) {
+  return check(plan_of(move, rig)).fits();
+}
+
+std::string near(double apart) {
+  return move_of(R"("slide", "pan")", 240,
+                 fmt::format("keys = [{{at=[0,0]}},{{at=[500,30]}},{{at=[{},30]}},{{at=[1000,0]}}]\n"
+                             "speed = [0,0,10,10,10,0,0]\n",
+                             500 + apart));
+}
+
+// Case 31.
+TEST(Cure, KeysThatAreNearlyInOnePlaceAreNamedWithTheirDistance) {
+  for (const double apart : {0.01, 0.1, 1.0, 5.0}) {
+    const std::optional<Cure> cure = cure_of(near(apart), slide_and_pan());
+    ASSERT_TRUE(cure) << apart;
+    EXPECT_EQ(cure->words, fmt::format("keys 1 and 2, which are {:.6g} mm apart, at one place", apart));
+    EXPECT_EQ(cure->place.line, 6U);
+  }
+  EXPECT_TRUE(fits(near(0), slide_and_pan())) << "as the words say";
+  EXPECT_EQ(cure_of(near(0), slide_and_pan()), std::nullopt) << "nothing to cure";
+}
+
+TEST(Cure, APlanWarnsOfKeysThatAreNearlyInOnePlace) {
+  const std::vector<Warning> warnings = plan_of(near(0.1), slide_and_pan()).warnings();
+  ASSERT_THAT(warnings, SizeIs(2));
+  EXPECT_THAT(warnings[1].message,
+              HasSubstr("keys 1 and 2 are 0.1 mm apart, 5007 times nearer than their neighbours"));
+  EXPECT_THAT(plan_of(near(0), slide_and_pan()).warnings(), SizeIs(1)) << "a place that is passed twice";
+  EXPECT_THAT(plan_of(near(20), slide_and_pan()).warnings(), SizeIs(1));
+}
+
+TEST(Cure, KeysOverFramesAndStraightPathsMayBeAsNearAsTheyLike) {
+  const std::string keys =
+      "keys = [{at=[0],frame=0},{at=[500],frame=9},{at=[500.1],frame=20},{at=[0],frame=48}]\n";
+  EXPECT_THAT(near_keys(parse_move(move_of("\"slide\"", 48, "timing = \"frames\"\n" + keys), "m").tracks[0]),
+              IsEmpty());
+  EXPECT_THAT(
+      near_keys(
+          parse_move(move_of("\"slide\"", 48, "speed = [5]\nspline = \"linear\"\n" + keys), "m").tracks[0]),
+      IsEmpty());
+  EXPECT_THAT(near_keys(parse_move(move_of("\"slide\"", 48, "speed = [5]\n" + keys), "m").tracks[0]),
+              SizeIs(1));
+}
+
+std::string nod_near_a_cusp(const std::string& of_key = "") {
+  return move_of(
+      R"("yaw", "nod")", 72,
+      fmt::format("keys = [ {{ at = [0, 0] }}, {{ at = [5, 12]{} }}, {{ at = [25, -4] }}, {{ at = [20, "
+                  "0] }} ]\nspeed = [0, 0, 10, 6, 8, 10, 0, 0]\n",
+                  of_key));
+}
+
+// Case 54: the program said "give the move more frames", of which 407 would do.
+TEST(Cure, ANodNearACuspIsEasedAtTheKeyWhereItTurns) {
+  const std::string move = nod_near_a_cusp(", ease = true");
+  ASSERT_FALSE(fits(move, neck()));
+  const std::optional<Cure> cure = cure_of(move, neck());
+  ASSERT_TRUE(cure);
+  EXPECT_EQ(cure->words, "ease = true at key 2");
+  EXPECT_TRUE(fits(with(move, "at = [25, -4]", "at = [25, -4], ease = true"), neck())) << "as the words say";
+}
+
+// Case 54: the program said corners = "ease", and then 999 frames.
+TEST(Cure, ANodWithAHoldIsCuredByStayingBetweenItsKeys) {
+  const std::string move =
+      move_of("\"nod\"", 72,
+              "keys = [ { at = [0] }, { at = [20], hold = 6 }, { at = [-10] }, { at = [0] } ]\n"
+              "speed = [0, 0, 10, 10, 0, 0]\n");
+  ASSERT_FALSE(fits(move, neck()));
+  const std::optional<Cure> cure = cure_of(move, neck());
+  ASSERT_TRUE(cure);
+  EXPECT_EQ(cure->words, "overshoot = false, and ease = true at key 2");
+  EXPECT_EQ(cure->frames, 85);
+  std::string cured = with(move, "keys =", "overshoot = false\nkeys =");
+  cured = with(cured, "at = [-10]", "at = [-10], ease = true");
+  EXPECT_FALSE(fits(cured, neck()));
+  cured = with(with(cured, "frames = 72", "frames = 85"), "hold = 6", "hold = 7");
+  EXPECT_TRUE(fits(cured, neck())) << "as the words say";
+}
+
+TEST(Cure, AMoveOfSeveralTracksIsToldWhichOneToChange) {
+  const std::string move = nod_near_a_cusp(", ease = true") +
+                           "[[track]]\naxes = [\"lid\"]\ntiming = \"frames\"\n"
+                           "keys = [{at = [0], frame = 0}, {at = [0], frame = 72}]\n";
+  std::string rig = neck();
+  rig += rig_text({{.name = "lid"}}).substr(rig_text({}).size());
+  const std::optional<Cure> cure = cure_of(move, rig);
+  ASSERT_TRUE(cure);
+  EXPECT_EQ(cure->words, "ease = true at key 2 in the track of \"yaw\"");
+}
+
+TEST(Cure, WhatNothingCuresGetsNoAdvice) {
+  const std::string far =
+      move_of("\"nod\"", 72, "keys = [ { at = [0] }, { at = [90] } ]\nspeed = [0, 0, 5, 0, 0]\n");
+  EXPECT_EQ(cure_of(far, neck()), std::nullopt) << "a key outside the axis";
+}
+
+}  // namespace cure_test
+}  // namespace inbetween
