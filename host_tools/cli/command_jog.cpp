@@ -161,7 +161,8 @@ what they do on the terminal, by their places on a US keyboard.
 
 With --teach MOVE a key press stores where all axes of a track stand, in the track of the chosen axis: Enter
 appends a key, i inserts one before the chosen key, t replaces the chosen key, n and p choose the next and
-the previous one, u takes the last one back. Each is written at once, and comments stay. A file that somebody
+the previous one, u takes the last one back. Where the key before or behind stands already, nearer than a
+thousandth of its range on every axis, it asks first: the same key again stores it. Each is written at once, and comments stay. A file that somebody
 else changes meanwhile is read again and never overwritten. Keys of a track with timing = "frames" can be
 replaced only, since a new one would need its frame; keys in the world, and of axes that count round (wrap),
 are edited in the file. An unreferenced axis has no position to store. Whether the move fits, check says.

@@ -192,6 +192,32 @@ void TaughtMove::make(const StandingAxes& standing) {
   words_ = fmt::format("{} is made, with key 0", name_);
 }
 
+void TaughtMove::ask_if_near(std::size_t t, std::size_t index, Where where, const std::vector<double>& at) {
+  Asked asked{t, index, where, at};
+  const MoveTrack& track = move_.tracks[t];
+  // Over frames a place that comes twice is a hold.
+  if (asked_ == asked || track.timing == Timing::frames) return;
+  const std::size_t behind = where == Where::in_place ? index + 1 : index;
+  for (const std::size_t k : {index - 1, behind}) {
+    if (k >= track.keys.size()) continue;
+    std::vector<std::string> ways;
+    bool is_near = true;
+    for (std::size_t d = 0; d < at.size(); ++d) {
+      const RigAxis& axis = rig_axis(track.axes[d]);
+      const double size = *converted(1, unit_in(track, d), axis.unit);
+      const double way = std::fabs(track.keys[k].at[d] - at[d]) * size;
+      is_near = is_near && way <= std::max(near_share * (axis.max - axis.min), 2 * count_of(axis));
+      if (way > 0) ways.push_back(fmt::format("{} {:.3g} {}", axis.name, way, to_string(axis.unit)));
+    }
+    if (!is_near) continue;
+    asked_ = std::move(asked);
+    const char* again = where == Where::in_place ? "t" : where == Where::before_chosen ? "i" : "Enter";
+    throw NotTaught{
+        fmt::format("key {} is here already ({}): {} again stores it all the same", k,
+                    ways.empty() ? "the same place" : fmt::format("{} away", fmt::join(ways, ", ")), again)};
+  }
+}
+
 void TaughtMove::store(std::size_t axis, const StandingAxes& standing, Where where) {
   refuse_changed_file();
   if (!text_) return make(standing);
@@ -210,6 +236,8 @@ void TaughtMove::store(std::size_t axis, const StandingAxes& standing, Where whe
   const bool is_behind = where == Where::behind_all;
   const std::size_t index = is_behind ? track.keys.size() : chosen_[t];
   const std::vector<double> at = position_of(track, standing);
+  ask_if_near(t, index, where, at);
+  asked_.reset();
   if (where == Where::in_place) {
     changed.keys[index].at = at;
   } else {
@@ -239,6 +267,7 @@ void TaughtMove::choose(std::size_t axis, int by) {
     }
     chosen_[t] += static_cast<std::size_t>(by);
     words_.clear();
+    asked_.reset();
   });
 }
 
@@ -256,6 +285,7 @@ void TaughtMove::append(std::size_t axis, const StandingAxes& standing) {
 
 void TaughtMove::undo() {
   guarded([&] {
+    asked_.reset();
     refuse_changed_file();
     if (undos_.empty()) throw NotTaught{"there is no key to take back"};
     const Undo& last = undos_.back();

@@ -22,9 +22,14 @@ using StandingAxes = std::vector<std::optional<double>>;
 ///
 /// The axis that is moved decides which track is meant. A key takes the positions of all axes of its track,
 /// in their order and units, as the nearest numbers with one decimal more than the counts of the drives need.
-/// A step that does nothing says why in words() and does not throw.
+/// A step that does nothing says why in words() and does not throw. One that would store a place where the
+/// key before it or behind it stands already (nearer than near_share on every axis) asks first: between such
+/// keys a path turns on the spot. The same step at the same place once more stores it.
 class TaughtMove {
  public:
+  /// Of the way between the limits of an axis.
+  static constexpr double near_share = 1e-3;
+
   /// The move at `path`, or one that its first key makes, with a track of these axes of the rig. Refers to
   /// the rig. Throws InputError where what is there is no move, or one of its axes is none of the rig.
   TaughtMove(FileLayer files, const std::string& path, const RigFile& rig,
@@ -57,10 +62,21 @@ class TaughtMove {
     bool has_made = false;  ///< there was no file
   };
 
+  /// What was asked and has not been answered.
+  struct Asked {
+    std::size_t track = 0;
+    std::size_t index = 0;
+    Where where = Where::behind_all;
+    std::vector<double> at;
+    bool operator==(const Asked&) const = default;
+  };
+
   template <class Action>
   void guarded(const Action& action);
   void store(std::size_t axis, const StandingAxes& standing, Where where);
   void make(const StandingAxes& standing);
+  /// Throws the question, unless it was asked already.
+  void ask_if_near(std::size_t track, std::size_t index, Where where, const std::vector<double>& at);
   void refuse_changed_file();
   void write(const std::string& text);
   void take(std::string text);
@@ -79,6 +95,7 @@ class TaughtMove {
   MoveFile move_;
   std::vector<std::size_t> chosen_;  ///< by track
   std::vector<Undo> undos_;
+  std::optional<Asked> asked_;
   std::size_t stored_ = 0;
   std::string words_;
 };

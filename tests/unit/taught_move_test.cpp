@@ -107,10 +107,43 @@ TEST(TaughtMove, AKeyThatIsReplacedKeepsItsCommentAndItsFrame) {
   TaughtMove move = lesson.begin();
   move.replace(track, standing);
   move.choose(track, 1);
-  move.replace(track, standing);
+  move.replace(track, {130.0, -4.0, std::nullopt});
   EXPECT_EQ(lesson.text(),
             replaced(replaced(move_text, "[-20.0, 40.0] },  # the door", "[-5.0, 123.45] },  # the door"),
-                     "[0, 200], frame = 40", "[-5, 123.45], frame = 40"));
+                     "[0, 200], frame = 40", "[-4, 130], frame = 40"));
+}
+
+// Case 31: two keys a hair apart asked for 19 535 frames.
+TEST(TaughtMove, APlaceThatIsThereAlreadyIsAskedForBeforeItIsStored) {
+  const Lesson lesson;
+  TaughtMove move = lesson.begin();
+  const StandingAxes beside{400.4, 20.0, std::nullopt};
+  move.append(track, beside);
+  EXPECT_EQ(lesson.text(), move_text) << "nothing is stored";
+  EXPECT_EQ(move.words(), "key 2 is here already (track 0.4 mm away): Enter again stores it all the same");
+  move.append(track, beside);
+  EXPECT_THAT(lesson.text(), HasSubstr("  { at = [20, 400] },\n  { at = [20, 400.4] },\n"))
+      << "asked and answered";
+  move.append(track, beside);
+  EXPECT_EQ(move.words(), "key 3 is here already (the same place): Enter again stores it all the same");
+  move.choose(track, -1);
+  move.append(track, beside);
+  EXPECT_THAT(move.words(), HasSubstr("Enter again")) << "another step was in between";
+  EXPECT_EQ(move.stored(), 1U);
+  move.append(track, {401.0, 20.0, std::nullopt});
+  EXPECT_EQ(move.words(), "appended key 4: pan 20, track 401") << "further than a thousandth of its range";
+}
+
+TEST(TaughtMove, AKeyMayComeBackToAPlaceThatIsNotItsNeighbours) {
+  const Lesson lesson;
+  TaughtMove move = lesson.begin();
+  move.append(track, {200.0, 0.0, std::nullopt});
+  EXPECT_EQ(move.stored(), 1U) << "where key 1 is";
+  move.choose(track, -1);
+  move.replace(track, {200.0, 0.0, std::nullopt});
+  EXPECT_THAT(move.words(), HasSubstr("key 1 is here already (the same place): t again"));
+  move.replace(track, {200.0, 0.0, std::nullopt});
+  EXPECT_EQ(move.stored(), 2U);
 }
 
 TEST(TaughtMove, StoredKeysAreTakenBackOneAfterTheOther) {
