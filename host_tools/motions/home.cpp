@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "host_tools/files/diagnostics.hpp"
 #include "host_tools/files/rig_motors.hpp"
 #include "host_tools/loop/jitter.hpp"
@@ -71,6 +73,20 @@ SetupEnd home_armed(RigSession& session, const std::vector<std::size_t>& axes, R
   return end;
 }
 
+/// What to do instead, as a command that takes such an axis.
+std::string way_without_home(const RigFile& rig, const RigAxis& axis) {
+  if (axis.reference == Reference::by_drive) {
+    return fmt::format("its drive says where it is, and inbetween goto --rig {} {}={:g} brings it there",
+                       rig.path, axis.name, std::clamp(0.0, axis.min, axis.max));
+  }
+  const bool has_zero = axis.min <= 0 && axis.max >= 0;
+  return fmt::format(
+      "bring it to its mark with inbetween jog --rig {} {}, and say so with inbetween goto --rig {} {}",
+      rig.path, axis.name, rig.path,
+      has_zero ? fmt::format("--set-zero {}", axis.name)
+               : fmt::format("--stands-at {}={:g}", axis.name, axis.min));
+}
+
 }  // namespace
 
 std::vector<std::size_t> home_axes(const RigFile& rig, const std::vector<std::string>& names) {
@@ -78,14 +94,8 @@ std::vector<std::size_t> home_axes(const RigFile& rig, const std::vector<std::st
   for (const std::string& name : names) {
     const std::size_t a = axis_named(rig, name);
     if (!has_home(rig.axes[a])) {
-      // What is refused for such an axis is not the way on.
-      const bool knows = rig.axes[a].reference == Reference::by_drive;
-      throw InputError(
-          rig.axes[a].place,
-          fmt::format(
-              "axis {} has no home switch; leave it out, {}", in_quotes(name),
-              knows ? "because its drive says where it is: to count from elsewhere, set that in the drive"
-                    : "and say where it stands with inbetween goto --set-zero"));
+      throw InputError(rig.axes[a].place, fmt::format("axis {} has no home switch; {}", in_quotes(name),
+                                                      way_without_home(rig, rig.axes[a])));
     }
     wanted[a] = true;
   }
@@ -95,8 +105,8 @@ std::vector<std::size_t> home_axes(const RigFile& rig, const std::vector<std::st
   }
   if (axes.empty()) {
     throw InputError({rig.path, 0, 0},
-                     "no axis of the rig has a home switch; write a `home` for one, or say where axes stand "
-                     "with inbetween goto --set-zero");
+                     fmt::format("no axis of the rig has a home switch; for axis {}, {}",
+                                 in_quotes(rig.axes.front().name), way_without_home(rig, rig.axes.front())));
   }
   return axes;
 }

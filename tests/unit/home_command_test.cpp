@@ -6,9 +6,12 @@
 #include <cmath>
 #include <csignal>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <optional>
+#include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "host_tools/loop/loop_preparations.hpp"
@@ -21,6 +24,7 @@
 #include "host_tools/rig/simulated_hardware.hpp"
 #include "sim/simulated_switch.hpp"
 #include "tests/support/places.hpp"
+#include "tests/support/rig_text.hpp"
 #include "tests/support/run_program.hpp"
 #include "tests/support/temporary_file.hpp"
 
@@ -301,14 +305,63 @@ void expect_refused(const ProgramRun& run, int status, const std::vector<std::st
   for (const std::string& word : words) EXPECT_THAT(run.err, HasSubstr(word));
 }
 
+/// The arguments behind the last "inbetween" of a line.
+std::vector<std::string> last_command(const std::string& line) {
+  std::istringstream words(line.substr(line.rfind("inbetween ") + 10));
+  std::vector<std::string> command;
+  for (std::string word; words >> word && word != "brings";) command.push_back(word);
+  return command;
+}
+
+// An axis of every kind of drive that has no switch: the command that is named takes it.
+TEST(HomeCommand, AnAxisWithoutASwitchIsToldTheCommandThatTakesIt) {
+  const TemporaryFolder folder;
+  const std::string bus = "[bus.can0]\nbitrate = 1000000\n";
+  const std::string by_hand = "reference = \"operator\"\n";
+  const std::vector<std::pair<std::string, std::string>> drives{
+      {"type = \"pipe\", path = \"/dev/null\", counts_per_unit = 1", ""},
+      {"type = \"step-dir\", chip = \"gpio\", step = 17, dir = 27, steps_per_unit = 40", by_hand},
+      {"type = \"cia402\", bus = \"can0\", node = 1, counts_per_unit = 1000", ""},
+      {"type = \"cia402\", bus = \"can0\", node = 1, counts_per_unit = 1000", by_hand},
+      {"type = \"odrive\", bus = \"can0\", node = 1, firmware = \"0.6\", turns_per_unit = 0.01", by_hand},
+      {"type = \"odrive\", bus = \"can0\", node = 1, firmware = \"0.6\", turns_per_unit = 0.01",
+       "reference = \"drive\"\n"},
+      {"type = \"moteus\", bus = \"can0\", node = 1, turns_per_unit = 0.01", by_hand},
+      {"type = \"rmd\", bus = \"can0\", node = 1, turns_per_unit = 0.01", by_hand},
+      {"type = \"cubemars\", bus = \"can0\", node = 1, turns_per_unit = 0.01, pole_pairs = 21, gear = 9, "
+       "no_watchdog = \"accepted\"",
+       by_hand}};
+  for (const auto& [drive, reference] : drives) {
+    for (const double min : {-100.0, 50.0}) {
+      const bool is_fd = drive.find("moteus") != std::string::npos;
+      const TemporaryFile rig(
+          "rig.toml",
+          rig_text({{.name = "x", .min = min, .more = reference + "unpowered = \"holds\"", .drive = drive}},
+                   {.more = is_fd ? bus + "data_bitrate = 5000000\n" : bus}));
+      const ProgramRun refused = run_program({"home", "--rig", rig.path().string(), "x", "--sim", "--fast"});
+      EXPECT_EQ(refused.status, 1) << drive;
+      EXPECT_THAT(refused.err, HasSubstr("axis \"x\" has no home switch; ")) << drive;
+      std::vector<std::string> command = last_command(refused.err);
+      const std::string positions = (folder.path() / "positions.toml").string();
+      const bool says = refused.err.find("say so") != std::string::npos;
+      const std::vector<std::string> simulated = says ? std::vector<std::string>{"--positions", positions}
+                                                      : std::vector<std::string>{"--sim", "--fast", "--yes"};
+      command.insert(command.end(), simulated.begin(), simulated.end());
+      const ProgramRun taken = run_program(command);
+      EXPECT_EQ(taken.status, 0) << drive << "\n" << refused.err << taken.err;
+      std::filesystem::remove(positions);
+    }
+  }
+}
+
 TEST(HomeCommand, BadInputIsOneLine) {
   const Stage stage;
   expect_refused(stage.home({"roll", "--sim", "--fast"}), 1, {"no axis \"roll\"", "slide, focus, pan"});
   expect_refused(stage.home({"focus", "--sim", "--fast"}), 1,
-                 {"slider.toml:13:1: error: axis \"focus\" has no home switch", "goto --set-zero"});
+                 {"slider.toml:13:1: error: axis \"focus\" has no home switch", "--set-zero focus"});
   expect_refused(
       run_program({"home", "--rig", in_checkout("examples/camera_rig.toml"), "pan", "--sim", "--fast"}), 1,
-      {"axis \"pan\" has no home switch", "its drive says where it is"});
+      {"axis \"pan\" has no home switch", "its drive says where it is, and inbetween goto --rig"});
   const std::string text = slider;
   const std::size_t home = text.find("home = "), end = text.find('\n', home);
   const std::size_t second = text.find("home = ", end);
