@@ -313,6 +313,8 @@ TEST(Teach, AMoveIsMadeKeyByKeyOnTheScreenAndCheckTakesIt) {
   screen.press("p");
   screen.wait_for("> 0   track 100, pan 0");
   screen.press("t");
+  screen.wait_for("key 1 is here already (the same place): t again stores it all the same");
+  screen.press("t");
   screen.wait_for("replaced key 0: track 105, pan 0");
   screen.press("u");
   screen.wait_for("the last key is taken back");
