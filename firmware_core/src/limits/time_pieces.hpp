@@ -10,8 +10,8 @@
 #include "inbetween/base/bisection.hpp"
 #include "inbetween/timing/track.hpp"
 #include "length_from_anchor.hpp"
-#include "lock_share.hpp"
 #include "path/segment_speed.hpp"
+#include "timing/lock_share.hpp"
 
 /// A move cut into stretches of time on which it is one smooth function: one segment, one span.
 

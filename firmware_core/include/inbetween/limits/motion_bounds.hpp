@@ -8,6 +8,7 @@
 
 #include "inbetween/base/result.hpp"
 #include "inbetween/timing/track.hpp"
+#include "inbetween/trajectory/axis_peaks.hpp"
 
 /// How far, how fast and how hard a move goes on every axis, proven for every moment and not only for sampled
 /// ones.
@@ -15,26 +16,6 @@
 namespace inbetween {
 
 inline constexpr std::size_t max_bounded_axes = 64;
-
-/// A proven bound, and the frame, which need not be a whole one, near which it is reached.
-template <Precise Real>
-struct Peak {
-  Real value = 0;
-  Real frame = 0;
-
-  constexpr void raise(Real to, Real at_frame) {
-    if (to > value) *this = {to, at_frame};
-  }
-};
-
-/// One axis over a move or a part of it, in axis units and seconds. Velocity, acceleration and jerk are
-/// suprema of the magnitude over the open stretches between keys and knots of the speed curve, and of their
-/// one-sided limits: what steps at a key is listed apart. Infinity where there is no bound.
-template <Precise Real>
-struct AxisPeaks {
-  Peak<Real> lowest, highest;  ///< position
-  Peak<Real> velocity, acceleration, jerk;
-};
 
 /// Velocity, acceleration and jerk of one axis.
 inline constexpr std::size_t motion_quantities = 3;

@@ -1,0 +1,27 @@
+#pragma once
+
+#include "inbetween/base/precision.hpp"
+
+namespace inbetween {
+
+/// A proven bound, and the frame, which need not be a whole one, near which it is reached.
+template <Precise Real>
+struct Peak {
+  Real value = 0;
+  Real frame = 0;
+
+  constexpr void raise(Real to, Real at_frame) {
+    if (to > value) *this = {to, at_frame};
+  }
+};
+
+/// One axis over a move or a part of it, in axis units and seconds. Velocity, acceleration and jerk are
+/// suprema of the magnitude over the open stretches between keys and knots of the speed curve, and of their
+/// one-sided limits: what steps at a key is listed apart. Infinity where there is no bound.
+template <Precise Real>
+struct AxisPeaks {
+  Peak<Real> lowest, highest;  ///< position
+  Peak<Real> velocity, acceleration, jerk;
+};
+
+}  // namespace inbetween

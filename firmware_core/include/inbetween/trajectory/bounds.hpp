@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "inbetween/trajectory/axis_peaks.hpp"
+#include "inbetween/trajectory/trajectory.hpp"
+
+/// How far, how fast and how hard a trajectory goes, proven for every moment.
+
+namespace inbetween {
+
+/// Peaks of every axis between joints, one-sided at them: true <= peak <= 1.001 true; lowest and highest
+/// within 1e-9 of the way of a piece. Infinity, with the frame, where the asked motion has no bound
+/// (Trajectory::unbounded).
+///
+/// Method: on a piece a derivative is a polynomial, and lies in the hull of its Bernstein coefficients
+/// (Farouki 2012, "The Bernstein polynomial basis: a centennial retrospective", section 5); pieces are halved
+/// (de Casteljau) until the hull is within 0.1 % of what is reached. `out` has an entry for every axis.
+/// O(pieces * axes), no allocation.
+void bound_trajectory(const Trajectory& trajectory, std::span<AxisPeaks<double>> out);
+
+/// How much an axis steps at a break: leaving less arriving, with its sign, in axis units and seconds.
+struct TrajectoryStep {
+  double velocity = 0;
+  double acceleration = 0;
+};
+
+/// Those of every axis at a break of the trajectory. `out` has an entry for every axis. A step of what is not
+/// known on both sides is 0. O(axes).
+void steps_at(const Trajectory& trajectory, const TrajectoryBreak& at, std::span<TrajectoryStep> out);
+
+}  // namespace inbetween

@@ -1,0 +1,91 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "inbetween/timing/frame_time.hpp"
+#include "inbetween/timing/track.hpp"
+
+/// A motion as polynomials in time: for each axis a row of pieces that share their ends.
+
+namespace inbetween {
+
+/// One stretch of time of all axes: the polynomial that has the values of two rows at its ends (Hermite).
+/// With u = (time - begin) / length, u = 1 belongs to the next piece, so that every joint is exact.
+struct TrajectoryPiece {
+  FrameTime<double> begin;
+  double inverse_frames = 0;    ///< 1 / length in frames
+  double seconds = 0;           ///< length
+  std::uint32_t begin_row = 0;  ///< where its values begin in Trajectory::values()
+  std::uint32_t end_row = 0;
+  std::uint8_t degree = 7;  ///< 1, 3, 5 or 7: of each row its first (degree + 1) / 2 numbers an axis count
+};
+
+/// A joint at which derivatives may step: the piece that ends there and the one that begins there have rows
+/// of their own.
+struct TrajectoryBreak {
+  FrameTime<double> time;
+  std::uint32_t piece = 0;  ///< the one that begins there
+  std::int32_t key = -1;    ///< that is passed there; -1 where none is
+};
+
+/// A derivative of the asked motion without a bound, which no polynomial has.
+struct UnboundedSide {
+  FrameTime<double> time;
+  std::int32_t axis = 0;
+  std::int32_t key = -1;   ///< that is passed there; -1 between keys
+  std::uint8_t order = 2;  ///< this derivative and those above: 1 velocity, 2 acceleration
+};
+
+/// The memory of a trajectory, owned by the caller. Sizes: see fit_trajectory.
+struct TrajectoryMemory {
+  std::span<TrajectoryPiece> pieces;
+  std::span<double> values;
+  std::span<std::uint32_t> buckets;  ///< any number >= 1; about as many as pieces make looking up quick
+  std::span<TrajectoryBreak> breaks;
+  std::span<UnboundedSide> unbounded;
+  std::span<AxisMotion<double>> samples;  ///< 3 for each axis, while it is made
+};
+
+/// What plays. A small value that refers to the caller's memory.
+///
+/// A row holds, for all axes, positions, then velocities, accelerations and jerks, in axis units and seconds.
+/// Before the first piece the first position and behind the last the last one, at rest.
+class Trajectory {
+ public:
+  [[nodiscard]] std::size_t axis_count() const { return axis_count_; }
+  [[nodiscard]] std::span<const TrajectoryPiece> pieces() const { return pieces_; }
+  [[nodiscard]] std::span<const double> values() const { return values_; }
+  [[nodiscard]] std::span<const TrajectoryBreak> breaks() const { return breaks_; }
+  [[nodiscard]] std::span<const UnboundedSide> unbounded() const { return unbounded_; }
+  [[nodiscard]] FrameTime<double> begin() const { return pieces_.front().begin; }
+  [[nodiscard]] const FrameTime<double>& end() const { return end_; }
+  [[nodiscard]] FrameRate frame_rate() const { return fps_; }
+  [[nodiscard]] FrameTime<double> end_of(std::size_t piece) const {
+    return piece + 1 < pieces_.size() ? pieces_[piece + 1].begin : end_;
+  }
+
+  /// The position of every axis: the tick. `out` has axis_count() entries. O(axes), no allocation, the same
+  /// bits on every target.
+  void positions(const FrameTime<double>& time, std::span<double> out) const;
+  /// Position and three derivatives of every axis. On a joint those with which the motion leaves it; at the
+  /// end those with which it arrives. O(axes).
+  void motion(const FrameTime<double>& time, std::span<AxisMotion<double>> out) const;
+  /// The piece that a time from begin() to before end() lies in.
+  [[nodiscard]] std::size_t piece_at(const FrameTime<double>& time) const;
+
+ private:
+  friend class TrajectoryBuilder;
+  std::span<const TrajectoryPiece> pieces_;
+  std::span<const double> values_;
+  std::span<const std::uint32_t> buckets_;
+  std::span<const TrajectoryBreak> breaks_;
+  std::span<const UnboundedSide> unbounded_;
+  std::size_t axis_count_ = 0;
+  FrameTime<double> end_;
+  FrameRate fps_;
+  double buckets_per_frame_ = 0;
+};
+
+}  // namespace inbetween

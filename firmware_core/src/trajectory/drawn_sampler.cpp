@@ -1,0 +1,380 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "inbetween/trajectory/fit.hpp"
+#include "path/segment_speed.hpp"
+#include "timing/met_place.hpp"
+
+namespace inbetween {
+namespace {
+
+/// Joints that are nearer than this in frames are one: a key that is locked to a knot is met within rounding.
+constexpr double same_moment = 1e-9;
+/// The point of a joint that lies on no knot of the path.
+constexpr std::int32_t nowhere = -1;
+
+/// a = span + t as a time, exact where t is 0.
+FrameTime<double> time_of(const Track<double>& track, const CurvePlace<double>& place) {
+  const std::int64_t f = track.profile().span_count();
+  const std::int64_t scaled = static_cast<std::int64_t>(place.span) * track.frames();
+  const FrameTime<double> begin{static_cast<std::int32_t>(scaled / f),
+                                static_cast<double>(scaled % f) / static_cast<double>(f)};
+  return moved_by(begin, place.t * static_cast<double>(track.frames()) / static_cast<double>(f));
+}
+
+double constant_at(const Track<double>& track, std::int32_t frame) {
+  double constant = track.constant();
+  for (const Portion<double>& portion : track.portions()) {
+    if (portion.begin_frame <= frame) constant = portion.constant;
+  }
+  return constant;
+}
+
+/// Collects the joints in the caller's memory.
+class JointList {
+ public:
+  JointList(const Track<double>& track, std::span<SampledJoint> memory) : track_(track), memory_(memory) {}
+
+  void add_knots() {
+    const std::int32_t f = track_.profile().span_count();
+    for (std::int32_t i = 0; i <= f; ++i) {
+      SampledJoint joint = at(i < f ? CurvePlace<double>{i, 0} : CurvePlace<double>{f - 1, 1});
+      if (i > 0) joint.curve_before = {i - 1, 1};
+      add(joint);
+    }
+  }
+  void add_portions() {
+    for (std::size_t i = 1; i < track_.portions().size(); ++i) {
+      const Portion<double>& portion = track_.portions()[i];
+      SampledJoint joint = at(track_.place({portion.begin_frame, 0}));
+      joint.time = {portion.begin_frame, 0};
+      joint.constant_before = track_.portions()[i - 1].constant;
+      joint.constant_after = portion.constant;
+      add(joint);
+    }
+  }
+  void add_path() {
+    const Path<double>& path = track_.path();
+    std::int32_t before = nowhere;  // the last segment with a length
+    for (std::int32_t i = 0; i < path.segment_count(); ++i) {
+      if (!has_length(track_, i)) continue;
+      if (before != nowhere)
+        add_passing(track_.arc_length().segment_begin(i), {before, 1}, {i, 0}, path.key_at(i));
+      if (before == nowhere) first_ = {i, 0};
+      before = i;
+      last_ = {i, 1};
+      const AnchoredIntervals<double> split =
+          split_where_slow(SegmentSpeed<double>(path.segment(i), path.weights()));
+      for (std::size_t k = 0; k < split.count; ++k) {
+        const AnchoredInterval<double>& interval = split.intervals[k];
+        if (!interval.forward || interval.anchor <= 0 || interval.anchor >= 1) continue;
+        const PathPoint<double> anchor{i, interval.anchor};
+        add_passing(track_.arc_length().distance(path, anchor), anchor, anchor, std::nullopt);
+      }
+    }
+  }
+
+  /// In order, those of one moment as one.
+  std::span<const SampledJoint> settle() {
+    const std::span<SampledJoint> all = memory_.first(count_);
+    std::sort(all.begin(), all.end(),
+              [](const SampledJoint& a, const SampledJoint& b) { return a.time < b.time; });
+    std::size_t kept = 0;
+    for (const SampledJoint& joint : all) {
+      if (kept > 0 && are_one(all[kept - 1], joint)) {
+        join(all[kept - 1], joint);
+      } else {
+        all[kept++] = joint;
+      }
+    }
+    all[0].point_after = first_;
+    all[kept - 1].point_before = last_;
+    return all.first(kept);
+  }
+  [[nodiscard]] bool has_room() const { return count_ <= memory_.size(); }
+
+ private:
+  [[nodiscard]] SampledJoint at(const CurvePlace<double>& place) const {
+    SampledJoint joint;
+    joint.time = time_of(track_, place);
+    joint.curve_before = joint.curve_after = place;
+    joint.point_before = joint.point_after = {nowhere, 0};
+    joint.constant_before = joint.constant_after = constant_at(track_, joint.time.frame);
+    return joint;
+  }
+  void add_passing(const TwoSum<double>& distance, const PathPoint<double>& before,
+                   const PathPoint<double>& after, std::optional<std::int32_t> key) {
+    MetPlace<double> met = find_distance(track_, distance);
+    if (met.arriving == met.leaving) met.place = refined(met.place, met.leaving, distance);
+    SampledJoint joint = at(met.place);
+    joint.point_before = before;
+    joint.point_after = after;
+    joint.constant_before = met.arriving;
+    joint.constant_after = met.leaving;
+    joint.key = key.value_or(-1);
+    add(joint);
+  }
+  /// The place to the last bits where the motion goes on: found is one as near as a lock is.
+  [[nodiscard]] CurvePlace<double> refined(CurvePlace<double> place, double constant,
+                                           const TwoSum<double>& distance) const {
+    constexpr int max_steps = 4;
+    for (int i = 0; i < max_steps; ++i) {
+      const double slope = constant * track_.profile().span(place.span).value(place.t);
+      const double off = track_.distance(time_of(track_, place)).minus(distance);
+      const double next = place.t - off / slope;
+      if (!(next >= 0 && next <= 1)) break;  // at rest, or beyond the span
+      place.t = next;
+    }
+    return place;
+  }
+  void add(const SampledJoint& joint) {
+    if (count_ < memory_.size()) memory_[count_] = joint;
+    ++count_;
+  }
+  /// At one moment, or nearer to each other along the path than the time of a place is known.
+  [[nodiscard]] bool are_one(const SampledJoint& a, const SampledJoint& b) const {
+    if (frames_between(a.time, b.time) <= same_moment) return true;
+    if (a.point_after.segment == nowhere || b.point_before.segment == nowhere) return false;
+    const auto distance = [&](const PathPoint<double>& point) {
+      return track_.arc_length().distance(track_.path(), point);
+    };
+    const double way = distance(b.point_before).minus(distance(a.point_after));
+    return way <= 4 * lock_share<double> * track_.arc_length().total();
+  }
+  static bool is_inside(const CurvePlace<double>& place) { return place.t > 0 && place.t < 1; }
+  /// A knot of the curve knows the time and its spans, a knot of the path its points, a break its constants.
+  static void join(SampledJoint& into, const SampledJoint& other) {
+    if (is_inside(into.curve_after) && !is_inside(other.curve_after)) {
+      into.time = other.time;
+      into.curve_before = other.curve_before;
+      into.curve_after = other.curve_after;
+    }
+    if (other.point_after.segment != nowhere) {
+      const bool is_alone = into.point_before.segment == nowhere;
+      // In the order of the path: their times are within rounding of each other.
+      if (is_alone || other.point_before.at_or_before(into.point_before))
+        into.point_before = other.point_before;
+      if (is_alone || into.point_after.at_or_before(other.point_after)) into.point_after = other.point_after;
+      into.key = std::max(into.key, other.key);
+    }
+    if (other.constant_before != other.constant_after) {
+      into.constant_before = other.constant_before;
+      into.constant_after = other.constant_after;
+    }
+  }
+
+  const Track<double>& track_;
+  std::span<SampledJoint> memory_;
+  std::size_t count_ = 0;
+  PathPoint<double> first_, last_;  ///< of the way that has a length
+};
+
+/// The point at a distance to the last bits: the tick's own inverse is only as near as it promises.
+PathPoint<double> point_at(const Track<double>& track, const TwoSum<double>& distance) {
+  constexpr int max_steps = 8;
+  PathPoint<double> point = track.arc_length().locate(distance);
+  if (point.segment >= track.path().segment_count()) return point;
+  const double rounding = std::numeric_limits<double>::epsilon() * track.arc_length().total();
+  for (int i = 0; i < max_steps; ++i) {
+    const double off = track.arc_length().distance(track.path(), point).minus(distance);
+    const double sigma = track.path().parametric_speed(point);
+    if (std::fabs(off) <= rounding || sigma == 0) break;
+    const double next = std::clamp(point.t - off / sigma, 0.0, 1.0);
+    if (next == point.t) break;
+    point.t = next;
+  }
+  return point;
+}
+
+/// A key at which the motion rests is its place to the last bit.
+PathPoint<double> resting_point(const Track<double>& track, const TwoSum<double>& distance, bool arriving) {
+  const double margin = lock_share<double> * track.arc_length().total();
+  const PathPoint<double> here = track.arc_length().locate(distance);
+  const std::int32_t last = track.path().segment_count();
+  for (std::int32_t key = here.segment; key <= std::min(here.segment + 1, last); ++key) {
+    if (std::fabs(distance.minus(track.arc_length().segment_begin(key))) > margin) continue;
+    if (arriving && key > 0 && has_length(track, key - 1)) return {key - 1, 1};
+    return {key, 0};
+  }
+  return point_at(track, distance);
+}
+
+/// A segment whose cubics are multiples of one: a line, on which only the pace changes, however it turns
+/// back. The chain rule would take large numbers from each other there.
+class Line {
+ public:
+  Line(const Track<double>& track, std::int32_t segment)
+      : cubics_(track.path().segment(segment)), weights_(track.path().weights()) {
+    for (std::size_t d = 0; d < cubics_.size(); ++d) {
+      if (size_of(d) > size_of(largest_)) largest_ = d;
+    }
+    const std::array<double, 3> longest = of(largest_);
+    for (std::size_t k = 0; k < longest.size(); ++k) {
+      if (std::fabs(longest[k]) > std::fabs(longest[term_])) term_ = k;
+    }
+    double squares = 0;
+    for (std::size_t d = 0; d < cubics_.size(); ++d)
+      squares += weights_[d] * ratio(d) * weights_[d] * ratio(d);
+    length_ = std::sqrt(squares);
+  }
+  [[nodiscard]] bool is_there() const {
+    if (!(length_ > 0)) return false;
+    const std::array<double, 3> longest = of(largest_);
+    for (std::size_t d = 0; d < cubics_.size(); ++d) {
+      for (std::size_t k = 0; k < longest.size(); ++k) {
+        const double off = std::fabs(of(d)[k] - ratio(d) * longest[k]);
+        if (off > rounding * std::fabs(ratio(d) * longest[term_])) return false;
+      }
+    }
+    return true;
+  }
+  /// dP / dL of every axis at t: with its sign there, or where the path stands still on that side.
+  void write(const AlongPath<double>& along, bool arriving, std::span<AxisMotion<double>> out) const {
+    const Cubic<double>& longest = cubics_[largest_];
+    const double t = along.point.t;
+    double way = longest.derivative(t);
+    if (way == 0) way = arriving ? -longest.second(t) : longest.second(t);
+    if (way == 0) way = longest.third();
+    const double sign = way < 0 ? -1 : 1;
+    for (std::size_t d = 0; d < out.size(); ++d) {
+      const double direction = sign * ratio(d) / length_;
+      out[d].velocity = direction * along.speed;
+      out[d].acceleration = direction * along.acceleration;
+      out[d].jerk = direction * along.jerk;
+    }
+  }
+
+ private:
+  static constexpr double rounding = 64 * std::numeric_limits<double>::epsilon();
+
+  [[nodiscard]] std::array<double, 3> of(std::size_t d) const {
+    return {cubics_[d].c1, 2 * cubics_[d].c2, 3 * cubics_[d].c3};
+  }
+  [[nodiscard]] double size_of(std::size_t d) const {
+    const std::array<double, 3> terms = of(d);
+    return weights_[d] * (std::fabs(terms[0]) + std::fabs(terms[1]) + std::fabs(terms[2]));
+  }
+  [[nodiscard]] double ratio(std::size_t d) const { return of(d)[term_] / of(largest_)[term_]; }
+
+  std::span<const Cubic<double>> cubics_;
+  std::span<const double> weights_;
+  std::size_t largest_ = 0;  ///< the axis that counts most
+  std::size_t term_ = 0;     ///< of its derivative, the largest
+  double length_ = 0;
+};
+
+/// Where P' = 0 to first order: the direction in which the path leaves, and how it turns from there with the
+/// root of the distance.
+class Standing {
+ public:
+  Standing(const Track<double>& track, const PathPoint<double>& point)
+      : cubics_(track.path().segment(point.segment)), t_(point.t) {
+    const std::span<const double> weights = track.path().weights();
+    double squares = 0, products = 0, thirds = 0;
+    for (std::size_t d = 0; d < cubics_.size(); ++d) {
+      const double second = weights[d] * cubics_[d].second(t_);
+      const double third = weights[d] * cubics_[d].third();
+      squares += second * second;
+      products += second * third;
+      thirds += third * third;
+    }
+    size_ = std::sqrt(squares);
+    third_ = std::sqrt(thirds);
+    along_ = squares > 0 ? products / squares : 0;
+  }
+  /// Whether its part of the direction turns: then d2P / dL2 has no bound.
+  [[nodiscard]] bool turns(std::size_t d) const {
+    if (!(size_ > still_speed_share<double> * third_))
+      return false;  // to second order: the direction goes on
+    const double across = cubics_[d].third() - along_ * cubics_[d].second(t_);
+    const double size = std::fabs(cubics_[d].third()) + std::fabs(along_ * cubics_[d].second(t_));
+    return std::fabs(across) > straight_share * size;
+  }
+
+ private:
+  /// What is less across than this share of itself is rounding.
+  static constexpr double straight_share = 1e-9;
+
+  std::span<const Cubic<double>> cubics_;
+  double t_;
+  double size_ = 0, third_ = 0, along_ = 0;
+};
+
+SampledSpeed sampled(const Track<double>& track, const FrameTime<double>& time, CurvePlace<double> place,
+                     double constant, PathPoint<double> point, bool arriving,
+                     std::span<AxisMotion<double>> out) {
+  const SpeedSpan<double>& span = track.profile().span(place.span);
+  const double rate = track.curve_rate();
+  AlongPath<double> along;
+  along.speed = constant * rate * span.value(place.t);
+  along.acceleration = constant * rate * rate * span.derivative(place.t);
+  along.jerk = constant * rate * rate * rate * span.second(place.t);
+  along.point = point;
+  if (point.segment == nowhere) {
+    const TwoSum<double> distance = track.distance(time);
+    along.point = along.speed == 0 ? resting_point(track, distance, arriving) : point_at(track, distance);
+  }
+  const Derivatives derivatives = track.motion_at(along, arriving, out);
+  if (along.point.t == 1) {  // the key itself, and not what the cubic before it is rounded to
+    const std::span<const Cubic<double>> next = track.path().segment(along.point.segment + 1);
+    for (std::size_t d = 0; d < out.size(); ++d) out[d].position = next[d].c0;
+  }
+  const std::int32_t segment = std::min(along.point.segment, track.path().segment_count() - 1);
+  if (const Line line(track, segment); line.is_there()) {
+    if (along.point.segment == segment) line.write(along, arriving, out);
+    return {along.speed, 3};
+  }
+  switch (derivatives) {
+    case Derivatives::exact:
+      return {along.speed, 3};
+    case Derivatives::one_sided:
+      return {along.speed, 1};
+    case Derivatives::unbounded:
+      break;
+  }
+  return {along.speed, 0};
+}
+
+}  // namespace
+
+bool DrawnSampler::is_unbounded(const PathPoint<double>& point, std::size_t axis) const {
+  return Standing(*track_, point).turns(axis);
+}
+
+std::size_t max_joints(const Track<double>& track) {
+  const auto spans = static_cast<std::size_t>(track.profile().span_count());
+  return spans + 1 + track.portions().size() + 3 * static_cast<std::size_t>(track.path().segment_count());
+}
+
+Result<DrawnSampler> DrawnSampler::make(const Track<double>& track, std::span<SampledJoint> joints) {
+  JointList list(track, joints);
+  list.add_knots();
+  list.add_portions();
+  list.add_path();
+  if (!list.has_room()) {
+    return Error{.code = ErrorCode::capacity,
+                 .what = "the motion has more joints than its memory",
+                 .remedy = "give it a larger capacity",
+                 .needed = static_cast<std::int64_t>(max_joints(track))};
+  }
+  return DrawnSampler(track, list.settle());
+}
+
+SampledSpeed DrawnSampler::sample(const FrameTime<double>& time, std::span<AxisMotion<double>> out) const {
+  return sampled(*track_, time, track_->place(time), constant_at(*track_, time.frame), {nowhere, 0}, false,
+                 out);
+}
+
+SampledSpeed DrawnSampler::arriving(const SampledJoint& joint, std::span<AxisMotion<double>> out) const {
+  return sampled(*track_, joint.time, joint.curve_before, joint.constant_before, joint.point_before, true,
+                 out);
+}
+
+SampledSpeed DrawnSampler::leaving(const SampledJoint& joint, std::span<AxisMotion<double>> out) const {
+  return sampled(*track_, joint.time, joint.curve_after, joint.constant_after, joint.point_after, false, out);
+}
+
+}  // namespace inbetween

@@ -1,0 +1,149 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <type_traits>
+
+/// Hermite's polynomials: the one that has given values and derivatives at both ends of [0, 1].
+
+namespace inbetween {
+
+/// What each of the numbers of two rows counts for, at one time. `begin[0]` and `end[0]` are those of the
+/// positions; as they add up to 1 (and to 0 in a derivative), the first position plus end[0] times the way
+/// between both is what is meant, and begin[0] is not used.
+struct HermiteWeights {
+  std::array<double, 4> begin{};
+  std::array<double, 4> end{};
+};
+
+/// A polynomial in u, c[0] + c[1] u + ...
+using HermitePolynomial = std::array<double, 8>;
+
+constexpr HermitePolynomial multiplied(const HermitePolynomial& a, const HermitePolynomial& b) {
+  HermitePolynomial product{};
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    for (std::size_t k = 0; i + k < a.size(); ++k) product[i + k] += a[i] * b[k];
+  }
+  return product;
+}
+
+/// Of degree 2 `Known` - 1, from so many numbers at each end: from two points' Taylor polynomials (Davis,
+/// Interpolation and Approximation, 1963, section 2.5),
+///   left_j(u) = u^j / j! (1 - u)^n sum_m binomial(n - 1 + m, m) u^m, m = 0 .. n - 1 - j, n = Known,
+///   right_j(u) = (-1)^j left_j(1 - u).
+/// All coefficients are whole numbers over j!.
+template <std::size_t Known>
+struct HermiteBasis {
+  std::array<HermitePolynomial, Known> left{}, right{};
+
+  constexpr HermiteBasis() {
+    for (std::size_t j = 0; j < Known; ++j) {
+      left[j] = from_left(j, {0, 1}, {1, -1});
+      right[j] = from_left(j, {1, -1}, {0, 1});
+      if (j % 2 == 1) {
+        for (double& c : right[j]) c = -c;
+      }
+    }
+  }
+
+ private:
+  static constexpr HermitePolynomial from_left(std::size_t j, const HermitePolynomial& u,
+                                               const HermitePolynomial& rest) {
+    HermitePolynomial sum{};
+    HermitePolynomial power{1};
+    double binomial = 1;
+    for (std::size_t m = 0; m + j < Known; ++m) {
+      for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += binomial * power[i];
+      power = multiplied(power, u);
+      binomial = binomial * static_cast<double>(Known + m) / static_cast<double>(m + 1);
+    }
+    for (std::size_t k = 0; k < Known; ++k) sum = multiplied(sum, rest);
+    double factorial = 1;
+    for (std::size_t k = 1; k <= j; ++k) {
+      sum = multiplied(sum, u);
+      factorial *= static_cast<double>(k);
+    }
+    for (double& c : sum) c /= factorial;
+    return sum;
+  }
+};
+
+template <std::size_t Known>
+inline constexpr HermiteBasis<Known> hermite_basis{};
+
+/// A derivative of a polynomial at u, by Horner's rule.
+template <std::size_t Order>
+constexpr double derivative_at(const HermitePolynomial& c, double u) {
+  double sum = 0;
+  for (std::size_t i = c.size(); i-- > Order;) {
+    double factor = 1;
+    for (std::size_t k = 0; k < Order; ++k) factor *= static_cast<double>(i - k);
+    sum = sum * u + factor * c[i];
+  }
+  return sum;
+}
+
+/// The weights of a derivative in time on a piece that lasts `seconds`.
+template <std::size_t Known, std::size_t Order>
+HermiteWeights hermite_weights(double u, double seconds) {
+  HermiteWeights weights;
+  double scale = 1;
+  for (std::size_t k = 0; k < Order; ++k) scale /= seconds;
+  for (std::size_t j = 0; j < Known; ++j) {
+    weights.begin[j] = scale * derivative_at<Order>(hermite_basis<Known>.left[j], u);
+    weights.end[j] = scale * derivative_at<Order>(hermite_basis<Known>.right[j], u);
+    scale *= seconds;
+  }
+  return weights;
+}
+
+/// The weights of the position as products: near an end what is small there stays precise.
+template <std::size_t Known>
+HermiteWeights position_weights(double u, double seconds) {
+  const double r = 1 - u;
+  HermiteWeights weights;
+  if constexpr (Known == 1) {
+    weights.end[0] = u;
+  } else if constexpr (Known == 2) {
+    weights.begin[1] = seconds * (r * r * u);
+    weights.end[0] = u * u * (1 + 2 * r);
+    weights.end[1] = -(seconds * (u * u * r));
+  } else if constexpr (Known == 3) {
+    const double before = r * r * r;
+    const double behind = u * u * u;
+    weights.begin[1] = seconds * (before * u * (1 + 3 * u));
+    weights.begin[2] = seconds * seconds * (before * (u * u) / 2);
+    weights.end[0] = behind * (1 + r * (3 + 6 * r));
+    weights.end[1] = -(seconds * (behind * r * (1 + 3 * r)));
+    weights.end[2] = seconds * seconds * (behind * (r * r) / 2);
+  } else {
+    const double before = (r * r) * (r * r);
+    const double behind = (u * u) * (u * u);
+    const double square = seconds * seconds;
+    weights.begin[1] = seconds * (before * u * (1 + u * (4 + 10 * u)));
+    weights.begin[2] = square * (before * (u * u) * (1 + 4 * u) / 2);
+    weights.begin[3] = square * seconds * (before * (u * u * u) / 6);
+    weights.end[0] = behind * (1 + r * (4 + r * (10 + 20 * r)));
+    weights.end[1] = -(seconds * (behind * r * (1 + r * (4 + 10 * r))));
+    weights.end[2] = square * (behind * (r * r) * (1 + 4 * r) / 2);
+    weights.end[3] = -(square * seconds * (behind * (r * r * r) / 6));
+  }
+  return weights;
+}
+
+/// Calls `work` with the number of numbers at each end as a constant.
+template <class Work>
+void with_known(std::size_t degree, const Work& work) {
+  switch (degree) {
+    case 1:
+      return work(std::integral_constant<std::size_t, 1>());
+    case 3:
+      return work(std::integral_constant<std::size_t, 2>());
+    case 5:
+      return work(std::integral_constant<std::size_t, 3>());
+    default:
+      return work(std::integral_constant<std::size_t, 4>());
+  }
+}
+
+}  // namespace inbetween
