@@ -62,11 +62,9 @@ class TrajectoryBuilder {
   }
 
  private:
-  /// What a row holds beside its numbers.
   struct Row {
-    std::uint32_t offset = 0;
-    std::uint8_t order = 3;
-    double speed = 0;
+    std::uint32_t offset = 0;  ///< in the values
+    std::uint8_t order = 3;    ///< of its highest derivative
   };
 
   /// How far each axis goes, by its joints and the middles between them: what the tolerance is a share of.
@@ -89,12 +87,10 @@ class TrajectoryBuilder {
       take();
     }
     for (std::size_t d = 0; d < axes_; ++d)
-      tolerance_of(d) = tolerances_.position_share * (here_[d].velocity - here_[d].position);
+      max_off_[d] = tolerances_.position_share * (here_[d].velocity - here_[d].position);
   }
-  double& tolerance_of(std::size_t axis) { return tolerances_memory_[axis]; }
-
   Row stored(std::span<const AxisMotion<double>> row, const SampledSpeed& known) {
-    const Row result{static_cast<std::uint32_t>(values_), known.order, known.speed};
+    const Row result{static_cast<std::uint32_t>(values_), known.order};
     const std::size_t needed = (known.order + std::size_t{1}) * axes_;
     if (values_ + needed <= memory_.values.size()) {
       double* out = &memory_.values[values_];
@@ -128,8 +124,7 @@ class TrajectoryBuilder {
   }
 
   void arrive_at(const SampledJoint& joint) {
-    arrived_ = sampler_.arriving(joint, there_);
-    note_unbounded(joint, joint.point_before, arrived_);
+    note_unbounded(joint, joint.point_before, sampler_.arriving(joint, there_));
   }
   /// The row with which the motion leaves a joint: that with which it came where both are the same.
   void leave(const SampledJoint& joint) {
@@ -213,7 +208,7 @@ class TrajectoryBuilder {
           const double most =
               tolerances_.speed_share * (weight > 0 ? asked.speed / weight : std::fabs(between_[d].velocity));
           const double noise = noise_of(between_[d], asked.speed);
-          near = std::fabs(position - between_[d].position) <= tolerance_of(d) + noise &&
+          near = std::fabs(position - between_[d].position) <= max_off_[d] + noise &&
                  std::fabs(velocity - between_[d].velocity) <= most + noise / piece.seconds;
         }
       });
@@ -266,9 +261,8 @@ class TrajectoryBuilder {
   std::size_t axes_;
   std::span<AxisMotion<double>> here_, there_, between_;
   double seconds_per_frame_;
-  std::array<double, 64> tolerances_memory_{};
+  std::array<double, max_trajectory_axes> max_off_{};  ///< of the position of each axis
   Row row_;
-  SampledSpeed arrived_;
   std::size_t pieces_ = 0, values_ = 0, breaks_ = 0, unbounded_ = 0;
 };
 
@@ -276,6 +270,8 @@ Result<Trajectory> fit_trajectory(const DrawnSampler& sampler, const FitToleranc
                                   const TrajectoryMemory& memory) {
   if (memory.buckets.empty() || memory.samples.size() < 3 * sampler.axis_count())
     return no_room("the memory of a trajectory has no buckets or samples", 3 * sampler.axis_count());
+  if (sampler.axis_count() > max_trajectory_axes)
+    return no_room("the trajectory has more axes than it may", sampler.axis_count());
   return TrajectoryBuilder(sampler, tolerances, memory).build();
 }
 

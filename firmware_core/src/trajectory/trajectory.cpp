@@ -37,12 +37,15 @@ std::size_t Trajectory::piece_at(const FrameTime<double>& time) const {
   return piece;
 }
 
+const double* Trajectory::resting_row(const FrameTime<double>& time) const {
+  if (!pieces_.empty() && pieces_.front().begin <= time && time < end_) return nullptr;
+  const bool is_before = !pieces_.empty() && time < pieces_.front().begin;
+  return &values_[pieces_.empty() ? 0 : is_before ? pieces_.front().begin_row : pieces_.back().end_row];
+}
+
 void Trajectory::positions(const FrameTime<double>& time, std::span<double> out) const {
-  if (pieces_.empty() || time < pieces_.front().begin || end_ <= time) {
-    const std::size_t row = pieces_.empty()           ? 0
-                            : time < pieces_[0].begin ? pieces_.front().begin_row
-                                                      : pieces_.back().end_row;
-    for (std::size_t d = 0; d < axis_count_; ++d) out[d] = values_[row + d];
+  if (const double* row = resting_row(time)) {
+    for (std::size_t d = 0; d < axis_count_; ++d) out[d] = row[d];
     return;
   }
   const TrajectoryPiece& piece = pieces_[piece_at(time)];
@@ -54,15 +57,12 @@ void Trajectory::positions(const FrameTime<double>& time, std::span<double> out)
 }
 
 void Trajectory::motion(const FrameTime<double>& time, std::span<AxisMotion<double>> out) const {
-  const bool is_outside = pieces_.empty() || time < pieces_.front().begin || end_ < time;
-  if (is_outside) {
-    const std::size_t row = pieces_.empty()           ? 0
-                            : time < pieces_[0].begin ? pieces_.front().begin_row
-                                                      : pieces_.back().end_row;
-    for (std::size_t d = 0; d < axis_count_; ++d) out[d] = {.position = values_[row + d]};
+  const double* row = resting_row(time);
+  const bool is_end = row != nullptr && !pieces_.empty() && time == end_;
+  if (row != nullptr && !is_end) {
+    for (std::size_t d = 0; d < axis_count_; ++d) out[d] = {.position = row[d]};
     return;
   }
-  const bool is_end = end_ <= time;
   const TrajectoryPiece& piece = is_end ? pieces_.back() : pieces_[piece_at(time)];
   const double u = is_end ? 1 : frames_between(piece.begin, time) * piece.inverse_frames;
   const double* begin = &values_[piece.begin_row];
@@ -77,8 +77,7 @@ void Trajectory::motion(const FrameTime<double>& time, std::span<AxisMotion<doub
                   false);
     add_up<known>(hermite_weights<known, 3>(u, h), begin, end, axis_count_, &first->jerk, stride, false);
   });
-  if (!is_end) return;
-  for (std::size_t d = 0; d < axis_count_; ++d) out[d].position = end[d];
+  for (std::size_t d = 0; is_end && d < axis_count_; ++d) out[d].position = row[d];
 }
 
 }  // namespace inbetween

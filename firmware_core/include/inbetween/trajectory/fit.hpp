@@ -11,6 +11,8 @@
 
 namespace inbetween {
 
+inline constexpr std::size_t max_trajectory_axes = 64;
+
 /// How near what is played comes to what is asked, between joints.
 struct FitTolerances {
   double position_share = 1.0 / (1 << 30);  ///< of what the axis travels
@@ -71,8 +73,8 @@ std::size_t max_joints(const Track<double>& track);
 /// The trajectory of a sampled motion. Each stretch between two joints is halved until the Hermite polynomial
 /// of its ends is within the tolerances at five places inside.
 ///
-/// Errors: capacity (pieces, values, breaks, unbounded). Cost: about seven samples a piece and as many again
-/// for each halving.
+/// Errors: capacity (pieces, values, breaks, unbounded, axes). Cost: about seven samples a piece and as many
+/// again for each halving.
 Result<Trajectory> fit_trajectory(const DrawnSampler& sampler, const FitTolerances& tolerances,
                                   const TrajectoryMemory& memory);
 

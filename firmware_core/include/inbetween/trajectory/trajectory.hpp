@@ -77,6 +77,9 @@ class Trajectory {
 
  private:
   friend class TrajectoryBuilder;
+  /// The positions at which the axes rest before the begin and from the end on; nothing in between.
+  [[nodiscard]] const double* resting_row(const FrameTime<double>& time) const;
+
   std::span<const TrajectoryPiece> pieces_;
   std::span<const double> values_;
   std::span<const std::uint32_t> buckets_;
