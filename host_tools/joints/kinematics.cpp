@@ -70,7 +70,18 @@ double held_value(const UrdfFile& urdf, std::size_t index, const RigFile& rig) {
     return joint.mimic->multiplier * held_value(urdf, joint.mimic->joint, rig) + joint.mimic->offset;
   }
   if (!joint.limit || (joint.limit->lower <= 0 && joint.limit->upper >= 0)) return 0;
-  return (joint.limit->lower + joint.limit->upper) / 2;
+  return joint.limit->lower / 2 + joint.limit->upper / 2;  // their sum may be no number
+}
+
+/// That place, if it can be computed.
+double checked_held_value(const UrdfFile& urdf, std::size_t index, const RigFile& rig) {
+  const double value = held_value(urdf, index, rig);
+  if (std::fabs(value) <= max_angle<double>) return value;
+  const UrdfJoint& joint = urdf.joints[index];
+  throw InputError(
+      joint.place,
+      fmt::format("joint {} would stay at {:g}; write at = {{ \"{}\" = 0 }} in [kinematics], say",
+                  in_quotes(joint.name), value, joint.name));
 }
 
 void refuse_mimic_with_axis(const UrdfJoint& joint, const RigFile& rig) {
@@ -104,8 +115,9 @@ void refuse_too_far(const UrdfJoint& joint, const DrivenBy& driver, const RigAxi
   const bool has_limit = joint.limit && counts;
   for (const auto& [end, position] : {std::pair("min", axis.min), std::pair("max", axis.max)}) {
     const double value = driver.factor * position + driver.offset;
-    const double lower = has_limit ? joint.limit->lower : -max_angle<double>;
-    const double upper = has_limit ? joint.limit->upper : max_angle<double>;
+    // Programs write limits of 1e16 where there are none.
+    const double lower = std::max(has_limit ? joint.limit->lower : -max_angle<double>, -max_angle<double>);
+    const double upper = std::min(has_limit ? joint.limit->upper : max_angle<double>, max_angle<double>);
     const double below = lower - slack_of(has_limit ? joint.limit->lower_decimals : 0, joint.kind, value);
     const double above = upper + slack_of(has_limit ? joint.limit->upper_decimals : 0, joint.kind, value);
     if (value >= below && value <= above) continue;
@@ -172,7 +184,7 @@ Joint<double> joint_of(const UrdfFile& urdf, std::size_t index, const RigFile& r
   refuse_mimic_with_axis(from, rig);
   const std::optional<DrivenBy> driver = driver_of(urdf, index, rig);
   if (!driver) {
-    const double value = held_value(urdf, index, rig);
+    const double value = checked_held_value(urdf, index, rig);
     joint.origin = held_pose(from, joint.origin, value);
     told.held.push_back(fmt::format("{} at {:g}", from.name, value));
     return joint;

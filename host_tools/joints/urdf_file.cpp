@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <map>
+#include <span>
 #include <utility>
 
 #include "host_tools/files/toml_source.hpp"
@@ -14,7 +16,9 @@ namespace {
 
 constexpr std::array<std::string_view, 4> kind_names = {"fixed", "revolute", "continuous", "prismatic"};
 constexpr std::array<std::string_view, 9> joint_parts = {
-    "origin", "parent", "child", "axis", "limit", "mimic", "calibration", "dynamics", "safety_controller"};
+    "origin", "parent", "child", "axis", "mimic", "limit", "calibration", "dynamics", "safety_controller"};
+/// Programs write limits of 1e16 where there are none.
+constexpr double max_limit = std::numeric_limits<double>::max();
 
 /// What a joint says of others by their names, until all are known.
 struct JointNames {
@@ -42,49 +46,68 @@ UrdfJointKind read_kind(const XmlElement& joint) {
   return static_cast<UrdfJointKind>(found - kind_names.begin());
 }
 
+/// Words of later versions and of other formats, which say where something is: not to read them would put a
+/// link elsewhere.
+void refuse_other_placing(const XmlElement& element, std::string_view remedy) {
+  constexpr std::array<std::string_view, 11> words = {
+      "x", "y", "z", "roll", "pitch", "yaw", "quat", "quat_xyzw", "quat_wxyz", "quaternion", "pose"};
+  for (const std::string_view word : words) {
+    if (element.has(word)) element.refuse(fmt::format("has {}, which is not read; {}", word, remedy));
+  }
+}
+
+/// How many of the parts place a link or bound a joint of this kind; the others mean nothing there, and many
+/// exporters write zeros into them. The limit of a joint that turns without end has an effort and a velocity.
+std::size_t parts_that_count(UrdfJointKind kind) {
+  switch (kind) {
+    case UrdfJointKind::fixed:
+      return 3;
+    case UrdfJointKind::continuous:
+      return 5;
+    default:
+      return 6;
+  }
+}
+
 void read_origin(const XmlElement& element, UrdfJoint& joint, PassedOver& passed) {
   const auto origin = element.child("origin");
   if (!origin) return;
+  refuse_other_placing(*origin, "write xyz=\"0 0 1\" rpy=\"0 0 0\", say");
   origin->allow_attributes({"xyz", "rpy"}, passed);
   joint.xyz = origin->numbers("xyz", {}, max_urdf_number);
   joint.rpy = origin->numbers("rpy", {}, max_urdf_number);
 }
 
-/// That of a fixed joint means nothing, and many exporters write zeros there.
 void read_axis(const XmlElement& element, UrdfJoint& joint, PassedOver& passed) {
-  if (joint.kind == UrdfJointKind::fixed) return;
   const auto axis = element.child("axis");
   if (!axis) return;
   axis->allow_attributes({"xyz"}, passed);
+  if (!axis->has("xyz")) axis->refuse("has no xyz; write xyz=\"0 0 1\", say");
   joint.axis = axis->numbers("xyz", joint.axis, max_urdf_number);
   const bool has_length = std::ranges::any_of(joint.axis, [](double x) { return x != 0; });
   if (!has_length) axis->refuse("has no direction; write xyz=\"0 0 1\", say");
 }
 
 void read_limit(const XmlElement& element, UrdfJoint& joint, PassedOver& passed) {
-  const bool needs_one = joint.kind == UrdfJointKind::revolute || joint.kind == UrdfJointKind::prismatic;
   const auto limit = element.child("limit");
   if (!limit) {
-    if (!needs_one) return;
     element.refuse("has no <limit>; add <limit lower=\"-1\" upper=\"1\" effort=\"1\" velocity=\"1\"/>, say");
   }
-  limit->allow_attributes({"lower", "upper", "effort", "velocity"}, passed);
-  UrdfLimit found;
+  limit->allow_attributes({"lower", "upper", "velocity"}, passed, {"effort"});
+  UrdfLimit& found = joint.limit.emplace();
   found.place = limit->place();
-  found.lower = limit->number("lower", 0, max_urdf_number);
-  found.upper = limit->number("upper", 0, max_urdf_number);
+  found.lower = limit->number("lower", 0, max_limit);
+  found.upper = limit->number("upper", 0, max_limit);
   found.lower_decimals = limit->decimals("lower");
   found.upper_decimals = limit->decimals("upper");
-  found.velocity = limit->number("velocity", std::nullopt, max_urdf_number);
+  found.velocity = limit->number("velocity", std::nullopt, max_limit);
   if (found.lower > found.upper) limit->refuse("has a lower above upper; exchange them");
   if (found.velocity < 0) limit->refuse("has a negative velocity; write its magnitude");
-  if (needs_one) joint.limit = found;  // a continuous joint has an effort and a velocity there, and no ends
 }
 
 std::optional<std::string> read_mimic(const XmlElement& element, UrdfJoint& joint, PassedOver& passed) {
   const auto mimic = element.child("mimic");
   if (!mimic) return std::nullopt;
-  if (joint.kind == UrdfJointKind::fixed) mimic->refuse("cannot move a fixed joint; remove it");
   mimic->allow_attributes({"joint", "multiplier", "offset"}, passed);
   joint.mimic = UrdfMimic{.joint = 0,
                           .multiplier = mimic->number("multiplier", 1, max_urdf_number),
@@ -101,16 +124,19 @@ std::string linked(const XmlElement& joint, const char* end, PassedOver& passed)
 
 UrdfJoint read_joint(const XmlElement& element, Names& taken, JointNames& names, PassedOver& passed) {
   element.allow_attributes({"name", "type"}, passed);
-  element.allow_children(joint_parts, passed);
   UrdfJoint joint;
   joint.place = element.place();
   joint.name = name_of(element, "name=\"swing\", say", taken);
   joint.kind = read_kind(element);
+  const std::span parts(joint_parts);
+  const std::size_t count = parts_that_count(joint.kind);
+  element.allow_children(parts.first(count), passed, parts.subspan(count));
   names.parent = linked(element, "parent", passed);
   names.child = linked(element, "child", passed);
   read_origin(element, joint, passed);
+  if (joint.kind == UrdfJointKind::fixed) return joint;
   read_axis(element, joint, passed);
-  read_limit(element, joint, passed);
+  if (joint.kind != UrdfJointKind::continuous) read_limit(element, joint, passed);
   names.mimicked = read_mimic(element, joint, passed);
   return joint;
 }
@@ -183,10 +209,11 @@ std::vector<std::size_t> in_order(const ReadParts& parts,
     }
     order.push_back(link);
   }
+  std::vector<std::vector<std::size_t>> held(holder.size());
+  for (const UrdfJoint& joint : parts.joints) held[joint.parent].push_back(joint.child);
   for (std::size_t i = 0; i < order.size(); ++i) {
-    for (const UrdfJoint& joint : parts.joints) {
-      if (joint.parent == order[i]) order.push_back(joint.child);
-    }
+    const std::vector<std::size_t>& next = held[order[i]];
+    order.insert(order.end(), next.begin(), next.end());
   }
   for (std::size_t link = 0; link < holder.size() && order.size() < holder.size(); ++link) {
     if (std::ranges::find(order, link) != order.end()) continue;

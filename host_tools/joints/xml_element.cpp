@@ -38,20 +38,58 @@ std::optional<std::vector<double>> numbers_in(std::string_view text) {
   }
 }
 
-/// Whether a word that is none of these was probably meant to be one: misspelt, cut off, in another case, or
-/// with its letters in another order.
-bool is_one_meant(std::string_view word, std::span<const std::string_view> known) {
+/// Whether a word that is none of these was probably meant to be one that is read: misspelt, cut off, in
+/// another case, or with its letters in another order.
+bool is_one_meant(std::string_view word, std::span<const std::string_view> read,
+                  std::span<const std::string_view> unread) {
   constexpr std::size_t few = 3;
-  if (probably_meant(word, known)) return true;
+  std::vector<std::string_view> all(read.begin(), read.end());
+  all.insert(all.end(), unread.begin(), unread.end());
+  if (const auto closest = probably_meant(word, all)) return std::ranges::find(read, *closest) != read.end();
   const auto sorted = [](std::string_view text) {
     std::string letters(text);
     for (char& c : letters) c = static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
     std::ranges::sort(letters);
     return letters;
   };
-  return std::ranges::any_of(known, [&](std::string_view one) {
+  return std::ranges::any_of(read, [&](std::string_view one) {
     return sorted(one) == sorted(word) || (word.size() >= few && one.starts_with(word));
   });
+}
+
+/// Where a tag ends that begins there.
+std::size_t end_of_tag(std::string_view text, std::size_t at) {
+  while ((at = text.find_first_of("\"'>", at)) != text.npos && text[at] != '>') {
+    at = text.find(text[at], at + 1);
+    if (at == text.npos) break;
+    ++at;
+  }
+  return at;
+}
+
+/// The text with blanks for its comments and its declaration. People write dashes into comments, and programs
+/// something before the declaration; neither is XML, and neither means anything.
+std::string without_comments(std::string_view text) {
+  constexpr std::string_view declaration = "<?xml";
+  std::string result(text);
+  std::size_t at = 0;
+  while ((at = text.find('<', at)) != text.npos) {
+    const std::string_view rest = text.substr(at);
+    const bool is_comment = rest.starts_with("<!--");
+    const bool is_declaration = rest.starts_with(declaration) && rest.size() > declaration.size() &&
+                                is_blank(rest[declaration.size()]);
+    if (!is_comment && !is_declaration) {
+      at = rest.starts_with("<![CDATA[") ? text.find("]]>", at) : end_of_tag(text, at);
+      continue;
+    }
+    const std::string_view last = is_comment ? "-->" : "?>";
+    const std::size_t end = text.find(last, at + 4);
+    if (end == text.npos) break;  // the parser says so
+    for (; at < end + last.size(); ++at) {
+      if (result[at] != '\n') result[at] = ' ';
+    }
+  }
+  return result;
 }
 
 /// A file that is still a program for xacro says so by its first expression.
@@ -97,11 +135,12 @@ struct XmlReading {
 
 }  // namespace
 
-XmlDocument::XmlDocument(std::string_view text, const std::string& file_name) : file_name_(file_name) {
+XmlDocument::XmlDocument(std::string_view written, const std::string& file_name) : file_name_(file_name) {
   // Where every second byte is zero, expat would read UTF-16, and a byte would not be a character.
-  if (text.find('\0') != text.npos) {
+  if (written.find('\0') != written.npos) {
     throw InputError({file_name}, "not valid XML (it has bytes that are zero); save it as UTF-8");
   }
+  const std::string text = without_comments(written);
   const std::unique_ptr<XML_ParserStruct, decltype(&XML_ParserFree)> parser(XML_ParserCreate("UTF-8"),
                                                                             &XML_ParserFree);
   XmlReading reading{.parser = parser.get(), .text = text, .nodes = nodes_};
@@ -167,27 +206,31 @@ int XmlElement::decimals(std::string_view attribute) const {
   return static_cast<int>(std::min(end, found->value.size()) - point - 1);
 }
 
-void XmlElement::allow_attributes(std::initializer_list<std::string_view> known, PassedOver& passed) const {
+void XmlElement::allow_attributes(std::initializer_list<std::string_view> read, PassedOver& passed,
+                                  std::initializer_list<std::string_view> unread) const {
   for (const XmlAttribute& attribute : node_->attributes) {
-    if (std::ranges::find(known, attribute.name) != known.end()) continue;
-    if (!is_one_meant(attribute.name, {known.begin(), known.size()})) {
+    if (std::ranges::find(read, attribute.name) != read.end()) continue;
+    if (std::ranges::find(unread, attribute.name) != unread.end()) continue;
+    if (!is_one_meant(attribute.name, {read.begin(), read.size()}, {unread.begin(), unread.size()})) {
       passed.add(attribute.name, {*file_name_, attribute.line, 0});
       continue;
     }
     throw InputError({*file_name_, attribute.line, 0},
                      fmt::format("<{}>: unknown attribute {}; its attributes are {}", name(),
-                                 in_quotes(attribute.name), comma_separated(known)));
+                                 in_quotes(attribute.name), comma_separated(read)));
   }
 }
 
-void XmlElement::allow_children(std::span<const std::string_view> known, PassedOver& passed) const {
+void XmlElement::allow_children(std::span<const std::string_view> read, PassedOver& passed,
+                                std::span<const std::string_view> unread) const {
   for (const XmlElement& child : children()) {
-    if (std::ranges::find(known, child.name()) != known.end()) continue;
-    if (!is_one_meant(child.name(), known)) {
+    if (std::ranges::find(read, child.name()) != read.end()) continue;
+    if (std::ranges::find(unread, child.name()) != unread.end()) continue;
+    if (!is_one_meant(child.name(), read, unread)) {
       passed.add(fmt::format("<{}>", child.name()), child.place());
       continue;
     }
-    child.refuse(fmt::format("is not known in <{}>; write {}", name(), comma_separated(known)));
+    child.refuse(fmt::format("is not known in <{}>; write {}", name(), comma_separated(read)));
   }
 }
 

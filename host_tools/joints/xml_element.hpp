@@ -49,10 +49,13 @@ class XmlElement {
   [[nodiscard]] std::optional<XmlElement> child(std::string_view name) const;
   [[nodiscard]] XmlElement required_child(std::string_view name, std::string_view example) const;
 
-  /// Refuses the first attribute that is probably meant to be one of these, and passes over what is none.
-  void allow_attributes(std::initializer_list<std::string_view> known, PassedOver& passed) const;
+  /// Refuses the first attribute that is probably meant to be one of those that are read, and passes over what
+  /// is none. Those that are known and not read are no words of other programs either.
+  void allow_attributes(std::initializer_list<std::string_view> read, PassedOver& passed,
+                        std::initializer_list<std::string_view> unread = {}) const;
   /// The same of the elements within.
-  void allow_children(std::span<const std::string_view> known, PassedOver& passed) const;
+  void allow_children(std::span<const std::string_view> read, PassedOver& passed,
+                      std::span<const std::string_view> unread) const;
 
   /// The digits behind the point of a number; 0 where the attribute is not there, or has an exponent.
   [[nodiscard]] int decimals(std::string_view attribute) const;
@@ -80,8 +83,8 @@ class XmlElement {
 class XmlDocument {
  public:
   /// Refuses text that is not well-formed, and a document type, which could define words and defaults of its
-  /// own.
-  XmlDocument(std::string_view text, const std::string& file_name);
+  /// own. Comments may have dashes in them, and anything may stand before the declaration.
+  XmlDocument(std::string_view written, const std::string& file_name);
   /// The first element whose name begins so.
   [[nodiscard]] std::optional<XmlElement> first_with_prefix(std::string_view prefix) const;
   [[nodiscard]] XmlElement root() const { return {nodes_.front(), file_name_}; }
