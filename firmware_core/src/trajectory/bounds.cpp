@@ -19,7 +19,11 @@ struct Bernstein {
   std::size_t degree = 0;
   double begin = 0, end = 1;
 
-  [[nodiscard]] double highest() const { return *std::max_element(c.begin(), c.begin() + degree + 1); }
+  [[nodiscard]] double highest() const {
+    double most = c[0];
+    for (std::size_t i = 1; i <= degree; ++i) most = std::max(most, c[i]);
+    return most;
+  }
   [[nodiscard]] Bernstein derivative(double seconds) const {
     Bernstein result;
     result.degree = degree == 0 ? 0 : degree - 1;

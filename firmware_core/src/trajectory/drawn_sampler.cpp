@@ -194,7 +194,7 @@ PathPoint<double> resting_point(const Track<double>& track, const TwoSum<double>
   const double margin = lock_share<double> * track.arc_length().total();
   const PathPoint<double> here = track.arc_length().locate(distance);
   const std::int32_t last = track.path().segment_count();
-  for (std::int32_t key = here.segment; key <= std::min(here.segment + 1, last); ++key) {
+  for (std::int32_t key = here.segment; key <= std::min<std::int32_t>(here.segment + 1, last); ++key) {
     if (std::fabs(distance.minus(track.arc_length().segment_begin(key))) > margin) continue;
     if (arriving && key > 0 && has_length(track, key - 1)) return {key - 1, 1};
     return {key, 0};
@@ -322,7 +322,7 @@ SampledSpeed sampled(const Track<double>& track, const FrameTime<double>& time, 
     const std::span<const Cubic<double>> next = track.path().segment(along.point.segment + 1);
     for (std::size_t d = 0; d < out.size(); ++d) out[d].position = next[d].c0;
   }
-  const std::int32_t segment = std::min(along.point.segment, track.path().segment_count() - 1);
+  const std::int32_t segment = std::min<std::int32_t>(along.point.segment, track.path().segment_count() - 1);
   if (const Line line(track, segment); line.is_there()) {
     if (along.point.segment == segment) line.write(along, arriving, out);
     return {along.speed, 3};
