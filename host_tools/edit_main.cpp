@@ -13,6 +13,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -22,7 +23,9 @@
 #include "host_tools/edit/edit_server.hpp"
 #include "host_tools/edit/edit_session.hpp"
 #include "host_tools/edit/folder_files.hpp"
+#include "host_tools/edit/kept_address.hpp"
 #include "host_tools/edit/page_files.hpp"
+#include "host_tools/files/state_folder.hpp"
 
 namespace inbetween {
 namespace {
@@ -83,15 +86,61 @@ void stay_within_select() {
   ::setrlimit(RLIMIT_NOFILE, &files);
 }
 
+void tell_not_kept(const std::string& why) {
+  fmt::print("the address will be another one at the next launch: {}\n", why);
+}
+
+/// The address that pages of this move have. Nothing, and a line about it, where none can be kept.
+std::unique_ptr<KeptAddress> kept_address(const fs::path& move) {
+  std::string why = "set XDG_STATE_HOME or HOME to a folder";
+  try {
+    if (const auto folder = state_folder(std::getenv("XDG_STATE_HOME"), std::getenv("HOME")))
+      return std::make_unique<KeptAddress>(*folder, move.string());
+  } catch (const EditedElsewhere&) {
+    throw;
+  } catch (const std::runtime_error& error) {
+    why = error.what();
+  }
+  tell_not_kept(why);
+  return nullptr;
+}
+
+/// At `port`, or where it is 0 at one that pages of this move know; or else at any that is free.
+std::unique_ptr<EditServer> listen(EditSession& session, const PageFiles& page, int port,
+                                   KeptAddress* address) {
+  const std::string key = address != nullptr ? address->key() : random_key();
+  if (port == 0 && address != nullptr) {
+    for (const int known : address->ports()) {
+      try {
+        return std::make_unique<EditServer>(session, page, key, known);
+      } catch (const std::runtime_error&) {
+        fmt::print("port {} is taken by another program; a page that is open there is not found again\n",
+                   known);
+      }
+    }
+  }
+  auto server = std::make_unique<EditServer>(session, page, key, port);
+  try {
+    if (port == 0 && address != nullptr) address->add_port(server->port());
+  } catch (const std::runtime_error& error) {
+    tell_not_kept(error.what());
+  }
+  return server;
+}
+
 int edit_command(const EditArguments& arguments) {
-  PageFiles page = read_page(page_folder());
+  const PageFiles page = read_page(page_folder());
   // Refuses what cannot be solved, in the words that plan has for it.
   const Plan plan = make_plan(arguments.move, arguments.rig, Solver::closed_form);
   const fs::path move = fs::canonical(arguments.move);
+  const std::unique_ptr<KeptAddress> address = kept_address(move);
   EditSession session(files_beneath(move.parent_path().string()), move.filename().string(), plan.rig(),
-                      plan.kinematics());
+                      plan.kinematics(), file_id(move.string()));
   stay_within_select();
-  EditServer server(session, std::move(page), arguments.port);
+  // A file that grows beyond a limit of its size is an error of a write like a full disk, and no end.
+  std::signal(SIGXFSZ, SIG_IGN);
+  const std::unique_ptr<EditServer> listening = listen(session, page, arguments.port, address.get());
+  EditServer& server = *listening;
   const StopAtSignal stop(server);
   fmt::print("editing {} at {}\nCtrl-C ends it.\n", arguments.move, server.address());
   std::fflush(stdout);

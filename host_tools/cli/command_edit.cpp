@@ -9,7 +9,7 @@ void describe(CLI::App& app, EditArguments& arguments) {
   app.add_option("MOVE", arguments.move, "the move: a TOML file with keys, a speed curve and a frame count")
       ->required();
   app.add_option("--rig", arguments.rig, "the rig: gives the axes units and limits");
-  app.add_option("--port", arguments.port, "the port on this machine (0: any that is free)")
+  app.add_option("--port", arguments.port, "the port on this machine (0: that of the last launch, or any that is free)")
       ->check(between(0, 65535))
       ->capture_default_str();
   app.add_flag("--no-browser", arguments.no_browser, "print the address only");
@@ -19,9 +19,11 @@ limits above it, the frames, and a preview. The page solves the move itself, wit
 Nothing here moves a rig.
 
 Saving changes in the file what was edited; comments, order and everything else stay. Where somebody else has
-changed the file meanwhile, the page says so and keeps both versions. docs/editor.md is the manual.
+changed the file meanwhile, the page says so and keeps both versions. What was not saved comes back with the page,
+and a page that is open goes on when the program is started again. docs/editor.md is the manual.
 
-Whoever reads the printed address can edit the move until the program ends: it has the key of this launch.
+Whoever has read the printed address can edit the move while the program runs: it has the key of the move, which
+stays the same. Key and port are kept in $XDG_STATE_HOME/inbetween, or in ~/.local/state/inbetween.
 
 The page is built apart from the program: scripts/bootstrap editor, and then the target inbetween_editor_page.
 

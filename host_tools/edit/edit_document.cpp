@@ -201,7 +201,9 @@ std::string document_of(const Plan& plan, const DocumentSource& source) {
     json.begin_object();
     json.member("format", 1);
     json.member("file", source.file);
+    json.member("id", source.id);
     json.member("revision", source.revision);
+    if (source.with_text) json.member("text", source.text);
     json.member("name", move.name);
     json.object("fps", [&] {
       json.member("text", move.fps.as_written);

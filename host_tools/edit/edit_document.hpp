@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 #include "host_tools/plan/plan.hpp"
 
@@ -10,8 +11,10 @@ namespace inbetween {
 /// Where a document comes from.
 struct DocumentSource {
   std::string file;  ///< its name, without the folder
+  std::string id;    ///< which file of this machine it is
   std::string revision;
   std::string_view text;
+  bool with_text = false;  ///< whether the document has the text in it
 };
 
 /// JSON: the move as the core takes it (docs/editor.md lists the members). Of every track it says whether the

@@ -34,8 +34,7 @@ std::optional<EditRefusal> refusal_of(const EditKnock& knock, int port, std::str
     return std::nullopt;
   }
   if (!is_same(knock.token.value_or(""), token))
-    return EditRefusal{403,
-                       "the token is not that of this launch; open the address that the program printed"};
+    return EditRefusal{403, "the key is not that of this move; open the address that the program printed"};
   if (!is_post) return std::nullopt;
   if (!is_own_origin) return EditRefusal{403, "a change must come from this server's page"};
   if (knock.type != "application/json") return EditRefusal{415, "a change is sent as application/json"};

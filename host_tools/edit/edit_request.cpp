@@ -42,7 +42,7 @@ class Members {
   [[nodiscard]] std::string text(const char* member, std::size_t max) const {
     const json& value = get(member);
     if (!value.is_string() || value.get_ref<const std::string&>().size() > max)
-      refuse(name_ + "." + member, "is no short text");
+      refuse(name_ + "." + member, "is no text of that length");
     return value.get<std::string>();
   }
   [[nodiscard]] double number(const char* member) const { return number(get(member), name_ + "." + member); }
@@ -139,8 +139,13 @@ json parse(std::string_view text) {
 
 EditRequest parse_edit_request(std::string_view text) {
   const json parsed = parse(text);
-  const Members request(parsed, "the request", {"revision", "frames", "fps", "tracks", "expects"});
-  EditRequest edit{.revision = request.text("revision", 64), .edited = {}, .expects = std::nullopt};
+  const Members request(parsed, "the request", {"id", "base", "frames", "fps", "tracks", "expects", "own"});
+  EditRequest edit{.id = std::nullopt,
+                   .base = request.text("base", max_file_bytes),
+                   .edited = {},
+                   .expects = std::nullopt,
+                   .own = false};
+  if (request.find("id") != nullptr) edit.id = request.text("id", 64);
   edit.edited.frames = request.integer("frames");
   edit.edited.fps = request.text("fps", 32);
   // It goes into the file as it is.
@@ -149,7 +154,13 @@ EditRequest parse_edit_request(std::string_view text) {
   for (const json& track : request.list("tracks", max_tracks))
     edit.edited.tracks.push_back(read_track(track));
   if (request.find("expects") != nullptr) edit.expects = request.text("expects", 64);
+  if (request.find("own") != nullptr) edit.own = request.boolean("own");
   return edit;
+}
+
+std::string parse_base(std::string_view text) {
+  const json parsed = parse(text);
+  return Members(parsed, "the request", {"base"}).text("base", max_file_bytes);
 }
 
 SampledMotion parse_drawn_motion(std::string_view text) {

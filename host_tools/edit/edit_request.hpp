@@ -7,11 +7,15 @@
 #include <string_view>
 
 #include "host_tools/files/move_rewrite.hpp"
+#include "host_tools/files/toml_source.hpp"
 #include "host_tools/fit/motion_fit.hpp"
 
 namespace inbetween {
 
-inline constexpr std::size_t max_request_bytes = std::size_t{4} << 20U;
+/// JSON takes two bytes for a line end, a tab, a quotation mark and a backslash, and a move has no other
+/// characters to escape: with this, no file that can be read (max_file_bytes) is too large to be edited.
+/// Edits themselves have 5 MB at most: 8 tracks of 1000 keys on 16 axes, which the page can solve.
+inline constexpr std::size_t max_request_bytes = 2 * max_file_bytes + (std::size_t{8} << 20U);
 inline constexpr int max_request_nesting = 8;
 
 /// A request that is refused; what() is one line without a place.
@@ -21,15 +25,21 @@ class RequestError : public std::runtime_error {
 };
 
 struct EditRequest {
-  std::string revision;  ///< the text that the edits are meant for
+  std::optional<std::string> id;  ///< of the file that the page has open
+  std::string base;               ///< the text that the edits are meant for
   EditedMove edited;
-  std::optional<std::string>
-      expects;  ///< the revision that the file has, as the page knows; nothing: `revision`
+  /// The revision that the file has, as the page knows; nothing: that of `base`.
+  std::optional<std::string> expects;
+  /// Whether the page has the text of that revision: it has loaded or written it itself.
+  bool own = false;
 };
 
 /// Reads one request. Strict: every unknown, missing or ill-typed member is refused by its name. Throws
 /// RequestError.
 EditRequest parse_edit_request(std::string_view text);
+
+/// Reads {"base": a text}, as strictly.
+std::string parse_base(std::string_view text);
 
 /// Reads a motion that was drawn with a pointer, as strictly: "times" in seconds, "positions" time after
 /// time, "tolerances" (null: the axis does not count) and "weights" by axis, "frames_per_second". Whether it

@@ -2,11 +2,9 @@
 
 #include <fmt/format.h>
 #include <httplib.h>
-#include <sys/random.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include <array>
 #include <atomic>
 #include <chrono>
 #include <optional>
@@ -26,16 +24,6 @@ namespace {
 using httplib::Request;
 using httplib::Response;
 using Outcome = httplib::Server::HandlerResponse;
-
-/// 128 bits from the kernel, in hexadecimal.
-std::string random_token() {
-  std::array<unsigned char, 16> bytes{};
-  if (::getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size()))
-    throw std::runtime_error("inbetween: error: the kernel gives no random numbers");
-  std::string token;
-  for (const unsigned char byte : bytes) token += fmt::format("{:02x}", byte);
-  return token;
-}
 
 void refuse(Response& response, int status, const char* why) {
   response.status = status;
@@ -77,10 +65,10 @@ constexpr const char* policy =
 
 class EditServer::Door {
  public:
-  Door(EditSession& session, PageFiles page, int port, const Patience& patience)
+  Door(EditSession& session, PageFiles page, std::string token, int port, const Patience& patience)
       : session_(session),
         page_(std::move(page)),
-        token_(random_token()),
+        token_(std::move(token)),
         server_({patience.silence, patience.total}) {
     server_.new_task_queue = [] { return new ConnectionThreads(max_connections); };
     server_.set_payload_max_length(max_request_bytes);
@@ -186,6 +174,9 @@ class EditServer::Door {
 
   void add_answers() {
     add_get("/api/move", &EditSession::open);
+    add_post("/api/document", parse_base,
+             [this](const std::string& base) { return session_.document_of_base(base); });
+    add_edit("/api/text", &EditSession::text);
     add_get("/api/revision", &EditSession::revision);
     add_edit("/api/resolve", &EditSession::resolve);
     add_edit("/api/fit", &EditSession::fit);
@@ -212,8 +203,9 @@ class EditServer::Door {
   TimedServer server_;
 };
 
-EditServer::EditServer(EditSession& session, PageFiles page, int port, const Patience& patience)
-    : door_(std::make_unique<Door>(session, std::move(page), port, patience)) {}
+EditServer::EditServer(EditSession& session, PageFiles page, std::string token, int port,
+                       const Patience& patience)
+    : door_(std::make_unique<Door>(session, std::move(page), std::move(token), port, patience)) {}
 EditServer::~EditServer() = default;
 
 int EditServer::port() const {

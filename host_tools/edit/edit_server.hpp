@@ -15,7 +15,7 @@ namespace inbetween {
 /// Listens on 127.0.0.1 only.
 ///
 /// Whoever asks for anything must name this server in Host (against DNS rebinding) and, if it says where it
-/// comes from, in Origin; whoever asks for more than the files of the page must send the token of this launch
+/// comes from, in Origin; whoever asks for more than the files of the page must send the token
 /// in X-Inbetween-Token. Only POST changes anything, and a POST has Origin and the type application/json.
 /// Everything else is refused before its body is read: 403 for a wrong Host, Origin or token, 405 for another
 /// method, 415 for another type, 404 for another path, 413 for more than max_request_bytes. A client that
@@ -30,9 +30,9 @@ class EditServer {
   static constexpr int max_connections = 256;
 
   /// `port` 0: any that is free. Throws std::runtime_error, one line, where it cannot be listened on.
-  EditServer(EditSession& session, PageFiles page, int port, const Patience& patience);
-  EditServer(EditSession& session, PageFiles page, int port)
-      : EditServer(session, std::move(page), port, {}) {}
+  EditServer(EditSession& session, PageFiles page, std::string token, int port, const Patience& patience);
+  EditServer(EditSession& session, PageFiles page, std::string token, int port)
+      : EditServer(session, std::move(page), std::move(token), port, {}) {}
   ~EditServer();
   EditServer(const EditServer&) = delete;
   EditServer& operator=(const EditServer&) = delete;

@@ -37,6 +37,15 @@ std::string reason_of(int error) {
   return std::generic_category().message(error);
 }
 
+void refuse_if(const FileFailure& failure) {
+  if (failure)
+    throw Refused{500, fmt::format("{} {}: {}", failure.path, failure.what, reason_of(failure.error))};
+}
+
+std::string revision_of_file(const std::optional<std::string>& text) {
+  return text ? revision_of(*text) : "gone";
+}
+
 }  // namespace
 
 std::string revision_of(std::string_view text) {
@@ -46,15 +55,15 @@ std::string revision_of(std::string_view text) {
 }
 
 EditSession::EditSession(FileLayer files, std::string name, std::optional<RigFile> rig,
-                         std::shared_ptr<const Kinematics> kinematics)
+                         std::shared_ptr<const Kinematics> kinematics, std::string id)
     : files_(std::move(files)),
       name_(std::move(name)),
       rig_(std::move(rig)),
-      kinematics_(std::move(kinematics)) {}
+      kinematics_(std::move(kinematics)),
+      id_(std::move(id)) {}
 
 template <class Action>
 EditAnswer EditSession::guarded(const Action& action) {
-  const std::lock_guard lock(mutex_);
   try {
     return action();
   } catch (const Refused& refused) {
@@ -68,55 +77,53 @@ EditAnswer EditSession::guarded(const Action& action) {
   }
 }
 
-std::string EditSession::read() const {
+/// Nothing where the file is gone.
+std::optional<std::string> EditSession::read() const {
   std::string text;
   const int error = files_.read(name_, max_file_bytes, text);
-  if (error == ENOENT) throw Refused{404, fmt::format("{} is gone; somebody has moved it", name_)};
+  if (error == ENOENT) return std::nullopt;
   if (error != 0) throw Refused{500, fmt::format("{} cannot be read: {}", name_, reason_of(error))};
   return text;
 }
 
-const std::string& EditSession::remember(const std::string& text) {
-  const auto [found, is_new] = texts_.emplace(revision_of(text), text);
-  if (is_new) {
-    order_.push_back(found->first);
-    if (order_.size() > max_texts) {
-      texts_.erase(order_.front());
-      order_.erase(order_.begin());
-    }
-  }
-  return found->first;
-}
-
 std::string EditSession::edited_text(const EditRequest& request) const {
-  const auto found = texts_.find(request.revision);
-  if (found == texts_.end()) throw Refused{410, "the page is too old; load it again"};
-  return with_edits(found->second, name_, request.edited);
+  if (request.id && *request.id != id_)
+    throw Refused{403, fmt::format("the program edits {} now, and the page another file", name_)};
+  return with_edits(request.base, name_, request.edited);
 }
 
 Plan EditSession::plan_of(const std::string& text) const {
   return {parse_move(text, name_), rig_, {.kinematics = kinematics_}};
 }
 
-EditAnswer EditSession::document(const std::string& text, const std::string& revision) const {
-  return {200, document_of(plan_of(text), {name_, revision, text})};
+EditAnswer EditSession::document(const std::string& text, bool with_text) const {
+  return {
+      200,
+      document_of(
+          plan_of(text),
+          {.file = name_, .id = id_, .revision = revision_of(text), .text = text, .with_text = with_text})};
 }
 
 EditAnswer EditSession::open() {
   return guarded([&] {
-    const std::string text = read();
-    return document(text, remember(text));
+    const std::optional<std::string> text = read();
+    if (!text) throw Refused{404, fmt::format("{} is gone; somebody has moved it", name_)};
+    return document(*text, true);
   });
+}
+
+EditAnswer EditSession::document_of_base(const std::string& base) {
+  return guarded([&] { return document(base); });
 }
 
 EditAnswer EditSession::revision() {
   return guarded([&]() -> EditAnswer {
-    return {200, nlohmann::json{{"revision", revision_of(read())}}.dump()};
+    return {200, nlohmann::json{{"revision", revision_of_file(read())}, {"id", id_}}.dump()};
   });
 }
 
 EditAnswer EditSession::resolve(const EditRequest& request) {
-  return guarded([&] { return document(edited_text(request), request.revision); });
+  return guarded([&] { return document(edited_text(request)); });
 }
 
 EditAnswer EditSession::fit(const EditRequest& request) {
@@ -132,7 +139,7 @@ EditAnswer EditSession::fit(const EditRequest& request) {
                                      counted(plan.move().frames, "frame"), found.reason)};
     }
     for (const TrackFit& track : found.tracks) text = with_speed(text, name_, track.track, track.speed);
-    return document(text, request.revision);
+    return document(text);
   });
 }
 
@@ -144,14 +151,14 @@ EditAnswer EditSession::fewest(const EditRequest& request) {
     const SmallestFrames smallest = smallest_frames(plan, check(plan), {});
     if (!smallest.frames) throw Refused{422, "no number of frames would do: " + smallest.reason};
     const MoveFile move = with_frames(parse_move(text, name_), *smallest.frames);
-    return document(with_frames_of(text, name_, move), request.revision);
+    return document(with_frames_of(text, name_, move));
   });
 }
 
-void EditSession::write(const std::string& name, const std::string& text) const {
-  const FileFailure failure = replace_durably(files_, name, text);
-  if (failure)
-    throw Refused{500, fmt::format("{} {}: {}", failure.path, failure.what, reason_of(failure.error))};
+EditAnswer EditSession::text(const EditRequest& request) {
+  return guarded([&]() -> EditAnswer {
+    return {200, nlohmann::json{{"text", edited_text(request)}}.dump()};
+  });
 }
 
 std::string EditSession::keep_copy(const std::string& text, const char* what) const {
@@ -163,33 +170,69 @@ std::string EditSession::keep_copy(const std::string& text, const char* what) co
     const int error = files_.read(name, max_file_bytes, there);
     if (error == 0 && there == text) return name;
     if (error != ENOENT) continue;
-    write(name, text);
+    refuse_if(replace_durably(files_, name, text));
     return name;
   }
   throw Refused{500, fmt::format("there are {} copies beside {} already; remove some", max_copies, name_)};
 }
 
+/// Puts `text` into the place of `there`, which is nothing or what the file had when it was read. Returns
+/// where that is kept which somebody else has written in between.
+std::optional<std::string> EditSession::replace(const std::optional<std::string>& there,
+                                                const std::string& text) const {
+  const std::string part = name_ + ".part";
+  std::string left;
+  // An interrupted save may have left the only copy of an outside version there.
+  if (files_.read(part, max_file_bytes, left) == 0 && !left.empty() && left != text && left != there)
+    (void)keep_copy(left, "interrupted");
+
+  // A program that renames its own file into this place at the same moment would win over a comparison made
+  // before; the names are therefore swapped, and what is swapped out is compared.
+  const FileFailure failure = exchange_durably(files_, name_, text);
+  const bool cannot_swap = failure.error == EINVAL;
+  if (failure.error == ENOENT || cannot_swap) {
+    if (read() != there) throw Refused{409, fmt::format("{} has been changed outside the editor", name_)};
+    refuse_if(replace_durably(files_, name_, text));
+    return std::nullopt;
+  }
+  refuse_if(failure);
+  std::string displaced;
+  if (const int error = files_.read(part, max_file_bytes, displaced)) {
+    throw Refused{500, fmt::format("{} is saved; what was there before is {}, which cannot be read: {}",
+                                   name_, part, reason_of(error))};
+  }
+  std::optional<std::string> kept;
+  if (displaced != there) kept = keep_copy(displaced, "outside");
+  files_.remove(part);  // where this fails, the next save finds it
+  return kept;
+}
+
 EditAnswer EditSession::save(const EditRequest& request) {
+  const std::lock_guard lock(writing_);
   return guarded([&]() -> EditAnswer {
     const std::string text = edited_text(request);
-    const std::string there = read();
-    const std::string revision = revision_of(there);
-    if (revision != request.expects.value_or(request.revision)) {
+    (void)plan_of(text);  // from a file that cannot be solved, neither the page nor `plan` would come back
+    const std::optional<std::string> there = read();
+    nlohmann::json answer{{"revision", revision_of(text)}, {"kept", nullptr}};
+    if (there == text) return {200, answer.dump()};  // an answer that was lost, and the same request again
+    const std::string revision = revision_of_file(there);
+    if (revision != request.expects.value_or(revision_of(request.base)))
       return {409, nlohmann::json{{"error", fmt::format("{} has been changed outside the editor", name_)},
                                   {"revision", revision}}
                        .dump()};
-    }
-    nlohmann::json answer{{"kept", nullptr}};
-    if (!texts_.contains(revision)) answer["kept"] = keep_copy(there, "outside");
-    write(name_, text);
-    answer["revision"] = remember(text);
+    if (there && !request.own && there != request.base) answer["kept"] = keep_copy(*there, "outside");
+    if (const auto kept = replace(there, text)) answer["kept"] = *kept;
     return {200, answer.dump()};
   });
 }
 
 EditAnswer EditSession::keep(const EditRequest& request) {
+  const std::lock_guard lock(writing_);
   return guarded([&]() -> EditAnswer {
-    return {200, nlohmann::json{{"kept", keep_copy(edited_text(request), "mine")}}.dump()};
+    const std::string text = edited_text(request);
+    nlohmann::json answer{{"kept", nullptr}};
+    if (read() != text) answer["kept"] = keep_copy(text, "mine");
+    return {200, answer.dump()};
   });
 }
 

@@ -1,7 +1,6 @@
 // One move file, edited: what the page may ask, without the network.
 #pragma once
 
-#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -20,21 +19,23 @@ struct EditAnswer {
   std::string json;
 };
 
-/// Every answer that refuses is {"error": "one line"}. Thread-safe: one request after the other.
+/// Every answer that refuses is {"error": "one line"}. Thread-safe.
 ///
-/// A revision names the bytes of a file. The session remembers the texts that it has given out or written,
-/// the last max_texts of them; edits say which one they are meant for.
+/// The session remembers no text: edits come with the text that they are meant for, so that they can be saved
+/// however old they are, and by a program that has been started anew. A revision names the bytes of a file;
+/// that of a file that is gone is "gone".
 class EditSession {
  public:
-  static constexpr std::size_t max_texts = 64;
-
-  /// `name` is the move's name in the folder of `files`.
+  /// `name` is the move's name in the folder of `files`; `id` tells it from every other file of this machine.
   EditSession(FileLayer files, std::string name, std::optional<RigFile> rig,
-              std::shared_ptr<const Kinematics> kinematics);
+              std::shared_ptr<const Kinematics> kinematics, std::string id = "");
 
-  /// The file as it is now: document_of, or 422 where it is no move that can be solved.
+  /// The file as it is now: document_of with the text, or 422 where it is no move that can be solved; 404
+  /// where it is gone.
   EditAnswer open();
-  /// {"revision": of the file as it is now}; 404 where it is gone.
+  /// The same of a text that the page has had from open() before.
+  EditAnswer document_of_base(const std::string& base);
+  /// {"revision": of the file as it is now, "id"}.
   EditAnswer revision();
   /// The move with the edits, solved; nothing is written.
   EditAnswer resolve(const EditRequest& request);
@@ -43,32 +44,34 @@ class EditSession {
   EditAnswer fit(const EditRequest& request);
   /// The same in the fewest frames in which its curves as they are fit.
   EditAnswer fewest(const EditRequest& request);
-  /// Writes the edits into the file, durably, and answers {"revision", "kept"}. Where the file has another
-  /// revision than the request expects, it answers 409 with the one that is there, and writes nothing. A text
-  /// that the session has neither given out nor written is kept beside it before it is replaced, in the file
-  /// that "kept" names.
+  /// {"text": the file as the edits would make it}, whether it can be solved or not.
+  EditAnswer text(const EditRequest& request);
+  /// Writes the edits into the file, durably, and answers {"revision", "kept"}. It answers 422 where they
+  /// make a move that cannot be solved, and 409 with the revision that is there where it is not the one that
+  /// the request expects; then it writes nothing. What is replaced and is not the page's own is kept beside
+  /// the file, in the one that "kept" names, whatever it is.
   EditAnswer save(const EditRequest& request);
-  /// Writes the edits into a new file beside the move's, and answers {"kept": its name}.
+  /// Writes the edits into a new file beside the move's, and answers {"kept": its name}; null where the file
+  /// has that text.
   EditAnswer keep(const EditRequest& request);
 
  private:
   template <class Action>
   EditAnswer guarded(const Action& action);
-  [[nodiscard]] std::string read() const;
-  const std::string& remember(const std::string& text);
+  [[nodiscard]] std::optional<std::string> read() const;
   [[nodiscard]] std::string edited_text(const EditRequest& request) const;
   [[nodiscard]] Plan plan_of(const std::string& text) const;
-  [[nodiscard]] EditAnswer document(const std::string& text, const std::string& revision) const;
-  std::string keep_copy(const std::string& text, const char* what) const;
-  void write(const std::string& name, const std::string& text) const;
+  [[nodiscard]] EditAnswer document(const std::string& text, bool with_text = false) const;
+  [[nodiscard]] std::string keep_copy(const std::string& text, const char* what) const;
+  [[nodiscard]] std::optional<std::string> replace(const std::optional<std::string>& there,
+                                                   const std::string& text) const;
 
-  std::mutex mutex_;
+  std::mutex writing_;
   FileLayer files_;
   std::string name_;
   std::optional<RigFile> rig_;
   std::shared_ptr<const Kinematics> kinematics_;
-  std::map<std::string, std::string> texts_;  ///< by revision
-  std::vector<std::string> order_;            ///< of revisions, the oldest first
+  std::string id_;
 };
 
 /// The keys and the speed curve of a motion that was drawn (fit_motion): {"frames", "keys", "speed", "noise",

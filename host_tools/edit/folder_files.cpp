@@ -9,6 +9,7 @@
 
 #include <array>
 #include <cerrno>
+#include <cstdio>
 #include <memory>
 #include <stdexcept>
 #include <system_error>
@@ -83,6 +84,14 @@ FileLayer files_beneath(const std::string& folder) {
   files.rename = [opened](const std::string& from, const std::string& to) {
     if (!is_plain(from) || !is_plain(to)) return EXDEV;
     return errno_of(::renameat(opened->descriptor(), from.c_str(), opened->descriptor(), to.c_str()));
+  };
+  files.swap = [opened](const std::string& one, const std::string& other) {
+    if (!is_plain(one) || !is_plain(other)) return EXDEV;
+    return errno_of(
+        ::renameat2(opened->descriptor(), one.c_str(), opened->descriptor(), other.c_str(), RENAME_EXCHANGE));
+  };
+  files.remove = [opened](const std::string& name) {
+    return is_plain(name) ? errno_of(::unlinkat(opened->descriptor(), name.c_str(), 0)) : EXDEV;
   };
   files.sync_folder = [opened](const std::string& name) {
     int descriptor = -1;

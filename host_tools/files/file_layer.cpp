@@ -110,11 +110,22 @@ FileLayer system_files() {
           .close = [](int descriptor) { return errno_of(::close(descriptor)); },
           .rename = [](const std::string& from,
                        const std::string& to) { return errno_of(std::rename(from.c_str(), to.c_str())); },
+          .swap =
+              [](const std::string& one, const std::string& other) {
+                return errno_of(::renameat2(AT_FDCWD, one.c_str(), AT_FDCWD, other.c_str(), RENAME_EXCHANGE));
+              },
+          .remove = [](const std::string& path) { return errno_of(::unlink(path.c_str())); },
           .sync_folder = sync_folder,
           .make_folder = [](const std::string& folder) { return errno_of(::mkdir(folder.c_str(), 0755)); }};
 }
 
-FileFailure replace_durably(const FileLayer& files, const std::string& path, std::string_view bytes) {
+namespace {
+
+using PutInPlace = std::function<int(const std::string& part, const std::string& path)>;
+
+/// Writes PATH.part and puts it into its place.
+FileFailure write_durably(const FileLayer& files, const std::string& path, std::string_view bytes,
+                          const PutInPlace& put_in_place) {
   const std::string part = path + ".part";
   int descriptor = -1;
   if (const int error = files.create(part, descriptor)) return {"cannot be written", part, error};
@@ -125,12 +136,24 @@ FileFailure replace_durably(const FileLayer& files, const std::string& path, std
   }
   const int not_written = write_all(files, descriptor, bytes);
   const int not_closed = files.close(descriptor);
-  if (not_written != 0) return {"could not be written completely", part, not_written};
-  if (not_closed != 0) return {"could not be written completely", part, not_closed};
-  if (const int error = files.rename(part, path)) return {"cannot be replaced", path, error};
+  if (not_written != 0 || not_closed != 0) {
+    files.remove(part);  // it is of no use, and the disk may be full
+    return {"could not be written completely", part, not_written != 0 ? not_written : not_closed};
+  }
+  if (const int error = put_in_place(part, path)) return {"cannot be replaced", path, error};
   const std::string folder = folder_of(path);
   if (const int error = files.sync_folder(folder)) return {"could not be made sure of", folder, error};
   return {};
+}
+
+}  // namespace
+
+FileFailure replace_durably(const FileLayer& files, const std::string& path, std::string_view bytes) {
+  return write_durably(files, path, bytes, files.rename);
+}
+
+FileFailure exchange_durably(const FileLayer& files, const std::string& path, std::string_view bytes) {
+  return write_durably(files, path, bytes, files.swap);
 }
 
 FileFailure make_folders(const FileLayer& files, const std::string& folder) {

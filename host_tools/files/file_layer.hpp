@@ -25,6 +25,10 @@ struct FileLayer {
   std::function<int(int descriptor)> sync;
   std::function<int(int descriptor)> close;
   std::function<int(const std::string& from, const std::string& to)> rename;
+  /// Gives each of two files the name of the other, in one moment. EINVAL where the file system cannot (NFS,
+  /// FAT).
+  std::function<int(const std::string& one, const std::string& other)> swap;
+  std::function<int(const std::string& path)> remove;
   std::function<int(const std::string& folder)> sync_folder;
   /// Makes one folder. EEXIST if the name is taken.
   std::function<int(const std::string& folder)> make_folder;
@@ -53,6 +57,10 @@ struct FileFailure {
 /// folder. If it returns no failure,
 /// the new file survives every power cut. After a failure either file may be there.
 FileFailure replace_durably(const FileLayer& files, const std::string& path, std::string_view bytes);
+
+/// The same, but the old file is PATH.part afterwards, as it was in the moment of its replacement. ENOENT
+/// where there was none, EINVAL where the file system cannot swap: then nothing is replaced.
+FileFailure exchange_durably(const FileLayer& files, const std::string& path, std::string_view bytes);
 
 /// Makes `folder` and the missing folders above it, so that they survive a power cut.
 FileFailure make_folders(const FileLayer& files, const std::string& folder);

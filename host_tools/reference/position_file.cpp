@@ -15,6 +15,7 @@
 
 #include "host_tools/files/diagnostics.hpp"
 #include "host_tools/files/rig_motors.hpp"
+#include "host_tools/files/state_folder.hpp"
 #include "inbetween/base/hash.hpp"
 
 namespace inbetween {
@@ -92,17 +93,6 @@ class Identity {
   Fnv1a hash_;
 };
 
-/// Letters and digits of a name for people; what is left out is in the hash.
-std::string plain_name(std::string_view name) {
-  constexpr std::size_t max_length = 40;
-  std::string plain;
-  for (const char c : name.substr(0, max_length)) {
-    const bool is_plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
-    plain += is_plain ? c : '_';
-  }
-  return plain;
-}
-
 [[noreturn]] void fail(const std::string& path, const FileFailure& failure) {
   const bool is_full = failure.error == ENOSPC || failure.error == EDQUOT;
   throw std::runtime_error(fmt::format(
@@ -139,19 +129,12 @@ std::uint64_t position_identity(const RigFile& rig) {
 }
 
 std::string position_file_path(const std::string& rig_name, const char* xdg_state_home, const char* home) {
-  std::filesystem::path folder = xdg_state_home == nullptr ? "" : xdg_state_home;
-  if (!folder.is_absolute()) {
-    folder = home == nullptr ? "" : home;
-    if (!folder.is_absolute()) {
-      throw std::runtime_error(
-          "error: there is no folder for the positions of the axes; set XDG_STATE_HOME or HOME to one");
-    }
-    folder = folder / ".local" / "state";
+  const auto folder = state_folder(xdg_state_home, home);
+  if (!folder) {
+    throw std::runtime_error(
+        "error: there is no folder for the positions of the axes; set XDG_STATE_HOME or HOME to one");
   }
-  Identity hash;
-  hash.add(rig_name);
-  return (folder / "inbetween" / fmt::format("{}-{:016x}.positions", plain_name(rig_name), hash.value()))
-      .string();
+  return (*folder / state_file_name(rig_name, rig_name, "positions")).string();
 }
 
 PositionFile::PositionFile(std::string path, const RigFile& rig, FileLayer files)

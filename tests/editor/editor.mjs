@@ -50,32 +50,47 @@ export async function edit(move, rig, { text, viewport = { width: 1280, height: 
   const path = join(folder, move);
   if (text !== undefined) writeFileSync(path, text);
   const words = ["edit", path, "--no-browser", ...(rig ? ["--rig", join(folder, rig)] : [])];
-  const process = spawn(program, words, { stdio: ["ignore", "pipe", "pipe"] });
-  programs.add(process);
-  process.on("exit", () => programs.delete(process));
+  let running = null;
   let said = "";
-  const address = await new Promise((resolve, reject) => {
-    process.stdout.on("data", (bytes) => {
+  const launch = () => new Promise((resolve, reject) => {
+    running = spawn(program, words, { stdio: ["ignore", "pipe", "pipe"], env: { ...process.env, XDG_STATE_HOME: join(folder, "state") } });
+    const launched = running;
+    programs.add(launched);
+    said = "";
+    launched.stdout.on("data", (bytes) => {
       said += bytes;
       const found = /http:\/\/\S+/.exec(said);
       if (found) resolve(found[0]);
     });
-    process.stderr.on("data", (bytes) => (said += bytes));
-    process.on("exit", () => reject(new Error(said)));
+    launched.stderr.on("data", (bytes) => (said += bytes));
+    launched.on("exit", () => {
+      programs.delete(launched);
+      reject(new Error(said));
+    });
   });
+  const stop = async (signal) => {
+    if (running.exitCode !== null || running.signalCode !== null) return;
+    const ended = new Promise((done) => running.on("exit", done));
+    running.kill(signal);
+    await ended;
+  };
+  const address = await launch();
   const context = await browser.newContext({ viewport, hasTouch: touch });
   const page = await context.newPage();
   const complaints = [];
   page.on("pageerror", (error) => complaints.push(String(error)));
   page.on("console", (message) => {
-    if (message.type() === "error" && !/409|422/.test(message.text())) complaints.push(message.text());
+    if (message.type() === "error" && !/409|422|ERR_CONNECTION/.test(message.text())) complaints.push(message.text());
   });
   await page.goto(address);
   await page.waitForSelector("#frames");
   const plan = () => JSON.parse(execFileSync(program, ["plan", path, ...(rig ? ["--rig", join(folder, rig)] : []), "--json", "-"],
     { stdio: ["ignore", "pipe", "ignore"] }));
   return {
-    page, path, folder, address, complaints,
+    page, context, path, folder, address, complaints, launch,
+    kill: () => stop("SIGKILL"),
+    get pid() { return running.pid; },
+    said: () => said,
     read: () => readFileSync(path, "utf8"),
     plan,
     shown: () => shown(page),
@@ -85,8 +100,7 @@ export async function edit(move, rig, { text, viewport = { width: 1280, height: 
     picture: (name) => page.screenshot({ path: join(pictures, `${name}.png`) }),
     async end() {
       await context.close();
-      process.kill("SIGTERM");
-      await new Promise((done) => process.on("exit", done));
+      await stop("SIGTERM");
       rmSync(folder, { recursive: true });
     },
   };

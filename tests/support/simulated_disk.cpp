@@ -28,7 +28,7 @@ int SimulatedDisk::step() {
 
 void SimulatedDisk::apply(const Change& change, Folder& folder) {
   if (!change.removed.empty()) folder.erase(change.removed);
-  folder[change.name] = change.file;
+  for (const auto& [name, file] : change.named) folder[name] = file;
 }
 
 FileLayer SimulatedDisk::layer() {
@@ -43,7 +43,7 @@ FileLayer SimulatedDisk::layer() {
     if (const int error = step()) return error;
     auto found = now_.find(path);
     if (found == now_.end()) {
-      changes_.push_back({"", path, files_.size()});
+      changes_.push_back({"", {{path, files_.size()}}});
       files_.emplace_back();
       found = now_.emplace(path, files_.size() - 1).first;
     }
@@ -77,7 +77,23 @@ FileLayer SimulatedDisk::layer() {
     if (const int error = step()) return error;
     const auto found = now_.find(from);
     if (found == now_.end()) return ENOENT;
-    changes_.push_back({from, to, found->second});
+    changes_.push_back({from, {{to, found->second}}});
+    apply(changes_.back(), now_);
+    return 0;
+  };
+  layer.swap = [this](const std::string& one, const std::string& other) {
+    if (const int error = step()) return error;
+    const auto first = now_.find(one);
+    const auto second = now_.find(other);
+    if (first == now_.end() || second == now_.end()) return ENOENT;
+    changes_.push_back({"", {{one, second->second}, {other, first->second}}});
+    apply(changes_.back(), now_);
+    return 0;
+  };
+  layer.remove = [this](const std::string& path) {
+    if (const int error = step()) return error;
+    if (!now_.contains(path)) return ENOENT;
+    changes_.push_back({path, {}});
     apply(changes_.back(), now_);
     return 0;
   };

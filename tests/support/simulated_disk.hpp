@@ -51,13 +51,12 @@ class SimulatedDisk {
     std::string now;
     bool synced = true;
   };
-  /// A change of a name in the folder that has not been synced.
+  using Folder = std::map<std::string, std::size_t>;
+  /// A change of names in the folder that has not been synced.
   struct Change {
     std::string removed;  // empty: none
-    std::string name;
-    std::size_t file;
+    Folder named;
   };
-  using Folder = std::map<std::string, std::size_t>;
 
   int step();
   static void apply(const Change& change, Folder& folder);

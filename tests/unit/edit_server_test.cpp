@@ -13,13 +13,17 @@
 
 #include <array>
 #include <chrono>
+#include <filesystem>
+#include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "host_tools/edit/kept_address.hpp"
 #include "tests/support/simulated_disk.hpp"
+#include "tests/support/temporary_file.hpp"
 
 namespace inbetween {
 namespace edit_server_test {
@@ -81,7 +85,7 @@ class EditServerTest : public testing::Test {
   EditServerTest()
       : disk_({{"m.toml", move_text}}),
         session_(disk_.layer(), "m.toml", std::nullopt, nullptr),
-        server_(session_, {{"/index.html", {"text/html", "<p>the page</p>"}}}, 0),
+        server_(session_, {{"/index.html", {"text/html", "<p>the page</p>"}}}, random_key(), 0),
         runner_([this] { server_.run(); }) {}
   ~EditServerTest() override {
     server_.stop();
@@ -165,7 +169,8 @@ TEST_F(EditServerTest, AWrongTokenIsRefused) {
 }
 
 TEST_F(EditServerTest, OnlyPostChangesAnythingAndNothingElseIsKnown) {
-  for (const char* path : {"/api/save", "/api/keep", "/api/fit", "/api/fewest", "/api/resolve"}) {
+  for (const char* path :
+       {"/api/save", "/api/keep", "/api/fit", "/api/fewest", "/api/resolve", "/api/text", "/api/document"}) {
     EXPECT_EQ(status(fmt::format("GET {}", path), page_headers()), 405) << path;
   }
   for (const char* method : {"PUT", "DELETE", "PATCH", "OPTIONS", "HEAD"}) {
@@ -229,7 +234,8 @@ TEST_F(EditServerTest, SilentClientsAreLeftAndKeepNobodyOut) {
 
 TEST_F(EditServerTest, AClientThatSendsAByteAtATimeIsLeftInTheEnd) {
   // It says something before each silence ends, and would stay for ever.
-  EditServer hasty(session_, {}, 0, {std::chrono::milliseconds(400), std::chrono::milliseconds(1200)});
+  EditServer hasty(session_, {}, random_key(), 0,
+                   {std::chrono::milliseconds(400), std::chrono::milliseconds(1200)});
   std::thread runner([&] { hasty.run(); });
   const Client slow(hasty.port());
   slow.send("GET / HTTP/1.1\r\nHost: ");
@@ -270,11 +276,61 @@ TEST_F(EditServerTest, ADrawnMotionComesBackAsKeysAndASpeedCurve) {
   expect_untouched();
 }
 
-TEST_F(EditServerTest, EveryLaunchHasATokenOfItsOwn) {
-  const EditServer other(session_, {}, 0);
-  EXPECT_NE(other.token(), server_.token());
-  EXPECT_EQ(other.token().size(), 32U);
-  EXPECT_THROW(EditServer(session_, {}, server_.port()), std::runtime_error);
+TEST_F(EditServerTest, APortThatIsTakenIsRefused) {
+  EXPECT_THROW(EditServer(session_, {}, random_key(), server_.port()), std::runtime_error);
+}
+
+TEST_F(EditServerTest, EditsThatWereMeantForAnotherFileAreRefused) {
+  const std::string body =
+      R"({"id":"another","base":"x","frames":1,"fps":"24","tracks":[],"expects":"gone"})";
+  for (const char* path : {"/api/save", "/api/keep", "/api/resolve"})
+    EXPECT_EQ(status(fmt::format("POST {}", path), page_headers(), body), 403) << path;
+  expect_untouched();
+}
+
+/// What stat() says of the permissions of the only file below a folder.
+std::filesystem::path only_file_in(const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> found;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder))
+    if (entry.is_regular_file()) found.push_back(entry.path());
+  EXPECT_EQ(found.size(), 1U);
+  return found.at(0);
+}
+
+TEST(KeptAddress, IsTheSameAtEveryLaunchAndOnlyForItsMoveAndItsOwner) {
+  TemporaryFolder folder;
+  const std::filesystem::path state = folder.path() / "made" / "inbetween";
+  std::string key;
+  {
+    KeptAddress first(state, "/moves/a.toml");
+    key = first.key();
+    EXPECT_EQ(key.size(), 32U);
+    first.add_port(4000);
+    first.add_port(4001);
+    first.add_port(4000);
+    EXPECT_THROW(KeptAddress(state, "/moves/a.toml"), EditedElsewhere);
+  }
+  const std::filesystem::path file = only_file_in(state);
+  EXPECT_EQ(std::filesystem::status(file).permissions(), std::filesystem::perms{0600});
+  {
+    const KeptAddress again(state, "/moves/a.toml");
+    EXPECT_EQ(again.key(), key);
+    EXPECT_EQ(again.ports(), (std::vector{4000, 4001}));
+  }
+  EXPECT_NE(KeptAddress(state, "/moves/b/a.toml").key(), key);
+
+  std::filesystem::permissions(file, std::filesystem::perms{0644});
+  const std::string after = KeptAddress(state, "/moves/a.toml").key();
+  EXPECT_NE(after, key) << "somebody may have read it";
+  EXPECT_EQ(std::filesystem::status(file).permissions(), std::filesystem::perms{0600});
+  std::ofstream(file) << "{\"move\":";
+  EXPECT_NE(KeptAddress(state, "/moves/a.toml").key(), after);
+}
+
+TEST(KeptAddress, WhereNothingCanBeKeptIsSaid) {
+  TemporaryFolder folder;
+  std::ofstream(folder.path() / "file") << "x";
+  EXPECT_THROW(KeptAddress(folder.path() / "file", "/moves/a.toml"), std::runtime_error);
 }
 
 }  // namespace edit_server_test

@@ -7,10 +7,16 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <cerrno>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <random>
+#include <set>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "host_tools/edit/folder_files.hpp"
 #include "tests/support/places.hpp"
@@ -22,7 +28,10 @@ namespace inbetween {
 namespace edit_session_test {
 
 using nlohmann::json;
+using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
+using testing::StartsWith;
 
 const std::string old_text = R"(name = "slide"
 fps = 24
@@ -41,17 +50,18 @@ keys = [{ at = [0, 0] }, { at = [45, 30] }, { at = [80, 20] }] # three
 speed = [0, 0, 10, 0, 0]
 )";
 
-/// The edits that make the new text of the old one, as the page sends them.
-json edits(const std::string& revision) {
+/// The edits that make the new text of the old one, as the page sends them; `second_x` is where the second
+/// key goes.
+json edits(const std::string& base = old_text, double second_x = 45) {
   const auto key = [](int from, double x, double y) {
     return json{{"from", from},     {"at", {x, y}},    {"tension", 0},   {"continuity", 0}, {"bias", 0},
                 {"frame", nullptr}, {"hold", nullptr}, {"break", false}, {"ease", false}};
   };
-  return {{"revision", revision},
+  return {{"base", base},
           {"frames", 72},
           {"fps", "24"},
           {"tracks",
-           {{{"keys", {key(0, 0, 0), key(1, 45, 30), key(2, 80, 20)}},
+           {{{"keys", {key(0, 0, 0), key(1, second_x, 30), key(2, 80, 20)}},
              {"speed", nullptr},
              {"spline", "smooth"},
              {"closed", false}}}}};
@@ -62,21 +72,68 @@ EditRequest request(const json& of) {
 }
 
 struct Opened {
-  explicit Opened(SimulatedDisk& disk) : session(disk.layer(), "m.toml", std::nullopt, nullptr) {
-    revision = json::parse(session.open().json).at("revision").get<std::string>();
+  explicit Opened(SimulatedDisk& disk) : Opened(disk.layer()) {}
+  explicit Opened(FileLayer files) : session(std::move(files), "m.toml", std::nullopt, nullptr) {}
+
+  /// A save by a page that knows the file as `known`.
+  EditAnswer save(const std::string& known, bool own, json of = edits()) {
+    of["expects"] = revision_of(known);
+    of["own"] = own;
+    return session.save(request(of));
   }
   EditSession session;
-  std::string revision;
 };
+
+json kept(const EditAnswer& answer) {
+  EXPECT_EQ(answer.status, 200) << answer.json;
+  return json::parse(answer.json).value("kept", json("nothing said"));
+}
 
 TEST(EditSession, SavesWhatWasEditedAndNothingElse) {
   SimulatedDisk disk({{"m.toml", old_text}});
   Opened opened(disk);
-  const EditAnswer saved = opened.session.save(request(edits(opened.revision)));
-  EXPECT_EQ(saved.status, 200) << saved.json;
-  EXPECT_EQ(disk.content().at("m.toml"), new_text);
+  const EditAnswer saved = opened.session.save(request(edits()));
+  EXPECT_EQ(kept(saved), nullptr);
+  EXPECT_EQ(disk.content(), (DiskContent{{"m.toml", new_text}}));
   EXPECT_EQ(json::parse(saved.json).at("revision"), revision_of(new_text));
   EXPECT_EQ(json::parse(opened.session.revision().json).at("revision"), revision_of(new_text));
+}
+
+TEST(EditSession, ThePageGetsTheTextByteForByteAndItIsEnoughForAnySession) {
+  const std::string text = "\xef\xbb\xbf# \"\xc3\xa4\\\t\"\r\n" + old_text;
+  SimulatedDisk disk({{"m.toml", text}});
+  const json document = json::parse(Opened(disk).session.open().json);
+  EXPECT_EQ(document.at("text"), text);
+  Opened again(disk);
+  EXPECT_EQ(kept(again.session.save(request(edits(document.at("text"))))), nullptr);
+  EXPECT_THAT(disk.content().at("m.toml"), StartsWith("\xef\xbb\xbf# \"\xc3\xa4\\\t\"\r\n"));
+  const json of_base = json::parse(again.session.document_of_base(text).json);
+  EXPECT_EQ(of_base.at("tracks"), document.at("tracks"));
+  EXPECT_FALSE(of_base.contains("text"));
+}
+
+TEST(EditSession, TheThousandthSaveOfAPageIsAsGoodAsTheFirst) {
+  SimulatedDisk disk({{"m.toml", old_text}});
+  Opened opened(disk);
+  std::string known = old_text;
+  for (int i = 0; i < 1000; ++i) {
+    ASSERT_EQ(kept(opened.save(known, true, edits(old_text, 41 + i))), nullptr) << i;
+    known = disk.content().at("m.toml");
+    ASSERT_THAT(known, HasSubstr(fmt::format("[{}, 30]", 41 + i)));
+  }
+  EXPECT_EQ(disk.content().size(), 1U);
+}
+
+TEST(EditSession, NoFileThatCanBeReadIsTooLargeToBeEdited) {
+  // Every character of the comment takes two in JSON.
+  std::string large = old_text + "# ";
+  large.append(max_file_bytes - large.size() - 1, '"') += '\n';
+  SimulatedDisk disk({{"m.toml", large}});
+  Opened opened(disk);
+  const std::string sent = edits(json::parse(opened.session.open().json).at("text")).dump();
+  EXPECT_LE(sent.size(), max_request_bytes);
+  EXPECT_EQ(kept(opened.session.save(parse_edit_request(sent))), nullptr);
+  EXPECT_THAT(disk.content().at("m.toml"), StartsWith(new_text));
 }
 
 TEST(EditSession, WritesNothingOverAnOutsideChange) {
@@ -84,26 +141,115 @@ TEST(EditSession, WritesNothingOverAnOutsideChange) {
   Opened opened(disk);
   const std::string outside = "# mine\n" + old_text;
   replace_durably(disk.layer(), "m.toml", outside);
-  const EditAnswer refused = opened.session.save(request(edits(opened.revision)));
+  const EditAnswer refused = opened.session.save(request(edits()));
   EXPECT_EQ(refused.status, 409);
   EXPECT_EQ(json::parse(refused.json).at("revision"), revision_of(outside));
-  EXPECT_EQ(disk.content().at("m.toml"), outside);
+  EXPECT_EQ(opened.save("older still", false).status, 409);
+  EXPECT_EQ(disk.content(), (DiskContent{{"m.toml", outside}}));
 
-  json forced = edits(opened.revision);
-  forced["expects"] = "a revision that is older still";
-  EXPECT_EQ(opened.session.save(request(forced)).status, 409);
-  EXPECT_EQ(disk.content().at("m.toml"), outside);
-
-  EXPECT_EQ(json::parse(opened.session.keep(request(edits(opened.revision))).json).at("kept"),
-            "m.mine-1.toml");
+  EXPECT_EQ(kept(opened.session.keep(request(edits()))), "m.mine-1.toml");
   EXPECT_EQ(disk.content().at("m.mine-1.toml"), new_text);
 
-  forced["expects"] = revision_of(outside);
-  const EditAnswer saved = opened.session.save(request(forced));
-  EXPECT_EQ(saved.status, 200) << saved.json;
-  EXPECT_EQ(json::parse(saved.json).at("kept"), "m.outside-1.toml");
+  EXPECT_EQ(kept(opened.save(outside, false)), "m.outside-1.toml");
   EXPECT_EQ(disk.content().at("m.outside-1.toml"), outside);
   EXPECT_EQ(disk.content().at("m.toml"), new_text);
+  EXPECT_EQ(kept(opened.session.keep(request(edits()))), nullptr) << "the file has it";
+}
+
+TEST(EditSession, WhatAnotherTabHasSavedIsKeptBeforeItIsReplaced) {
+  SimulatedDisk disk({{"m.toml", old_text}});
+  Opened opened(disk);
+  EXPECT_EQ(kept(opened.save(old_text, true, edits(old_text, 50))), nullptr);
+  const std::string of_the_first_tab = disk.content().at("m.toml");
+  EXPECT_EQ(opened.save(old_text, true).status, 409);
+  EXPECT_EQ(kept(opened.save(of_the_first_tab, false)), "m.outside-1.toml");
+  EXPECT_EQ(disk.content(), (DiskContent{{"m.toml", new_text}, {"m.outside-1.toml", of_the_first_tab}}));
+}
+
+TEST(EditSession, AnOutsideVersionThatIsNoMoveIsKeptToo) {
+  const std::string broken = "frames = = 7\n\xff";
+  SimulatedDisk disk({{"m.toml", broken}});
+  Opened opened(disk);
+  EXPECT_EQ(opened.session.open().status, 422) << "somebody chose to load it first";
+  EXPECT_EQ(kept(opened.save(broken, false)), "m.outside-1.toml");
+  EXPECT_EQ(disk.content(), (DiskContent{{"m.toml", new_text}, {"m.outside-1.toml", broken}}));
+}
+
+TEST(EditSession, WhatIsWrittenInTheMomentOfTheSaveIsKept) {
+  SimulatedDisk disk({{"m.toml", old_text}});
+  FileLayer files = disk.layer();
+  const std::string outside = "# in that moment\n" + old_text;
+  bool has_come = false;
+  files.swap = [&, swap = files.swap](const std::string& one, const std::string& other) {
+    if (!has_come) {
+      has_come = true;
+      const FileLayer theirs = disk.layer();
+      int descriptor = -1;
+      std::size_t written = 0;
+      theirs.create("theirs", descriptor);
+      theirs.write(descriptor, outside, written);
+      theirs.rename("theirs", "m.toml");
+    }
+    return swap(one, other);
+  };
+  Opened opened(files);
+  EXPECT_EQ(kept(opened.save(old_text, true)), "m.outside-1.toml");
+  EXPECT_EQ(disk.content(), (DiskContent{{"m.toml", new_text}, {"m.outside-1.toml", outside}}));
+}
+
+TEST(EditSession, WhereNamesCannotBeSwappedAChangeBeforeTheSaveIsStillSeen) {
+  SimulatedDisk disk({{"m.toml", old_text}});
+  FileLayer files = disk.layer();
+  std::string outside;
+  files.swap = [&](const std::string&, const std::string&) {
+    if (!outside.empty()) replace_durably(disk.layer(), "m.toml", outside);
+    return EINVAL;
+  };
+  Opened opened(files);
+  EXPECT_EQ(kept(opened.save(old_text, true)), nullptr);
+  EXPECT_EQ(disk.content().at("m.toml"), new_text);
+  outside = "# in that moment\n" + old_text;
+  EXPECT_EQ(opened.save(new_text, true, edits(old_text, 60)).status, 409);
+  EXPECT_EQ(disk.content().at("m.toml"), outside);
+}
+
+TEST(EditSession, AFileThatIsGoneIsToldAndSavedAnewOnlyIfThatIsAsked) {
+  SimulatedDisk disk;
+  Opened opened(disk);
+  EXPECT_EQ(opened.session.open().status, 404);
+  EXPECT_EQ(json::parse(opened.session.revision().json).at("revision"), "gone");
+  const EditAnswer refused = opened.save(old_text, true);
+  EXPECT_EQ(refused.status, 409);
+  json asked = edits();
+  asked["expects"] = json::parse(refused.json).at("revision");
+  EXPECT_EQ(kept(opened.session.save(request(asked))), nullptr);
+  EXPECT_EQ(disk.content(), (DiskContent{{"m.toml", new_text}}));
+}
+
+TEST(EditSession, ASaveWhoseAnswerWasLostIsDoneWhenItIsAskedForAgain) {
+  SimulatedDisk disk({{"m.toml", old_text}});
+  Opened opened(disk);
+  EXPECT_EQ(kept(opened.save(old_text, true)), nullptr);
+  const EditAnswer again = opened.save(old_text, true);
+  EXPECT_EQ(kept(again), nullptr);
+  EXPECT_EQ(json::parse(again.json).at("revision"), revision_of(new_text));
+}
+
+TEST(EditSession, WhatCannotBeSolvedIsNotSavedAndComesAsText) {
+  SimulatedDisk disk({{"m.toml", old_text}});
+  Opened opened(disk);
+  json unsolvable = edits();
+  unsolvable["tracks"][0]["keys"][0]["frame"] = 40;
+  unsolvable["tracks"][0]["keys"][1]["frame"] = 20;
+  const EditAnswer refused = opened.session.save(request(unsolvable));
+  EXPECT_EQ(refused.status, 422);
+  EXPECT_THAT(json::parse(refused.json).at("error").get<std::string>(),
+              AllOf(HasSubstr("frame"), Not(HasSubstr("\n"))));
+  EXPECT_EQ(disk.content(), (DiskContent{{"m.toml", old_text}}));
+  const EditAnswer text = opened.session.text(request(unsolvable));
+  EXPECT_EQ(text.status, 200) << text.json;
+  EXPECT_THAT(json::parse(text.json).at("text").get<std::string>(),
+              AllOf(HasSubstr("frame = 40"), HasSubstr("# three")));
 }
 
 TEST(EditSession, APowerCutAtEveryOperationOfASaveLeavesTheOldFileOrTheNewOne) {
@@ -112,7 +258,7 @@ TEST(EditSession, APowerCutAtEveryOperationOfASaveLeavesTheOldFileOrTheNewOne) {
     SimulatedDisk disk({{"m.toml", old_text}});
     Opened opened(disk);
     const std::size_t before = disk.operations();
-    EXPECT_EQ(opened.session.save(request(edits(opened.revision))).status, 200);
+    EXPECT_EQ(opened.session.save(request(edits())).status, 200);
     operations = disk.operations() - before;
     EXPECT_EQ(disk.after_power_cut("m.toml"), (std::set<std::optional<std::string>>{new_text}));
   }
@@ -121,39 +267,160 @@ TEST(EditSession, APowerCutAtEveryOperationOfASaveLeavesTheOldFileOrTheNewOne) {
     SimulatedDisk disk({{"m.toml", old_text}});
     Opened opened(disk);
     disk.cut_power_at(disk.operations() + operation);
-    EXPECT_THROW(opened.session.save(request(edits(opened.revision))), PowerCut);
+    EXPECT_THROW(opened.session.save(request(edits())), PowerCut);
     for (const std::optional<std::string>& there : disk.after_power_cut("m.toml")) {
       EXPECT_TRUE(there == old_text || there == new_text) << operation << ": " << there.value_or("no file");
     }
   }
 }
 
-TEST(EditSession, AFullDiskIsToldAndTheOldFileStays) {
+/// Whether a text is somewhere on the disk, as programs see it.
+bool has(const SimulatedDisk& disk, const std::string& text) {
+  const DiskContent content = disk.content();
+  return std::ranges::any_of(content, [&](const auto& file) { return file.second == text; });
+}
+
+TEST(EditSession, AFullDiskIsToldAndTheOldFileStaysAtEveryOperation) {
+  const std::string outside = "# from elsewhere\n" + old_text;
+  std::size_t failed = 0;
+  for (std::size_t operation = 0;; operation += 7) {
+    SimulatedDisk disk({{"m.toml", outside}});
+    Opened opened(disk);
+    disk.fail_at(disk.operations() + operation, ENOSPC, true);
+    const EditAnswer answer = opened.save(outside, false);
+    EXPECT_TRUE(has(disk, outside)) << operation;
+    if (answer.status == 200) {
+      EXPECT_EQ(disk.content().at("m.toml"), new_text);
+      break;
+    }
+    ++failed;
+    EXPECT_EQ(answer.status, 500) << operation;
+    EXPECT_THAT(answer.json, HasSubstr("No space left on device"));
+    const std::string there = disk.content().at("m.toml");
+    EXPECT_TRUE(there == outside || there == new_text) << operation;
+  }
+  EXPECT_GT(failed, 20U);
+}
+
+TEST(EditSession, WhatAnInterruptedSaveHasLeftIsKeptByTheNext) {
+  SimulatedDisk disk({{"m.toml", new_text}, {"m.toml.part", "# only here\n"}});
+  Opened opened(disk);
+  EXPECT_EQ(opened.save(new_text, true, edits(old_text, 60)).status, 200);
+  EXPECT_TRUE(has(disk, "# only here\n"));
+  EXPECT_FALSE(disk.content().contains("m.toml.part"));
+}
+
+TEST(EditSession, ADiskThatWasFullForATimeLeavesNothingBehind) {
   SimulatedDisk disk({{"m.toml", old_text}});
   Opened opened(disk);
-  disk.fail_at(disk.operations() + 20, ENOSPC, true);
-  const EditAnswer refused = opened.session.save(request(edits(opened.revision)));
-  EXPECT_EQ(refused.status, 500);
-  EXPECT_THAT(refused.json, HasSubstr("No space left on device"));
+  disk.fail_at(disk.operations() + 2, ENOSPC, false);
+  EXPECT_EQ(opened.session.save(request(edits())).status, 500);
+  EXPECT_EQ(disk.content(), (DiskContent{{"m.toml", old_text}}));
+  EXPECT_EQ(kept(opened.session.save(request(edits()))), nullptr);
+  EXPECT_EQ(disk.content(), (DiskContent{{"m.toml", new_text}}));
+}
+
+/// Pages of several tabs, other programs, disks that fail: every text that was in the file and that no page
+/// holds is found somewhere.
+TEST(EditSession, NothingThatWasInTheFileIsLostInAThousandRandomSequences) {
+  for (unsigned seed = 0; seed < 1000; ++seed) {
+    SCOPED_TRACE(fmt::format("seed {}", seed));
+    std::mt19937 random(seed);
+    const auto below = [&](unsigned end) { return random() % end; };
+    SimulatedDisk disk({{"m.toml", old_text}});
+    FileLayer files = disk.layer();
+    std::vector<std::string> was_there;
+    unsigned writes = 0;
+    const auto write_outside = [&] {
+      const std::string text = fmt::format("# {}\n{}", ++writes, below(3) == 0 ? "= broken" : old_text);
+      std::erase(was_there, disk.content().at("m.toml"));  // whoever replaces it has to answer for it
+      was_there.push_back(text);
+      const FileLayer theirs = disk.layer();
+      int descriptor = -1;
+      theirs.create("theirs", descriptor);
+      std::size_t written = 0;
+      theirs.write(descriptor, text, written);
+      theirs.rename("theirs", "m.toml");
+    };
+    bool writes_in_between = false;
+    bool fails = false;
+    std::size_t failing = 0;
+    files.swap = [&, swap = files.swap](const std::string& one, const std::string& other) {
+      if (std::exchange(writes_in_between, false)) write_outside();
+      return swap(one, other);
+    };
+    files.write = [&, write = files.write](int descriptor, std::string_view bytes, std::size_t& written) {
+      if (fails && failing-- == 0) return failing = 0, ENOSPC;
+      return write(descriptor, bytes.substr(0, 40), written);
+    };
+    std::optional<Opened> opened(files);
+    struct Page {
+      std::set<std::string> texts = {old_text};
+      std::string known = old_text;
+    };
+    std::array<Page, 2> pages;
+    for (int step = 0; step < 12; ++step) {
+      Page& page = pages.at(below(2));
+      switch (below(6)) {
+        case 0:
+          write_outside();
+          break;
+        case 1:
+          fails = !fails;
+          failing = below(8);
+          break;
+        case 2:
+          opened.emplace(files);
+          break;  // a program started anew
+        case 3:
+          writes_in_between = true;
+          break;
+        default: {
+          const std::string there = disk.content().at("m.toml");
+          const json of = edits(old_text, 41 + static_cast<int>(seed % 7) + step);
+          const bool mine = page.known == there;
+          if (!mine && below(2) == 0) {
+            EXPECT_EQ(opened->save(page.known, true, of).status, 409);
+            break;
+          }
+          const EditAnswer answer = opened->save(there, mine, of);
+          ASSERT_TRUE(answer.status == 200 || answer.status == 500) << answer.json;
+          const std::string text = json::parse(opened->session.text(request(of)).json).at("text");
+          page.texts.insert(text);  // whether it is saved or not, the page has it
+          if (disk.content().at("m.toml") == text) page.known = text;
+        }
+      }
+      for (const std::string& text : was_there) ASSERT_TRUE(has(disk, text)) << step << ": " << text;
+      const std::string there = disk.content().at("m.toml");
+      ASSERT_TRUE(there == old_text || std::ranges::count(was_there, there) > 0 ||
+                  pages[0].texts.contains(there) || pages[1].texts.contains(there))
+          << "the file is whole";
+      if (std::ranges::none_of(pages, [&](const Page& one) { return one.texts.contains(there); }))
+        was_there.push_back(there);
+    }
+  }
 }
 
 TEST(EditSession, RefusesWhatItDoesNotKnow) {
   SimulatedDisk disk({{"m.toml", old_text}});
   Opened opened(disk);
-  EXPECT_EQ(opened.session.save(request(edits("another"))).status, 410);
-  json wrong = edits(opened.revision);
+  EXPECT_EQ(opened.session.save(request(edits("no move"))).status, 422);
+  json wrong = edits();
   wrong["tracks"][0]["keys"][0]["from"] = 7;
   EXPECT_EQ(opened.session.save(request(wrong)).status, 400);
-  EXPECT_EQ(opened.session.fit(request(edits(opened.revision))).status, 422) << "there is no rig";
+  EXPECT_EQ(opened.session.fit(request(edits())).status, 422) << "there is no rig";
   EXPECT_EQ(disk.content(), (DiskContent{{"m.toml", old_text}}));
 
-  for (const char* text : {"", "{", "[]", "7", "null", R"({"revision":7})",
-                           R"({"revision":"x","frames":1e99,"fps":"24","tracks":[]})",
-                           R"({"revision":"x","frames":10,"fps":"24\"\nname=\"y","tracks":[]})",
-                           R"({"revision":"x","frames":10,"fps":"24","tracks":[],"path":"/etc/passwd"})",
-                           R"({"revision":"x","frames":10,"fps":"24","tracks":[[[[[[[[[[[[1]]]]]]]]]]]]})"}) {
+  for (const char* text :
+       {"", "{", "[]", "7", "null", R"({"base":7})", R"({"base":"x","frames":1e99,"fps":"24","tracks":[]})",
+        R"({"base":"x","frames":10,"fps":"24\"\nname=\"y","tracks":[]})",
+        R"({"base":"x","frames":10,"fps":"24","tracks":[],"own":"yes"})",
+        R"({"base":"x","frames":10,"fps":"24","tracks":[],"path":"/etc/passwd"})",
+        R"({"base":"x","frames":10,"fps":"24","tracks":[[[[[[[[[[[[1]]]]]]]]]]]]})"}) {
     EXPECT_THROW(parse_edit_request(text), RequestError) << text;
   }
+  for (const char* text : {"", "{}", R"({"base":7})", R"({"base":"x","frames":1})"})
+    EXPECT_THROW(parse_base(text), RequestError) << text;
 }
 
 TEST(EditSession, TheSolvedDocumentHasTheFitAndTheFewestFrames) {
@@ -167,7 +434,7 @@ TEST(EditSession, TheSolvedDocumentHasTheFitAndTheFewestFrames) {
   const json document = json::parse(session.open().json);
   EXPECT_EQ(document.at("axes").at(0).at("unit"), "deg");
   EXPECT_EQ(document.at("tracks").at(0).at("live"), true);
-  const json asked{{"revision", document.at("revision")},
+  const json asked{{"base", document.at("text")},
                    {"frames", 60},
                    {"fps", "24"},
                    {"tracks",

@@ -105,7 +105,7 @@ export function moveOf(file: string, text: string, rigText: string | null): Move
     const units = new Set(axes.slice(first, first += track.axes.length).map((axis) => axis.unit));
     return units.size === 1 ? { ...track, unit: [...units][0] } : track;
   });
-  const found: Move = { file, revision: "", name: move.text("name") ?? file, fps, frames: move.needed("frames"), rig, axes, tracks: withUnits };
+  const found: Move = { file, id: "", text, revision: "", name: move.text("name") ?? file, fps, frames: move.needed("frames"), rig, axes, tracks: withUnits };
   return found;
 }
 
@@ -133,8 +133,22 @@ export function textOf(move: Move): string {
   return `${lines.join("\n")}\n`;
 }
 
-export function download(move: Move): void {
-  const link = html("a", { href: URL.createObjectURL(new Blob([textOf(move)], { type: "application/toml" })), download: move.file });
+/** A move of the program, without the program: written anew where the page knows all that its file says, and else as the
+ * file was. What is not in force is there as comments. */
+export function textWithoutProgram(move: Move): string {
+  const edited = textOf(move);
+  const commented = (text: string): string => text.replace(/^(?=.)/gm, "# ").replace(/\r/g, "");
+  try {
+    moveOf(move.file, move.text, null);
+  } catch (error) {
+    return `# The edits could not be put into this file without the program: ${(error as Error).message.split("\n")[0]}\n`
+      + `# This is the file as it was:\n\n${move.text.replace(/^\ufeff/, "")}\n# The edits are these:\n\n${commented(edited)}`;
+  }
+  return `${edited}\n# This was written without the program. The file as it was, with its comments:\n\n${commented(move.text.replace(/^\ufeff/, ""))}`;
+}
+
+export function download(file: string, text: string): void {
+  const link = html("a", { href: URL.createObjectURL(new Blob([text], { type: "application/toml" })), download: file });
   link.click();
   URL.revokeObjectURL(link.href);
 }

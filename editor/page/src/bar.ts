@@ -1,5 +1,7 @@
 // The bar at the top: name, frames, rate, what the limits say, and what is asked of the program.
-import { attributes, button, byId, html, say } from "./dom";
+import { download, textOf, textWithoutProgram } from "./alone";
+import { attributes, button, byId, html, notice, say } from "./dom";
+import type { Draft } from "./drafts";
 import { max_frames, type Move, parseFps, withTrack } from "./move";
 import { Refusal, type Server } from "./server";
 import type { Store } from "./store";
@@ -16,13 +18,13 @@ export class Bar {
   private timer = 0;
   private busy = false;
   private conflict = false;
-  private savedMove: Move;
-  private known: string; // the revision of the file
   private saving = false;
+  private saveAgain = false;
+  private hasRoom = true;
 
-  constructor(private readonly store: Store, private readonly server: Server | null) {
-    this.savedMove = store.move;
-    this.known = store.move.revision;
+  /** `known` is the revision of the file of which this page has the text; with `draft` goes what is edited. */
+  constructor(private readonly store: Store, private readonly server: Server | null, private known: string,
+    private readonly draft: Draft | null) {
     this.undo = button("↶", "Undo (Ctrl+Z)", () => store.undo(), "undo");
     this.redo = button("↷", "Redo (Ctrl+Shift+Z)", () => store.redo(), "redo");
     const name = html("h1", {}, store.move.name);
@@ -40,9 +42,9 @@ export class Bar {
         this.later();
       });
       tools.push(html("label", { title: "Save a second after every change" }, this.auto, " Autosave"), this.saved,
-        button("Save", "Save (Ctrl+S)", () => void this.save(), "save"));
+        button("Save", "Save (Ctrl+S)", () => this.saveTyped(), "save"));
     } else {
-      tools.push(button("Download", "Download the move as a file (Ctrl+S)", () => void this.save(), "save"));
+      tools.push(button("Download", "Download the move as a file (Ctrl+S)", () => this.saveTyped(), "save"));
       for (const tool of tools) {
         if (!(tool instanceof HTMLButtonElement) || !["fit", "fewest"].includes(tool.id)) continue;
         attributes(tool, { disabled: true, title: `${tool.textContent} needs the program: start inbetween edit` });
@@ -67,18 +69,43 @@ export class Bar {
     this.track.addEventListener("change", () => store.select({ track: Number(this.track.value), keys: new Set(), values: new Set() }));
     store.onChange(() => this.draw());
     store.onCommit = () => {
+      this.keepDraft();
       void this.resolve();
       this.later();
     };
     if (server) window.setInterval(() => void this.watch(), 2000);
     window.addEventListener("beforeunload", (event) => {
-      if (server && this.isChanged) event.preventDefault();
+      this.takeTyped();
+      if (this.store.isChanged && !(this.draft && this.hasRoom)) event.preventDefault();
     });
+    void this.resolve();
     this.draw();
   }
 
-  private get isChanged(): boolean {
-    return this.store.move !== this.savedMove;
+  /** A number that is being typed counts as soon as its field is left. */
+  private takeTyped(): void {
+    const field = document.activeElement;
+    if (!(field instanceof HTMLInputElement)) return;
+    field.blur();
+    field.focus();
+  }
+  saveTyped(): void {
+    this.takeTyped();
+    void this.save();
+  }
+
+  keepDraft(): void {
+    const { states, at, saved } = this.store;
+    if (this.draft) this.tellRoom(this.draft.write({ states, at, saved, known: this.known }));
+  }
+  tellRoom(hasRoom: boolean): void {
+    this.hasRoom = hasRoom;
+    notice("room", hasRoom ? null : "This browser has no room left to keep what you edit: what is not saved is lost when this page is closed.",
+      button("Download", "Download the move as a file", () => void this.download(), "download-room"),
+      button("Forget older steps", "Undo will end here; that makes room", () => {
+        this.store.restore([this.store.move], 0, this.store.isChanged ? null : this.store.move);
+        this.keepDraft();
+      }, "forget"));
   }
 
   draw(): void {
@@ -111,16 +138,16 @@ export class Bar {
     if (this.verdict.textContent !== words) this.verdict.textContent = words;
     attributes(this.verdict, { title: words, class: state });
     this.verdict.dataset.hash = store.solution.tracks.map((track) => track.hash).join(" ");
-    const saved = this.conflict ? "changed outside" : this.isChanged ? "not saved" : "saved";
+    const saved = this.conflict ? "changed outside" : store.isChanged ? "not saved" : "saved";
     if (this.server && this.saved.textContent !== saved) this.saved.textContent = saved;
-    this.saved.className = this.conflict ? "bad" : this.isChanged ? "" : "good";
+    this.saved.className = this.conflict ? "bad" : store.isChanged ? "" : "good";
   }
 
   private later(): void {
     clearTimeout(this.timer);
     if (!this.server || !this.auto.checked) return;
     this.timer = window.setTimeout(() => {
-      if (this.isChanged && !this.store.error && !this.conflict) void this.save();
+      if (this.store.isChanged && !this.store.error && !this.conflict) void this.save();
     }, 1000);
   }
 
@@ -174,42 +201,81 @@ export class Bar {
     }
   }
 
-  /** Edits go on counting from the text that was loaded, however often they are saved: undo reaches back over it. */
-  async save(): Promise<void> {
-    if (!this.server) return (await import("./alone")).download(this.store.move);
-    if (this.saving) return this.later();
+  /** Edits go on counting from the text that was loaded, however often they are saved: undo reaches back over it. The file
+   * is expected to have the revision `there`. */
+  async save(there = this.known): Promise<void> {
+    if (!this.server) {
+      download(this.store.move.file, textOf(this.store.move));
+      this.store.saved = this.store.move;
+      return this.draw();
+    }
+    if (this.saving) return void (this.saveAgain = true);
     const saved = this.store.move;
     clearTimeout(this.timer);
     this.saving = true;
+    this.saveAgain = false;
+    this.store.sent = saved;
     try {
-      const { revision, kept } = await this.server.save(saved, this.known);
+      const { revision, kept } = await this.server.save(saved, there, there === this.known);
       this.known = revision;
-      this.savedMove = saved;
+      this.store.saved = this.store.sent;
       this.conflict = false;
+      this.keepDraft();
+      notice("save", null);
+      notice("back", null);
       say(kept ? `Saved. The other version is in ${kept}.` : "Saved");
-      if (this.isChanged) this.later();
+      if (this.store.isChanged) this.later();
     } catch (error) {
-      if (error instanceof Refusal && error.status === 409) this.offer(error.revision!);
-      else say((error as Error).message, true);
+      await this.notSaved(error as Error);
     } finally {
       this.saving = false;
     }
     this.draw();
+    if (this.saveAgain && this.store.isChanged && !this.conflict) await this.save();
+  }
+  private async notSaved(error: Error): Promise<void> {
+    const refusal = error instanceof Refusal ? error : null;
+    if (refusal?.status === 409) return this.offer(refusal.revision ?? (await this.server!.revision()).revision);
+    if (refusal?.status === 0) return this.tellAway("The program has ended");
+    notice("save", `Not saved: ${error.message}. Your edits stay here${this.hasRoom ? ", also when this page is closed" : ""}.`, this.downloadButton("download-save"));
+  }
+
+  private downloadButton(id: string): HTMLButtonElement {
+    return button("Download", "Download the move as a file", () => void this.download(), id);
+  }
+  /** As the program would write it; without it as well as the page can. */
+  private async download(): Promise<void> {
+    const { move } = this.store;
+    download(move.file, await this.server!.text(move).catch(() => textWithoutProgram(move)));
   }
 
   private async watch(): Promise<void> {
-    if (!this.server || this.conflict || this.busy) return;
+    if (!this.server) return;
     const { known } = this;
+    let there: string;
     try {
-      const there = await this.server.revision();
-      if (there !== known && this.known === known && !this.saving) this.offer(there);
-    } catch {
-      // Saving will tell.
+      const file = await this.server.revision();
+      if (file.id !== this.store.move.id) return this.tellAway("The program at this address edits another file now");
+      there = file.revision;
+    } catch (error) {
+      if (error instanceof Refusal && error.status === 0) this.tellAway("The program has ended");
+      else if (error instanceof Refusal && error.status === 403) this.tellAway("Another program has the address of this page now");
+      return; // what else is wrong with the file, saving will tell
     }
+    if (document.getElementById("notice-away")) {
+      notice("away", null);
+      say("The program is there again.");
+      this.later();
+    }
+    if (there !== known && this.known === known && !this.saving && !this.conflict && !this.busy) this.offer(there);
+  }
+  private tellAway(what: string): void {
+    notice("away", `${what}. ${this.hasRoom ? "You can go on: this browser keeps your edits, and this page saves them when" : "Download your edits, or leave this page open until"} inbetween edit is started again for ${this.store.move.file}.`,
+      this.downloadButton("download-away"));
   }
 
   /** Somebody else has changed the file: nothing is lost, whatever is chosen. */
-  private offer(there: string): void {
+  offer(there: string): void {
     this.conflict = true;
     this.draw();
     const dialog = byId("dialog") as HTMLDialogElement;
@@ -218,15 +284,16 @@ export class Bar {
       dialog.close();
       void act();
     };
+    const { file } = this.store.move;
+    const isGone = there === "gone";
+    const save = (label: string, title: string): HTMLButtonElement => button(label, title, close(() => this.save(there)), "save-mine");
     dialog.replaceChildren(
-      html("h2", {}, `${this.store.move.file} has been changed outside the editor`),
-      html("p", {}, "Both versions are kept, whichever you go on with."),
+      html("h2", {}, isGone ? `${file} is gone` : `${file} has been changed outside the editor`),
+      html("p", {}, isGone ? "Somebody has moved or deleted it." : "Both versions are kept, whichever you go on with."),
       html("div", { class: "tools" },
-        button("Load the file", "Load the file; what is in the editor is kept as a copy", close(() => this.loadTheirs()), "load-theirs"),
-        button("Save mine", "Save what is in the editor; the file is kept as a copy", close(() => {
-          this.known = there;
-          return this.save();
-        }), "save-mine"),
+        ...(isGone ? [save("Save it anew", "Write what is in the editor into a new file of this name")] : [
+          button("Load the file", "Load the file; what is in the editor is kept as a copy, and Undo goes back to it", close(() => this.loadTheirs()), "load-theirs"),
+          save("Save mine", "Save what is in the editor; the file is kept as a copy")]),
         button("Later", "Decide later", close(async () => {}), "decide-later")));
     dialog.showModal();
   }
@@ -234,16 +301,26 @@ export class Bar {
   private async loadTheirs(): Promise<void> {
     if (!this.server) return;
     try {
-      const kept = this.isChanged ? await this.server.keep(this.store.move) : null;
+      const mine = this.store.move;
+      const kept = await this.server.keep(mine);
       const theirs = await this.server.open();
-      this.conflict = false;
-      this.savedMove = theirs;
-      this.known = theirs.revision;
-      this.store.replace(theirs);
+      const refusal = this.store.refusalOf(theirs);
+      if (refusal) throw new Error(refusal);
+      await this.load(theirs);
       say(kept ? `Loaded. Your version is in ${kept}.` : "Loaded");
     } catch (error) {
-      say((error as Error).message, true);
+      notice("save", `Not loaded: ${(error as Error).message}. Your edits stay here.`, this.downloadButton("download-save"));
     }
     this.draw();
+  }
+  /** What the file has now, as a step of the history. */
+  async load(theirs: Move): Promise<void> {
+    const take = (): void => {
+      this.conflict = false;
+      this.known = theirs.revision;
+      notice("save", null);
+      this.store.load(theirs);
+    };
+    await (this.draft ? this.draft.keepBase(theirs, take) : take());
   }
 }

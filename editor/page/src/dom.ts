@@ -54,6 +54,16 @@ export function say(text: string, isError = false): void {
   sayTimer = window.setTimeout(() => place.classList.remove("shown"), isError ? 8000 : 3000);
 }
 
+/** A line at the top that stays until it is true no more; null takes it away. */
+export function notice(id: string, text: string | null, ...buttons: HTMLButtonElement[]): void {
+  const old = document.getElementById(`notice-${id}`);
+  if (text === null) return old?.remove();
+  if (old?.firstElementChild?.textContent === text) return;
+  const line = html("div", { id: `notice-${id}`, class: "notice" }, html("span", {}, text), ...buttons);
+  if (old) old.replaceWith(line);
+  else byId("notices").append(line);
+}
+
 /** Follows a pointer from its press until it is let go. */
 export function follow(event: PointerEvent, move: (event: PointerEvent) => void, end: (cancelled: boolean) => void): void {
   const target = event.currentTarget as Element;

@@ -1,10 +1,11 @@
 import "./style.css";
 import { AxisGraphs, KeyTable } from "./side";
+import { askForFiles } from "./alone";
 import { Bar } from "./bar";
-import { button, byId, html, say } from "./dom";
+import { button, byId, html, notice, say } from "./dom";
+import { Draft, type KeptHistory } from "./drafts";
 import { copyKeys, insertOnPath, insertValue, removeKeys, removeValues, setValues, shiftKeys } from "./edits";
 import { Hand } from "./hand";
-import type { Move } from "./move";
 import { PlanView, planPanel } from "./plan_view";
 import { Preview } from "./preview";
 import { Server } from "./server";
@@ -134,7 +135,7 @@ function shortcuts(store: Store, bar: Bar, preview: Preview, hand: Hand): void {
     } else if (control && event.key.toLowerCase() === "y") {
       store.redo();
     } else if (control && event.key.toLowerCase() === "s") {
-      void bar.save();
+      bar.saveTyped();
     } else if (control && event.key.toLowerCase() === "d") {
       copyKeys(store);
     } else if (control || event.altKey || target.closest("input, select, textarea, dialog")) {
@@ -165,11 +166,10 @@ function shortcuts(store: Store, bar: Bar, preview: Preview, hand: Hand): void {
   });
 }
 
-function begin(solver: Solver, move: Move, server: Server | null): void {
-  const store = new Store(solver, move);
-  document.title = `${move.name} – inbetween`;
+function begin(store: Store, server: Server | null, known: string, draft: Draft | null): Bar {
+  document.title = `${store.move.name} – inbetween`;
   for (const id of ["bar", "path", "side", "speed", "time", "preview"]) byId(id).replaceChildren();
-  const bar = new Bar(store, server);
+  const bar = new Bar(store, server, known, draft);
   const hand = new Hand(store, server);
   pathSection(store, hand);
   sideSection(store);
@@ -178,20 +178,53 @@ function begin(solver: Solver, move: Move, server: Server | null): void {
   const preview = new Preview(store, byId("preview"));
   shortcuts(store, bar, preview, hand);
   store.setFrame(0);
-  Object.assign(window, { inbetween: { store } }); // for tests of the page
+  Object.assign(window, { inbetween: { store, bar } }); // for tests of the page
+  return bar;
+}
+
+/** The file, and what this browser has kept of edits in it. */
+async function open(solver: Solver, server: Server): Promise<void> {
+  const { id, revision } = await server.revision();
+  let draft = await Draft.take(id);
+  const theirs = await server.open().catch((error: Error) => error);
+  let history: KeptHistory | null = null;
+  try {
+    // A draft in which nothing was edited has nothing to bring back.
+    if (draft.head && (draft.isChanged || draft.head.count > 1)) {
+      history = await draft.history((text, base) => (!(theirs instanceof Error) && theirs.revision === base ? Promise.resolve(theirs) : server.document(text)));
+    }
+  } catch (error) {
+    notice("back", `What was edited here before cannot be shown: ${(error as Error).message}. This browser goes on keeping it.`);
+    draft = await Draft.fresh(id);
+  }
+  const first = history?.base ?? theirs;
+  if (first instanceof Error) throw first;
+  const store = new Store(solver, first);
+  if (history) store.restore(history.states, history.at, history.saved);
+  const bar = begin(store, server, history?.known ?? first.revision, draft);
+  if (!history) {
+    await draft.keepBase(first, () => bar.keepDraft());
+  } else if (store.isChanged) {
+    notice("back", `What was edited here and not saved is back, as it was ${new Date(draft.head!.time).toLocaleString()}. Undo goes back over it.`);
+  }
+  if (history && revision !== history.known) {
+    if (store.isChanged || theirs instanceof Error) bar.offer(revision);
+    else await bar.load(theirs);
+  }
+  if (draft.others > 0) notice("others", `This browser keeps edits of ${draft.others} more tabs that were closed: open the address again in a new tab for each.`);
 }
 
 async function start(): Promise<void> {
   const inlined = document.getElementById("solver"); // of the page in one file
   const solver = await Solver.load(inlined ? await (await fetch(`data:application/wasm;base64,${inlined.textContent!.trim()}`)).arrayBuffer()
     : await fetch("solver.wasm"));
-  if (inlined) return (await import("./alone")).askForFiles((move) => begin(solver, move, null));
+  if (inlined) return askForFiles((move) => void begin(new Store(solver, move), null, "", null));
   const server = Server.find();
   if (!server) {
-    byId("path").append(html("p", { class: "empty" }, "Open the address that “inbetween edit” printed: it has the key of this launch."));
+    byId("path").append(html("p", { class: "empty" }, "Open the address that “inbetween edit” printed: it has the key of the file."));
     return;
   }
-  begin(solver, await server.open(), server);
+  await open(solver, server);
 }
 
 start().catch((error: Error) => say(error.message, true));

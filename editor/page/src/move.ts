@@ -85,7 +85,9 @@ export interface Rig {
 
 export interface Move {
   readonly file: string;
-  readonly revision: string;
+  readonly id: string; // tells the file from every other one of its machine
+  readonly text: string; // of the file that the edits are meant for
+  readonly revision: string; // of that text
   readonly name: string;
   readonly fps: FrameRate;
   readonly frames: number;
@@ -135,7 +137,8 @@ export function fixedSpeed(track: Track): string | null {
 /** The edits as the program takes them. */
 export function editsOf(move: Move): object {
   return {
-    revision: move.revision,
+    id: move.id,
+    base: move.text,
     frames: move.frames,
     fps: move.fps.text,
     tracks: move.tracks.map((track) => ({

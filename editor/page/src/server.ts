@@ -38,8 +38,16 @@ export class Server {
   open(): Promise<Move> {
     return this.ask("GET", "move") as Promise<Move>;
   }
-  async revision(): Promise<string> {
-    return ((await this.ask("GET", "revision")) as { revision: string }).revision;
+  /** The move of a text that open() has given before. */
+  async document(text: string): Promise<Move> {
+    return { ...((await this.ask("POST", "document", { base: text })) as Move), text };
+  }
+  /** Of the file as it is now, and which file it is. */
+  revision(): Promise<{ revision: string; id: string }> {
+    return this.ask("GET", "revision") as Promise<{ revision: string; id: string }>;
+  }
+  async text(move: Move): Promise<string> {
+    return ((await this.ask("POST", "text", editsOf(move))) as { text: string }).text;
   }
   resolve(move: Move): Promise<Move> {
     return this.ask("POST", "resolve", editsOf(move)) as Promise<Move>;
@@ -50,26 +58,29 @@ export class Server {
   fewest(move: Move): Promise<Move> {
     return this.ask("POST", "fewest", editsOf(move)) as Promise<Move>;
   }
-  save(move: Move, expects: string): Promise<{ revision: string; kept: string | null }> {
-    return this.ask("POST", "save", { ...editsOf(move), expects }) as Promise<{ revision: string; kept: string | null }>;
+  /** `expects` is the revision of the file; `own`: this page has its text. */
+  save(move: Move, expects: string, own: boolean): Promise<{ revision: string; kept: string | null }> {
+    return this.ask("POST", "save", { ...editsOf(move), expects, own }) as Promise<{ revision: string; kept: string | null }>;
   }
   draw(motion: DrawnMotion): Promise<MotionFit> {
     return this.ask("POST", "draw", motion) as Promise<MotionFit>;
   }
-  async keep(move: Move): Promise<string> {
-    return ((await this.ask("POST", "keep", editsOf(move))) as { kept: string }).kept;
+  /** Null where the file has it. */
+  async keep(move: Move): Promise<string | null> {
+    return ((await this.ask("POST", "keep", editsOf(move))) as { kept: string | null }).kept;
   }
 
   private async ask(method: string, what: string, body?: object): Promise<unknown> {
     const headers: Record<string, string> = { "X-Inbetween-Token": this.token };
     if (body) headers["Content-Type"] = "application/json";
     let response: Response;
+    let answer: { error?: string; revision?: string };
     try {
       response = await fetch(`/api/${what}`, { method, headers, body: body ? JSON.stringify(body) : undefined });
+      answer = await response.json(); // which may be cut off
     } catch {
-      throw new Refusal(0, "The program has ended; start it again to save.", null);
+      throw new Refusal(0, "the program has ended", null);
     }
-    const answer = (await response.json()) as { error?: string; revision?: string };
     if (!response.ok) throw new Refusal(response.status, answer.error ?? "The program refused.", answer.revision ?? null);
     return answer;
   }

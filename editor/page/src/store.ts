@@ -18,8 +18,11 @@ export class Store {
   selection: Selection = { track: 0, keys: none, values: none };
   frame = 0;
   solveMs = 0;
-  private undone: Move[] = [];
-  private done: Move[] = [];
+  /** The history: those before `at` can be undone to, those behind it done again. */
+  states: readonly Move[];
+  at = 0;
+  saved: Move | null; // what the file has, as far as this page knows
+  sent: Move | null = null; // the last one that was sent to be saved
   private gesture: Move | null = null;
   private pending = false;
   private readonly listeners: (() => void)[] = [];
@@ -28,6 +31,8 @@ export class Store {
 
   constructor(readonly solver: Solver, move: Move) {
     this.move = move;
+    this.states = [move];
+    this.saved = move;
     this.good = move;
     const first = solver.solve(move);
     if (isError(first)) throw new Error(`${first.what}; ${first.remedy}`);
@@ -44,10 +49,9 @@ export class Store {
   /** One edit, one step of undo. */
   edit(move: Move): void {
     if (move === this.move) return;
-    if (this.gesture === null) this.done.push(this.move);
-    this.undone = [];
-    this.show(move);
-    if (this.gesture === null) this.onCommit();
+    if (this.gesture !== null) return this.show(move);
+    this.states = [...this.states.slice(0, this.at + 1), move];
+    this.go(this.at + 1);
   }
   /** What follows until end() is one step of undo: a drag. */
   begin(): void {
@@ -55,11 +59,10 @@ export class Store {
   }
   end(): void {
     const before = this.gesture;
+    const after = this.move;
     this.gesture = null;
-    if (before === null || before === this.move) return;
-    this.done.push(before);
-    this.solveSoon(); // what was left out while it was dragged
-    this.onCommit();
+    this.move = before ?? after;
+    this.edit(after);
   }
   get isDragging(): boolean {
     return this.gesture !== null;
@@ -70,38 +73,49 @@ export class Store {
     if (before) this.show(before);
   }
   get canUndo(): boolean {
-    return this.done.length > 0;
+    return this.at > 0;
   }
   get canRedo(): boolean {
-    return this.undone.length > 0;
+    return this.at < this.states.length - 1;
   }
   undo(): void {
-    const before = this.done.pop();
-    if (!before) return;
-    this.undone.push(this.move);
-    this.show(before);
-    this.onCommit();
+    if (this.canUndo && !this.isDragging) this.go(this.at - 1);
   }
   redo(): void {
-    const after = this.undone.pop();
-    if (!after) return;
-    this.done.push(this.move);
-    this.show(after);
-    this.onCommit();
+    if (this.canRedo && !this.isDragging) this.go(this.at + 1);
   }
-  /** The same move by other words, such as its new revision: no step of undo. */
+  /** The same move by other words: no step of undo. */
   amend(change: (move: Move) => Move): void {
+    this.saved = this.saved && change(this.saved);
+    this.sent = this.sent && change(this.sent);
+    this.states = this.states.map(change);
     this.move = change(this.move);
-    this.done = this.done.map(change);
-    this.undone = this.undone.map(change);
     this.solveSoon();
   }
-  /** Another file content: undo begins anew. */
-  replace(move: Move): void {
-    this.done = [];
-    this.undone = [];
+  /** What the file has now: a step of undo like every other, so that what was here before stays; what could be done again
+   * stays before it too. */
+  load(move: Move): void {
+    this.gesture = null;
+    this.states = [...this.states, ...(this.canRedo ? [this.states[this.at]] : []), move];
+    this.saved = move;
     this.select({ track: 0, keys: none, values: none });
-    this.show(move);
+    this.go(this.states.length - 1);
+  }
+  /** A history that was kept in the place of this one. */
+  restore(states: readonly Move[], at: number, saved: Move | null): void {
+    this.states = states;
+    this.saved = saved;
+    this.at = at;
+    this.show(states[at]);
+  }
+  /** Why this page cannot show a move, or null. */
+  refusalOf(move: Move): string | null {
+    const result = this.solver.solve(move);
+    this.solver.solve(this.good);
+    return isError(result) ? `${result.what}; ${result.remedy}` : null;
+  }
+  get isChanged(): boolean {
+    return this.move !== this.saved;
   }
 
   select(selection: Partial<Selection>): void {
@@ -120,8 +134,15 @@ export class Store {
     for (const listener of this.frameListeners) listener();
   }
 
+  private go(at: number): void {
+    this.at = at;
+    this.show(this.states[at]);
+    this.onCommit();
+  }
   private show(move: Move): void {
     this.move = move;
+    // Another version of the file may have fewer tracks.
+    if (this.selection.track >= move.tracks.length) this.selection = { track: 0, keys: none, values: none };
     this.solveSoon();
   }
   /** At most once a picture: several pointer events may come before it is drawn. */
