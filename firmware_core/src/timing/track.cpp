@@ -231,13 +231,12 @@ inline void keep_positions(const Path<Real>& path, std::int32_t segment, std::sp
 
 template <Precise Real>
 Derivatives write_standstill(const Path<Real>& path, const AlongPath<Real>& along,
-                             const Standstill<Real>& standstill, bool arriving,
-                             std::span<AxisMotion<Real>> out) {
+                             const Standstill<Real>& standstill, std::span<AxisMotion<Real>> out) {
   const std::span<const Cubic<Real>> cubics = path.segment(along.point.segment);
   const Real t = along.point.t;
   const bool stays = along.speed == 0 && along.acceleration == 0 && along.jerk == 0;
   // The direction is the limit of P' / |P'|, +-P'' on either side, and where P'' = 0 too, P'''.
-  const Real side = arriving || along.point.segment == path.segment_count() ? Real(-1) : Real(1);
+  const Real side = along.point.segment == path.segment_count() ? Real(-1) : Real(1);
   Derivatives derivatives = stays ? Derivatives::exact : Derivatives::one_sided;
   for (std::size_t d = 0; d < out.size(); ++d) {
     const bool measured = path.weights()[d] > 0 && !standstill.is_here();
@@ -339,6 +338,18 @@ AlongPath<Real> Track<Real>::along(const FrameTime<Real>& time) const {
   return result;
 }
 
+/// A part of both, so that a tick has no frame for it.
+template <Precise Real>
+inline Derivatives Track<Real>::write_motion(const AlongPath<Real>& where,
+                                             std::span<AxisMotion<Real>> axes) const {
+  const std::span<const Cubic<Real>> cubics = path_.segment(where.point.segment);
+  const SlopeProducts<Real> products = write_slopes(cubics, path_.weights(), where.point.t, axes);
+  keep_positions(path_, where.point.segment, axes);
+  if (is_far_from_standstill(products, distance_rounding())) [[likely]]
+    return pass_in_time(parameter_rates(where, ParametricSpeed<Real>(products)), axes);
+  return write_slow(where, axes);
+}
+
 template <Precise Real>
 Derivatives Track<Real>::motion(const FrameTime<Real>& time, std::span<AxisMotion<Real>> out) const {
   const std::span<AxisMotion<Real>> axes = out.first(static_cast<std::size_t>(path_.axis_count()));
@@ -349,19 +360,12 @@ Derivatives Track<Real>::motion(const FrameTime<Real>& time, std::span<AxisMotio
     keep_positions(path_, point.segment, axes);
     return pass_in_time(s, axes);
   }
-  return motion_at(along_profile(time), false, axes);
+  return write_motion(along_profile(time), axes);
 }
 
 template <Precise Real>
-inline Derivatives Track<Real>::motion_at(const AlongPath<Real>& where, bool arriving,
-                                          std::span<AxisMotion<Real>> out) const {
-  const std::span<AxisMotion<Real>> axes = out.first(static_cast<std::size_t>(path_.axis_count()));
-  const std::span<const Cubic<Real>> cubics = path_.segment(where.point.segment);
-  const SlopeProducts<Real> products = write_slopes(cubics, path_.weights(), where.point.t, axes);
-  keep_positions(path_, where.point.segment, axes);
-  if (is_far_from_standstill(products, distance_rounding())) [[likely]]
-    return pass_in_time(parameter_rates(where, ParametricSpeed<Real>(products)), axes);
-  return write_slow(where, arriving, axes);
+Derivatives Track<Real>::motion_at(const AlongPath<Real>& where, std::span<AxisMotion<Real>> out) const {
+  return write_motion(where, out.first(static_cast<std::size_t>(path_.axis_count())));
 }
 
 /// Nearer than this the distance is not known: on which side of a standstill the motion is cannot be told.
@@ -372,8 +376,7 @@ Real Track<Real>::distance_rounding() const {
 
 /// Position and derivatives where the path may stand still, or where a plain sum of squares overflows.
 template <Precise Real>
-Derivatives Track<Real>::write_slow(AlongPath<Real> where, bool arriving,
-                                    std::span<AxisMotion<Real>> axes) const {
+Derivatives Track<Real>::write_slow(AlongPath<Real> where, std::span<AxisMotion<Real>> axes) const {
   const PathPoint<Real> here = where.point;
   where.point = moving_side(path_, here);
   const std::span<const Cubic<Real>> cubics = path_.segment(where.point.segment);
@@ -385,7 +388,7 @@ Derivatives Track<Real>::write_slow(AlongPath<Real> where, bool arriving,
       scaled_norm<Real>(cubics.size(), [&](std::size_t d) { return weights[d] * cubics[d].third(); })};
   Derivatives derivatives = Derivatives::exact;
   if (standstill.distance() <= distance_rounding()) {
-    derivatives = write_standstill(path_, where, standstill, arriving, axes);
+    derivatives = write_standstill(path_, where, standstill, axes);
   } else {
     const ScaledSpeed<Real> scaled(cubics, weights, t, standstill.sigma);
     write_slopes(cubics, weights, t, axes);

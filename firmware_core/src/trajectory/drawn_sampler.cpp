@@ -285,6 +285,8 @@ class Standing {
     third_ = std::sqrt(thirds);
     along_ = squares > 0 ? products / squares : 0;
   }
+  /// The direction is the opposite on the other side.
+  [[nodiscard]] bool turns_back() const { return size_ > still_speed_share<double> * third_; }
   /// Whether its part of the direction turns: then d2P / dL2 has no bound.
   [[nodiscard]] bool turns(std::size_t d) const {
     if (!(size_ > still_speed_share<double> * third_))
@@ -317,7 +319,7 @@ SampledSpeed sampled(const Track<double>& track, const FrameTime<double>& time, 
     const TwoSum<double> distance = track.distance(time);
     along.point = along.speed == 0 ? resting_point(track, distance, arriving) : point_at(track, distance);
   }
-  const Derivatives derivatives = track.motion_at(along, arriving, out);
+  const Derivatives derivatives = track.motion_at(along, out);
   if (along.point.t == 1) {  // the key itself, and not what the cubic before it is rounded to
     const std::span<const Cubic<double>> next = track.path().segment(along.point.segment + 1);
     for (std::size_t d = 0; d < out.size(); ++d) out[d].position = next[d].c0;
@@ -331,6 +333,9 @@ SampledSpeed sampled(const Track<double>& track, const FrameTime<double>& time, 
     case Derivatives::exact:
       return {along.speed, 3};
     case Derivatives::one_sided:
+      if (arriving && Standing(track, along.point).turns_back()) {  // told is how it leaves
+        for (AxisMotion<double>& axis : out) axis.velocity = -axis.velocity;
+      }
       return {along.speed, 1};
     case Derivatives::unbounded:
       break;

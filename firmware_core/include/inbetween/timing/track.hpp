@@ -237,9 +237,8 @@ class Track {
   /// the fitted inverse. On a key: the derivatives with which the motion leaves it, of keys in one place the
   /// last; at the end of the path, those with which it arrives. O(axes), no allocation.
   Derivatives motion(const FrameTime<Real>& time, std::span<AxisMotion<Real>> out) const;
-  /// The same of a track with a drawn speed at a place and a pace along the path. `arriving`: where the path
-  /// stands still, the motion into it and not out of it.
-  Derivatives motion_at(const AlongPath<Real>& where, bool arriving, std::span<AxisMotion<Real>> out) const;
+  /// The same of a track with a drawn speed at a place and a pace along the path.
+  Derivatives motion_at(const AlongPath<Real>& where, std::span<AxisMotion<Real>> out) const;
 
  private:
   Track(const Path<Real>& path, const ArcLength<Real>& arc_length, const SpeedProfile<Real>& profile,
@@ -267,7 +266,9 @@ class Track {
   [[nodiscard]] AlongPath<Real> along_profile(const FrameTime<Real>& time) const;
   [[nodiscard]] AlongPath<Real> along_key_frames(const FrameTime<Real>& time) const;
   [[nodiscard]] Real distance_rounding() const;
-  Derivatives write_slow(AlongPath<Real> where, bool arriving, std::span<AxisMotion<Real>> axes) const;
+  [[gnu::always_inline]] inline Derivatives write_motion(const AlongPath<Real>& where,
+                                                         std::span<AxisMotion<Real>> axes) const;
+  Derivatives write_slow(AlongPath<Real> where, std::span<AxisMotion<Real>> axes) const;
   [[nodiscard]] TwoSum<Real> special_distance(const FrameTime<Real>& time) const;
   /// distance() of a drawn curve with breaks.
   [[nodiscard]] TwoSum<Real> broken_distance(const FrameTime<Real>& time) const;
