@@ -78,20 +78,26 @@ Jet value_of(const Joint<double>& joint, std::span<const Jet> coordinates) {
 
 LinkJets link_jets(const JointTree<double>& tree, std::int32_t link, std::span<const Jet> coordinates) {
   LinkJets result;
+  Pose<double> held;  // through fixed joints, which are one however many there are
   const auto joints = tree.joints();
   for (std::int32_t i = link; i >= 0; i = joints[static_cast<std::size_t>(i)].parent) {
     const Joint<double>& joint = joints[static_cast<std::size_t>(i)];
+    if (joint.kind == JointKind::fixed) {
+      held = joint.origin * held;
+      continue;
+    }
+    result.position[0] += length(held.position);
+    held = joint.origin;
     const Jet value = value_of(joint, coordinates);
     if (joint.kind == JointKind::revolute) {
       const Jet rotation = rotation_by(value);
       result.position = product(rotation, result.position);
       result.direction = product(rotation, result.direction);
-    } else if (joint.kind == JointKind::prismatic) {
+    } else {
       result.position = sum(result.position, value);
     }
-    const Vector3<double>& origin = joint.origin.position;
-    result.position[0] += std::sqrt(dot(origin, origin));
   }
+  result.position[0] += length(held.position);
   return result;
 }
 

@@ -18,7 +18,7 @@
 
 namespace inbetween {
 
-inline constexpr std::size_t max_urdf_links = 256;
+inline constexpr std::size_t max_urdf_links = 4096;
 /// Largest magnitude of a number: metres and radians of anything that people build.
 inline constexpr double max_urdf_number = 1e6;
 

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <numbers>
 #include <random>
@@ -176,6 +177,53 @@ TEST(TipDeviation, ItsBoundsHoldBetweenThePlacesWhereNothingIsOff) {
     expect_bounds(
         random_arm(random, i % 3 == 0 ? 0.5 : 0.01, i % 3 == 1 ? 0.3 : 0.01, i % 3 == 2 ? 0.2 : 0.01));
   }
+}
+
+/// Each joint of the arm hangs on two more that are fixed.
+MovedArm with_fixed_joints(const MovedArm& arm, std::mt19937_64& random) {
+  const auto within = [&](double reach) {
+    return std::uniform_real_distribution<double>(-reach, reach)(random);
+  };
+  MovedArm result = {.joints = {}, .axes = arm.axes};
+  for (const OracleJoint& joint : arm.joints) {
+    for (int i = 0; i < 2; ++i) {
+      result.joints.push_back({.kind = Kind::fixed,
+                               .parent = result.last(),
+                               .xyz = {within(1), within(1), within(1)},
+                               .rpy = {within(3), within(3), within(3)}});
+    }
+    result.joints.push_back(joint);
+    result.joints.back().parent = result.last() - 1;
+  }
+  return result;
+}
+
+TEST(TipDeviation, ItsBoundsHoldThroughFixedJointsToo) {
+  std::mt19937_64 random(12);
+  for (int i = 0; i < 100; ++i) {
+    expect_bounds(with_fixed_joints(
+        random_arm(random, i % 3 == 0 ? 0.5 : 0.01, i % 3 == 1 ? 0.3 : 0.01, i % 3 == 2 ? 0.2 : 0.01),
+        random));
+  }
+}
+
+// Exporters make a link of every screw and every frame.
+TEST(TipDeviation, FixedJointsInARowCountAsOne) {
+  std::vector<OracleJoint> joints = {{.kind = Kind::fixed, .parent = -1, .xyz = {0, 0, 1}},
+                                     {.kind = Kind::revolute, .parent = 0, .coordinate = 0},
+                                     {.kind = Kind::fixed, .parent = 1, .xyz = {1, 0, 0}}};
+  const auto reach = [&] {
+    const auto last = static_cast<std::int32_t>(joints.size());
+    return position_jet(kinematics_of(joints), last, std::vector{Jet{0.3, 0.5}});
+  };
+  const Jet expected = reach();
+  for (int i = 0; i < 1000; ++i) {  // there and back
+    joints.push_back({.kind = Kind::fixed,
+                      .parent = static_cast<int>(joints.size()) - 1,
+                      .xyz = {i % 2 == 0 ? 0.25 : -0.25, 0, 0}});
+  }
+  const Jet found = reach();
+  for (std::size_t i = 0; i < expected.size(); ++i) EXPECT_NEAR(found[i], expected[i], 1e-9);
 }
 
 /// One joint that turns: nothing is lost by adding bounds, and each term of its derivatives is needed.

@@ -1,5 +1,6 @@
 #include "host_tools/joints/urdf_file.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -232,6 +233,22 @@ TEST(UrdfFile, AMimicFollowsAnotherJointThatMoves) {
   expect_refused_at("<mimic joint=\"tilt\"", "<mimic", {"no joint"});
 }
 
+// A humanoid with hands, a chain of tracks, a link for every screw. In whichever order they are written.
+TEST(UrdfFile, ThousandsOfLinksAreRead) {
+  for (const bool is_backward : {false, true}) {
+    std::string text = "<robot><link name=\"l0\"/>";
+    for (std::size_t i = 1; i < max_urdf_links; ++i) {
+      const std::size_t child = is_backward ? max_urdf_links - i : i;
+      text += fmt::format(R"(<link name="l{0}"/><joint name="j{0}" type="continuous"><parent link="l{1}"/>)"
+                          R"(<child link="l{0}"/></joint>)",
+                          child, child - 1);
+    }
+    const UrdfFile file = parse_urdf(text + "</robot>", "r.urdf");
+    ASSERT_EQ(file.links.size(), max_urdf_links);
+    EXPECT_EQ(file.links.back(), fmt::format("l{}", max_urdf_links - 1));
+  }
+}
+
 TEST(UrdfFile, WhatIsNoUrdfSaysSo) {
   const auto message = [](const std::string& text) -> std::string {
     try {
@@ -258,7 +275,9 @@ TEST(UrdfFile, WhatIsNoUrdfSaysSo) {
   EXPECT_THAT(message(deep), testing::HasSubstr("not valid XML"));
   std::string many = "<robot>";
   for (std::size_t i = 0; i <= max_urdf_links; ++i) many += "\n<link name=\"l" + std::to_string(i) + "\"/>";
-  EXPECT_THAT(message(many + "</robot>"), testing::StartsWith("r.urdf:258: error: <link> is one more"));
+  EXPECT_THAT(message(many + "</robot>"),
+              testing::StartsWith(
+                  fmt::format("r.urdf:{}: error: <link> is one more than the 4096", max_urdf_links + 2)));
 }
 
 }  // namespace urdf_file_test
