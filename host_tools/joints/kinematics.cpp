@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <numbers>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include "host_tools/files/move_unit.hpp"
@@ -226,7 +227,12 @@ std::vector<Joint<double>> joints_of(const UrdfFile& urdf, const RigFile& rig,
     if (names.empty()) return;
     Warning warning;
     warning.place = place;
-    warning.message = fmt::format("{}: {}{}", before, comma_separated(names), after);
+    // A humanoid has hundreds of joints, and a warning is one line.
+    constexpr std::size_t max_named = 16;
+    const std::span named(names.data(), std::min(names.size(), max_named));
+    warning.message = fmt::format("{}: {}", before, comma_separated(named));
+    if (names.size() > max_named) warning.message += fmt::format(" and {} more", names.size() - max_named);
+    warning.message += after;
     warnings.push_back(std::move(warning));
   };
   warn(told.held, "no axis moves these joints, and they stay where they are (rad, m)",

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "host_tools/joints/branch.hpp"
 #include "host_tools/joints/vector_length.hpp"
 
 namespace inbetween {
@@ -78,16 +79,9 @@ Jet value_of(const Joint<double>& joint, std::span<const Jet> coordinates) {
 
 LinkJets link_jets(const JointTree<double>& tree, std::int32_t link, std::span<const Jet> coordinates) {
   LinkJets result;
-  Pose<double> held;  // through fixed joints, which are one however many there are
-  const auto joints = tree.joints();
-  for (std::int32_t i = link; i >= 0; i = joints[static_cast<std::size_t>(i)].parent) {
-    const Joint<double>& joint = joints[static_cast<std::size_t>(i)];
-    if (joint.kind == JointKind::fixed) {
-      held = joint.origin * held;
-      continue;
-    }
-    result.position[0] += length(held.position);
-    held = joint.origin;
+  const Branch branch = branch_to(tree, link);
+  for (const auto& [joint, arm] : branch.joints) {
+    result.position[0] += arm;
     const Jet value = value_of(joint, coordinates);
     if (joint.kind == JointKind::revolute) {
       const Jet rotation = rotation_by(value);
@@ -97,7 +91,7 @@ LinkJets link_jets(const JointTree<double>& tree, std::int32_t link, std::span<c
       result.position = sum(result.position, value);
     }
   }
-  result.position[0] += length(held.position);
+  result.position[0] += branch.base;
   return result;
 }
 

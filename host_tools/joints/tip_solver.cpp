@@ -6,6 +6,7 @@
 #include <numbers>
 #include <utility>
 
+#include "host_tools/joints/branch.hpp"
 #include "host_tools/joints/symmetric_matrix.hpp"
 #include "host_tools/joints/vector_length.hpp"
 #include "inbetween/joints/angle_of.hpp"
@@ -110,9 +111,7 @@ double TipSolver::Rows::size() const {
 TipSolver::TipSolver(const Kinematics& kinematics, std::int32_t link, std::vector<TipAxis> axes)
     : kinematics_(&kinematics), link_(link), axes_(std::move(axes)) {
   const auto joints = kinematics_->tree().joints();
-  for (std::int32_t i = link_; i >= 0; i = joints[static_cast<std::size_t>(i)].parent) {
-    reach_ += length(joints[static_cast<std::size_t>(i)].origin.position);
-  }
+  reach_ = branch_to(kinematics_->tree(), link_).length();
   for (const TipAxis& axis : axes_) {
     const auto joint =
         std::ranges::find(joints, static_cast<std::int32_t>(axis.axis), &Joint<double>::coordinate);

@@ -49,8 +49,8 @@ class XmlElement {
   [[nodiscard]] std::optional<XmlElement> child(std::string_view name) const;
   [[nodiscard]] XmlElement required_child(std::string_view name, std::string_view example) const;
 
-  /// Refuses the first attribute that is probably meant to be one of those that are read, and passes over what
-  /// is none. Those that are known and not read are no words of other programs either.
+  /// Refuses the first attribute that is probably meant to be one of those that are read, and passes over
+  /// what is none. Those that are known and not read are no words of other programs either.
   void allow_attributes(std::initializer_list<std::string_view> read, PassedOver& passed,
                         std::initializer_list<std::string_view> unread = {}) const;
   /// The same of the elements within.

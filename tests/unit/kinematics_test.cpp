@@ -169,6 +169,18 @@ TEST(Kinematics, AJointWithoutAxisStaysWhereItIs) {
                  {"\"trakc\"", "correct the name"});
 }
 
+TEST(Kinematics, OneLineTellsOfAThousandJointsThatNoAxisMoves) {
+  std::string more;
+  for (int i = 0; i < 1000; ++i) {
+    more += fmt::format(R"(<link name="x{0}"/><joint name="j{0}" type="{1}"><parent link="floor"/>)"
+                        R"(<child link="x{0}"/><limit lower="-1e16" upper="1e16" velocity="1"/></joint>)",
+                        i, i % 2 == 0 ? "revolute" : "fixed");
+  }
+  const Kinematics held = kinematics_of(with(crane, "</robot>", more + "</robot>"), rig);
+  ASSERT_EQ(held.warnings().size(), 1U);
+  EXPECT_THAT(held.warnings()[0].message, testing::HasSubstr("j28 at 0, j30 at 0 and 484 more; write at ="));
+}
+
 /// Two links and one joint of this kind with this limit, and an axis from -min to min.
 Kinematics limited_to(const std::string& limit, double most, const std::string& unit = "deg",
                       const std::string& more = "") {
@@ -195,6 +207,19 @@ TEST(Kinematics, ALimitThatWasRoundedIsTheSameLimitUpToATenthOfADegree) {
   const Kinematics unknown = limited_to(R"(lower="-4" upper="4" velocity="0")", 180);
   ASSERT_EQ(unknown.warnings().size(), 1U);
   EXPECT_THAT(unknown.warnings()[0].message, testing::HasSubstr("do not count: j (velocity 0)"));
+}
+
+// Limits of 1e16 mean that there are none, and so does nothing that can be computed.
+TEST(Kinematics, ALimitFartherThanCanBeComputedBoundsNothingAndHoldsNothing) {
+  const std::string far = R"(lower="-1e16" upper="1e16" velocity="9")";
+  EXPECT_NO_THROW(limited_to(far, 180));
+  EXPECT_THROW(limited_to(far, 1e8), InputError);
+  const std::string away = R"(<robot name="r"><link name="a"/><link name="b"/><joint name="k" type="revolute">
+<parent link="a"/><child link="b"/><limit lower="1e16" upper="1.7e308" velocity="9"/></joint></robot>)";
+  const std::string no_axis =
+      rig_text({{.name = "j"}}, {.more = "[kinematics]\nurdf = \"r.urdf\"\ntip = \"b\"\n"});
+  EXPECT_THROW(kinematics_of(away, no_axis), InputError);
+  EXPECT_NO_THROW(kinematics_of(away, with(no_axis, "tip =", "at = { k = 0 }\ntip =")));
 }
 
 TEST(Kinematics, ATipThatIsNoLinkIsRefused) {
