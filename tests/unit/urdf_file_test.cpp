@@ -149,7 +149,7 @@ TEST(UrdfFile, WhatAJointOfItsKindCannotHaveMeansNothing) {
   EXPECT_THAT(file.warnings[0].message, testing::HasSubstr(": <Axis>"));
   EXPECT_THROW(parse_urdf(with(fixed, "\"fixed\"", "\"continuous\""), "a.urdf"), InputError) << "it mimics";
   const std::string turning = with(with(fixed, "\"fixed\"", "\"continuous\""), "<mimic joint=\"\"/>", "");
-  EXPECT_FALSE(parse_urdf(with(turning, "<Axis xyz=\"0 0 0\"/>", ""), "a.urdf").joints[0].limit);
+  EXPECT_FALSE(parse_urdf(with(turning, "<Axis xyz=\"0 0 0\"/>", "<Limit/>"), "a.urdf").joints[0].limit);
 }
 
 TEST(UrdfFile, AMisspeltWordThatPlacesNothingIsPassedOver) {
@@ -186,7 +186,8 @@ TEST(UrdfFile, WhatStandsBesideTheElementsIsNoMatterOfTheParser) {
   refused(with(crane, "name=\"crane\"", "name=\"<!-- -->\""));
   refused(with(crane, "</robot>", "<!-- </robot>"));
   refused(with(crane, "</robot>", "</robot><?xml"));
-  EXPECT_EQ(parse_urdf(with(crane, "Gazebo/Red", "<![CDATA[<!--]]>"), "crane.urdf").joints.size(), 2U);
+  const std::string data = with(crane, "Gazebo/Red", "<![CDATA[a > <!-- ]]>");
+  EXPECT_EQ(parse_urdf(with(data, "</robot>", "<!-- b --></robot>"), "crane.urdf").joints.size(), 2U);
 }
 
 TEST(UrdfFile, WhatXacroHasNotExpandedIsCalledThat) {
