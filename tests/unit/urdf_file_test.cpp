@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <initializer_list>
+#include <locale>
 #include <string>
 #include <string_view>
 
@@ -165,6 +166,16 @@ TEST(UrdfFile, APlaceInOtherWordsIsRefused) {
   expect_refused_at("rpy=\"0 0.5 0\"", "quat_xyzw=\"0 0 0 1\"", {"<origin> has quat_xyzw", "rpy="});
   expect_refused_at("xyz=\"2.5 0 -0.1\"", "x=\"2.5\"", {"<origin> has x,"});
   expect_refused_at("<axis xyz=\"0 1 0\"/>", "<axis y=\"1\"/>", {"<axis> has no xyz"});
+}
+
+TEST(UrdfFile, NumbersAreReadAlikeWhereverTheReaderLives) {
+  struct Comma : std::numpunct<char> {
+    [[nodiscard]] char do_decimal_point() const override { return ','; }
+  };
+  const std::locale before = std::locale::global(std::locale(std::locale::classic(), new Comma));
+  EXPECT_EQ(parse_urdf(crane, "crane.urdf").joints[1].xyz[0], 2.5);
+  expect_refused_at("lower=\"-1\" ", "lower=\"-0,5\" ", {"one number"});
+  std::locale::global(before);
 }
 
 // A limit of 1e16 is none to the programs that write it.
