@@ -9,7 +9,8 @@ void describe(CLI::App& app, EditArguments& arguments) {
   app.add_option("MOVE", arguments.move, "the move: a TOML file with keys, a speed curve and a frame count")
       ->required();
   app.add_option("--rig", arguments.rig, "the rig: gives the axes units and limits");
-  app.add_option("--port", arguments.port, "the port on this machine (0: that of the last launch, or any that is free)")
+  app.add_option("--port", arguments.port,
+                 "the port on this machine (0: that of the last launch, or any that is free)")
       ->check(between(0, 65535))
       ->capture_default_str();
   app.add_flag("--no-browser", arguments.no_browser, "print the address only");
