@@ -11,7 +11,7 @@ namespace {
 constexpr double close_share = 1e-3;
 constexpr double close_position = 1e-9;
 /// A hull shrinks to a quarter of what it is too wide with every halving.
-constexpr int max_halvings = 30;
+constexpr int max_depth = 30;
 
 /// Bernstein coefficients over a stretch of u.
 struct Bernstein {
@@ -85,7 +85,7 @@ class Search {
 
   void take(const Bernstein& whole, const TrajectoryPiece& piece) {
     if (whole.highest() <= bound_) return;
-    std::array<Bernstein, max_halvings + 1> stack;
+    std::array<Bernstein, max_depth + 1> stack;
     std::size_t count = 0;
     stack[count++] = whole;
     while (count > 0) {
