@@ -210,7 +210,7 @@ Result<Track<Real>> Track<Real>::make_with_breaks(const Path<Real>& path, const 
     integral_before = integral;
   }
   track.portions_ = memory.portions.first(breaks.size() + 1);
-  track.is_plain_ = false;
+  track.is_plain_ = track.needs_nothing_more_ = false;
   return made;
 }
 
@@ -251,7 +251,7 @@ Result<Track<Real>> Track<Real>::make_with_key_frames(const Path<Real>& path,
   }
   Track track(path, arc_length, none, frames, fps);
   track.key_intervals_ = memory.key_intervals.first(segments);
-  track.is_plain_ = false;
+  track.is_plain_ = track.needs_nothing_more_ = false;
   return track;
 }
 

@@ -215,11 +215,16 @@ class Track {
 
   /// The position of every axis, in axis units: the tick. `out` has axis_count() entries. O(axes).
   void positions(const FrameTime<Real>& time, std::span<Real> out) const {
-    const PathPoint<Real> point = locate(time);
     const auto axes = static_cast<std::size_t>(path_.axis_count());
+    // One question for all that is rare: locate() would ask the first again.
+    const bool is_inside = static_cast<std::uint32_t>(time.frame) < static_cast<std::uint32_t>(frames_);
+    if (is_inside && needs_nothing_more_) [[likely]] {
+      const PathPoint<Real> point = locate_at(place(time));
+      return write_values(path_.segment(point.segment), point.t, out.first(axes));
+    }
+    const PathPoint<Real> point = locate(time);
     write_values(path_.segment(point.segment), point.t, out.first(axes));
-    if (path_.overshoots()) [[likely]]
-      return;
+    if (path_.overshoots()) return;
     for (std::size_t d = 0; d < axes; ++d) out[d] = path_.kept(out[d], point.segment, d);
   }
 
@@ -250,7 +255,8 @@ class Track {
         fps_(fps),
         inverse_frames_(1 / static_cast<Real>(frames)),
         curve_rate_(static_cast<Real>(profile.span_count()) * static_cast<Real>(fps.numerator) /
-                    (static_cast<Real>(frames) * static_cast<Real>(fps.denominator))) {}
+                    (static_cast<Real>(frames) * static_cast<Real>(fps.denominator))),
+        needs_nothing_more_(path.overshoots()) {}
 
   [[nodiscard]] TwoSum<Real> distance_at(const CurvePlace<Real>& place) const {
     const SpanDistance<Real>& span = span_distances_[static_cast<std::size_t>(place.span)];
@@ -292,7 +298,8 @@ class Track {
   Real inverse_frames_ = 0;
   Real curve_rate_ = 0;
   Real constant_ = 0;
-  bool is_plain_ = true;  ///< one drawn curve, no breaks: the way that must be quick
+  bool is_plain_ = true;             ///< one drawn curve, no breaks: the way that must be quick
+  bool needs_nothing_more_ = false;  ///< plain, and positions need no Path::kept()
 };
 
 /// Memory of a track with up to `Keys` keys, `Axes` axes, `Values` control values.
