@@ -86,8 +86,8 @@ class Plan {
 
   /// The duration of the frames that are played, without the rolls.
   [[nodiscard]] double duration_s() const;
-  /// How far two such keys of a track are apart: "0.1 mm".
-  [[nodiscard]] std::string distance_in_words(std::size_t track, const NearKeys& pair) const;
+  /// How far two such keys of track `index` are apart: "0.1 mm".
+  [[nodiscard]] std::string distance_in_words(std::size_t index, const NearKeys& pair) const;
   /// "mm" where all axes of a track with a weight above 0 share it; "" where they do not or have none.
   [[nodiscard]] std::string length_unit(std::size_t track) const;
 
