@@ -213,35 +213,8 @@ int check_command(const CheckArguments& arguments) {
   return report.fits() ? 0 : exit_limit;
 }
 
-void describe(CLI::App& app, CheckArguments& arguments) {
-  app.add_option("MOVE", arguments.move, "the move: a TOML file with keys, a speed curve and a frame count")
-      ->required();
-  app.add_option("--rig", arguments.rig, "the rig: gives the axes their limits")->required();
-  add_turns(app, arguments.turns);
-  add_frames(app, arguments.frames,
-             "check a part of the move, 20..80 or 20.. or ..80, with rolls of its own");
-  app.add_option("--json", arguments.json, "write everything that was found (- is standard output)");
-  app.add_option("--plot", arguments.plot,
-                 "draw velocity, acceleration and jerk of every axis with its limits (.svg, .png or .pdf)");
-  add_style(app, arguments.style);
-  CLI::Option* fit = app.add_option(
-      "--fit", arguments.fit,
-      "write the move with a speed curve that fits in the same frames, changed as little as can be");
-  app.add_option("--start", arguments.start,
-                 "what the fitted curve is near to: the drawn one, or one that follows the curvature of the "
-                 "path; both "
-                 "are tried where nothing is said")
-      ->check(CLI::IsMember({"drawn", "curvature"}))
-      ->needs(fit);
-  app.add_option("--seconds", arguments.seconds, "how long --fit may search; it then writes what it has")
-      ->check(CLI::PositiveNumber)
-      ->needs(fit)
-      ->capture_default_str();
-  app.add_flag("--fewest", arguments.fewest,
-               "fit in the fewest frames for which a curve is found, not in those of the move")
-      ->needs(fit);
-  app.footer(
-      R"(Every moment from the first frame to the last is held against the limits, not samples of it: a peak
+constexpr const char* explanation =
+    R"(Every moment from the first frame to the last is held against the limits, not samples of it: a peak
 is a proven bound, not below the true one and at most 1 % above it. Jerk is held only where the rig has a
 max_jerk.
 
@@ -272,8 +245,8 @@ does not, and the other way round, where its rolls find no room.
 distance by the same frames, so that locked keys stay locked; rests stay rests. Where no curve with as many
 control values fits, it is given twice as many, and again; a second search begins at a curve that follows the
 curvature of the path. Where none is found, it says why, and below how many frames there can be none. After
---seconds, or Ctrl-C, it writes what it has, or says that it has none. With --plot the picture is of the fitted move, with its speed curves before and
-after.
+--seconds, or Ctrl-C, it writes what it has, or says that it has none. With --plot the picture is of the fitted
+move, with its speed curves before and after.
 
 A controlled stop from any moment, forward or backward, is proven as well: how long the longest takes, and
 that it keeps the stop limits of the rig.
@@ -286,7 +259,36 @@ Examples:
   inbetween check move.toml --rig rig.toml --plot limits.svg where the peaks are
   inbetween check move.toml --rig rig.toml --fit slower.toml the move, made to fit
   inbetween check move.toml --rig rig.toml --frames 20..80   a part of it, played alone
-  inbetween check move.toml --rig rig.toml --json -          for other programs)");
+  inbetween check move.toml --rig rig.toml --json -          for other programs)";
+
+void describe(CLI::App& app, CheckArguments& arguments) {
+  app.add_option("MOVE", arguments.move, "the move: a TOML file with keys, a speed curve and a frame count")
+      ->required();
+  app.add_option("--rig", arguments.rig, "the rig: gives the axes their limits")->required();
+  add_turns(app, arguments.turns);
+  add_frames(app, arguments.frames,
+             "check a part of the move, 20..80 or 20.. or ..80, with rolls of its own");
+  app.add_option("--json", arguments.json, "write everything that was found (- is standard output)");
+  app.add_option("--plot", arguments.plot,
+                 "draw velocity, acceleration and jerk of every axis with its limits (.svg, .png or .pdf)");
+  add_style(app, arguments.style);
+  CLI::Option* fit = app.add_option(
+      "--fit", arguments.fit,
+      "write the move with a speed curve that fits in the same frames, changed as little as can be");
+  app.add_option("--start", arguments.start,
+                 "what the fitted curve is near to: the drawn one, or one that follows the curvature of the "
+                 "path; both "
+                 "are tried where nothing is said")
+      ->check(CLI::IsMember({"drawn", "curvature"}))
+      ->needs(fit);
+  app.add_option("--seconds", arguments.seconds, "how long --fit may search; it then writes what it has")
+      ->check(CLI::PositiveNumber)
+      ->needs(fit)
+      ->capture_default_str();
+  app.add_flag("--fewest", arguments.fewest,
+               "fit in the fewest frames for which a curve is found, not in those of the move")
+      ->needs(fit);
+  app.footer(explanation);
 }
 
 }  // namespace

@@ -43,6 +43,28 @@ export async function shown(page) {
   return page.locator("#verdict").getAttribute("data-hash");
 }
 
+/** Waits until the file is as it shall be. */
+export async function written(is) {
+  for (let tries = 0; tries < 1500; ++tries) {
+    if (is()) return;
+    await new Promise((done) => setTimeout(done, 20));
+  }
+  throw new Error("the file is never written so");
+}
+
+export const centre = async (locator) => {
+  await settled(locator.page());
+  const box = await locator.boundingBox();
+  return [box.x + box.width / 2, box.y + box.height / 2];
+};
+/** Clicks once the picture stands still: what was done before may still move it, and a person waits to see it. */
+export async function pick(page, locator) {
+  await settled(page);
+  await locator.click();
+}
+export const key = (page, k) => page.locator("#plan .key .knob").nth(k);
+export const value = (page, i) => page.locator("#speed .value .knob").nth(i);
+
 /** Starts `inbetween edit` on a copy of the examples, with `text` in place of the move if it is given. */
 export async function edit(move, rig, { text, viewport = { width: 1280, height: 720 }, touch = false } = {}) {
   const folder = mkdtempSync(join(tmpdir(), "inbetween-editor-"));

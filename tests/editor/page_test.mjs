@@ -8,7 +8,9 @@ import { connect } from "node:net";
 import { tmpdir } from "node:os";
 import { basename, join } from "node:path";
 import { after, before, test } from "node:test";
-import { alone, edit, example, hashes, hundredKeys, pictures, settled, shown, startBrowser, stopBrowser, until } from "./editor.mjs";
+import {
+  alone, centre, edit, example, hashes, hundredKeys, key, pick, pictures, settled, shown, startBrowser, stopBrowser, until, value, written,
+} from "./editor.mjs";
 
 before(startBrowser);
 after(stopBrowser);
@@ -25,20 +27,6 @@ async function afterwards(editor, act) {
   assert.deepEqual(editor.complaints, []);
 }
 
-/** Waits until the file is as it shall be. */
-async function written(is) {
-  for (let tries = 0; tries < 1500; ++tries) {
-    if (is()) return;
-    await new Promise((done) => setTimeout(done, 20));
-  }
-  assert.fail("the file is never written so");
-}
-
-const centre = async (locator) => {
-  await settled(locator.page());
-  const box = await locator.boundingBox();
-  return [box.x + box.width / 2, box.y + box.height / 2];
-};
 async function drag(page, locator, dx, dy) {
   const [x, y] = await centre(locator);
   await page.mouse.move(x, y);
@@ -46,14 +34,6 @@ async function drag(page, locator, dx, dy) {
   for (let i = 1; i <= 5; ++i) await page.mouse.move(x + (dx * i) / 5, y + (dy * i) / 5);
   await page.mouse.up();
 }
-/** Clicks once the picture stands still: what was done before may still move it, and a person waits to see it. */
-async function pick(page, locator) {
-  await settled(page);
-  await locator.click();
-}
-const key = (page, k) => page.locator("#plan .key .knob").nth(k);
-const value = (page, i) => page.locator("#speed .value .knob").nth(i);
-
 test("what is opened is shown with the numbers of the command line, and nothing is written", async () => {
   const editor = await reveal();
   const text = editor.read();
