@@ -50,8 +50,12 @@ export class Store {
   edit(move: Move): void {
     if (move === this.move) return;
     if (this.gesture !== null) return this.show(move);
-    this.states = [...this.states.slice(0, this.at + 1), move];
-    this.go(this.at + 1);
+    // A file that was loaded and undone may be nowhere else: it stays, and undo goes back to it.
+    const undone = this.states.slice(this.at + 1);
+    const now = this.states[this.at];
+    this.states = undone.some(({ revision }) => revision !== now.revision) ? [...this.states, now, move]
+      : [...this.states.slice(0, this.at + 1), move];
+    this.go(this.states.length - 1);
   }
   /** What follows until end() is one step of undo: a drag. */
   begin(): void {
