@@ -25,15 +25,19 @@ export async function stopBrowser() {
   for (const running of programs) running.kill("SIGTERM");
 }
 
-/** Waits until `ask` is true in the page. (Playwright's own waitForFunction evaluates text, which the page's policy
- * forbids, and that policy is part of what is tested.) */
-export async function until(page, ask, argument) {
+/** Waits until `is` gives true, or a promise of it. */
+export async function eventually(is, never) {
   for (let tries = 0; tries < 1500; ++tries) {
-    if (await page.evaluate(ask, argument)) return;
+    if (await is()) return;
     await new Promise((done) => setTimeout(done, 20));
   }
-  throw new Error(`never: ${ask}`);
+  throw new Error(`never: ${never}`);
 }
+/** Waits until `ask` is true in the page. (Playwright's own waitForFunction evaluates text, which the page's policy
+ * forbids, and that policy is part of what is tested.) */
+export const until = (page, ask, argument) => eventually(() => page.evaluate(ask, argument), ask);
+/** Waits until the file is as it shall be. */
+export const written = (is) => eventually(is, "the file is written so");
 
 /** Waits until what was done is in the picture: the page solves and draws before the next one, and not at once. */
 export const settled = (page) => page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
@@ -41,15 +45,6 @@ export const settled = (page) => page.evaluate(() => new Promise((done) => reque
 export async function shown(page) {
   await settled(page);
   return page.locator("#verdict").getAttribute("data-hash");
-}
-
-/** Waits until the file is as it shall be. */
-export async function written(is) {
-  for (let tries = 0; tries < 1500; ++tries) {
-    if (is()) return;
-    await new Promise((done) => setTimeout(done, 20));
-  }
-  throw new Error("the file is never written so");
 }
 
 export const centre = async (locator) => {

@@ -7,7 +7,7 @@ import { existsSync, readdirSync, readFileSync, rmSync, statSync, writeFileSync 
 import { createServer } from "node:http";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
-import { edit, pick, startBrowser, stopBrowser, until, value, written } from "./editor.mjs";
+import { edit, eventually, pick, startBrowser, stopBrowser, until, value, written } from "./editor.mjs";
 
 before(startBrowser);
 after(stopBrowser);
@@ -76,10 +76,7 @@ test("what was saved and then changed outside is kept when the file is loaded, a
   await until(page, () => document.getElementById("said").textContent.startsWith("Loaded"));
   assert.equal(editor.beside("mine-1"), mine);
   await page.keyboard.press("Control+z");
-  await until(page, (shown) => { // as it was, and saved so
-    const { frames, tracks } = window.inbetween.store.move;
-    return JSON.stringify([frames, tracks.map((track) => [track.keys, track.speed])]) === shown;
-  }, shape);
+  await eventually(async () => await move(page) === shape, "the move is as it was"); // and saved so
   await written(() => editor.read() === mine);
   await editor.end();
 });

@@ -51,10 +51,9 @@ export class Store {
     if (move === this.move) return;
     if (this.gesture !== null) return this.show(move);
     // A file that was loaded and undone may be nowhere else: it stays, and undo goes back to it.
-    const undone = this.states.slice(this.at + 1);
-    const now = this.states[this.at];
-    this.states = undone.some(({ revision }) => revision !== now.revision) ? [...this.states, now, move]
-      : [...this.states.slice(0, this.at + 1), move];
+    const { revision } = this.states[this.at];
+    const isNeeded = this.states.slice(this.at + 1).some((undone) => undone.revision !== revision);
+    this.states = isNeeded ? this.behindAll(move) : [...this.states.slice(0, this.at + 1), move];
     this.go(this.states.length - 1);
   }
   /** What follows until end() is one step of undo: a drag. */
@@ -100,7 +99,7 @@ export class Store {
    * stays before it too. */
   load(move: Move): void {
     this.gesture = null;
-    this.states = [...this.states, ...(this.canRedo ? [this.states[this.at]] : []), move];
+    this.states = this.behindAll(move);
     this.saved = move;
     this.select({ track: 0, keys: none, values: none });
     this.go(this.states.length - 1);
@@ -138,6 +137,10 @@ export class Store {
     for (const listener of this.frameListeners) listener();
   }
 
+  /** The history with a step more, behind what could be done again and the state that is shown. */
+  private behindAll(move: Move): readonly Move[] {
+    return [...this.states, ...(this.canRedo ? [this.states[this.at]] : []), move];
+  }
   private go(at: number): void {
     this.at = at;
     this.show(this.states[at]);
