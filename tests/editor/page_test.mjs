@@ -502,6 +502,7 @@ test("in high contrast and in the colours of the system every area is drawn in t
   const editor = await reveal();
   const { page } = editor;
   const cdp = await page.context().newCDPSession(page);
+  await editor.settled(); // #frames is there before the views are drawn for the first time
   const first = await page.locator("#plan canvas").first().evaluate((canvas) => canvas.toDataURL());
   for (const [name, value] of [["prefers-contrast", "more"], ["forced-colors", "active"]]) {
     await cdp.send("Emulation.setEmulatedMedia", { features: [{ name, value }] });
