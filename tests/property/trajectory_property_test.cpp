@@ -9,9 +9,10 @@
 #include <sstream>
 #include <vector>
 
+#include "host_tools/plan/fitted_trajectory.hpp"
 #include "inbetween/limits/motion_bounds.hpp"
 #include "inbetween/trajectory/bounds.hpp"
-#include "tests/support/fitted_trajectory.hpp"
+#include "tests/support/oracle_hermite.hpp"
 #include "tests/support/property.hpp"
 #include "tests/support/random_move.hpp"
 #include "tests/support/solved_move.hpp"
@@ -90,7 +91,6 @@ TEST(TrajectoryProperty, WhatPlaysIsWithinTheTolerancesOfWhatIsAsked) {
     if (track.arc_length().total() == 0) return;
     if (!is_resolved(track, bounds_of_track(track))) return;
     const FittedTrajectory fitted(track);
-    RC_ASSERT(fitted.result().has_value());
     most = std::max(most, fitted->pieces().size());
     const std::vector<AxisPeaks<double>> peaks = bounds_of_track(track);
     const std::size_t axes = fitted->axis_count();
@@ -132,7 +132,6 @@ TEST(TrajectoryProperty, EveryJointTheFirstAndTheLastPositionAreThoseOfTheTrack)
     const Track<double>& track = solved.track();
     if (track.arc_length().total() == 0) return;
     const FittedTrajectory fitted(track);
-    RC_ASSERT(fitted.result().has_value());
     const std::size_t axes = fitted->axis_count();
     std::vector<double> first(axes), last(axes), at(axes);
     fitted->positions({0, 0}, first);
@@ -159,7 +158,6 @@ TEST(TrajectoryProperty, NoMomentOfAPieceIsAboveItsBoundAndNoBoundIsFarAboveItsP
     if (solved.track().arc_length().total() == 0) return;
     if (!is_resolved(solved.track(), bounds_of_track(solved.track()))) return;
     const FittedTrajectory fitted(solved.track());
-    RC_ASSERT(fitted.result().has_value());
     std::vector<AxisPeaks<double>> peaks(fitted->axis_count());
     bound_trajectory(*fitted, peaks);
     for (std::size_t d = 0; d < peaks.size(); ++d) {
@@ -208,7 +206,6 @@ TEST(TrajectoryProperty, ItsCertificateIsThatOfTheTrackWithinOnePercent) {
     }
     ++moves;
     const FittedTrajectory fitted(track);
-    RC_ASSERT(fitted.result().has_value());
     std::vector<AxisPeaks<double>> peaks(fitted->axis_count());
     bound_trajectory(*fitted, peaks);
     for (std::size_t d = 0; d < peaks.size(); ++d) {

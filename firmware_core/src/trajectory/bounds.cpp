@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "trajectory/hermite.hpp"
+
 namespace inbetween {
 namespace {
 
@@ -36,6 +38,18 @@ struct Bernstein {
     for (double& one : result.c) one = -one;
     return result;
   }
+  /// This becomes what lies between two places of it (de Casteljau at either).
+  void cut(double from, double to) {
+    for (std::size_t round = 1; round <= degree; ++round) {
+      for (std::size_t i = degree; i >= round; --i) c[i] = (1 - to) * c[i - 1] + to * c[i];
+    }
+    const double share = from / to;
+    for (std::size_t round = 1; round <= degree; ++round) {
+      for (std::size_t i = 0; i + round <= degree; ++i) c[i] = (1 - share) * c[i] + share * c[i + 1];
+    }
+    begin = from;
+    end = to;
+  }
   /// This becomes the first half, and the second is returned.
   Bernstein halve() {
     Bernstein second = *this;
@@ -49,30 +63,47 @@ struct Bernstein {
   }
 };
 
-/// The position of an axis on a piece less the one at its begin.
-Bernstein position_of(const Trajectory& trajectory, const TrajectoryPiece& piece, std::size_t axis) {
+/// The polynomial with the numbers of two rows from number `first` on: its values, and as many derivatives as
+/// its degree takes, less the value at its begin.
+Bernstein between_rows(const Trajectory& trajectory, const TrajectoryPiece& piece, std::size_t axis,
+                       std::size_t first, std::size_t degree) {
   const std::size_t axes = trajectory.axis_count();
-  const double* first = &trajectory.values()[piece.begin_row];
-  const double* last = &trajectory.values()[piece.end_row];
-  const std::size_t known = (piece.degree + std::size_t{1}) / 2;
+  const double* begin = &trajectory.values()[piece.begin_row + first * axes];
+  const double* end = &trajectory.values()[piece.end_row + first * axes];
   Bernstein result;
-  result.degree = piece.degree;
-  const double way = last[axis] - first[axis];
-  for (std::size_t i = 0; i < known; ++i) {
+  result.degree = degree;
+  const double way = end[axis] - begin[axis];
+  for (std::size_t i = 0; i < known_of(degree); ++i) {
     // b_i = sum over j of binomial(i, j) (n - j)! / n! h^j f^(j), from either end.
     double left = 0;
     double right = way;
     double factor = 1;  // binomial(i, j) (n - j)! / n! h^j
     for (std::size_t j = 1; j <= i; ++j) {
       factor *= static_cast<double>(i - j + 1) / static_cast<double>(j) * piece.seconds /
-                static_cast<double>(piece.degree + 1 - j);
-      left += factor * first[j * axes + axis];
-      right += (j % 2 == 1 ? -factor : factor) * last[j * axes + axis];
+                static_cast<double>(degree + 1 - j);
+      left += factor * begin[j * axes + axis];
+      right += (j % 2 == 1 ? -factor : factor) * end[j * axes + axis];
     }
     result.c[i] = left;
-    result.c[piece.degree - i] = right;
+    result.c[degree - i] = right;
   }
   return result;
+}
+
+/// The position of an axis on a piece less the one at its begin.
+Bernstein position_of(const Trajectory& trajectory, const TrajectoryPiece& piece, std::size_t axis) {
+  if (piece.degree != 6) return between_rows(trajectory, piece, axis, 0, piece.degree);
+  const Bernstein velocity = between_rows(trajectory, piece, axis, 1, 5);
+  const double begin = trajectory.values()[piece.begin_row + trajectory.axis_count() + axis];
+  Bernstein position;
+  position.degree = 6;
+  for (std::size_t i = 0; i < 6; ++i)
+    position.c[i + 1] = position.c[i] + piece.seconds / 6 * (begin + velocity.c[i]);
+  return position;
+}
+
+double frame_of(const FrameTime<double>& time) {
+  return static_cast<double>(time.frame) + time.fraction;
 }
 
 /// Raises `bound` to what a polynomial reaches, proven: not below it, and above by `share` of it or `slack`.
@@ -109,7 +140,7 @@ class Search {
   void reach(double value, double u, const TrajectoryPiece& piece) {
     if (value <= reached_) return;
     reached_ = value;
-    frame_ = static_cast<double>(piece.begin.frame) + piece.begin.fraction + u / piece.inverse_frames;
+    frame_ = frame_of(piece.begin) + u / piece.inverse_frames;
   }
 
   double share_;
@@ -124,60 +155,129 @@ Bernstein shifted(Bernstein polynomial, double by) {
   return polynomial;
 }
 
-void bound_axis(const Trajectory& trajectory, std::size_t axis, AxisPeaks<double>& out) {
-  double low = trajectory.values()[trajectory.pieces().front().begin_row + axis];
-  double high = low;
-  for (const TrajectoryPiece& piece : trajectory.pieces()) {
-    low = std::min(low, trajectory.values()[piece.end_row + axis]);
-    high = std::max(high, trajectory.values()[piece.end_row + axis]);
+/// What lies of a piece between two times.
+struct PiecePart {
+  const TrajectoryPiece* piece;
+  double begin = 0, end = 1;  ///< u
+};
+
+/// Calls `work` with every piece, or part of one, from one time to another.
+template <class Work>
+void for_each_part(const Trajectory& trajectory, const FrameTime<double>& from, const FrameTime<double>& to,
+                   const Work& work) {
+  const std::span<const TrajectoryPiece> pieces = trajectory.pieces();
+  for (std::size_t i = from < trajectory.end_of(pieces.size() - 1) ? trajectory.piece_at(from)
+                                                                   : pieces.size();
+       i < pieces.size() && pieces[i].begin < to; ++i) {
+    PiecePart part{&pieces[i]};
+    if (pieces[i].begin < from) part.begin = frames_between(pieces[i].begin, from) * pieces[i].inverse_frames;
+    if (to < trajectory.end_of(i)) part.end = frames_between(pieces[i].begin, to) * pieces[i].inverse_frames;
+    work(part);
   }
-  const double slack = close_position * (high - low);
-  Search highest(0, slack), lowest(0, slack);
-  std::array<Search, 3> peaks{Search(close_share, 0), Search(close_share, 0), Search(close_share, 0)};
-  for (const TrajectoryPiece& piece : trajectory.pieces()) {
-    const double begin = trajectory.values()[piece.begin_row + axis];
-    Bernstein polynomial = position_of(trajectory, piece, axis);
-    highest.take(shifted(polynomial, begin), piece);
-    lowest.take(shifted(polynomial, begin).negated(), piece);
-    for (Search& peak : peaks) {
-      polynomial = polynomial.derivative(piece.seconds);
+}
+
+/// Where an axis is between two times at ends of pieces: what a search of its positions begins with.
+struct Reached {
+  double low = std::numeric_limits<double>::infinity();
+  double high = -std::numeric_limits<double>::infinity();
+
+  void take(double position) {
+    low = std::min(low, position);
+    high = std::max(high, position);
+  }
+};
+
+class AxisBounds {
+ public:
+  AxisBounds(const Trajectory& trajectory, std::size_t axis, const Reached& reached)
+      : trajectory_(trajectory),
+        axis_(axis),
+        highest_(0, close_position * (reached.high - reached.low)),
+        lowest_(0, close_position * (reached.high - reached.low)) {}
+
+  void take(const PiecePart& part) {
+    const TrajectoryPiece& piece = *part.piece;
+    const double begin = trajectory_.values()[piece.begin_row + axis_];
+    Bernstein polynomial = position_of(trajectory_, piece, axis_);
+    if (part.begin > 0 || part.end < 1) polynomial.cut(part.begin, part.end);
+    take_position(shifted(polynomial, begin), piece);
+    // In seconds of the piece: the parameter of the part is from 0 to 1 over it alone.
+    const double seconds = piece.seconds * (part.end - part.begin);
+    for (Search& peak : peaks_) {
+      polynomial = polynomial.derivative(seconds);
       peak.take(polynomial, piece);
       peak.take(polynomial.negated(), piece);
     }
   }
-  out.highest = {highest.bound(), highest.frame()};
-  out.lowest = {-lowest.bound(), lowest.frame()};
-  out.velocity = {peaks[0].bound(), peaks[0].frame()};
-  out.acceleration = {peaks[1].bound(), peaks[1].frame()};
-  out.jerk = {peaks[2].bound(), peaks[2].frame()};
-}
+  [[nodiscard]] AxisPeaks<double> peaks() const {
+    return {.lowest = {-lowest_.bound(), lowest_.frame()},
+            .highest = {highest_.bound(), highest_.frame()},
+            .velocity = {peaks_[0].bound(), peaks_[0].frame()},
+            .acceleration = {peaks_[1].bound(), peaks_[1].frame()},
+            .jerk = {peaks_[2].bound(), peaks_[2].frame()}};
+  }
+
+ private:
+  void take_position(const Bernstein& position, const TrajectoryPiece& piece) {
+    if (trajectory_.keeps_to_joints()) {  // what the ends of the piece are not, no moment of it is
+      Bernstein ends;
+      ends.degree = 1;
+      ends.c = {position.c[0], position.c[position.degree]};
+      ends.begin = position.begin;
+      ends.end = position.end;
+      highest_.take(ends, piece);
+      return lowest_.take(ends.negated(), piece);
+    }
+    highest_.take(position, piece);
+    lowest_.take(position.negated(), piece);
+  }
+
+  const Trajectory& trajectory_;
+  std::size_t axis_;
+  Search highest_, lowest_;
+  std::array<Search, 3> peaks_{Search(close_share, 0), Search(close_share, 0), Search(close_share, 0)};
+};
 
 }  // namespace
 
-void bound_trajectory(const Trajectory& trajectory, std::span<AxisPeaks<double>> out) {
-  for (std::size_t d = 0; d < trajectory.axis_count(); ++d) bound_axis(trajectory, d, out[d]);
+void bound_trajectory(const Trajectory& trajectory, const FrameTime<double>& from,
+                      const FrameTime<double>& to, std::span<AxisPeaks<double>> out) {
+  for (std::size_t d = 0; d < trajectory.axis_count(); ++d) {
+    Reached reached;
+    for_each_part(trajectory, from, to, [&](const PiecePart& part) {
+      reached.take(trajectory.values()[part.piece->begin_row + d]);
+      reached.take(trajectory.values()[part.piece->end_row + d]);
+    });
+    AxisBounds bounds(trajectory, d, reached);
+    for_each_part(trajectory, from, to, [&](const PiecePart& part) { bounds.take(part); });
+    out[d] = bounds.peaks();
+  }
   constexpr double infinity = std::numeric_limits<double>::infinity();
   for (const UnboundedSide& side : trajectory.unbounded()) {
+    if (side.time < from || to < side.time) continue;
     AxisPeaks<double>& peaks = out[static_cast<std::size_t>(side.axis)];
-    const double frame = static_cast<double>(side.time.frame) + side.time.fraction;
+    const double frame = frame_of(side.time);
     if (side.order <= 1) peaks.velocity.raise(infinity, frame);
     if (side.order <= 2) peaks.acceleration.raise(infinity, frame);
     peaks.jerk.raise(infinity, frame);
   }
 }
 
+void bound_trajectory(const Trajectory& trajectory, std::span<AxisPeaks<double>> out) {
+  bound_trajectory(trajectory, trajectory.begin(), trajectory.end(), out);
+}
+
 void steps_at(const Trajectory& trajectory, const TrajectoryBreak& at, std::span<TrajectoryStep> out) {
-  const std::size_t axes = trajectory.axis_count();
   const TrajectoryPiece& before = trajectory.pieces()[at.piece - 1];
   const TrajectoryPiece& behind = trajectory.pieces()[at.piece];
-  const double* arriving = &trajectory.values()[before.end_row];
-  const double* leaving = &trajectory.values()[behind.begin_row];
-  const std::size_t known = (std::min(before.degree, behind.degree) + std::size_t{1}) / 2;
-  for (std::size_t d = 0; d < axes; ++d) {
-    out[d] = {};
-    if (known > 1) out[d].velocity = leaving[axes + d] - arriving[axes + d];
-    if (known > 2) out[d].acceleration = leaving[2 * axes + d] - arriving[2 * axes + d];
-  }
+  const auto step = [&](std::size_t axis, std::size_t derivative) {
+    for (const TrajectoryPiece* piece : {&before, &behind}) {
+      if (!piece->is_exact && derivative >= known_of(piece->degree)) return 0.0;  // it is not known there
+    }
+    return at_end_of_piece(trajectory, behind, axis, derivative, false) -
+           at_end_of_piece(trajectory, before, axis, derivative, true);
+  };
+  for (std::size_t d = 0; d < trajectory.axis_count(); ++d) out[d] = {step(d, 1), step(d, 2)};
 }
 
 }  // namespace inbetween

@@ -1,10 +1,11 @@
+#include "trajectory/drawn_sampler.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
 
-#include "inbetween/trajectory/fit.hpp"
 #include "path/segment_speed.hpp"
 #include "timing/met_place.hpp"
 
@@ -154,10 +155,15 @@ class JointList {
     }
     if (other.point_after.segment != nowhere) {
       const bool is_alone = into.point_before.segment == nowhere;
-      // In the order of the path: their times are within rounding of each other.
-      if (is_alone || other.point_before.at_or_before(into.point_before))
+      const bool are_keys = into.key >= 0 && other.key >= 0;
+      // A slow place beside a key is passed by: beside the key the axes would jump there.
+      if (is_alone || (into.key < 0 && other.key >= 0)) {
         into.point_before = other.point_before;
-      if (is_alone || into.point_after.at_or_before(other.point_after)) into.point_after = other.point_after;
+        into.point_after = other.point_after;
+      } else if (are_keys) {  // in the order of the path: their times are within rounding of each other
+        if (other.point_before.at_or_before(into.point_before)) into.point_before = other.point_before;
+        if (into.point_after.at_or_before(other.point_after)) into.point_after = other.point_after;
+      }
       into.key = std::max(into.key, other.key);
     }
     if (other.constant_before != other.constant_after) {
@@ -231,12 +237,17 @@ class Line {
     }
     return true;
   }
-  /// dP / dL of every axis at t: with its sign there, or where the path stands still on that side.
-  void write(const AlongPath<double>& along, bool arriving, std::span<AxisMotion<double>> out) const {
+  /// dP / dL of every axis at t: with its sign there, or of a joint where the path stands still, to within
+  /// the rounding of t, with that of its side.
+  void write(const AlongPath<double>& along, bool is_joint, bool arriving,
+             std::span<AxisMotion<double>> out) const {
     const Cubic<double>& longest = cubics_[largest_];
     const double t = along.point.t;
     double way = longest.derivative(t);
-    if (way == 0) way = arriving ? -longest.second(t) : longest.second(t);
+    const std::array<double, 3> terms = of(largest_);
+    const double size = std::fabs(terms[0]) + std::fabs(terms[1]) + std::fabs(terms[2]);
+    if (std::fabs(way) <= (is_joint ? rounding * size : 0))
+      way = arriving ? -longest.second(t) : longest.second(t);
     if (way == 0) way = longest.third();
     const double sign = way < 0 ? -1 : 1;
     for (std::size_t d = 0; d < out.size(); ++d) {
@@ -287,6 +298,11 @@ class Standing {
   }
   /// The direction is the opposite on the other side.
   [[nodiscard]] bool turns_back() const { return size_ > still_speed_share<double> * third_; }
+  /// That of every axis on the side on which the motion leaves. Where the point is known within rounding, P'
+  /// may be that of any moment of the turn.
+  void write_velocity(double speed, std::span<AxisMotion<double>> out) const {
+    for (std::size_t d = 0; d < out.size(); ++d) out[d].velocity = speed * (cubics_[d].second(t_) / size_);
+  }
   /// Whether its part of the direction turns: then d2P / dL2 has no bound.
   [[nodiscard]] bool turns(std::size_t d) const {
     if (!(size_ > still_speed_share<double> * third_))
@@ -305,17 +321,19 @@ class Standing {
   double size_ = 0, third_ = 0, along_ = 0;
 };
 
-SampledSpeed sampled(const Track<double>& track, const FrameTime<double>& time, CurvePlace<double> place,
-                     double constant, PathPoint<double> point, bool arriving,
-                     std::span<AxisMotion<double>> out) {
-  const SpeedSpan<double>& span = track.profile().span(place.span);
+}  // namespace
+
+SampledSpeed sample_drawn(const Track<double>& track, const FrameTime<double>& time, const DrawnPlace& place,
+                          bool arriving, std::span<AxisMotion<double>> out) {
+  const SpeedSpan<double>& span = track.profile().span(place.curve.span);
+  const double constant = place.constant;
   const double rate = track.curve_rate();
   AlongPath<double> along;
-  along.speed = constant * rate * span.value(place.t);
-  along.acceleration = constant * rate * rate * span.derivative(place.t);
-  along.jerk = constant * rate * rate * rate * span.second(place.t);
-  along.point = point;
-  if (point.segment == nowhere) {
+  along.speed = constant * rate * span.value(place.curve.t);
+  along.acceleration = constant * rate * rate * span.derivative(place.curve.t);
+  along.jerk = constant * rate * rate * rate * span.second(place.curve.t);
+  along.point = place.point;
+  if (along.point.segment == nowhere) {
     const TwoSum<double> distance = track.distance(time);
     along.point = along.speed == 0 ? resting_point(track, distance, arriving) : point_at(track, distance);
   }
@@ -326,16 +344,15 @@ SampledSpeed sampled(const Track<double>& track, const FrameTime<double>& time, 
   }
   const std::int32_t segment = std::min<std::int32_t>(along.point.segment, track.path().segment_count() - 1);
   if (const Line line(track, segment); line.is_there()) {
-    if (along.point.segment == segment) line.write(along, arriving, out);
+    if (along.point.segment == segment) line.write(along, place.point.segment != nowhere, arriving, out);
     return {along.speed, 3};
   }
   switch (derivatives) {
     case Derivatives::exact:
       return {along.speed, 3};
     case Derivatives::one_sided:
-      if (arriving && Standing(track, along.point).turns_back()) {  // told is how it leaves
-        for (AxisMotion<double>& axis : out) axis.velocity = -axis.velocity;
-      }
+      if (const Standing standing(track, along.point); standing.turns_back())
+        standing.write_velocity(arriving ? -along.speed : along.speed, out);
       return {along.speed, 1};
     case Derivatives::unbounded:
       break;
@@ -343,43 +360,27 @@ SampledSpeed sampled(const Track<double>& track, const FrameTime<double>& time, 
   return {along.speed, 0};
 }
 
-}  // namespace
-
-bool DrawnSampler::is_unbounded(const PathPoint<double>& point, std::size_t axis) const {
-  return Standing(*track_, point).turns(axis);
+SampledSpeed sample_drawn(const Track<double>& track, const FrameTime<double>& time,
+                          std::span<AxisMotion<double>> out) {
+  return sample_drawn(track, time, {track.place(time), constant_at(track, time.frame), {nowhere, 0}}, false,
+                      out);
 }
 
-std::size_t max_joints(const Track<double>& track) {
+bool has_unbounded_turn(const Track<double>& track, const PathPoint<double>& point, std::size_t axis) {
+  return Standing(track, point).turns(axis);
+}
+
+std::size_t max_drawn_joints(const Track<double>& track) {
   const auto spans = static_cast<std::size_t>(track.profile().span_count());
   return spans + 1 + track.portions().size() + 3 * static_cast<std::size_t>(track.path().segment_count());
 }
 
-Result<DrawnSampler> DrawnSampler::make(const Track<double>& track, std::span<SampledJoint> joints) {
-  JointList list(track, joints);
+std::span<const SampledJoint> drawn_joints(const Track<double>& track, std::span<SampledJoint> memory) {
+  JointList list(track, memory);
   list.add_knots();
   list.add_portions();
   list.add_path();
-  if (!list.has_room()) {
-    return Error{.code = ErrorCode::capacity,
-                 .what = "the motion has more joints than its memory",
-                 .remedy = "give it a larger capacity",
-                 .needed = static_cast<std::int64_t>(max_joints(track))};
-  }
-  return DrawnSampler(track, list.settle());
-}
-
-SampledSpeed DrawnSampler::sample(const FrameTime<double>& time, std::span<AxisMotion<double>> out) const {
-  return sampled(*track_, time, track_->place(time), constant_at(*track_, time.frame), {nowhere, 0}, false,
-                 out);
-}
-
-SampledSpeed DrawnSampler::arriving(const SampledJoint& joint, std::span<AxisMotion<double>> out) const {
-  return sampled(*track_, joint.time, joint.curve_before, joint.constant_before, joint.point_before, true,
-                 out);
-}
-
-SampledSpeed DrawnSampler::leaving(const SampledJoint& joint, std::span<AxisMotion<double>> out) const {
-  return sampled(*track_, joint.time, joint.curve_after, joint.constant_after, joint.point_after, false, out);
+  return list.has_room() ? list.settle() : std::span<const SampledJoint>();
 }
 
 }  // namespace inbetween

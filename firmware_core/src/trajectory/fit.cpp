@@ -15,6 +15,8 @@ namespace {
 constexpr std::array<double, 5> compared_at{0.12, 0.3, 0.5, 0.7, 0.88};
 /// No piece is shorter, in frames: there the rounding of positions would be a velocity.
 constexpr double min_frames = 0x1p-36;
+/// A shorter piece is made from velocities, so that the rounding of positions at its ends is no jerk.
+constexpr double by_velocity_frames = 0x1p-8;
 /// Differences below so many roundings mean nothing.
 constexpr double roundings = 8;
 
@@ -30,7 +32,7 @@ Error no_room(const char* what, std::size_t needed) {
 /// Puts a trajectory together in the caller's memory.
 class TrajectoryBuilder {
  public:
-  TrajectoryBuilder(const DrawnSampler& sampler, const FitTolerances& tolerances,
+  TrajectoryBuilder(const TrackSampler& sampler, const FitTolerances& tolerances,
                     const TrajectoryMemory& memory)
       : sampler_(sampler),
         tolerances_(tolerances),
@@ -40,15 +42,21 @@ class TrajectoryBuilder {
         there_(memory.samples.subspan(axes_, axes_)),
         between_(memory.samples.subspan(2 * axes_, axes_)),
         seconds_per_frame_(static_cast<double>(sampler.frame_rate().denominator) /
-                           static_cast<double>(sampler.frame_rate().numerator)) {}
+                           static_cast<double>(sampler.frame_rate().numerator)),
+        is_cubic_(sampler.is_cubic()) {}
 
   Result<Trajectory> build() {
     const std::span<const SampledJoint> joints = sampler_.joints();
-    measure_travel();
+    if (tolerances_.travel.empty()) {
+      measure_travel(sampler_, there_, std::span(travel_).first(axes_));
+    } else {
+      std::copy_n(tolerances_.travel.begin(), axes_, travel_.begin());
+    }
+    whole_seconds_ = seconds_per_frame_ * frames_between(joints.front().time, joints.back().time);
     for (std::size_t i = 0; i < joints.size(); ++i) {
       if (i > 0) arrive_at(joints[i]);
       if (i + 1 < joints.size()) leave(joints[i]);
-      if (i + 1 < joints.size()) fill(joints[i], joints[i + 1]);
+      if (i + 1 < joints.size() && !rest(joints[i], joints[i + 1])) fill(joints[i], joints[i + 1]);
     }
     if (pieces_ > memory_.pieces.size())
       return no_room("the trajectory has more pieces than its memory", pieces_);
@@ -58,39 +66,26 @@ class TrajectoryBuilder {
       return no_room("the trajectory has more breaks than its memory", breaks_);
     if (unbounded_ > memory_.unbounded.size())
       return no_room("the trajectory has more unbounded sides than its memory", unbounded_);
-    return finished(joints);
+    return Trajectory::make({.axis_count = axes_,
+                             .fps = sampler_.frame_rate(),
+                             .end = joints.back().time,
+                             .pieces = memory_.pieces.first(pieces_),
+                             .values = memory_.values.first(values_),
+                             .breaks = memory_.breaks.first(breaks_),
+                             .unbounded = memory_.unbounded.first(unbounded_),
+                             .keeps_to_joints = sampler_.keeps_to_joints()},
+                            memory_.buckets);
   }
 
  private:
   struct Row {
     std::uint32_t offset = 0;  ///< in the values
     std::uint8_t order = 3;    ///< of its highest derivative
+    bool is_rest = false;
   };
 
-  /// How far each axis goes, by its joints and the middles between them: what the tolerance is a share of.
-  void measure_travel() {
-    const std::span<const SampledJoint> joints = sampler_.joints();
-    static_cast<void>(sampler_.leaving(joints.front(), here_));
-    // here_ keeps the lowest in `position` and the highest in `velocity` until the fit begins.
-    for (AxisMotion<double>& axis : here_) axis.velocity = axis.position;
-    const auto take = [&] {
-      for (std::size_t d = 0; d < axes_; ++d) {
-        here_[d].position = std::min(here_[d].position, between_[d].position);
-        here_[d].velocity = std::max(here_[d].velocity, between_[d].position);
-      }
-    };
-    for (std::size_t i = 1; i < joints.size(); ++i) {
-      const double frames = frames_between(joints[i - 1].time, joints[i].time);
-      static_cast<void>(sampler_.sample(moved_by(joints[i - 1].time, frames / 2), between_));
-      take();
-      static_cast<void>(sampler_.arriving(joints[i], between_));
-      take();
-    }
-    for (std::size_t d = 0; d < axes_; ++d)
-      max_off_[d] = tolerances_.position_share * (here_[d].velocity - here_[d].position);
-  }
   Row stored(std::span<const AxisMotion<double>> row, const SampledSpeed& known) {
-    const Row result{static_cast<std::uint32_t>(values_), known.order};
+    const Row result{static_cast<std::uint32_t>(values_), known.order, known.speed == 0};
     const std::size_t needed = (known.order + std::size_t{1}) * axes_;
     if (values_ + needed <= memory_.values.size()) {
       double* out = &memory_.values[values_];
@@ -130,25 +125,50 @@ class TrajectoryBuilder {
   void leave(const SampledJoint& joint) {
     const SampledSpeed known = sampler_.leaving(joint, here_);
     const bool is_first = pieces_ == 0;
-    if (!is_first && known.order == row_.order && is_same()) return;
-    row_ = stored(here_, known);
-    note_unbounded(joint, joint.point_after, known);
+    if (is_behind_rest_ && !is_full()) {  // where it rests, it begins: not beside it by a rounding
+      for (std::size_t d = 0; d < axes_; ++d) here_[d].position = memory_.values[row_.offset + d];
+    }
+    is_behind_rest_ = false;
+    if (is_first || known.order != row_.order || !is_same()) {
+      row_ = stored(here_, known);
+      note_unbounded(joint, joint.point_after, known);
+    } else if (!is_cubic_ || !acceleration_steps()) {
+      return;
+    }
     if (is_first) return;
     if (breaks_ < memory_.breaks.size())
       memory_.breaks[breaks_] = {joint.time, static_cast<std::uint32_t>(pieces_), joint.key};
     ++breaks_;
   }
+  /// Cubics that share position and velocity may still step in their accelerations.
+  [[nodiscard]] bool acceleration_steps() const {
+    for (std::size_t d = 0; d < axes_; ++d) {
+      if (there_[d].acceleration != here_[d].acceleration) return true;
+    }
+    return false;
+  }
   [[nodiscard]] bool is_same() const {
     if (is_full()) return false;
     const double* last = &memory_.values[row_.offset];
     for (std::size_t d = 0; d < axes_; ++d) {
-      if (last[d] != here_[d].position || last[axes_ + d] != here_[d].velocity) return false;
+      if (last[d] != here_[d].position) return false;
+      if (row_.order >= 1 && last[axes_ + d] != here_[d].velocity) return false;
       if (row_.order < 3) continue;
       if (last[2 * axes_ + d] != here_[d].acceleration || last[3 * axes_ + d] != here_[d].jerk) return false;
     }
     return true;
   }
 
+  /// A stretch at rest, as one piece with one row at both ends.
+  bool rest(const SampledJoint& from, const SampledJoint& to) {
+    if (!sampler_.rests_behind(from)) return false;
+    TrajectoryPiece piece = piece_between(from.time, to.time, row_, row_);
+    piece.degree = 1;
+    piece.is_exact = true;
+    add(piece);
+    is_behind_rest_ = true;
+    return true;
+  }
   /// Halves the stretch from one joint to the next: the pieces are those of a binary tree, from left to
   /// right.
   void fill(const SampledJoint& from, const SampledJoint& to) {
@@ -167,19 +187,27 @@ class TrajectoryBuilder {
       const Row end_row = stored(there_, known);
       if (is_full()) return;
       const TrajectoryPiece piece = piece_between(begin, end, row_, end_row);
-      if (frames * share >= 2 * min_frames && !is_near(piece)) {
+      if (frames * share >= 2 * min_frames && !is_cubic_ &&
+          !is_near(piece, row_.is_rest || end_row.is_rest)) {
         values_ = values_before;
         index *= 2;
         ++level;
         continue;
       }
-      if (pieces_ < memory_.pieces.size()) memory_.pieces[pieces_] = piece;
-      ++pieces_;
+      add(piece);
       row_ = end_row;
       if (is_last) return;
       for (++index; index % 2 == 0; index /= 2) --level;
     }
     ++pieces_;  // so that a memory that is too small is told
+  }
+  static std::uint8_t degree_of(std::uint8_t order, double frames) {
+    if (order == 3 && frames < by_velocity_frames) return 6;
+    return static_cast<std::uint8_t>(2 * order + 1);
+  }
+  void add(const TrajectoryPiece& piece) {
+    if (pieces_ < memory_.pieces.size()) memory_.pieces[pieces_] = piece;
+    ++pieces_;
   }
   [[nodiscard]] TrajectoryPiece piece_between(const FrameTime<double>& begin, const FrameTime<double>& end,
                                               const Row& first, const Row& last) const {
@@ -189,37 +217,48 @@ class TrajectoryBuilder {
             .seconds = frames * seconds_per_frame_,
             .begin_row = first.offset,
             .end_row = last.offset,
-            .degree = static_cast<std::uint8_t>(2 * std::min(first.order, last.order) + 1)};
+            .degree = degree_of(std::min(first.order, last.order), frames),
+            .is_exact = is_cubic_};
   }
 
-  /// Whether a piece is within the tolerances.
-  [[nodiscard]] bool is_near(const TrajectoryPiece& piece) {
+  /// Whether a piece is within the tolerances. Beside a rest the curve has not quite come to the place where
+  /// the axes stand, and no piece is so short that this were a speed.
+  [[nodiscard]] bool is_near(const TrajectoryPiece& piece, bool is_beside_rest) {
+    const double slack = is_beside_rest ? sampler_.rest_slack() : 0;
     const double frames = 1 / piece.inverse_frames;
     for (const double u : compared_at) {
       const SampledSpeed asked = sampler_.sample(moved_by(piece.begin, u * frames), between_);
       bool near = true;
-      with_known(piece.degree, [&](auto known) {
-        const HermiteWeights at = position_weights<known>(u, piece.seconds);
-        const HermiteWeights rate = hermite_weights<known, 1>(u, piece.seconds);
+      with_degree(piece.degree, [&](auto degree) {
+        const HermiteWeights at = position_weights<degree>(u, piece.seconds);
+        const HermiteWeights rate = hermite_weights<degree, 1>(u, piece.seconds);
         for (std::size_t d = 0; d < axes_ && near; ++d) {
-          const double position = memory_.values[piece.begin_row + d] + sum<known>(at, piece, d);
-          const double velocity = sum<known>(rate, piece, d);
-          const double weight = sampler_.weight(d);
-          const double most =
-              tolerances_.speed_share * (weight > 0 ? asked.speed / weight : std::fabs(between_[d].velocity));
-          const double noise = noise_of(between_[d], asked.speed);
-          near = std::fabs(position - between_[d].position) <= max_off_[d] + noise &&
-                 std::fabs(velocity - between_[d].velocity) <= most + noise / piece.seconds;
+          const double position = memory_.values[piece.begin_row + d] + sum<known_of(degree)>(at, piece, d);
+          const double velocity = sum<known_of(degree)>(rate, piece, d);
+          const double most = tolerances_.speed_share * counted_speed(d, asked.speed);
+          const double noise = noise_of(between_[d], asked.speed, slack);
+          near =
+              std::fabs(position - between_[d].position) <= tolerances_.position_share * travel_[d] + noise &&
+              std::fabs(velocity - between_[d].velocity) <= most + noise / piece.seconds;
         }
       });
       if (!near) return false;
     }
     return true;
   }
+  /// What the tolerance of an axis' velocity is a share of: of one that does not count along the path its own
+  /// velocity, and its share of the way, so that it may stand still.
+  [[nodiscard]] double counted_speed(std::size_t d, double speed) const {
+    if (const double weight = sampler_.weight(d); weight > 0) return speed / weight;
+    const double length = sampler_.length();
+    const double rate = length > 0 ? speed / length : 1 / whole_seconds_;
+    return std::fabs(between_[d].velocity) + travel_[d] * rate;
+  }
   /// What rounding leaves open of a position: of the number itself, and of the distance along the path.
-  [[nodiscard]] double noise_of(const AxisMotion<double>& axis, double speed) const {
-    const double along = speed > 0 ? std::fabs(axis.velocity) / speed * sampler_.length() : 0;
-    return roundings * std::numeric_limits<double>::epsilon() * (std::fabs(axis.position) + along);
+  [[nodiscard]] double noise_of(const AxisMotion<double>& axis, double speed, double slack) const {
+    constexpr double rounding = roundings * std::numeric_limits<double>::epsilon();
+    const double share = speed > 0 ? std::fabs(axis.velocity) / speed : 0;
+    return rounding * std::fabs(axis.position) + share * (rounding * sampler_.length() + slack);
   }
   template <std::size_t Known>
   [[nodiscard]] double sum(const HermiteWeights& w, const TrajectoryPiece& piece, std::size_t d) const {
@@ -231,42 +270,42 @@ class TrajectoryBuilder {
     return sum;
   }
 
-  Trajectory finished(std::span<const SampledJoint> joints) {
-    Trajectory trajectory;
-    trajectory.axis_count_ = axes_;
-    trajectory.end_ = joints.back().time;
-    trajectory.fps_ = sampler_.frame_rate();
-    trajectory.pieces_ = memory_.pieces.first(pieces_);
-    trajectory.values_ = memory_.values.first(values_);
-    trajectory.breaks_ = memory_.breaks.first(breaks_);
-    trajectory.unbounded_ = memory_.unbounded.first(unbounded_);
-    const double frames = frames_between(joints.front().time, joints.back().time);
-    trajectory.buckets_per_frame_ = static_cast<double>(memory_.buckets.size()) / frames;
-    std::size_t piece = 0;
-    for (std::size_t b = 0; b < memory_.buckets.size(); ++b) {
-      const double begin = static_cast<double>(b) / trajectory.buckets_per_frame_;
-      // A little before its begin: what is looked up is not behind it, however both are rounded.
-      while (piece + 1 < pieces_ &&
-             frames_between(joints.front().time, memory_.pieces[piece + 1].begin) <= begin * (1 - 1e-12))
-        ++piece;
-      memory_.buckets[b] = static_cast<std::uint32_t>(piece);
-    }
-    trajectory.buckets_ = memory_.buckets;
-    return trajectory;
-  }
-
-  const DrawnSampler& sampler_;
+  const TrackSampler& sampler_;
   FitTolerances tolerances_;
   TrajectoryMemory memory_;
   std::size_t axes_;
   std::span<AxisMotion<double>> here_, there_, between_;
   double seconds_per_frame_;
-  std::array<double, max_trajectory_axes> max_off_{};  ///< of the position of each axis
+  bool is_cubic_;
+  bool is_behind_rest_ = false;
+  std::array<double, max_trajectory_axes> travel_{};
+  double whole_seconds_ = 0;
   Row row_;
   std::size_t pieces_ = 0, values_ = 0, breaks_ = 0, unbounded_ = 0;
 };
 
-Result<Trajectory> fit_trajectory(const DrawnSampler& sampler, const FitTolerances& tolerances,
+void measure_travel(const TrackSampler& sampler, std::span<AxisMotion<double>> samples,
+                    std::span<double> out) {
+  const std::span<const SampledJoint> joints = sampler.joints();
+  std::array<double, max_trajectory_axes> lowest{}, highest{};
+  lowest.fill(std::numeric_limits<double>::infinity());
+  highest.fill(-std::numeric_limits<double>::infinity());
+  const auto take = [&](const SampledSpeed&) {
+    for (std::size_t d = 0; d < out.size(); ++d) {
+      lowest[d] = std::min(lowest[d], samples[d].position);
+      highest[d] = std::max(highest[d], samples[d].position);
+    }
+  };
+  take(sampler.leaving(joints.front(), samples));
+  for (std::size_t i = 1; i < joints.size(); ++i) {
+    const double frames = frames_between(joints[i - 1].time, joints[i].time);
+    take(sampler.sample(moved_by(joints[i - 1].time, frames / 2), samples));
+    take(sampler.arriving(joints[i], samples));
+  }
+  for (std::size_t d = 0; d < out.size(); ++d) out[d] = highest[d] - lowest[d];
+}
+
+Result<Trajectory> fit_trajectory(const TrackSampler& sampler, const FitTolerances& tolerances,
                                   const TrajectoryMemory& memory) {
   if (memory.buckets.empty() || memory.samples.size() < 3 * sampler.axis_count())
     return no_room("the memory of a trajectory has no buckets or samples", 3 * sampler.axis_count());

@@ -83,32 +83,57 @@ constexpr double derivative_at(const HermitePolynomial& c, double u) {
   return sum;
 }
 
-/// The weights of a derivative in time on a piece that lasts `seconds`.
-template <std::size_t Known, std::size_t Order>
+/// How many numbers of each row a piece of a degree has.
+constexpr std::size_t known_of(std::size_t degree) {
+  return degree / 2 + 1;
+}
+
+/// The integral from 0 of a polynomial of degree 6 or less.
+constexpr HermitePolynomial integral_of(const HermitePolynomial& c) {
+  HermitePolynomial result{};
+  for (std::size_t i = 0; i + 1 < c.size(); ++i) result[i + 1] = c[i] / static_cast<double>(i + 1);
+  return result;
+}
+
+/// The weights of a derivative in time on a piece that lasts `seconds`. Of degree 6 is the one whose velocity
+/// is the quintic with the velocities, accelerations and jerks of both ends, from the position at its begin:
+/// end[0] is 0.
+template <std::size_t Degree, std::size_t Order>
 HermiteWeights hermite_weights(double u, double seconds) {
+  constexpr bool is_by_velocity = Degree == 6;
+  constexpr std::size_t first = is_by_velocity ? 1 : 0;
+  constexpr auto& basis = hermite_basis<known_of(Degree) - first>;
   HermiteWeights weights;
   double scale = 1;
-  for (std::size_t k = 0; k < Order; ++k) scale /= seconds;
-  for (std::size_t j = 0; j < Known; ++j) {
-    weights.begin[j] = scale * derivative_at<Order>(hermite_basis<Known>.left[j], u);
-    weights.end[j] = scale * derivative_at<Order>(hermite_basis<Known>.right[j], u);
+  for (std::size_t k = first; k < Order; ++k) scale /= seconds;
+  if constexpr (is_by_velocity && Order == 0) scale = seconds;
+  for (std::size_t j = first; j < known_of(Degree); ++j) {
+    if constexpr (is_by_velocity && Order == 0) {
+      weights.begin[j] = scale * derivative_at<0>(integral_of(basis.left[j - first]), u);
+      weights.end[j] = scale * derivative_at<0>(integral_of(basis.right[j - first]), u);
+    } else {
+      weights.begin[j] = scale * derivative_at<Order - first>(basis.left[j - first], u);
+      weights.end[j] = scale * derivative_at<Order - first>(basis.right[j - first], u);
+    }
     scale *= seconds;
   }
   return weights;
 }
 
 /// The weights of the position as products: near an end what is small there stays precise.
-template <std::size_t Known>
+template <std::size_t Degree>
 HermiteWeights position_weights(double u, double seconds) {
   const double r = 1 - u;
   HermiteWeights weights;
-  if constexpr (Known == 1) {
+  if constexpr (Degree == 6) {
+    weights = hermite_weights<6, 0>(u, seconds);
+  } else if constexpr (Degree == 1) {
     weights.end[0] = u;
-  } else if constexpr (Known == 2) {
+  } else if constexpr (Degree == 3) {
     weights.begin[1] = seconds * (r * r * u);
     weights.end[0] = u * u * (1 + 2 * r);
     weights.end[1] = -(seconds * (u * u * r));
-  } else if constexpr (Known == 3) {
+  } else if constexpr (Degree == 5) {
     const double before = r * r * r;
     const double behind = u * u * u;
     weights.begin[1] = seconds * (before * u * (1 + 3 * u));
@@ -131,18 +156,20 @@ HermiteWeights position_weights(double u, double seconds) {
   return weights;
 }
 
-/// Calls `work` with the number of numbers at each end as a constant.
+/// Calls `work` with the degree as a constant.
 template <class Work>
-void with_known(std::size_t degree, const Work& work) {
+void with_degree(std::size_t degree, const Work& work) {
   switch (degree) {
     case 1:
       return work(std::integral_constant<std::size_t, 1>());
     case 3:
-      return work(std::integral_constant<std::size_t, 2>());
-    case 5:
       return work(std::integral_constant<std::size_t, 3>());
+    case 5:
+      return work(std::integral_constant<std::size_t, 5>());
+    case 6:
+      return work(std::integral_constant<std::size_t, 6>());
     default:
-      return work(std::integral_constant<std::size_t, 4>());
+      return work(std::integral_constant<std::size_t, 7>());
   }
 }
 

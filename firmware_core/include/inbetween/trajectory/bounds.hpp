@@ -11,14 +11,17 @@
 
 namespace inbetween {
 
-/// Peaks of every axis between joints, one-sided at them: true <= peak <= 1.001 true; lowest and highest
-/// within 1e-9 of the way of a piece. Infinity, with the frame, where the asked motion has no bound
+/// Peaks of every axis from one time to another, one-sided at joints and at both: true <= peak <= 1.001 true;
+/// lowest and highest within 1e-9 of the way. Infinity, with the frame, where the asked motion has no bound
 /// (Trajectory::unbounded).
 ///
 /// Method: on a piece a derivative is a polynomial, and lies in the hull of its Bernstein coefficients
 /// (Farouki 2012, "The Bernstein polynomial basis: a centennial retrospective", section 5); pieces are halved
 /// (de Casteljau) until the hull is within 0.1 % of what is reached. `out` has an entry for every axis.
-/// O(pieces * axes), no allocation.
+/// Domain: begin() <= from < to <= end(). O(pieces * axes), no allocation.
+void bound_trajectory(const Trajectory& trajectory, const FrameTime<double>& from,
+                      const FrameTime<double>& to, std::span<AxisPeaks<double>> out);
+/// The same from its begin to its end.
 void bound_trajectory(const Trajectory& trajectory, std::span<AxisPeaks<double>> out);
 
 /// How much an axis steps at a break: leaving less arriving, with its sign, in axis units and seconds.
@@ -27,8 +30,8 @@ struct TrajectoryStep {
   double acceleration = 0;
 };
 
-/// Those of every axis at a break of the trajectory. `out` has an entry for every axis. A step of what is not
-/// known on both sides is 0. O(axes).
+/// Those of every axis at a break of the trajectory, which is not that of a part's begin or end. `out` has an
+/// entry for every axis. A step of what is not known on both sides is 0. O(axes).
 void steps_at(const Trajectory& trajectory, const TrajectoryBreak& at, std::span<TrajectoryStep> out);
 
 }  // namespace inbetween

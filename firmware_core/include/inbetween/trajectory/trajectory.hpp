@@ -19,11 +19,14 @@ struct TrajectoryPiece {
   double seconds = 0;           ///< length
   std::uint32_t begin_row = 0;  ///< where its values begin in Trajectory::values()
   std::uint32_t end_row = 0;
-  std::uint8_t degree = 7;  ///< 1, 3, 5 or 7: of each row its first (degree + 1) / 2 numbers an axis count
+  /// 1, 3, 5 or 7: of each row its first (degree + 1) / 2 numbers an axis count. 6, for a very short piece:
+  /// its velocity has those of both ends with their first two derivatives, and the position at its begin is
+  /// added.
+  std::uint8_t degree = 7;
+  bool is_exact = false;  ///< it is what was asked, also in the derivatives that its rows do not have
 };
 
-/// A joint at which derivatives may step: the piece that ends there and the one that begins there have rows
-/// of their own.
+/// A joint at which derivatives may step.
 struct TrajectoryBreak {
   FrameTime<double> time;
   std::uint32_t piece = 0;  ///< the one that begins there
@@ -48,23 +51,47 @@ struct TrajectoryMemory {
   std::span<AxisMotion<double>> samples;  ///< 3 for each axis, while it is made
 };
 
+/// A trajectory whose pieces are known.
+struct TrajectoryContents {
+  std::size_t axis_count = 0;
+  FrameRate fps;
+  FrameTime<double> end;
+  std::span<const TrajectoryPiece> pieces;  ///< at least one, in their order
+  std::span<const double> values;
+  std::span<const TrajectoryBreak> breaks = {};
+  std::span<const UnboundedSide> unbounded = {};
+  /// No axis goes beyond the ends of a piece between them, however its polynomial is rounded.
+  bool keeps_to_joints = false;
+};
+
 /// What plays. A small value that refers to the caller's memory.
 ///
 /// A row holds, for all axes, positions, then velocities, accelerations and jerks, in axis units and seconds.
-/// Before the first piece the first position and behind the last the last one, at rest.
+/// Before its begin the first position and from its end on the last one, at rest.
 class Trajectory {
  public:
+  /// From pieces that are known. `buckets`: see TrajectoryMemory. Errors: wrong_count (no axis, piece or
+  /// bucket), out_of_range (pieces that do not follow each other, rows outside the values, a degree that is
+  /// not 1, 3, 5, 6 or 7). O(pieces + buckets).
+  static Result<Trajectory> make(const TrajectoryContents& contents, std::span<std::uint32_t> buckets);
+
   [[nodiscard]] std::size_t axis_count() const { return axis_count_; }
+  /// All that it refers to: of a part those of the whole.
   [[nodiscard]] std::span<const TrajectoryPiece> pieces() const { return pieces_; }
   [[nodiscard]] std::span<const double> values() const { return values_; }
   [[nodiscard]] std::span<const TrajectoryBreak> breaks() const { return breaks_; }
   [[nodiscard]] std::span<const UnboundedSide> unbounded() const { return unbounded_; }
-  [[nodiscard]] FrameTime<double> begin() const { return pieces_.front().begin; }
+  [[nodiscard]] const FrameTime<double>& begin() const { return begin_; }
   [[nodiscard]] const FrameTime<double>& end() const { return end_; }
   [[nodiscard]] FrameRate frame_rate() const { return fps_; }
+  [[nodiscard]] bool keeps_to_joints() const { return keeps_to_joints_; }
   [[nodiscard]] FrameTime<double> end_of(std::size_t piece) const {
-    return piece + 1 < pieces_.size() ? pieces_[piece + 1].begin : end_;
+    return piece + 1 < pieces_.size() ? pieces_[piece + 1].begin : end_of_pieces_;
   }
+
+  /// The same motion on some of its frames alone, to the last bit; outside them it rests.
+  /// Domain: begin() <= first < last <= end().
+  [[nodiscard]] Trajectory part(const FrameTime<double>& first, const FrameTime<double>& last) const;
 
   /// The position of every axis: the tick. `out` has axis_count() entries. O(axes), no allocation, the same
   /// bits on every target.
@@ -76,9 +103,8 @@ class Trajectory {
   [[nodiscard]] std::size_t piece_at(const FrameTime<double>& time) const;
 
  private:
-  friend class TrajectoryBuilder;
-  /// The positions at which the axes rest before the begin and from the end on; nothing in between.
-  [[nodiscard]] const double* resting_row(const FrameTime<double>& time) const;
+  Trajectory() = default;
+  void write_positions(const FrameTime<double>& asked, double* out, std::size_t stride) const;
 
   std::span<const TrajectoryPiece> pieces_;
   std::span<const double> values_;
@@ -86,9 +112,15 @@ class Trajectory {
   std::span<const TrajectoryBreak> breaks_;
   std::span<const UnboundedSide> unbounded_;
   std::size_t axis_count_ = 0;
-  FrameTime<double> end_;
+  FrameTime<double> begin_, end_;
+  FrameTime<double> end_of_pieces_;
   FrameRate fps_;
   double buckets_per_frame_ = 0;
+  bool keeps_to_joints_ = false;
 };
+
+/// The value of an axis' derivative 0..3 at the begin or the end of a piece, one-sided. O(1).
+double at_end_of_piece(const Trajectory& trajectory, const TrajectoryPiece& piece, std::size_t axis,
+                       std::size_t derivative, bool is_end);
 
 }  // namespace inbetween

@@ -1,51 +1,15 @@
-// A trajectory with memory from the heap, and its polynomials evaluated by definition in extended precision.
+// The polynomials of a trajectory, evaluated by definition in extended precision.
 #pragma once
 
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
 #include <utility>
 #include <vector>
 
-#include "host_tools/plan/solved_track.hpp"
-#include "inbetween/trajectory/fit.hpp"
+#include "inbetween/trajectory/trajectory.hpp"
 
 namespace inbetween {
-
-/// The trajectory of a track at a drawn speed. Its memory lives as long as this.
-class FittedTrajectory {
- public:
-  explicit FittedTrajectory(const Track<double>& track, std::size_t pieces = 20'000)
-      : joints_(max_joints(track)),
-        pieces_(pieces),
-        values_(pieces * 4 * static_cast<std::size_t>(track.path().axis_count())),
-        buckets_(1024),
-        breaks_(joints_.size()),
-        unbounded_(2 * joints_.size() * static_cast<std::size_t>(track.path().axis_count())),
-        samples_(3 * static_cast<std::size_t>(track.path().axis_count())),
-        sampler_(DrawnSampler::make(track, joints_)),
-        trajectory_(
-            fit_trajectory(*sampler_, {}, {pieces_, values_, buckets_, breaks_, unbounded_, samples_})) {}
-  FittedTrajectory(const FittedTrajectory&) = delete;
-  FittedTrajectory& operator=(const FittedTrajectory&) = delete;
-
-  [[nodiscard]] const Trajectory& operator*() const { return *trajectory_; }
-  [[nodiscard]] const Trajectory* operator->() const { return &*trajectory_; }
-  [[nodiscard]] const DrawnSampler& sampler() const { return *sampler_; }
-  [[nodiscard]] const Result<Trajectory>& result() const { return trajectory_; }
-
- private:
-  std::vector<SampledJoint> joints_;
-  std::vector<TrajectoryPiece> pieces_;
-  std::vector<double> values_;
-  std::vector<std::uint32_t> buckets_;
-  std::vector<TrajectoryBreak> breaks_;
-  std::vector<UnboundedSide> unbounded_;
-  std::vector<AxisMotion<double>> samples_;
-  Result<DrawnSampler> sampler_;
-  Result<Trajectory> trajectory_;
-};
 
 namespace oracle {
 

@@ -1,0 +1,82 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "inbetween/base/result.hpp"
+#include "inbetween/timing/track.hpp"
+
+/// A motion that can be asked for any moment, and on either side of the moments at which it may step.
+
+namespace inbetween {
+
+/// What a sampler knows of a moment beside the motion itself.
+struct SampledSpeed {
+  double speed = 0;        ///< along the path, unit/s, as the weights of the axes count
+  std::uint8_t order = 3;  ///< the highest derivative that has a value on this side: 0, 1 or 3
+};
+
+/// A moment at which the asked motion is not smooth, or may not be.
+struct SampledJoint {
+  FrameTime<double> time;
+  std::int32_t key = -1;                           ///< that is passed there
+  CurvePlace<double> curve_before, curve_after;    ///< of a drawn curve
+  PathPoint<double> point_before, point_after;     ///< of the path
+  double constant_before = 0, constant_after = 0;  ///< of a drawn curve
+};
+
+/// A track as a motion that can be asked on either side of its joints. Refers to the track's memory and the
+/// caller's.
+class TrackSampler {
+ public:
+  /// `joints` is the memory for the joints, in the end in their order. At a drawn speed: knots of the speed
+  /// curve, breaks, passings of knots of the path, and places where the path (nearly) stands still. Timed by
+  /// frames: the knots of the path. Of a path without length: both ends. Errors: capacity, with what would
+  /// suffice at most (max_joints).
+  static Result<TrackSampler> make(const Track<double>& track, std::span<SampledJoint> joints);
+
+  [[nodiscard]] std::size_t axis_count() const {
+    return static_cast<std::size_t>(track_->path().axis_count());
+  }
+  [[nodiscard]] FrameRate frame_rate() const { return track_->frame_rate(); }
+  [[nodiscard]] std::span<const SampledJoint> joints() const { return joints_; }
+  /// The same motion from one joint to another: what is fitted in stretches takes little memory at a time.
+  /// Domain: first < last < joints().size().
+  [[nodiscard]] TrackSampler between(std::size_t first, std::size_t last) const {
+    return {*track_, joints_.subspan(first, last - first + 1)};
+  }
+  [[nodiscard]] double weight(std::size_t axis) const { return track_->path().weights()[axis]; }
+  /// The way along the path, weighted, in whose rounding a position is known; 0 where none is measured.
+  [[nodiscard]] double length() const { return track_->has_profile() ? track_->arc_length().total() : 0; }
+  /// How far along the path a place at which the motion rests may be from where the curve has brought it:
+  /// what a lock promises.
+  [[nodiscard]] double rest_slack() const;
+  /// Every axis is a cubic in time from joint to joint: its position and velocity at both say all.
+  [[nodiscard]] bool is_cubic() const;
+  /// No axis goes beyond where it is at two joints between them.
+  [[nodiscard]] bool keeps_to_joints() const { return !track_->path().overshoots(); }
+  /// Nothing moves from this joint to the next.
+  [[nodiscard]] bool rests_behind(const SampledJoint& joint) const;
+
+  /// Between joints.
+  [[nodiscard]] SampledSpeed sample(const FrameTime<double>& time, std::span<AxisMotion<double>> out) const;
+  /// With what the motion comes to a joint, or leaves it.
+  [[nodiscard]] SampledSpeed arriving(const SampledJoint& joint, std::span<AxisMotion<double>> out) const;
+  [[nodiscard]] SampledSpeed leaving(const SampledJoint& joint, std::span<AxisMotion<double>> out) const;
+  /// Whether the acceleration of an axis has no bound on that side of a joint at which the path stands still,
+  /// if it is passed at a drawn speed.
+  [[nodiscard]] bool is_unbounded(const PathPoint<double>& point, std::size_t axis) const;
+
+ private:
+  TrackSampler(const Track<double>& track, std::span<const SampledJoint> joints)
+      : track_(&track), joints_(joints) {}
+
+  const Track<double>* track_;
+  std::span<const SampledJoint> joints_;
+};
+
+/// The most joints that a track has.
+std::size_t max_joints(const Track<double>& track);
+
+}  // namespace inbetween

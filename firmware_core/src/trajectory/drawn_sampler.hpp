@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+#include "inbetween/trajectory/sampler.hpp"
+
+/// What a TrackSampler knows of a track at a drawn speed whose path has length.
+
+namespace inbetween {
+
+/// Where the motion is: on the curve, with the constant that holds there, and on the path (a segment below 0:
+/// by the distance).
+struct DrawnPlace {
+  CurvePlace<double> curve;
+  double constant = 0;
+  PathPoint<double> point;
+};
+
+SampledSpeed sample_drawn(const Track<double>& track, const FrameTime<double>& time, const DrawnPlace& place,
+                          bool arriving, std::span<AxisMotion<double>> out);
+/// Between joints.
+SampledSpeed sample_drawn(const Track<double>& track, const FrameTime<double>& time,
+                          std::span<AxisMotion<double>> out);
+
+/// Whether the acceleration of an axis has no bound beside a point at which the path stands still.
+bool has_unbounded_turn(const Track<double>& track, const PathPoint<double>& point, std::size_t axis);
+
+std::size_t max_drawn_joints(const Track<double>& track);
+/// In their order; none where the memory is too small.
+std::span<const SampledJoint> drawn_joints(const Track<double>& track, std::span<SampledJoint> memory);
+
+}  // namespace inbetween

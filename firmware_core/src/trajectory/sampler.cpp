@@ -1,0 +1,98 @@
+#include "inbetween/trajectory/sampler.hpp"
+
+#include <algorithm>
+
+#include "timing/lock_share.hpp"
+#include "trajectory/drawn_sampler.hpp"
+#include "trajectory/framed_sampler.hpp"
+
+namespace inbetween {
+namespace {
+
+/// A drawn curve on a path without length: nothing moves, whatever is drawn.
+bool stands(const Track<double>& track) {
+  return track.has_profile() && !(track.arc_length().total() > 0);
+}
+
+SampledSpeed sample_standing(const Track<double>& track, std::span<AxisMotion<double>> out) {
+  for (std::size_t d = 0; d < out.size(); ++d) out[d] = {.position = track.path().segment(0)[d].c0};
+  return {};
+}
+
+std::span<const SampledJoint> ends_of(const Track<double>& track, std::span<SampledJoint> memory) {
+  if (memory.size() < 2) return {};
+  memory[0] = {.time = {0, 0}, .key = 0};
+  memory[1] = {.time = {track.frames(), 0},
+               .key = track.path().key_at(track.path().segment_count()).value_or(-1)};
+  return memory.first(2);
+}
+
+bool is_constant(std::span<const Cubic<double>> cubics) {
+  return std::all_of(cubics.begin(), cubics.end(), [](const Cubic<double>& cubic) {
+    return cubic.c1 == 0 && cubic.c2 == 0 && cubic.c3 == 0;
+  });
+}
+
+}  // namespace
+
+std::size_t max_joints(const Track<double>& track) {
+  if (!track.has_profile()) return max_framed_joints(track);
+  return stands(track) ? 2 : max_drawn_joints(track);
+}
+
+Result<TrackSampler> TrackSampler::make(const Track<double>& track, std::span<SampledJoint> joints) {
+  const std::span<const SampledJoint> settled = !track.has_profile() ? framed_joints(track, joints)
+                                                : stands(track)      ? ends_of(track, joints)
+                                                                     : drawn_joints(track, joints);
+  if (settled.empty()) {
+    return Error{.code = ErrorCode::capacity,
+                 .what = "the motion has more joints than its memory",
+                 .remedy = "give it a larger capacity",
+                 .needed = static_cast<std::int64_t>(max_joints(track))};
+  }
+  return TrackSampler(track, settled);
+}
+
+double TrackSampler::rest_slack() const {
+  return 2 * lock_share<double> * length();
+}
+
+bool TrackSampler::is_cubic() const {
+  return !track_->has_profile() && is_cubic_in_time(*track_);
+}
+
+bool TrackSampler::rests_behind(const SampledJoint& joint) const {
+  if (!track_->has_profile()) {
+    const std::size_t axes = axis_count();
+    return is_constant(track_->path().segment(joint.point_after.segment).first(axes));
+  }
+  if (stands(*track_)) return true;
+  const SpeedSpan<double>& span = track_->profile().span(joint.curve_after.span);
+  return span.b0 == 0 && span.b1 == 0 && span.b2 == 0 && span.b3 == 0;
+}
+
+SampledSpeed TrackSampler::sample(const FrameTime<double>& time, std::span<AxisMotion<double>> out) const {
+  if (!track_->has_profile()) return sample_framed(*track_, time, out);
+  if (stands(*track_)) return sample_standing(*track_, out);
+  return sample_drawn(*track_, time, out);
+}
+
+SampledSpeed TrackSampler::arriving(const SampledJoint& joint, std::span<AxisMotion<double>> out) const {
+  if (!track_->has_profile()) return sample_framed(*track_, joint.point_before.segment, 1, out);
+  if (stands(*track_)) return sample_standing(*track_, out);
+  const DrawnPlace place{joint.curve_before, joint.constant_before, joint.point_before};
+  return sample_drawn(*track_, joint.time, place, true, out);
+}
+
+SampledSpeed TrackSampler::leaving(const SampledJoint& joint, std::span<AxisMotion<double>> out) const {
+  if (!track_->has_profile()) return sample_framed(*track_, joint.point_after.segment, 0, out);
+  if (stands(*track_)) return sample_standing(*track_, out);
+  const DrawnPlace place{joint.curve_after, joint.constant_after, joint.point_after};
+  return sample_drawn(*track_, joint.time, place, false, out);
+}
+
+bool TrackSampler::is_unbounded(const PathPoint<double>& point, std::size_t axis) const {
+  return track_->has_profile() && has_unbounded_turn(*track_, point, axis);
+}
+
+}  // namespace inbetween
