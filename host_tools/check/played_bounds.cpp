@@ -56,6 +56,7 @@ class PlayedTrack {
     const FrameTime<double> to = std::min(time_of(last), FrameTime<double>{plan_.part().last, 0});
     if (!(from < to)) return;
     const Trajectory trajectory = fitter_.fit(sampled_->between(first, behind), {.travel = travel_});
+    out_.loosened = std::max(out_.loosened, trajectory.loosened());
     bound_trajectory(trajectory, from, to, peaks_);
     for (std::size_t d = 0; d < peaks_.size(); ++d) raise(out_.axes[first_axis_ + d], peaks_[d]);
     for (const TrajectoryBreak& at : trajectory.breaks()) {

@@ -25,6 +25,7 @@ struct PlayedStep {
 struct PlayedBounds {
   std::vector<AxisPeaks<double>> axes;  ///< of Plan::played(), with the rolls
   std::vector<PlayedStep> steps;        ///< that are not 0
+  double loosened = 1;                  ///< Trajectory::loosened
 };
 
 /// Of the frames that are played, and of its rolls. Memory: some hundred joints at a time, whatever the

@@ -18,7 +18,8 @@ namespace oracle {
 inline std::array<long double, 4> hermite(const Trajectory& trajectory, const TrajectoryPiece& piece,
                                           std::size_t axis, long double u) {
   const std::size_t n = piece.degree + 1U;
-  const std::size_t known = n / 2;
+  const bool is_by_velocity = piece.degree == 6;  // it does not have the position of its end
+  const std::size_t known = piece.degree / 2U + 1;
   const std::size_t axes = trajectory.axis_count();
   const long double h = piece.seconds;
   std::vector<std::vector<long double>> rows;
@@ -31,6 +32,7 @@ inline std::array<long double, 4> hermite(const Trajectory& trajectory, const Tr
     const std::size_t offset = is_end ? piece.end_row : piece.begin_row;
     long double scale = 1;
     for (std::size_t k = 0; k < known; ++k, scale *= h) {
+      if (is_by_velocity && is_end && k == 0) continue;
       std::vector<long double> row(n + 1);
       for (std::size_t i = k; i < n; ++i) row[i] = is_end || i == k ? falling(i, k) : 0;
       row[n] = scale * trajectory.values()[offset + k * axes + axis];

@@ -159,6 +159,13 @@ Bernstein shifted(Bernstein polynomial, double by) {
 struct PiecePart {
   const TrajectoryPiece* piece;
   double begin = 0, end = 1;  ///< u
+
+  /// Of a derivative of the whole piece: one of the part would be a difference of nearly equal numbers where
+  /// it is short.
+  [[nodiscard]] Bernstein of(Bernstein whole) const {
+    if (begin > 0 || end < 1) whole.cut(begin, end);
+    return whole;
+  }
 };
 
 /// Calls `work` with every piece, or part of one, from one time to another.
@@ -199,14 +206,12 @@ class AxisBounds {
     const TrajectoryPiece& piece = *part.piece;
     const double begin = trajectory_.values()[piece.begin_row + axis_];
     Bernstein polynomial = position_of(trajectory_, piece, axis_);
-    if (part.begin > 0 || part.end < 1) polynomial.cut(part.begin, part.end);
-    take_position(shifted(polynomial, begin), piece);
-    // In seconds of the piece: the parameter of the part is from 0 to 1 over it alone.
-    const double seconds = piece.seconds * (part.end - part.begin);
+    take_position(shifted(part.of(polynomial), begin), piece);
     for (Search& peak : peaks_) {
-      polynomial = polynomial.derivative(seconds);
-      peak.take(polynomial, piece);
-      peak.take(polynomial.negated(), piece);
+      polynomial = polynomial.derivative(piece.seconds);
+      const Bernstein derivative = part.of(polynomial);
+      peak.take(derivative, piece);
+      peak.take(derivative.negated(), piece);
     }
   }
   [[nodiscard]] AxisPeaks<double> peaks() const {

@@ -342,22 +342,27 @@ SampledSpeed sample_drawn(const Track<double>& track, const FrameTime<double>& t
     const std::span<const Cubic<double>> next = track.path().segment(along.point.segment + 1);
     for (std::size_t d = 0; d < out.size(); ++d) out[d].position = next[d].c0;
   }
+  // At rest the axes stand at a key, and the curve has come to it within what a lock promises.
+  const double off =
+      along.speed == 0
+          ? std::fabs(track.distance(time).minus(track.arc_length().distance(track.path(), along.point)))
+          : 0;
   const std::int32_t segment = std::min<std::int32_t>(along.point.segment, track.path().segment_count() - 1);
   if (const Line line(track, segment); line.is_there()) {
     if (along.point.segment == segment) line.write(along, place.point.segment != nowhere, arriving, out);
-    return {along.speed, 3};
+    return {along.speed, 3, off};
   }
   switch (derivatives) {
     case Derivatives::exact:
-      return {along.speed, 3};
+      return {along.speed, 3, off};
     case Derivatives::one_sided:
       if (const Standing standing(track, along.point); standing.turns_back())
         standing.write_velocity(arriving ? -along.speed : along.speed, out);
-      return {along.speed, 1};
+      return {along.speed, 1, off};
     case Derivatives::unbounded:
       break;
   }
-  return {along.speed, 0};
+  return {along.speed, 0, off};
 }
 
 SampledSpeed sample_drawn(const Track<double>& track, const FrameTime<double>& time,

@@ -15,8 +15,12 @@ namespace {
 constexpr std::array<double, 5> compared_at{0.12, 0.3, 0.5, 0.7, 0.88};
 /// No piece is shorter, in frames: there the rounding of positions would be a velocity.
 constexpr double min_frames = 0x1p-36;
+/// A stretch between two joints that takes more pieces is one whose samples are rounded more than is known
+/// here: from then on its tolerances are doubled, and again after as many pieces as that.
+constexpr std::size_t usual_pieces = 2048;
 /// A shorter piece is made from velocities, so that the rounding of positions at its ends is no jerk.
 constexpr double by_velocity_frames = 0x1p-8;
+constexpr double slow_share = 1e-6;
 /// Differences below so many roundings mean nothing.
 constexpr double roundings = 8;
 
@@ -73,7 +77,8 @@ class TrajectoryBuilder {
                              .values = memory_.values.first(values_),
                              .breaks = memory_.breaks.first(breaks_),
                              .unbounded = memory_.unbounded.first(unbounded_),
-                             .keeps_to_joints = sampler_.keeps_to_joints()},
+                             .keeps_to_joints = sampler_.keeps_to_joints(),
+                             .loosened = loosened_},
                             memory_.buckets);
   }
 
@@ -81,11 +86,11 @@ class TrajectoryBuilder {
   struct Row {
     std::uint32_t offset = 0;  ///< in the values
     std::uint8_t order = 3;    ///< of its highest derivative
-    bool is_rest = false;
+    double off = 0;            ///< SampledSpeed::off
   };
 
   Row stored(std::span<const AxisMotion<double>> row, const SampledSpeed& known) {
-    const Row result{static_cast<std::uint32_t>(values_), known.order, known.speed == 0};
+    const Row result{static_cast<std::uint32_t>(values_), known.order, known.off};
     const std::size_t needed = (known.order + std::size_t{1}) * axes_;
     if (values_ + needed <= memory_.values.size()) {
       double* out = &memory_.values[values_];
@@ -109,10 +114,12 @@ class TrajectoryBuilder {
     // At rest what comes to a standstill has bounds.
     if (known.order >= 3 || known.speed == 0) return;
     for (std::size_t d = 0; d < axes_; ++d) {
-      if (known.order == 1 && !sampler_.is_unbounded(point, d)) continue;
+      // Where the path stands still, an axis that does not count along it may have a way to go.
+      const bool is_velocity = known.order == 0 && !(sampler_.weight(d) > 0);
+      if (!is_velocity && !sampler_.is_unbounded(point, d)) continue;
       if (unbounded_ < memory_.unbounded.size()) {
         memory_.unbounded[unbounded_] = {joint.time, static_cast<std::int32_t>(d), joint.key,
-                                         static_cast<std::uint8_t>(known.order + 1)};
+                                         static_cast<std::uint8_t>(is_velocity ? 1 : 2)};
       }
       ++unbounded_;
     }
@@ -172,6 +179,8 @@ class TrajectoryBuilder {
   /// Halves the stretch from one joint to the next: the pieces are those of a binary tree, from left to
   /// right.
   void fill(const SampledJoint& from, const SampledJoint& to) {
+    const std::size_t pieces_before = pieces_;
+    double loosened = 1;
     const double frames = frames_between(from.time, to.time);
     std::uint64_t index = 0;
     int level = 0;
@@ -188,13 +197,17 @@ class TrajectoryBuilder {
       if (is_full()) return;
       const TrajectoryPiece piece = piece_between(begin, end, row_, end_row);
       if (frames * share >= 2 * min_frames && !is_cubic_ &&
-          !is_near(piece, row_.is_rest || end_row.is_rest)) {
+          !is_near(piece, row_.off + end_row.off, loosened)) {
         values_ = values_before;
         index *= 2;
         ++level;
         continue;
       }
       add(piece);
+      if (pieces_ - pieces_before >= usual_pieces * static_cast<std::size_t>(loosened)) {
+        loosened *= 2;
+        loosened_ = std::max(loosened_, loosened);
+      }
       row_ = end_row;
       if (is_last) return;
       for (++index; index % 2 == 0; index /= 2) --level;
@@ -221,10 +234,9 @@ class TrajectoryBuilder {
             .is_exact = is_cubic_};
   }
 
-  /// Whether a piece is within the tolerances. Beside a rest the curve has not quite come to the place where
-  /// the axes stand, and no piece is so short that this were a speed.
-  [[nodiscard]] bool is_near(const TrajectoryPiece& piece, bool is_beside_rest) {
-    const double slack = is_beside_rest ? sampler_.rest_slack() : 0;
+  /// Whether a piece is within the tolerances, whose ends are known but for so much along the path: no piece
+  /// is so short that this were a speed.
+  [[nodiscard]] bool is_near(const TrajectoryPiece& piece, double slack, double loosened) {
     const double frames = 1 / piece.inverse_frames;
     for (const double u : compared_at) {
       const SampledSpeed asked = sampler_.sample(moved_by(piece.begin, u * frames), between_);
@@ -235,24 +247,27 @@ class TrajectoryBuilder {
         for (std::size_t d = 0; d < axes_ && near; ++d) {
           const double position = memory_.values[piece.begin_row + d] + sum<known_of(degree)>(at, piece, d);
           const double velocity = sum<known_of(degree)>(rate, piece, d);
-          const double most = tolerances_.speed_share * counted_speed(d, asked.speed);
+          const double most = loosened * tolerances_.speed_share * counted_speed(d, asked.speed);
           const double noise = noise_of(between_[d], asked.speed, slack);
-          near =
-              std::fabs(position - between_[d].position) <= tolerances_.position_share * travel_[d] + noise &&
-              std::fabs(velocity - between_[d].velocity) <= most + noise / piece.seconds;
+          near = std::fabs(position - between_[d].position) <=
+                     loosened * tolerances_.position_share * travel_[d] + noise &&
+                 (asked.order == 0 ||
+                  std::fabs(velocity - between_[d].velocity) <= most + noise / piece.seconds);
         }
       });
       if (!near) return false;
     }
     return true;
   }
-  /// What the tolerance of an axis' velocity is a share of: of one that does not count along the path its own
-  /// velocity, and its share of the way, so that it may stand still.
+  /// What the tolerance of an axis' velocity is a share of: the drawn speed; of an axis that does not count
+  /// along the path its own velocity, and its share of the way, so that it may stand still. A way of less
+  /// than a millionth in a frame is as good as a rest.
   [[nodiscard]] double counted_speed(std::size_t d, double speed) const {
-    if (const double weight = sampler_.weight(d); weight > 0) return speed / weight;
+    const double least = slow_share * travel_[d] / seconds_per_frame_;
+    if (const double weight = sampler_.weight(d); weight > 0) return std::max(speed / weight, least);
     const double length = sampler_.length();
     const double rate = length > 0 ? speed / length : 1 / whole_seconds_;
-    return std::fabs(between_[d].velocity) + travel_[d] * rate;
+    return std::max(std::fabs(between_[d].velocity) + travel_[d] * rate, least);
   }
   /// What rounding leaves open of a position: of the number itself, and of the distance along the path.
   [[nodiscard]] double noise_of(const AxisMotion<double>& axis, double speed, double slack) const {
@@ -278,6 +293,7 @@ class TrajectoryBuilder {
   double seconds_per_frame_;
   bool is_cubic_;
   bool is_behind_rest_ = false;
+  double loosened_ = 1;
   std::array<double, max_trajectory_axes> travel_{};
   double whole_seconds_ = 0;
   Row row_;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "timing/lock_share.hpp"
 #include "trajectory/drawn_sampler.hpp"
 #include "trajectory/framed_sampler.hpp"
 
@@ -21,9 +20,11 @@ SampledSpeed sample_standing(const Track<double>& track, std::span<AxisMotion<do
 
 std::span<const SampledJoint> ends_of(const Track<double>& track, std::span<SampledJoint> memory) {
   if (memory.size() < 2) return {};
-  memory[0] = {.time = {0, 0}, .key = 0};
-  memory[1] = {.time = {track.frames(), 0},
-               .key = track.path().key_at(track.path().segment_count()).value_or(-1)};
+  memory[0] = {};
+  memory[0].key = 0;
+  memory[1] = {};
+  memory[1].time = {track.frames(), 0};
+  memory[1].key = track.path().key_at(track.path().segment_count()).value_or(-1);
   return memory.first(2);
 }
 
@@ -51,10 +52,6 @@ Result<TrackSampler> TrackSampler::make(const Track<double>& track, std::span<Sa
                  .needed = static_cast<std::int64_t>(max_joints(track))};
   }
   return TrackSampler(track, settled);
-}
-
-double TrackSampler::rest_slack() const {
-  return 2 * lock_share<double> * length();
 }
 
 bool TrackSampler::is_cubic() const {

@@ -61,6 +61,7 @@ Result<Trajectory> Trajectory::make(const TrajectoryContents& contents, std::spa
   trajectory.end_ = trajectory.end_of_pieces_ = contents.end;
   trajectory.fps_ = contents.fps;
   trajectory.keeps_to_joints_ = contents.keeps_to_joints;
+  trajectory.loosened_ = contents.loosened;
   const double frames = frames_between(trajectory.begin_, trajectory.end_);
   trajectory.buckets_per_frame_ = static_cast<double>(buckets.size()) / frames;
   std::size_t piece = 0;

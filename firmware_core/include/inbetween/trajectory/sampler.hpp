@@ -15,6 +15,7 @@ namespace inbetween {
 struct SampledSpeed {
   double speed = 0;        ///< along the path, unit/s, as the weights of the axes count
   std::uint8_t order = 3;  ///< the highest derivative that has a value on this side: 0, 1 or 3
+  double off = 0;  ///< at rest: how far along the path the place is from where the curve has brought it
 };
 
 /// A moment at which the asked motion is not smooth, or may not be.
@@ -49,9 +50,6 @@ class TrackSampler {
   [[nodiscard]] double weight(std::size_t axis) const { return track_->path().weights()[axis]; }
   /// The way along the path, weighted, in whose rounding a position is known; 0 where none is measured.
   [[nodiscard]] double length() const { return track_->has_profile() ? track_->arc_length().total() : 0; }
-  /// How far along the path a place at which the motion rests may be from where the curve has brought it:
-  /// what a lock promises.
-  [[nodiscard]] double rest_slack() const;
   /// Every axis is a cubic in time from joint to joint: its position and velocity at both say all.
   [[nodiscard]] bool is_cubic() const;
   /// No axis goes beyond where it is at two joints between them.

@@ -62,6 +62,7 @@ struct TrajectoryContents {
   std::span<const UnboundedSide> unbounded = {};
   /// No axis goes beyond the ends of a piece between them, however its polynomial is rounded.
   bool keeps_to_joints = false;
+  double loosened = 1;  ///< Trajectory::loosened
 };
 
 /// What plays. A small value that refers to the caller's memory.
@@ -85,6 +86,9 @@ class Trajectory {
   [[nodiscard]] const FrameTime<double>& end() const { return end_; }
   [[nodiscard]] FrameRate frame_rate() const { return fps_; }
   [[nodiscard]] bool keeps_to_joints() const { return keeps_to_joints_; }
+  /// How many times the tolerances of the fit what plays may be from what was asked: 1, but where the samples
+  /// were rounded so much that no piece came nearer.
+  [[nodiscard]] double loosened() const { return loosened_; }
   [[nodiscard]] FrameTime<double> end_of(std::size_t piece) const {
     return piece + 1 < pieces_.size() ? pieces_[piece + 1].begin : end_of_pieces_;
   }
@@ -117,6 +121,7 @@ class Trajectory {
   FrameRate fps_;
   double buckets_per_frame_ = 0;
   bool keeps_to_joints_ = false;
+  double loosened_ = 1;
 };
 
 /// The value of an axis' derivative 0..3 at the begin or the end of a piece, one-sided. O(1).

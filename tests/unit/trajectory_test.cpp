@@ -1,0 +1,242 @@
+// The trajectory of every way of timing, its parts and its rolls, its bounds on a stretch, and what is
+// refused.
+#include "inbetween/trajectory/trajectory.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "host_tools/check/played_bounds.hpp"
+#include "host_tools/plan/fitted_trajectory.hpp"
+#include "host_tools/plan/plan.hpp"
+#include "inbetween/limits/motion_bounds.hpp"
+#include "inbetween/limits/motion_steps.hpp"
+#include "inbetween/limits/roll_trajectory.hpp"
+#include "inbetween/trajectory/bounds.hpp"
+#include "tests/support/rig_text.hpp"
+#include "tests/support/timing_kinds.hpp"
+
+namespace inbetween {
+namespace trajectory_test {
+
+constexpr std::size_t axes = 2;
+using Motions = std::array<AxisMotion<double>, axes>;
+
+RigFile quick_rig() {
+  return parse_rig(rig_text({{.name = "x", .max_velocity = 1e5, .max_acceleration = 1e7},
+                             {.name = "y", .max_velocity = 1e5, .max_acceleration = 1e7}}),
+                   "rig.toml");
+}
+
+FrameTime<double> time_at(double frame) {
+  const double whole = std::floor(frame);
+  return {static_cast<std::int32_t>(whole), frame - whole};
+}
+
+class EveryTimingAsATrajectory : public testing::TestWithParam<TimingKind> {
+ protected:
+  EveryTimingAsATrajectory() : plan_(move_of(GetParam()), quick_rig(), {}), fitted_(track()) {}
+
+  [[nodiscard]] const Track<double>& track() const { return plan_.tracks()[0].track(); }
+
+  Plan plan_;
+  FittedTrajectory fitted_;
+};
+
+TEST_P(EveryTimingAsATrajectory, IsWithinTheTolerancesOfTheTrack) {
+  std::array<AxisTurn<double>, axes> turns;
+  std::array<AxisPeaks<double>, axes> peaks;
+  const std::array<MotionTriple<double>, axes> slack{};
+  ASSERT_TRUE(bound_motion<double>(track(), slack, {turns}, peaks).has_value());
+  Motions asked, played;
+  for (int k = 0; k < 48 * 40; ++k) {
+    const FrameTime<double> time = time_at((k + 0.381966) / 40);
+    const double speed = fitted_.sampler().sample(time, asked).speed;
+    fitted_->motion(time, played);
+    for (std::size_t d = 0; d < axes; ++d) {
+      const double travel = peaks[d].highest.value - peaks[d].lowest.value;
+      EXPECT_NEAR(played[d].position, asked[d].position, 1.1 * travel / (1 << 30)) << k;
+      EXPECT_NEAR(played[d].velocity, asked[d].velocity, 1.1e-6 * speed + 1e-12 * travel * 24) << k;
+      EXPECT_NEAR(played[d].acceleration, asked[d].acceleration, 1e-4 * peaks[d].acceleration.value + 1e-9)
+          << k;
+      EXPECT_NEAR(played[d].jerk, asked[d].jerk, 3e-3 * peaks[d].jerk.value + 1e-6) << k;
+    }
+  }
+  EXPECT_EQ(fitted_->loosened(), 1);
+}
+
+TEST_P(EveryTimingAsATrajectory, MeetsTheEndsOfTheTrackToTheLastBit) {
+  std::array<double, axes> of_track, of_trajectory;
+  for (const double frame : {-3.0, 0.0, 48.0, 51.0}) {
+    track().positions(time_at(frame), of_track);
+    fitted_->positions(time_at(frame), of_trajectory);
+    EXPECT_EQ(of_trajectory, of_track) << frame;
+  }
+}
+
+TEST_P(EveryTimingAsATrajectory, APartOfItIsTheWholeBitForBitAndRestsOutside) {
+  const Trajectory part = fitted_->part({7, 0}, {31, 0.25});
+  std::array<double, axes> whole, of_part;
+  for (int k = -40; k <= 48 * 8 + 40; ++k) {
+    const double frame = k / 8.0;
+    fitted_->positions(time_at(std::clamp(frame, 7.0, 31.25)), whole);
+    part.positions(time_at(frame), of_part);
+    EXPECT_EQ(of_part, whole) << frame;
+  }
+  Motions outside;
+  part.motion({40, 0}, outside);
+  EXPECT_EQ(outside[0].velocity, 0);
+  EXPECT_EQ(outside[1].jerk, 0);
+}
+
+TEST_P(EveryTimingAsATrajectory, StepsWhereTheTrackSteps) {
+  const PlayedBounds played = bound_played(plan_);
+  std::array<AxisStep<double>, axes> steps;
+  for (std::int32_t key = 0; key <= track().path().segment_count(); ++key) {
+    const double frame = steps_at_key<double>(track(), key, steps);
+    if (frame < 1e-6 || frame > 48 - 1e-6) continue;  // against the rest outside, or a roll
+    for (std::size_t d = 0; d < axes; ++d) {
+      double velocity = 0;
+      double acceleration = 0;
+      for (const PlayedStep& step : played.steps) {
+        if (step.axis != d || std::fabs(step.frame - frame) > 1e-6) continue;
+        velocity += std::fabs(step.velocity);
+        acceleration += std::fabs(step.acceleration);
+      }
+      EXPECT_NEAR(velocity, steps[d].velocity, 1e-6 * (1 + steps[d].velocity)) << key;
+      EXPECT_NEAR(acceleration, steps[d].acceleration, 1e-4 * (1 + steps[d].acceleration)) << key;
+    }
+  }
+}
+
+TEST_P(EveryTimingAsATrajectory, IsBoundOnAStretchByWhatIsFoundThere) {
+  for (const auto& [from, to] : {std::pair{0.0, 48.0}, {3.3, 4.1}, {11.0, 30.5}}) {
+    std::array<AxisPeaks<double>, axes> peaks;
+    bound_trajectory(*fitted_, time_at(from), time_at(to), peaks);
+    std::array<AxisMotion<double>, axes> found{}, played;
+    for (int k = 0; k < 4000; ++k) {
+      fitted_->motion(time_at(from + (to - from) * k / 4000), played);
+      for (std::size_t d = 0; d < axes; ++d) {
+        EXPECT_GE(played[d].position, peaks[d].lowest.value - 1e-12);
+        EXPECT_LE(played[d].position, peaks[d].highest.value + 1e-12);
+        found[d].velocity = std::max(found[d].velocity, std::fabs(played[d].velocity));
+        found[d].acceleration = std::max(found[d].acceleration, std::fabs(played[d].acceleration));
+      }
+    }
+    for (std::size_t d = 0; d < axes; ++d) {
+      EXPECT_GE(peaks[d].velocity.value, found[d].velocity * (1 - 1e-12));
+      EXPECT_LE(peaks[d].velocity.value, found[d].velocity * 1.005 + 1e-9)
+          << from << ": " << peaks[d].velocity.frame;
+      EXPECT_GE(peaks[d].acceleration.value, found[d].acceleration * (1 - 1e-12) - 1e-12);
+      EXPECT_LE(peaks[d].acceleration.value, found[d].acceleration * 1.02 + 1e-6);
+    }
+  }
+}
+
+TEST_P(EveryTimingAsATrajectory, IsJoinedByTheTrajectoryOfItsRolls) {
+  const MoveRolls<double>& rolls = plan_.played().rolls();
+  EXPECT_EQ(!rolls.before.empty(), GetParam().rolls);
+  for (const std::span<const RollAxis<double>> roll : {rolls.before, rolls.after}) {
+    if (roll.empty()) continue;
+    std::array<TrajectoryPiece, 1> piece;
+    std::array<double, 6 * axes> values;
+    std::array<std::uint32_t, 1> bucket;
+    const TrajectoryMemory memory{piece, values, bucket, {}, {}, {}};
+    const Result<Trajectory> rolled = roll_trajectory(roll, memory);
+    ASSERT_TRUE(rolled.has_value());
+    const double frames = frames_between(rolled->begin(), rolled->end());
+    Motions played;
+    for (int k = 0; k <= 400; ++k) {
+      const FrameTime<double> time = moved_by(rolled->begin(), frames * k / 400);
+      rolled->motion(time, played);
+      for (std::size_t d = 0; d < axes; ++d) {
+        const AxisMotion<double> asked = roll[d].motion(time);
+        EXPECT_NEAR(played[d].position, asked.position, 1e-12 * (1 + std::fabs(asked.position)));
+        EXPECT_NEAR(played[d].velocity, asked.velocity, 1e-9 * (1 + std::fabs(asked.velocity)));
+        EXPECT_NEAR(played[d].acceleration, asked.acceleration, 1e-8 * (1 + std::fabs(asked.acceleration)));
+      }
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(, EveryTimingAsATrajectory, testing::ValuesIn(timing_kinds()),
+                         [](const auto& kind) { return kind.param.name; });
+
+TEST(Trajectory, ARestIsOnePieceWithOneRow) {
+  const MoveFile move = parse_move(
+      "name = \"m\"\nfps = 24\nframes = 48\n[[track]]\naxes = [\"x\"]\nspeed = [0, 0, 6, 9, 7, 8, 5, 0, 0]\n"
+      "keys = [{ at = [0] }, { at = [30], frame = 14, hold = 12 }, { at = [50] }]\n",
+      "move.toml");
+  const Plan plan(move, std::nullopt, {});
+  const FittedTrajectory fitted(plan.tracks()[0].track());
+  int rests = 0;
+  for (const TrajectoryPiece& piece : fitted->pieces()) {
+    if (piece.degree != 1) continue;
+    ++rests;
+    EXPECT_EQ(piece.begin_row, piece.end_row);
+    EXPECT_EQ(fitted->values()[piece.begin_row], 30);
+  }
+  EXPECT_GE(rests, 1);
+}
+
+TEST(Trajectory, CurvesOverFramesAreCubicsAndTakeAPieceForEachStretch) {
+  const auto& kinds = timing_kinds();
+  const auto curves = std::ranges::find(kinds, "curves", &TimingKind::name);
+  const Plan plan(move_of(*curves), std::nullopt, {});
+  const Track<double>& track = plan.tracks()[0].track();
+  const FittedTrajectory fitted(track);
+  EXPECT_EQ(fitted->pieces().size(), track.key_intervals().size());
+  for (const TrajectoryPiece& piece : fitted->pieces()) EXPECT_EQ(piece.degree, 3);
+}
+
+TEST(Trajectory, APathWithoutLengthIsARest) {
+  const MoveFile move = parse_move(
+      "name = \"m\"\nfps = 24\nframes = 10\n[[track]]\naxes = [\"x\", \"y\"]\nspeed = [0, 10, 0]\n"
+      "keys = [{ at = [7, 8] }]\n",
+      "move.toml");
+  const Plan plan(move, std::nullopt, {});
+  const FittedTrajectory fitted(plan.tracks()[0].track());
+  std::array<double, axes> at;
+  fitted->positions({4, 0.5}, at);
+  EXPECT_EQ(at, (std::array<double, axes>{7, 8}));
+  EXPECT_EQ(fitted->pieces().size(), 1U);
+}
+
+TEST(Trajectory, PiecesThatCannotBePlayedAreRefused) {
+  const std::array<double, 4> values{1, 0, 2, 0};
+  std::array<std::uint32_t, 1> bucket{};
+  const auto refused = [&](const TrajectoryPiece& piece) {
+    const std::array<TrajectoryPiece, 1> pieces{piece};
+    const TrajectoryContents contents{
+        .axis_count = 1, .fps = {24, 1}, .end = {10, 0}, .pieces = pieces, .values = values};
+    return !Trajectory::make(contents, bucket).has_value();
+  };
+  const TrajectoryPiece whole{.begin = {0, 0},
+                              .inverse_frames = 0.1,
+                              .seconds = 10 / 24.0,
+                              .begin_row = 0,
+                              .end_row = 2,
+                              .degree = 3,
+                              .is_exact = false};
+  EXPECT_FALSE(refused(whole));
+  TrajectoryPiece wrong = whole;
+  wrong.end_row = 3;
+  EXPECT_TRUE(refused(wrong));
+  wrong = whole;
+  wrong.degree = 4;
+  EXPECT_TRUE(refused(wrong));
+  wrong = whole;
+  wrong.begin = {10, 0};
+  EXPECT_TRUE(refused(wrong));
+  EXPECT_FALSE(
+      Trajectory::make({.axis_count = 1, .fps = {24, 1}, .end = {10, 0}, .pieces = {}, .values = {}}, bucket)
+          .has_value());
+}
+
+}  // namespace trajectory_test
+}  // namespace inbetween
