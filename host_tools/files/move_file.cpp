@@ -98,7 +98,16 @@ void read_axes(const TomlTable& table, MoveTrack& track, std::map<std::string, P
   }
 }
 
-void read_speed(const TomlTable& table, MoveTrack& track) {
+/// Keys that say when each of them is met need no speed.
+bool may_be_timed_by_frames(const MoveTrack& track, std::int32_t frames) {
+  const auto has_frame = [](const MoveKey& key) { return key.frame.has_value(); };
+  return track.keys.size() > 1 && std::ranges::all_of(track.keys, has_frame) &&
+         track.keys.front().frame == 0 && (track.closed || track.keys.back().frame == frames) &&
+         std::ranges::none_of(track.keys,
+                              [](const MoveKey& key) { return key.hold || key.breaks || key.ease; });
+}
+
+void read_speed(const TomlTable& table, std::int32_t frames, MoveTrack& track) {
   track.speed_place = track.place;
   if (track.timing == Timing::frames) {
     if (const auto speed = table.optional("speed")) {
@@ -106,6 +115,11 @@ void read_speed(const TomlTable& table, MoveTrack& track) {
           R"(has no meaning with timing = "frames", where the keys say when; remove one of the two)");
     }
     return;
+  }
+  if (!table.optional("speed") && may_be_timed_by_frames(track, frames)) {
+    throw InputError(table.place(),
+                     "a track has no speed, and every key has a frame; add timing = \"frames\", or "
+                     "speed = [0, 0, 10, 0, 0], say");
   }
   const TomlValue speed = table.required("speed", "speed = [0, 0, 10, 0, 0], say");
   track.speed_place = speed.place();
@@ -269,7 +283,7 @@ MoveTrack read_track(const TomlValue& value, std::int32_t frames, std::map<std::
   read_space(table, track);
   if (!track.space) read_counting(table, track);
   read_keys(table, frames, track);
-  read_speed(table, track);
+  read_speed(table, frames, track);
   read_weights(table, track);
   read_periodic(table, track);
   return track;

@@ -191,6 +191,47 @@ std::size_t beginning_of_token(std::string_view text, toml::source_position repo
   return found == text.npos ? end : line_begin + found;
 }
 
+bool is_digit(char c) {
+  return c >= '0' && c <= '9';
+}
+
+/// Where toml++ stopped behind the comma of a number, the number: "29,97".
+std::string_view number_with_comma(std::string_view text, std::size_t stopped) {
+  std::size_t end = std::min(stopped, text.size());
+  while (end > 0 && text[end - 1] == ' ') --end;
+  if (end == stopped && end + 1 < text.size() && text[end] == ',' && is_digit(text[end + 1])) ++end;
+  while (end < text.size() && is_digit(text[end])) ++end;
+  std::size_t comma = end;
+  while (comma > 0 && is_digit(text[comma - 1])) --comma;
+  if (comma == end || comma < 2 || text[comma - 1] != ',' || !is_digit(text[comma - 2])) return {};
+  std::size_t begin = comma - 1;
+  while (begin > 0 && (is_digit(text[begin - 1]) || text[begin - 1] == '-')) --begin;
+  return text.substr(begin, end - begin);
+}
+
+/// The word without quotes at which toml++ stopped; empty where there is none.
+std::string_view bare_word(std::string_view text, std::size_t stopped) {
+  const auto is_of_word = [](char c) {
+    return is_digit(c) || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' || c == '-';
+  };
+  std::size_t begin = std::min(stopped, text.size());
+  while (begin > 0 && is_of_word(text[begin - 1])) --begin;
+  std::size_t end = begin;
+  while (end < text.size() && is_of_word(text[end])) ++end;
+  if (begin == end || is_digit(text[begin]) || text[begin] == '-') return {};
+  return text.substr(begin, end - begin);
+}
+
+/// What is to be written in the place of such a word.
+std::string meant_by(std::string_view word) {
+  std::string small(word);
+  std::ranges::transform(small, small.begin(),
+                         [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  if (small == "yes" || small == "on" || small == "true") return "true";
+  if (small == "no" || small == "off" || small == "false") return "false";
+  return fmt::format("\"{}\"", word);
+}
+
 InputError not_toml(const toml::parse_error& error, std::string_view text, const std::string& file_name) {
   std::string_view description = error.description();
   constexpr std::string_view prefix = "Error while parsing ";
@@ -210,8 +251,22 @@ InputError not_toml(const toml::parse_error& error, std::string_view text, const
     return {at_token(),
             fmt::format("{} is too large or too long for a number; write a smaller one", in_quotes(token))};
   }
-  return {{file_name, reported.line, reported.column},
-          fmt::format("not valid TOML, {}; correct it here", description)};
+  const Place place{file_name, reported.line, reported.column};
+  const std::size_t stopped = beginning_of_token(text, reported, "");
+  if (says("key-value pair")) {
+    const std::string_view number = number_with_comma(text, stopped);
+    if (!number.empty()) {
+      std::string with_point(number);
+      std::ranges::replace(with_point, ',', '.');
+      return {place, fmt::format("{} has a decimal comma; write {}", number, with_point)};
+    }
+  }
+  if (says("value type") || says("boolean") || says("floating-point")) {
+    const std::string_view word = bare_word(text, stopped);
+    if (!word.empty())
+      return {place, fmt::format("{} is neither a number nor in quotes; write {}", word, meant_by(word))};
+  }
+  return {place, fmt::format("not valid TOML, {}; correct it here", description)};
 }
 
 }  // namespace

@@ -77,6 +77,29 @@ std::string error_of_file(const std::filesystem::path& path) {
 
 // ---- what is accepted
 
+TEST(MoveFile, WordsWithoutQuotesAndDecimalCommasAreNamed) {
+  const std::string keys = "keys = [{at=[0]},{at=[1]MORE},{at=[2]}]\nspeed = [5]\n";
+  const auto refused = [&](const std::string& axes, const std::string& more, const std::string& word) {
+    expect_move_refused(
+        "name = \"m\"\nfps = 24\nframes = 9\n[[track]]\naxes = [" + axes + "]\n" + with(keys, "MORE", more),
+        {word});
+  };
+  refused("@jaw", "", "jaw is neither a number nor in quotes; write \"jaw\"");
+  refused("\"jaw\"", ", ease = @yes", "write true");
+  refused("\"jaw\"", ", ease = @False", "write false");
+  refused("\"jaw\"", ", @hodl = 1", "did you mean \"hold\"?");
+  refused("\"jaw\"", ", @att = 1", "did you mean \"at\"?");
+  expect_move_refused("name = \"m\"\nfps = 29@,97\n", {"29,97 has a decimal comma; write 29.97"});
+  expect_move_refused("a = { jaw = 12,5 @}\n", {"12,5 has a decimal comma; write 12.5"});
+}
+
+TEST(MoveFile, KeysThatAllHaveAFrameAreToldOfTiming) {
+  expect_move_refused(
+      "name = \"m\"\nfps = 24\nframes = 9\n@[[track]]\naxes = [\"a\"]\n"
+      "keys = [{at=[0],frame=0},{at=[1],frame=9}]\n",
+      {"every key has a frame; add timing = \"frames\", or speed ="});
+}
+
 TEST(MoveFile, ReadsAMoveWithTheDefaultsAndThePlaces) {
   const MoveFile move = parse_move(reveal, "reveal.toml");
   EXPECT_EQ(move.path, "reveal.toml");
