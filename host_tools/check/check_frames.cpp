@@ -227,6 +227,29 @@ MoveFile with_frames(const MoveFile& move, std::int32_t frames) {
   return other;
 }
 
+std::string in_proportion(const MoveFile& move) {
+  bool has_frames = false;
+  bool has_holds = false;
+  bool has_eases = false;
+  for (const MoveTrack& track : move.tracks) {
+    for (const MoveKey& key : track.keys) {
+      has_frames = has_frames || key.frame.value_or(0) > 0;
+      has_holds = has_holds || key.hold.has_value();
+    }
+    for (const std::optional<EaseWish>& ease : {track.ease_in, track.ease_out})
+      has_eases = has_eases || (ease && ease->frames > 0);
+  }
+  std::vector<std::string> words;
+  if (has_frames || has_holds) {
+    words.push_back(fmt::format("the {}{}{} of the keys", has_frames ? "frames" : "",
+                                has_frames && has_holds ? " and " : "", has_holds ? "holds" : ""));
+  }
+  if (has_eases) words.emplace_back("ease_in and ease_out");
+  const auto has_list = [](const MoveCue& cue) { return !cue.frames.empty(); };
+  if (std::ranges::any_of(move.cues, has_list)) words.emplace_back("the frames of the cues");
+  return words.empty() ? "" : fmt::format(", with {} in proportion", listed_with_and(words));
+}
+
 SmallestFrames smallest_frames(const Plan& plan, const CheckReport& report,
                                const std::function<void(double share, std::int32_t frames)>& progress,
                                const std::function<bool()>& is_over) {

@@ -15,6 +15,10 @@ namespace inbetween {
 /// and the last.
 MoveFile with_frames(const MoveFile& move, std::int32_t frames);
 
+/// What changes along with the frames of the move, to be said behind their number: ", with the frames and
+/// holds of the keys in proportion". Empty where nothing does.
+std::string in_proportion(const MoveFile& move);
+
 struct SmallestFrames {
   std::optional<std::int32_t> frames;
   std::string reason;      ///< why there is none

@@ -148,16 +148,18 @@ void print_verdict(const Plan& plan, const CheckReport& report, const SmallestFr
     fmt::print(out, "fits in {}", counted(frames, "frame"));
     const bool would_do = smallest.frames && *smallest.frames < frames;
     if (would_do) fmt::print(out, "; {} would do", counted(*smallest.frames, "frame"));
-    fmt::print(out, "{}{}\n", other.empty() ? "" : (would_do ? ", " : "; "), other);
+    fmt::print(out, "{}{}{}\n", other.empty() ? "" : (would_do ? ", " : "; "), other,
+               would_do || is_fewer ? in_proportion(plan.move()) : "");
     return;
   }
   fmt::print(out, "does not fit in {}; ", counted(frames, "frame"));
   if (smallest.frames) {
-    fmt::print(out, "{} would do{}{}\n", counted(*smallest.frames, "frame"), other.empty() ? "" : ", ",
-               other);
+    fmt::print(out, "{} would do{}{}{}\n", counted(*smallest.frames, "frame"), other.empty() ? "" : ", ",
+               other, in_proportion(plan.move()));
   } else {
-    fmt::print(out, "{}{}{}{}\n", smallest.was_ended ? "" : "no number of frames would do: ", smallest.reason,
-               other.empty() ? "" : "; ", other);
+    fmt::print(out, "{}{}{}{}{}\n",
+               smallest.was_ended ? "" : "no number of frames would do: ", smallest.reason,
+               other.empty() ? "" : "; ", other, other.empty() ? "" : in_proportion(plan.move()));
   }
 }
 

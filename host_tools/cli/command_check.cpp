@@ -126,7 +126,9 @@ void complain_of_limits(const Plan& plan, const CheckReport& report, const std::
     complain(LimitError(refusal.place, cure ? refusal.what : refusal.message()).what());
   if (!cure) return;
   const std::string in_frames =
-      cure->frames == plan.move().frames ? "" : fmt::format(", in {}", counted(cure->frames, "frame"));
+      cure->frames == plan.move().frames
+          ? ""
+          : fmt::format(", in {}{}", counted(cure->frames, "frame"), in_proportion(plan.move()));
   complain(fmt::format("{}: note: it fits with {}{}; this was tried", to_string(cure->place), cure->words,
                        in_frames));
 }
@@ -142,8 +144,8 @@ void complain_of_no_fit(const CheckArguments& arguments, const Plan& plan, const
                          arguments.seconds));
   }
   if (smallest.frames) {
-    complain(
-        fmt::format("{}: note: the curve as it is fits in {}", place, counted(*smallest.frames, "frame")));
+    complain(fmt::format("{}: note: the curve as it is fits in {}{}", place,
+                         counted(*smallest.frames, "frame"), in_proportion(plan.move())));
   }
   if (plan.move().frames < fit.fewest.frames) return;  // the reason says so already
   complain(fmt::format("{}: note: in fewer than {} there is none, because of {} of axis {}", place,

@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "inbetween/base/result.hpp"
 
@@ -76,6 +77,9 @@ TwoNumbers told_apart(double first, double second, Digits kind, int at_least);
 
 /// "1 frame", "2 frames".
 std::string counted(std::int64_t count, std::string_view what);
+
+/// "a", "a and b", "a, b and c".
+std::string listed_with_and(const std::vector<std::string>& words);
 
 /// "a, b, c".
 template <typename Words>

@@ -219,6 +219,9 @@ std::size_t size_of(const MoveFile& move) {
   return size;
 }
 
+/// In so many times as many frames it is another move.
+constexpr std::int64_t max_times_slower = 20;
+
 /// A speed curve is named before other changes if it differs by no more than this share of its mean.
 constexpr double small_change = 0.1;
 
@@ -248,7 +251,8 @@ std::optional<Cure> find_cure(const Plan& plan, const CheckReport& report, const
   if (better && search.fits(better->move)) return cure_with(plan.move().frames);
   if (by_curve || !better) return by_curve;
   const std::optional<std::int32_t> frames = search.frames_of(better->move, smallest);
-  return frames ? std::optional(cure_with(*frames)) : std::nullopt;
+  if (!frames || *frames > max_times_slower * plan.move().frames) return std::nullopt;
+  return cure_with(*frames);
 }
 
 }  // namespace inbetween

@@ -109,6 +109,11 @@ TEST(CheckCommand, TheNumberOfFramesItNamesFitsAndOneLessDoesNot) {
               HasSubstr("\nfits in " + std::to_string(smallest) + " frames; "));
 }
 
+TEST(CheckCommand, TheNumberOfFramesItNamesSaysWhatMovesWithIt) {
+  const std::string text = with(reveal_in(48), "[[track]]\n", "[[track]]\nease_in = 4\n");
+  EXPECT_THAT(check_text(text).out, HasSubstr(", with ease_in and ease_out in proportion\n"));
+}
+
 TEST(CheckCommand, ACornerIsRefusedWithItsRemedyAndNoNumberOfFramesCuresIt) {
   const ProgramRun run = check_text(with_corners());
   EXPECT_EQ(run.status, 3);
@@ -372,10 +377,11 @@ TEST(CheckCommand, FitsInTheFewestFramesForWhichACurveIsFound) {
   EXPECT_LT(fewest, report["smallest_frames"].get<int>());
   EXPECT_GE(fewest, report["fit"]["least_frames"].get<int>());
   EXPECT_EQ(report["smallest_frames_other_curve"], fewest);
-  EXPECT_THAT(run.out, HasSubstr(std::to_string(fewest) + " frames with another speed curve\n"));
+  const std::string along = ", with the frames of the keys in proportion\n";
+  EXPECT_THAT(run.out, HasSubstr(std::to_string(fewest) + " frames with another speed curve" + along));
   // Without the file to write the curve has as many control values as the drawn one, and no fewer frames.
   const ProgramRun plain = check_text(move, {"--json", file("plain.json")});
-  EXPECT_THAT(plain.out, HasSubstr(" with another speed curve of as many control values\n"));
+  EXPECT_THAT(plain.out, HasSubstr(" with another speed curve of as many control values" + along));
   EXPECT_GE(Json::parse(file_contents(file("plain.json")))["smallest_frames_other_curve"], fewest);
   const std::string text = file_contents(file("fitted.toml"));
   EXPECT_THAT(text, HasSubstr("frames = " + std::to_string(fewest) + " # five seconds"));

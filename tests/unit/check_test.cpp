@@ -215,6 +215,17 @@ TEST(Check, AnAccelerationThatStepsAtAnEndIsToldToBeginAtRest) {
   EXPECT_THAT(late.refusals[0].message(), HasSubstr("end the speed curve with 0, 0"));
 }
 
+TEST(Check, ANumberOfFramesSaysWhatMovesWithIt) {
+  const auto words_of = [](const std::string& track) {
+    return in_proportion(parse_move(move_of(track + gently), "move.toml"));
+  };
+  EXPECT_EQ(words_of(bends), "");
+  EXPECT_EQ(words_of(with(bends, "40] }", "40], hold = 4 }")), ", with the holds of the keys in proportion");
+  EXPECT_EQ(words_of(with(bends, "40] }", "40], hold = 4, frame = 60 }")),
+            ", with the frames and holds of the keys in proportion");
+  EXPECT_EQ(words_of("ease_in = 4\n" + bends), ", with ease_in and ease_out in proportion");
+}
+
 TEST(Check, ABreakInTheSpeedIsAStepOnItsFrame) {
   const CheckReport report =
       check_of(with(bends, "{ at = [60, 40] }", "{ at = [60, 40], frame = 100, break = true }") + gently,

@@ -136,6 +136,14 @@ TEST(Cure, ANodWithAHoldIsCuredByStayingBetweenItsKeys) {
   EXPECT_TRUE(fits(cured, neck())) << "as the words say";
 }
 
+TEST(Cure, InTwentyTimesAsManyFramesItIsNoAdvice) {
+  const std::string move =
+      move_of("\"slide\", \"pan\"", 2,
+              "overshoot = false\nkeys = [{at=[0,0]},{at=[1500,100]},{at=[0,-100]},{at=[1800,0]}]\n"
+              "speed = [0,0,10,10,10,0,0]\n");
+  EXPECT_EQ(cure_of(move, slide_and_pan()), std::nullopt);
+}
+
 TEST(Cure, AMoveOfSeveralTracksIsToldWhichOneToChange) {
   const std::string move = nod_near_a_cusp(", ease = true") +
                            "[[track]]\naxes = [\"lid\"]\ntiming = \"frames\"\n"
