@@ -122,6 +122,15 @@ void SolvedTrack<Real>::apply_pace(const TrackSpec<Real>& spec) {
 
 namespace {
 
+/// Whether the next wish is to rest, or to touch 0, in the place of the first waypoint.
+bool rests_behind(std::span<const Waypoint> waypoints, std::span<const KeyLock> wishes) {
+  if (wishes.empty() || !(wishes.front().ease || wishes.front().hold > 0)) return false;
+  const auto is_elsewhere = [&](const Waypoint& place) { return place.distance != waypoints[0].distance; };
+  const auto here = std::ranges::find_if(waypoints, is_elsewhere);
+  return std::any_of(waypoints.begin(), here,
+                     [&](const Waypoint& place) { return place.is_key && place.key == wishes.front().key; });
+}
+
 /// The wishes about keys, in the numbers of the waypoints, and a touch at every corner that has no wish. The
 /// seam of a periodic curve is its first waypoint.
 std::vector<KeyLock> locks_on(std::span<const Waypoint> waypoints, std::span<const KeyLock> wishes,
@@ -144,9 +153,10 @@ std::vector<KeyLock> locks_on(std::span<const Waypoint> waypoints, std::span<con
     }
     // A key written twice is one place, at which the speed touches 0 once.
     const bool is_eased_already =
-        !locks.empty() && locks.back().ease &&
+        !locks.empty() && (locks.back().ease || locks.back().hold > 0) &&
         waypoints[static_cast<std::size_t>(locks.back().key)].distance == place.distance;
-    if (eases && !has_wish && !is_eased_already) {
+    if (eases && !has_wish && !is_eased_already &&
+        !rests_behind(waypoints.subspan(i), {next, wishes.end()})) {
       locks.push_back({.key = static_cast<std::int32_t>(i), .ease = true});
     }
   }

@@ -136,12 +136,71 @@ TEST(Cure, ANodWithAHoldIsCuredByStayingBetweenItsKeys) {
   EXPECT_TRUE(fits(cured, neck())) << "as the words say";
 }
 
+/// The lids of a puppet, whose servos have a max_jerk.
+std::string lids() {
+  return rig_text({{.name = "lid",
+                    .unit = "deg",
+                    .min = 0,
+                    .max = 45,
+                    .max_velocity = 500,
+                    .max_acceleration = 8000,
+                    .more = "max_jerk = 200000\n"}});
+}
+
+// The program said overshoot = false and ease = true at key 2, in 940576 frames.
 TEST(Cure, InTwentyTimesAsManyFramesItIsNoAdvice) {
+  const std::string rig = rig_text({{.name = "pan",
+                                     .unit = "deg",
+                                     .min = -70,
+                                     .max = 70,
+                                     .max_velocity = 120,
+                                     .max_acceleration = 600,
+                                     .more = "max_jerk = 6000\n"},
+                                    {.name = "roll",
+                                     .unit = "deg",
+                                     .min = -20,
+                                     .max = 20,
+                                     .max_velocity = 80,
+                                     .max_acceleration = 400,
+                                     .more = "max_jerk = 4000\n"}});
   const std::string move =
-      move_of("\"slide\", \"pan\"", 2,
-              "overshoot = false\nkeys = [{at=[0,0]},{at=[1500,100]},{at=[0,-100]},{at=[1800,0]}]\n"
-              "speed = [0,0,10,10,10,0,0]\n");
-  EXPECT_EQ(cure_of(move, slide_and_pan()), std::nullopt);
+      move_of(R"("pan", "roll")", 96,
+              "keys = [{at=[0,0]},{at=[-70,0]},{at=[-70,0],frame=15},{at=[0,5.8],hold=6},{at=[20.4,-20],"
+              "ease=true},{at=[20.4,-20]},{at=[70,0]}]\nspeed = [0,0,5,10,3,0,0]\n");
+  EXPECT_EQ(cure_of(move, rig), std::nullopt);
+}
+
+TEST(Cure, CornersAreEasedBesideAHoldInTheSamePlace) {
+  const std::string keys =
+      "overshoot = false\ncorners = \"ease\"\nkeys = "
+      "[{at=[10]},{at=[40],hold=4},{at=[40]},{at=[12]},{at=[30]},{at=[30]}]\n"
+      "speed = [0,0,10,0,0]\n";
+  EXPECT_NO_THROW(plan_of(move_of("\"lid\"", 48, keys), lids()));
+  const std::string behind =
+      with(with(keys, "{at=[40],hold=4},{at=[40]}", "{at=[40]},{at=[40],hold=4}"), "[10]", "[11]");
+  EXPECT_NO_THROW(plan_of(move_of("\"lid\"", 48, behind), lids()));
+}
+
+TEST(Cure, TwoKeysInOnePlaceThatBothRestAreToldSo) {
+  const auto refusal_of = [](const std::string& keys) -> std::string {
+    try {
+      plan_of(move_of("\"lid\"", 48, "keys = [" + keys + "]\nspeed = [0,0,10,0,0]\n"), lids());
+    } catch (const InputError& error) {
+      return error.message();
+    }
+    return "";
+  };
+  for (const char* rest : {"ease=true", "hold=5"}) {
+    const std::string key = fmt::format("{{at=[20],{}}}", rest);
+    EXPECT_THAT(refusal_of("{at=[0]}," + key + "," + key + ",{at=[0]}"),
+                HasSubstr("in the same place, and both rest or ease on one frame; remove one of the two"));
+    EXPECT_EQ(refusal_of("{at=[0]}," + key + ",{at=[0]}"), "") << "as the words say";
+  }
+  EXPECT_THAT(refusal_of("{at=[10]},{at=[10],hold=4},{at=[25]}"),
+              HasSubstr("remove this key, and give the first its hold"));
+  EXPECT_EQ(refusal_of("{at=[10],hold=4},{at=[25]}"), "") << "as the words say";
+  EXPECT_THAT(refusal_of("{at=[0]},{at=[20],hold=5},{at=[20]}"), HasSubstr("remove the keys behind it"));
+  EXPECT_EQ(refusal_of("{at=[0]},{at=[20],hold=5}"), "") << "as the words say";
 }
 
 TEST(Cure, AMoveOfSeveralTracksIsToldWhichOneToChange) {

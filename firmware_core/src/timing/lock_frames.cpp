@@ -74,6 +74,39 @@ std::int32_t arrival_frame(const KeyTimingSpec<Real>& spec, std::span<const Real
   return first + (frames > static_cast<Real>(whole) + rounding ? whole + 1 : whole);
 }
 
+template <Precise Real>
+Real distance_of(const KeyTimingSpec<Real>& spec, const KeyLock& lock) {
+  return spec.key_distances[static_cast<std::size_t>(lock.key)];
+}
+
+/// `drawn`: the frame of `lock` is where the curve arrives, and nobody's wish.
+template <Precise Real>
+Error on_one_frame(const KeyTimingSpec<Real>& spec, const KeyLock& before, const KeyLock& lock, bool drawn) {
+  if (!drawn) {
+    return wish_error("this key is to be met on the frame of the locked key before it",
+                      "give the two keys different frames", lock);
+  }
+  if (distance_of(spec, lock) != distance_of(spec, before)) {
+    return wish_error("the speed touches 0 just before this key, and both fall on one frame",
+                      "move the key, or keep the path between its keys with overshoot = false", lock);
+  }
+  if (before.key == 0) {
+    return wish_error("the key before it is in the same place, and the move begins there",
+                      "remove this key, and give the first its hold, if it has one", lock);
+  }
+  return wish_error("the key before it is in the same place, and both rest or ease on one frame",
+                    "remove one of the two, and give the other the hold or the ease", lock);
+}
+
+template <Precise Real>
+Error no_frame_behind(const KeyTimingSpec<Real>& spec, const KeyLock& lock) {
+  if (distance_of(spec, lock) == spec.key_distances.back()) {
+    return wish_error("this key is in the place where the move ends",
+                      "remove the keys behind it, and its ease if it has one", lock);
+  }
+  return wish_error("this key leaves no frame for the keys behind it", "give it an earlier frame", lock);
+}
+
 }  // namespace
 
 template <Precise Real>
@@ -121,10 +154,8 @@ Result<std::size_t> complete_locks(const KeyTimingSpec<Real>& spec, std::span<Ke
       return wish_error("the last key is met on the last frame", "remove its frame, or change frames", lock);
     }
     const std::int32_t left = before.frame + before.hold;
-    if (lock.frame == left && lock.key != before.key) {
-      return wish_error("this key is to be met on the frame of the locked key before it",
-                        "give the two keys different frames", lock);
-    }
+    if (lock.frame == left && lock.key != before.key)
+      return on_one_frame<Real>(spec, before, lock, spec.locks[i].frame < 0);
     if (lock.frame < left) {
       return wish_error("this key is to be met before the locked key in front of it",
                         "give the keys frames in their own order", lock);
@@ -132,10 +163,8 @@ Result<std::size_t> complete_locks(const KeyTimingSpec<Real>& spec, std::span<Ke
     out[count++] = lock;
   }
   if (out[count - 1].key != last_key) {
-    if (out[count - 1].frame + out[count - 1].hold >= spec.frames) {
-      return wish_error("this key leaves no frame for the keys behind it", "give it an earlier frame",
-                        out[count - 1]);
-    }
+    const KeyLock& left = out[count - 1];
+    if (left.frame + left.hold >= spec.frames) return no_frame_behind<Real>(spec, left);
     out[count++] = {.key = last_key, .frame = spec.frames};
   }
   return count;
