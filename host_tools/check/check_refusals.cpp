@@ -4,16 +4,20 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "host_tools/plan/rest_keys.hpp"
+
 namespace inbetween {
 namespace {
 
-constexpr std::string_view turn_remedy =
-    "let the speed touch 0 there with corners = \"ease\", or move a key so that the path goes round";
+/// So many other keys at which an axis steps are told by their numbers.
+constexpr std::size_t max_keys_named = 8;
 
 /// The faults of one axis, in words.
 class AxisRefusals {
@@ -54,9 +58,11 @@ class AxisRefusals {
     const double rounding = position_rounding(limits_);
     if (below <= rounding && above <= rounding) return;
     const Peak<double>& worst = below > above ? lowest : highest;
+    const double limit = below > above ? limits_.min : limits_.max;
+    const std::string value = told_apart(worst.value, limit, Digits::significant, 6).first;
     refuse(place_, worst.frame,
            fmt::format("axis {} would go to {} {} at frame {:.2f}, outside {} of the rig {}",
-                       in_quotes(axis_.name), worst.value, axis_.unit, worst.frame, range_in_words(limits_),
+                       in_quotes(axis_.name), value, axis_.unit, worst.frame, range_in_words(limits_),
                        in_quotes(rig_.name)),
            remedy_of_position(), false, true);
   }
@@ -69,55 +75,71 @@ class AxisRefusals {
       return at >= limits_.min && at <= limits_.max;
     });
     if (!keys_are_inside || !can_overshoot) return "move its keys inward";
+    // There overshoot = false would break max_jerk.
+    if (is_over_time() && limits_.max_jerk) {
+      const bool low = limits_.min - axis_.range->lowest.value > axis_.range->highest.value - limits_.max;
+      const Peak<double>& worst = low ? axis_.range->lowest : axis_.range->highest;
+      const std::optional<std::size_t> key = key_to_rest(track_, worst.frame, axis_in_track_, low);
+      if (!key) return "move its keys inward";
+      return fmt::format("write {}, or move its keys inward", twice_in_words(track_, {*key}));
+    }
     return "keep the curve between its keys with overshoot = false, or move its keys inward";
   }
 
-  /// The largest step of this axis, and how many there are beside it.
-  struct LargestStep {
-    const CheckedStep* step = nullptr;
-    std::size_t others = 0;
+  /// The steps of this axis that are refused, and the largest of them.
+  struct RefusedSteps {
+    std::vector<const CheckedStep*> all = {};
+    const CheckedStep* largest = nullptr;
 
     void take(const CheckedStep& next, double CheckedStep::*size) {
-      if (step != nullptr) ++others;
-      if (step == nullptr || next.*size > step->*size) step = &next;
+      all.push_back(&next);
+      if (largest == nullptr || next.*size > largest->*size) largest = &next;
     }
+    /// The keys beside the largest by their numbers, if they are few.
     [[nodiscard]] std::string where() const {
-      std::string words = fmt::format("frame {:.2f}", step->frame);
-      if (step->key) words = fmt::format("key {}, {}", *step->key, words);
-      if (others > 0) words += fmt::format(", and at {} more place{}", others, others == 1 ? "" : "s");
-      return words;
+      std::string words = fmt::format("frame {:.2f}", largest->frame);
+      if (largest->key) words = fmt::format("key {}, {}", *largest->key, words);
+      std::vector<std::string> keys;
+      for (const CheckedStep* step : all) {
+        if (step != largest && step->key) keys.push_back(std::to_string(*step->key));
+      }
+      const std::size_t others = all.size() - 1;
+      if (others == 0) return words;
+      if (keys.size() < others || others > max_keys_named)
+        return words + fmt::format(", and at {} more place{}", others, others == 1 ? "" : "s");
+      return words + fmt::format(", and at key{} {}", others == 1 ? "" : "s", listed_with_and(keys));
     }
   };
 
   void add_velocity_step() {
-    LargestStep largest;
+    RefusedSteps steps;
     for (const CheckedStep& step : report_.steps) {
-      if (step.axis == index_ && step.velocity > 0) largest.take(step, &CheckedStep::velocity);
+      if (step.axis == index_ && step.velocity > 0) steps.take(step, &CheckedStep::velocity);
     }
-    if (largest.step == nullptr) return;
-    refuse(place_of(*largest.step), largest.step->frame,
+    if (steps.largest == nullptr) return;
+    refuse(place_of(*steps.largest), steps.largest->frame,
            fmt::format("axis {} would step by {:.6g} {}/s at {}, which no drive can follow",
-                       in_quotes(axis_.name), largest.step->velocity, axis_.unit, largest.where()),
-           remedy_of(*largest.step), false);
+                       in_quotes(axis_.name), steps.largest->velocity, axis_.unit, steps.where()),
+           remedy_of(steps), false);
   }
 
   void add_acceleration_step() {
-    LargestStep largest;
+    RefusedSteps steps;
     for (const CheckedStep& step : report_.steps) {
       // A step of the velocity has been said, and its remedy cures both.
       const bool is_refused = step.velocity == 0 && breaks_jerk_limit(step, limits_);
-      if (step.axis == index_ && is_refused) largest.take(step, &CheckedStep::acceleration);
+      if (step.axis == index_ && is_refused) steps.take(step, &CheckedStep::acceleration);
     }
-    if (largest.step == nullptr) return;
-    const auto [step, most] = told_apart(largest.step->acceleration,
+    if (steps.largest == nullptr) return;
+    const auto [step, most] = told_apart(steps.largest->acceleration,
                                          limits_.max_acceleration_step.value_or(0), Digits::significant, 6);
     const std::string rule = limits_.max_acceleration_step
                                  ? fmt::format("max_acceleration_step is {} {}/s^2", most, axis_.unit)
                                  : "max_jerk allows no step";
-    refuse(place_of(*largest.step), largest.step->frame,
+    refuse(place_of(*steps.largest), steps.largest->frame,
            fmt::format("axis {} would step by {} {}/s^2 at {}, and {}", in_quotes(axis_.name), step,
-                       axis_.unit, largest.where(), rule),
-           remedy_of(*largest.step), limits_.max_acceleration_step.has_value());
+                       axis_.unit, steps.where(), rule),
+           remedy_of(steps), limits_.max_acceleration_step.has_value());
   }
 
   /// If something has no bound, its derivatives have none either: it is said once.
@@ -139,7 +161,7 @@ class AxisRefusals {
         fmt::format("axis {} would need {} without bound near frame {:.2f}, where the path {} and is passed "
                     "at a speed",
                     in_quotes(axis_.name), quantity, peak.frame, what),
-        turn_remedy, false, true);
+        remedy_of_turn(peak.frame), false, true);
   }
 
   void add_peak(const CheckedPeak& peak, std::string_view limit, std::string_view per) {
@@ -167,21 +189,78 @@ class AxisRefusals {
     if (is_end(step) && !track_.speed_places.empty()) return track_.speed_places.back();
     return step.key ? key_of(step)->place : place_;
   }
+  /// Whether every axis is a curve over time.
+  [[nodiscard]] bool is_over_time() const {
+    return track_.timing == Timing::frames && kinetic_of(track_) == MoveKinetic::curves;
+  }
+  /// What cures every step: what the largest asks for, and then what others ask for.
+  [[nodiscard]] std::string remedy_of(const RefusedSteps& steps) const {
+    if (is_over_time() && track_.spline == Spline::smooth && !track_.overshoot) return remedy_of_rests(steps);
+    const bool has_curve = track_.timing == Timing::speed;
+    const bool at_start = std::ranges::any_of(steps.all, [&](const auto* step) { return is_start(*step); });
+    const bool at_end = std::ranges::any_of(steps.all, [&](const auto* step) { return is_end(*step); });
+    std::vector<std::string> remedies;
+    const auto add = [&](std::string remedy) {
+      if (std::ranges::find(remedies, remedy) == remedies.end()) remedies.push_back(std::move(remedy));
+    };
+    const auto add_of = [&](const CheckedStep& step) {
+      const bool is_at_an_end = is_start(step) || is_end(step);
+      add(has_curve && at_start && at_end && is_at_an_end ? "begin and end the speed curve with 0, 0, at rest"
+                                                          : remedy_of(step));
+    };
+    add_of(*steps.largest);
+    for (const CheckedStep* step : steps.all) add_of(*step);
+    return listed_with_and(remedies);
+  }
+  /// What keeps an axis between its keys lowers its slope, and its acceleration steps there.
+  [[nodiscard]] std::string remedy_of_rests(const RefusedSteps& steps) const {
+    std::set<std::size_t> keys;
+    for (const CheckedStep* step : steps.all) {
+      if (!step->key || !rest_at_key(track_, static_cast<std::size_t>(*step->key)))
+        return "take away overshoot = false";
+      keys.insert(static_cast<std::size_t>(*step->key));
+    }
+    if (keys.size() > max_keys_named)
+      return "write each of these keys twice, on two neighbouring frames, for a rest there";
+    return "write " + twice_in_words(track_, keys);
+  }
   [[nodiscard]] std::string remedy_of(const CheckedStep& step) const {
+    const bool is_at_an_end = is_start(step) || is_end(step);
     if (track_.timing == Timing::frames && kinetic_of(track_) != MoveKinetic::pace) {
       if (track_.spline == Spline::linear) return "use spline = \"smooth\" and kinetic = \"curves\"";
       if (kinetic_of(track_) != MoveKinetic::curves) return "use kinetic = \"curves\"";
-      return "use spline = \"smooth\"";
+      if (track_.spline != Spline::smooth)
+        return fmt::format("use spline = \"smooth\"{}", track_.overshoot ? "" : " and overshoot = true");
+      if (is_at_an_end) return "use rest = \"both\"";
+      return "write the key twice, on two neighbouring frames, for a rest there";
     }
-    if (track_.timing == Timing::frames && (is_start(step) || is_end(step))) return "use rest = \"both\"";
+    if (track_.timing == Timing::frames && is_at_an_end) return "use rest = \"both\"";
     if (is_start(step)) return "begin the speed curve with 0, 0, at rest";
     if (is_end(step)) return "end the speed curve with 0, 0, at rest";
-    if (!step.key) return std::string(turn_remedy);
+    if (!step.key) return remedy_of_turn(step.frame);
     if (key_of(step)->breaks) return "take away the break of the key";
     const std::string ease = track_.timing == Timing::frames
                                  ? "let the speed touch 0 there with ease = true"
                                  : "let the speed touch 0 there with ease = true, or rest there with hold";
     return (track_.spline != Spline::smooth ? "use spline = \"smooth\", or " : "") + ease;
+  }
+  /// Where the path turns on the spot, at a key or between keys.
+  [[nodiscard]] std::string remedy_of_turn(double frame) const {
+    const bool has_curve = track_.timing == Timing::speed || kinetic_of(track_) == MoveKinetic::pace;
+    if (!has_curve) return "use kinetic = \"curves\", or move a key so that the path goes round";
+    // A path that goes beyond a key and back turns so near to it that both touches would be on one frame.
+    const bool can_overshoot = track_.overshoot && !track_.space &&
+                               (track_.spline == Spline::smooth || track_.spline == Spline::catmull_rom);
+    const bool has_rest =
+        std::ranges::any_of(track_.keys, [](const MoveKey& key) { return key.ease || key.hold; });
+    if (can_overshoot && has_rest && !track_.ease_corners)
+      return "let the speed touch 0 there with overshoot = false and corners = \"ease\"";
+    if (!track_.ease_corners)
+      return "let the speed touch 0 there with corners = \"ease\", or move a key so that the path goes round";
+    if (track_.timing == Timing::speed && frame < 1) return "begin the speed curve with 0, 0, at rest";
+    if (track_.timing == Timing::speed && frame > move_.frames - 1)
+      return "end the speed curve with 0, 0, at rest";
+    return "move a key so that the path goes round";
   }
 
   const MoveFile& move_;

@@ -92,6 +92,10 @@ Searched search(const CheckArguments& arguments, const Plan& plan, const CheckRe
     if (arguments.fit) found.fitted = std::move(fewest);
   }
   if (!arguments.fit) found.cure = find_cure(plan, report, found.smallest);
+  // Nor is it said as the reason why no number of frames would do.
+  for (const CheckRefusal& refusal : report.refusals) {
+    if (found.cure && found.smallest.reason == refusal.message()) found.smallest.reason = refusal.what;
+  }
   found.was_interrupted = watch && InterruptWatch::asked();
   return found;
 }
@@ -236,7 +240,8 @@ more control values too, and writes the move in the fewest frames.
 
 Where the move does not fit, small changes of it are tried, each by the same proof: keys that are nearly in one
 place at one place, ease = true where it is refused, overshoot = false, corners = "ease", a smooth spline,
-kinetic = "curves", another speed curve. The first that lets it fit in as many frames is named, or else the one
+kinetic = "curves", another speed curve; of a track over frames a key that is written twice, for a rest, and
+kinetic = "pace". The first that lets it fit in as many frames is named, or else the one
 with which the fewest frames would do.
 
 --frames 20..80 checks a part of the move as what it is when it is played alone: from rest, by a pre-roll into

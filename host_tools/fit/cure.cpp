@@ -4,7 +4,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <set>
 #include <utility>
@@ -13,12 +12,15 @@
 #include "host_tools/fit/fewest_fit.hpp"
 #include "host_tools/fit/speed_fit.hpp"
 #include "host_tools/plan/near_keys.hpp"
+#include "host_tools/plan/rest_keys.hpp"
 
 namespace inbetween {
 namespace {
 
 /// How often more keys are eased, where the first ones show others.
 constexpr int max_ease_rounds = 3;
+/// The same of keys that are written twice: a round shows one place of each axis.
+constexpr int max_rest_rounds = 8;
 
 /// A move that may be better, and what was changed of the one that was refused.
 struct Tried {
@@ -31,8 +33,15 @@ bool has_curve(const MoveTrack& track) {
   return track.timing == Timing::speed || kinetic_of(track) == MoveKinetic::pace;
 }
 
+/// Whether every axis is a curve over time.
+bool is_over_time(const MoveTrack& track) {
+  return track.timing == Timing::frames && kinetic_of(track) == MoveKinetic::curves;
+}
+
 std::string keys_in_words(const std::set<std::size_t>& keys) {
-  return fmt::format("key{} {}", keys.size() == 1 ? "" : "s", fmt::join(keys, " and "));
+  std::vector<std::string> numbers;
+  for (const std::size_t key : keys) numbers.push_back(std::to_string(key));
+  return fmt::format("key{} {}", keys.size() == 1 ? "" : "s", listed_with_and(numbers));
 }
 
 /// The search in one move.
@@ -93,14 +102,23 @@ class CureSearch {
   /// slowing down.
   [[nodiscard]] std::optional<Tried> cured_track(const Tried& from, std::size_t track) const {
     using Change = bool (CureSearch::*)(Tried&, std::size_t) const;
-    const std::array<std::vector<Change>, 8> ways{{{&CureSearch::join_near_keys},
-                                                   {&CureSearch::ease},
-                                                   {&CureSearch::stop_overshoot},
-                                                   {&CureSearch::stop_overshoot, &CureSearch::ease},
-                                                   {&CureSearch::ease_corners},
-                                                   {&CureSearch::stop_overshoot, &CureSearch::ease_corners},
-                                                   {&CureSearch::smooth},
-                                                   {&CureSearch::curve}}};
+    using Self = CureSearch;
+    const std::vector<std::vector<Change>> ways{{&Self::join_near_keys},
+                                                {&Self::ease},
+                                                {&Self::stop_overshoot},
+                                                {&Self::stop_overshoot, &Self::ease},
+                                                {&Self::allow_overshoot},
+                                                {&Self::rest},
+                                                {&Self::allow_overshoot, &Self::rest},
+                                                {&Self::ease_corners},
+                                                {&Self::stop_overshoot, &Self::ease_corners},
+                                                {&Self::smooth},
+                                                {&Self::allow_overshoot, &Self::smooth},
+                                                {&Self::curve},
+                                                {&Self::curve, &Self::rest},
+                                                {&Self::pace},
+                                                {&Self::pace, &Self::ease},
+                                                {&Self::stop_overshoot, &Self::pace, &Self::ease}};
     std::optional<Tried> best;
     double best_rate = 0;
     for (const std::vector<Change>& way : ways) {
@@ -182,6 +200,67 @@ class CureSearch {
     say(tried, index, track.place, "overshoot = false");
     return true;
   }
+  /// Over time what keeps an axis between its keys lets the acceleration step there.
+  bool allow_overshoot(Tried& tried, std::size_t index) const {
+    MoveTrack& track = tried.move.tracks[index];
+    if (track.overshoot || !is_over_time(track)) return false;
+    track.overshoot = true;
+    say(tried, index, track.place, "overshoot = true in place of false");
+    return true;
+  }
+  /// At the keys where axes of the track step, and at those between which they leave their range: each is
+  /// written twice.
+  bool rest(Tried& tried, std::size_t index) const {
+    const MoveTrack written = tried.move.tracks[index];
+    if (!is_over_time(written) || written.space) return false;
+    std::set<std::size_t> resting;
+    for (int round = 0; round < max_rest_rounds; ++round) {
+      const std::optional<Judged> now = judged(tried.move, check_motion);
+      if (!now) break;
+      const std::size_t before = resting.size();
+      for (const std::int32_t frame : frames_to_rest(*now, index)) {
+        const auto key = std::ranges::find(written.keys, frame, &MoveKey::frame);
+        if (key != written.keys.end()) resting.insert(static_cast<std::size_t>(key - written.keys.begin()));
+      }
+      if (resting.size() == before) break;
+      tried.move.tracks[index] = written;
+      write_twice(tried.move.tracks[index], resting);
+    }
+    if (resting.empty()) return false;
+    say(tried, index, written.keys[*resting.begin()].place, twice_in_words(written, resting));
+    return true;
+  }
+  /// Those of the keys that can rest.
+  [[nodiscard]] static std::set<std::int32_t> frames_to_rest(const Judged& judged, std::size_t index) {
+    const MoveTrack& track = judged.plan.move().tracks[index];
+    const auto is_of_track = [&](std::size_t axis) { return judged.plan.axes()[axis].track == index; };
+    std::set<std::int32_t> frames;
+    for (const CheckedStep& step : judged.report.steps) {
+      const bool is_refused =
+          step.velocity > 0 || breaks_jerk_limit(step, judged.plan.rig()->axes[step.axis]);
+      if (!step.key || !is_of_track(step.axis) || !is_refused) continue;
+      const auto key = static_cast<std::size_t>(*step.key);
+      if (rest_at_key(track, key)) frames.insert(*track.keys[key].frame);
+    }
+    for (std::size_t a = 0; a < judged.report.axes.size(); ++a) {
+      const CheckedAxis& axis = judged.report.axes[a];
+      if (!axis.range || !is_of_track(a)) continue;
+      const auto add = [&](double frame, bool low) {
+        const auto key = key_to_rest(track, frame, judged.plan.axes()[a].track_axis, low);
+        if (key) frames.insert(*track.keys[*key].frame);
+      };
+      if (axis.range->lowest.value < axis.limit_min) add(axis.range->lowest.frame, true);
+      if (axis.range->highest.value > axis.limit_max) add(axis.range->highest.frame, false);
+    }
+    return frames;
+  }
+  bool pace(Tried& tried, std::size_t index) const {
+    MoveTrack& track = tried.move.tracks[index];
+    if (!is_over_time(track)) return false;
+    track.kinetic = MoveKinetic::pace;
+    say(tried, index, track.place, "kinetic = \"pace\"");
+    return true;
+  }
   bool ease_corners(Tried& tried, std::size_t index) const {
     MoveTrack& track = tried.move.tracks[index];
     if (track.ease_corners || !has_curve(track)) return false;
@@ -191,7 +270,7 @@ class CureSearch {
   }
   bool smooth(Tried& tried, std::size_t index) const {
     MoveTrack& track = tried.move.tracks[index];
-    if (track.spline == Spline::smooth || !has_curve(track)) return false;
+    if (track.spline == Spline::smooth || !(has_curve(track) || is_over_time(track))) return false;
     track.spline = Spline::smooth;
     for (MoveKey& key : track.keys) key.tension = key.continuity = key.bias = 0;
     say(tried, index, track.place, "spline = \"smooth\"");

@@ -40,12 +40,14 @@ void refuse_positions_beyond_limits(const Plan& plan) {
       const RigAxis& axis = plan.rig()->axes[a];
       const double rounding = position_rounding(axis);
       if (positions[d] >= axis.min - rounding && positions[d] <= axis.max + rounding) continue;
+      const double limit = positions[d] < axis.min ? axis.min : axis.max;
       throw LimitError(
           plan.place_of(a),
           fmt::format("axis {} would go to {} {} at frame {:.2f}, outside {} of the rig {}; move its keys "
                       "inward",
-                      in_quotes(axis.name), positions[d], to_string(axis.unit), when.frame + when.fraction,
-                      range_in_words(axis), in_quotes(plan.rig()->name)));
+                      in_quotes(axis.name), told_apart(positions[d], limit, Digits::significant, 6).first,
+                      to_string(axis.unit), when.frame + when.fraction, range_in_words(axis),
+                      in_quotes(plan.rig()->name)));
     }
   }
 }

@@ -215,6 +215,32 @@ TEST(Check, AnAccelerationThatStepsAtAnEndIsToldToBeginAtRest) {
   EXPECT_THAT(late.refusals[0].message(), HasSubstr("end the speed curve with 0, 0"));
 }
 
+TEST(Check, AMoveThatStepsAtBothEndsIsToldToRestAtBoth) {
+  const CheckReport report = check_of(bends + "speed = [0, 5, 0]\n", rig_with("max_jerk = 1e9"));
+  ASSERT_FALSE(report.fits());
+  EXPECT_THAT(report.refusals[0].message(), HasSubstr("begin and end the speed curve with 0, 0, at rest"));
+  EXPECT_THAT(report.refusals[0].message(),
+              testing::ContainsRegex("at key (0|3), .*, and at key (0|3), and"));
+}
+
+TEST(Check, WhatATrackHasIsNotItsRemedy) {
+  const CheckReport report = check_of(
+      "corners = \"ease\"\novershoot = false\nkeys = [ { at = [45, 3.4] }, { at = [45, 3.4] }, { at = [25.5, "
+      "13.2], ease = true }, { at = [0, 0], ease = true }, { at = [45, 45] } ]\nspeed = [0, 10, 10, 0]\n");
+  ASSERT_FALSE(report.fits());
+  for (const CheckRefusal& refusal : report.refusals)
+    EXPECT_THAT(refusal.message(), testing::Not(HasSubstr("corners")));
+  EXPECT_THAT(report.refusals[0].message(), HasSubstr("turns on the spot"));
+  EXPECT_THAT(report.refusals[0].message(), HasSubstr("; begin the speed curve with 0, 0, at rest"));
+}
+
+TEST(Check, APositionIsRoundedButNotOntoItsLimit) {
+  const std::string line = "keys = [ { at = [-100, 0] }, { at = [200.0000001, 10] } ]\n";
+  const std::string far = with(line, "200.0000001", "1145.9155902616465");
+  EXPECT_THAT(check_of(line + gently).refusals[0].message(), HasSubstr("would go to 200.0000001 mm"));
+  EXPECT_THAT(check_of(far + gently).refusals[0].message(), HasSubstr("would go to 1145.92 mm"));
+}
+
 TEST(Check, ANumberOfFramesSaysWhatMovesWithIt) {
   const auto words_of = [](const std::string& track) {
     return in_proportion(parse_move(move_of(track + gently), "move.toml"));

@@ -147,6 +147,55 @@ std::string lids() {
                     .more = "max_jerk = 200000\n"}});
 }
 
+std::string blink(const std::string& more = "") {
+  return move_of("\"lid\"", 18,
+                 more +
+                     "timing = \"frames\"\n"
+                     "keys = [{at=[0],frame=0},{at=[45],frame=8},{at=[0],frame=18}]\n");
+}
+
+// The program said overshoot = false, and then spline = "smooth", which it has.
+TEST(Cure, AnAxisThatTurnsBackOverFramesRestsAtAKeyThatIsWrittenTwice) {
+  for (const char* more : {"", "overshoot = false\n"}) {
+    const std::string move = blink(more);
+    const CheckReport report = check(plan_of(move, lids()));
+    ASSERT_FALSE(report.fits());
+    EXPECT_THAT(report.refusals[0].message(),
+                HasSubstr("; write key 1 twice, on frames 8 and 9, for a rest there"));
+    const std::optional<Cure> cure = cure_of(move, lids());
+    ASSERT_TRUE(cure);
+    EXPECT_EQ(cure->words, "key 1 twice, on frames 8 and 9, for a rest there");
+    EXPECT_EQ(cure->frames, 18);
+    EXPECT_TRUE(fits(with(move, "{at=[45],frame=8}", "{at=[45],frame=8},{at=[45],frame=9}"), lids()))
+        << "as the words say";
+  }
+}
+
+TEST(Cure, OvershootIsAllowedWhereItTouchesNoLimit) {
+  const std::string move = move_of(
+      "\"lid\"", 96,
+      "timing = \"frames\"\novershoot = false\nkeys = [{at=[2],frame=0},{at=[14],frame=24},{at=[4],frame=48},"
+      "{at=[20],frame=72},{at=[2],frame=96}]\n");
+  const CheckReport report = check(plan_of(move, lids()));
+  ASSERT_FALSE(report.fits());
+  EXPECT_THAT(report.refusals[0].message(), HasSubstr("at key 3, frame 72.00, and at keys 1 and 2, and"));
+  EXPECT_THAT(report.refusals[0].message(), HasSubstr("write key 1 twice, on frames 24 and 25, key 2 twice"));
+  const std::optional<Cure> cure = cure_of(move, lids());
+  ASSERT_TRUE(cure);
+  EXPECT_EQ(cure->words, "overshoot = true in place of false");
+  EXPECT_TRUE(fits(with(move, "overshoot = false", "overshoot = true"), lids())) << "as the words say";
+}
+
+TEST(Cure, OfSixKeysThatTurnBackThoseThatNeedItRest) {
+  const std::string move = move_of("\"lid\"", 90,
+                                   "timing = \"frames\"\nkeys = [{at=[0],frame=0},{at=[14],frame=12},{at=[0],"
+                                   "frame=24},{at=[45],frame=40},{at=[20],frame=60},{at=[0],frame=90}]\n");
+  const std::optional<Cure> cure = cure_of(move, lids());
+  ASSERT_TRUE(cure);
+  EXPECT_EQ(cure->words,
+            "key 2 twice, on frames 24 and 25 and key 3 twice, on frames 40 and 41, for a rest there");
+}
+
 // The program said overshoot = false and ease = true at key 2, in 940576 frames.
 TEST(Cure, InTwentyTimesAsManyFramesItIsNoAdvice) {
   const std::string rig = rig_text({{.name = "pan",
