@@ -255,7 +255,8 @@ CheckReport check(const Plan& plan) {
 
 void refuse_beyond_limits(const CheckReport& report) {
   if (report.fits()) return;
-  throw LimitError(report.refusals.front().place, report.refusals.front().message());
+  throw LimitError(report.refusals.front().place,
+                   report.refusals.front().message() + "; inbetween check tries what lets it fit");
 }
 
 }  // namespace inbetween
