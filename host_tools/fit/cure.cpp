@@ -40,6 +40,7 @@ bool is_over_time(const MoveTrack& track) {
 
 std::string keys_in_words(const std::set<std::size_t>& keys) {
   std::vector<std::string> numbers;
+  numbers.reserve(keys.size());
   for (const std::size_t key : keys) numbers.push_back(std::to_string(key));
   return fmt::format("key{} {}", keys.size() == 1 ? "" : "s", listed_with_and(numbers));
 }

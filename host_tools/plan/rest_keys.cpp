@@ -9,13 +9,6 @@
 #include "host_tools/files/diagnostics.hpp"
 
 namespace inbetween {
-namespace {
-
-bool are_in_one_place(const MoveKey& one, const MoveKey& other) {
-  return one.at == other.at;
-}
-
-}  // namespace
 
 std::optional<RestFrames> rest_at_key(const MoveTrack& track, std::size_t key) {
   if (track.timing != Timing::frames || kinetic_of(track) != MoveKinetic::curves) return std::nullopt;
@@ -24,7 +17,7 @@ std::optional<RestFrames> rest_at_key(const MoveTrack& track, std::size_t key) {
   const MoveKey& here = track.keys[key];
   const MoveKey& behind = track.keys[key + 1];
   if (!before.frame || !here.frame || !behind.frame) return std::nullopt;
-  if (are_in_one_place(before, here) || are_in_one_place(here, behind)) return std::nullopt;
+  if (before.at == here.at || here.at == behind.at) return std::nullopt;
   const std::int32_t frame = *here.frame;
   if (*behind.frame - frame >= frame - *before.frame && *behind.frame - frame > 1)
     return RestFrames{frame, frame + 1};
