@@ -119,7 +119,7 @@ TEST_P(EveryTimingAsATrajectory, IsBoundOnAStretchByWhatIsFoundThere) {
     std::array<AxisPeaks<double>, axes> peaks;
     bound_trajectory(*fitted_, time_at(from), time_at(to), peaks);
     std::array<AxisMotion<double>, axes> found{}, played;
-    for (int k = 0; k < 4000; ++k) {
+    for (int k = 0; k <= 4000; ++k) {
       fitted_->motion(time_at(from + (to - from) * k / 4000), played);
       for (std::size_t d = 0; d < axes; ++d) {
         EXPECT_GE(played[d].position, peaks[d].lowest.value - 1e-12);

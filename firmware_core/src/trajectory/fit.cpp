@@ -21,6 +21,8 @@ constexpr std::size_t usual_pieces = 2048;
 /// A shorter piece is made from velocities, so that the rounding of positions at its ends is no jerk.
 constexpr double by_velocity_frames = 0x1p-8;
 constexpr double slow_share = 1e-6;
+/// Between the places at which a piece is compared its velocity may be further off.
+constexpr double margin = 0.5;
 /// Differences below so many roundings mean nothing.
 constexpr double roundings = 8;
 
@@ -247,7 +249,7 @@ class TrajectoryBuilder {
         for (std::size_t d = 0; d < axes_ && near; ++d) {
           const double position = memory_.values[piece.begin_row + d] + sum<known_of(degree)>(at, piece, d);
           const double velocity = sum<known_of(degree)>(rate, piece, d);
-          const double most = loosened * tolerances_.speed_share * counted_speed(d, asked.speed);
+          const double most = margin * loosened * tolerances_.speed_share * counted_speed(d, asked.speed);
           const double noise = noise_of(between_[d], asked.speed, slack);
           near = std::fabs(position - between_[d].position) <=
                      loosened * tolerances_.position_share * travel_[d] + noise &&
