@@ -118,7 +118,12 @@ TEST(TrajectoryProperty, WhatPlaysIsWithinTheTolerancesOfWhatIsAsked) {
         // A way of less than a millionth in a frame is as good as a rest.
         const double least = 1e-6 * travel * track.frame_rate().frames_per_second();
         const double share = weight > 0 ? std::max(speed.speed / weight, least) : peaks[d].velocity.value;
-        RC_ASSERT(std::fabs(played[d].velocity - asked[d].velocity) <= 1.5e-6 * share + v_noise);
+        RC_ASSERT(std::fabs(played[d].velocity - asked[d].velocity) <= 1.05e-6 * share + v_noise);
+        const MotionTriple<double> noise = noise_at(fitted, d, frames);
+        if (std::isinf(peaks[d].acceleration.value)) continue;
+        RC_ASSERT(std::fabs(played[d].acceleration - asked[d].acceleration) <=
+                  1e-4 * peaks[d].acceleration.value + noise[1]);
+        RC_ASSERT(std::fabs(played[d].jerk - asked[d].jerk) <= 3e-3 * peaks[d].jerk.value + noise[2]);
       }
     }
   });

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/check/played_bounds.hpp"
+#include "host_tools/check/check.hpp"
 #include "host_tools/plan/fitted_trajectory.hpp"
 #include "host_tools/plan/plan.hpp"
 #include "inbetween/limits/motion_bounds.hpp"
@@ -111,6 +111,20 @@ TEST_P(EveryTimingAsATrajectory, StepsWhereTheTrackSteps) {
       EXPECT_NEAR(velocity, steps[d].velocity, 1e-6 * (1 + steps[d].velocity)) << key;
       EXPECT_NEAR(acceleration, steps[d].acceleration, 1e-4 * (1 + steps[d].acceleration)) << key;
     }
+  }
+}
+
+TEST_P(EveryTimingAsATrajectory, HasTheCertificateOfTheTrackInWhatCheckFinds) {
+  const CheckReport report = check(plan_);
+  ASSERT_EQ(report.played.axes.size(), axes);
+  for (std::size_t d = 0; d < axes; ++d) {
+    const CheckedAxis& track = report.axes[plan_.axis_of(d)];
+    const AxisPeaks<double>& played = report.played.axes[d];
+    EXPECT_NEAR(played.lowest.value, track.range->lowest.value, 1e-6);
+    EXPECT_NEAR(played.highest.value, track.range->highest.value, 1e-6);
+    EXPECT_NEAR(played.velocity.value, track.velocity.value, 0.011 * track.velocity.value + 0.2);
+    EXPECT_NEAR(played.acceleration.value, track.acceleration.value, 0.011 * track.acceleration.value + 20);
+    EXPECT_NEAR(played.jerk.value, track.jerk.value, 0.011 * track.jerk.value + 1e-3);
   }
 }
 

@@ -20,9 +20,9 @@ constexpr double min_frames = 0x1p-36;
 constexpr std::size_t usual_pieces = 2048;
 /// A shorter piece is made from velocities, so that the rounding of positions at its ends is no jerk.
 constexpr double by_velocity_frames = 0x1p-8;
-constexpr double slow_share = 1e-6;
+constexpr double least_speed_share = 1e-6;
 /// Between the places at which a piece is compared its velocity may be further off.
-constexpr double margin = 0.5;
+constexpr double velocity_margin = 0.5;
 /// Differences below so many roundings mean nothing.
 constexpr double roundings = 8;
 
@@ -249,7 +249,8 @@ class TrajectoryBuilder {
         for (std::size_t d = 0; d < axes_ && near; ++d) {
           const double position = memory_.values[piece.begin_row + d] + sum<known_of(degree)>(at, piece, d);
           const double velocity = sum<known_of(degree)>(rate, piece, d);
-          const double most = margin * loosened * tolerances_.speed_share * counted_speed(d, asked.speed);
+          const double most =
+              velocity_margin * loosened * tolerances_.speed_share * counted_speed(d, asked.speed);
           const double noise = noise_of(between_[d], asked.speed, slack);
           near = std::fabs(position - between_[d].position) <=
                      loosened * tolerances_.position_share * travel_[d] + noise &&
@@ -265,7 +266,7 @@ class TrajectoryBuilder {
   /// along the path its own velocity, and its share of the way, so that it may stand still. A way of less
   /// than a millionth in a frame is as good as a rest.
   [[nodiscard]] double counted_speed(std::size_t d, double speed) const {
-    const double least = slow_share * travel_[d] / seconds_per_frame_;
+    const double least = least_speed_share * travel_[d] / seconds_per_frame_;
     if (const double weight = sampler_.weight(d); weight > 0) return std::max(speed / weight, least);
     const double length = sampler_.length();
     const double rate = length > 0 ? speed / length : 1 / whole_seconds_;
