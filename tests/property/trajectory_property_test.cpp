@@ -12,7 +12,7 @@
 #include "host_tools/plan/fitted_trajectory.hpp"
 #include "inbetween/limits/motion_bounds.hpp"
 #include "inbetween/trajectory/bounds.hpp"
-#include "tests/support/oracle_hermite.hpp"
+#include "tests/support/exact_piece.hpp"
 #include "tests/support/property.hpp"
 #include "tests/support/random_move.hpp"
 #include "tests/support/solved_move.hpp"
