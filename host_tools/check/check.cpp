@@ -248,7 +248,6 @@ CheckReport check_until_refused(const Plan& plan) {
 
 CheckReport check(const Plan& plan) {
   CheckReport report = check_motion(plan);
-  report.played = bound_played(plan);
   prove_stops(plan, report);
   find_highest_rate(plan, report);
   return report;

@@ -101,7 +101,6 @@ struct CheckReport {
   double highest_rate = 0;
   double highest_rate_between_steps = 0;  ///< the same if the rig rests wherever the motion steps
   std::vector<CheckedStep> steps;
-  PlayedBounds played;  ///< the same from trajectories, by check() alone; nothing is decided by it yet
   std::vector<CheckedMotor> motors;
   std::vector<CheckRefusal> refusals;  ///< axis by axis, what slowing does not cure before what it does
   double speed_error = 0;  ///< the loop follows this motion within this share of its speed; 0: exactly
