@@ -350,19 +350,19 @@ SampledSpeed sample_drawn(const Track<double>& track, const FrameTime<double>& t
   const std::int32_t segment = std::min<std::int32_t>(along.point.segment, track.path().segment_count() - 1);
   if (const Line line(track, segment); line.is_there()) {
     if (along.point.segment == segment) line.write(along, place.point.segment != nowhere, arriving, out);
-    return {along.speed, 3, off};
+    return {along.speed, 3, off, along.point};
   }
   switch (derivatives) {
     case Derivatives::exact:
-      return {along.speed, 3, off};
+      return {along.speed, 3, off, along.point};
     case Derivatives::one_sided:
       if (const Standing standing(track, along.point); standing.turns_back())
         standing.write_velocity(arriving ? -along.speed : along.speed, out);
-      return {along.speed, 1, off};
+      return {along.speed, 1, off, along.point};
     case Derivatives::unbounded:
       break;
   }
-  return {along.speed, 0, off};
+  return {along.speed, 0, off, along.point};
 }
 
 SampledSpeed sample_drawn(const Track<double>& track, const FrameTime<double>& time,

@@ -112,13 +112,13 @@ class TrajectoryBuilder {
     return values_ > memory_.values.size() || pieces_ > memory_.pieces.size();
   }
 
-  void note_unbounded(const SampledJoint& joint, const PathPoint<double>& point, const SampledSpeed& known) {
+  void note_unbounded(const SampledJoint& joint, const SampledSpeed& known) {
     // At rest what comes to a standstill has bounds.
     if (known.order >= 3 || known.speed == 0) return;
     for (std::size_t d = 0; d < axes_; ++d) {
       // Where the path stands still, an axis that does not count along it may have a way to go.
       const bool is_velocity = known.order == 0 && !(sampler_.weight(d) > 0);
-      if (!is_velocity && !sampler_.is_unbounded(point, d)) continue;
+      if (!is_velocity && !sampler_.is_unbounded(known.point, d)) continue;
       if (unbounded_ < memory_.unbounded.size()) {
         memory_.unbounded[unbounded_] = {joint.time, static_cast<std::int32_t>(d), joint.key,
                                          static_cast<std::uint8_t>(is_velocity ? 1 : 2)};
@@ -127,9 +127,7 @@ class TrajectoryBuilder {
     }
   }
 
-  void arrive_at(const SampledJoint& joint) {
-    note_unbounded(joint, joint.point_before, sampler_.arriving(joint, there_));
-  }
+  void arrive_at(const SampledJoint& joint) { note_unbounded(joint, sampler_.arriving(joint, there_)); }
   /// The row with which the motion leaves a joint: that with which it came where both are the same.
   void leave(const SampledJoint& joint) {
     const SampledSpeed known = sampler_.leaving(joint, here_);
@@ -140,7 +138,7 @@ class TrajectoryBuilder {
     is_behind_rest_ = false;
     if (is_first || known.order != row_.order || !is_same()) {
       row_ = stored(here_, known);
-      note_unbounded(joint, joint.point_after, known);
+      note_unbounded(joint, known);
     } else if (!is_cubic_ || !acceleration_steps()) {
       return;
     }

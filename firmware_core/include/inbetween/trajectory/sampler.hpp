@@ -16,6 +16,7 @@ struct SampledSpeed {
   double speed = 0;        ///< along the path, unit/s, as the weights of the axes count
   std::uint8_t order = 3;  ///< the highest derivative that has a value on this side: 0, 1 or 3
   double off = 0;  ///< at rest: how far along the path the place is from where the curve has brought it
+  PathPoint<double> point = {};  ///< the place on the path
 };
 
 /// A moment at which the asked motion is not smooth, or may not be.
@@ -62,8 +63,8 @@ class TrackSampler {
   /// With what the motion comes to a joint, or leaves it.
   [[nodiscard]] SampledSpeed arriving(const SampledJoint& joint, std::span<AxisMotion<double>> out) const;
   [[nodiscard]] SampledSpeed leaving(const SampledJoint& joint, std::span<AxisMotion<double>> out) const;
-  /// Whether the acceleration of an axis has no bound on that side of a joint at which the path stands still,
-  /// if it is passed at a drawn speed.
+  /// Whether the acceleration of an axis has no bound beside a place (SampledSpeed::point) at which the path
+  /// stands still, if it is passed at a drawn speed.
   [[nodiscard]] bool is_unbounded(const PathPoint<double>& point, std::size_t axis) const;
 
  private:
