@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/check/played_bounds.hpp"
 #include "host_tools/files/diagnostics.hpp"
 #include "host_tools/plan/plan.hpp"
 #include "inbetween/limits/motion_bounds.hpp"

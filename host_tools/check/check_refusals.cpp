@@ -76,7 +76,7 @@ class AxisRefusals {
     });
     if (!keys_are_inside || !can_overshoot) return "move its keys inward";
     // There overshoot = false would break max_jerk.
-    if (is_over_time() && limits_.max_jerk) {
+    if (is_over_time(track_) && limits_.max_jerk) {
       const bool low = limits_.min - axis_.range->lowest.value > axis_.range->highest.value - limits_.max;
       const Peak<double>& worst = low ? axis_.range->lowest : axis_.range->highest;
       const std::optional<std::size_t> key = key_to_rest(track_, worst.frame, axis_in_track_, low);
@@ -189,13 +189,10 @@ class AxisRefusals {
     if (is_end(step) && !track_.speed_places.empty()) return track_.speed_places.back();
     return step.key ? key_of(step)->place : place_;
   }
-  /// Whether every axis is a curve over time.
-  [[nodiscard]] bool is_over_time() const {
-    return track_.timing == Timing::frames && kinetic_of(track_) == MoveKinetic::curves;
-  }
   /// What cures every step: what the largest asks for, and then what others ask for.
   [[nodiscard]] std::string remedy_of(const RefusedSteps& steps) const {
-    if (is_over_time() && track_.spline == Spline::smooth && !track_.overshoot) return remedy_of_rests(steps);
+    if (is_over_time(track_) && track_.spline == Spline::smooth && !track_.overshoot)
+      return remedy_of_rests(steps);
     const bool has_curve = track_.timing == Timing::speed;
     const bool at_start = std::ranges::any_of(steps.all, [&](const auto* step) { return is_start(*step); });
     const bool at_end = std::ranges::any_of(steps.all, [&](const auto* step) { return is_end(*step); });

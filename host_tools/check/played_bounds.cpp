@@ -16,14 +16,6 @@ namespace {
 /// Joints whose trajectory is in memory at a time.
 constexpr std::size_t joints_at_a_time = 256;
 
-void raise(AxisPeaks<double>& peaks, const AxisPeaks<double>& found) {
-  if (found.lowest.value < peaks.lowest.value) peaks.lowest = found.lowest;
-  peaks.highest.raise(found.highest.value, found.highest.frame);
-  peaks.velocity.raise(found.velocity.value, found.velocity.frame);
-  peaks.acceleration.raise(found.acceleration.value, found.acceleration.frame);
-  peaks.jerk.raise(found.jerk.value, found.jerk.frame);
-}
-
 /// One track of a plan, whose axes are behind each other in the move.
 class PlayedTrack {
  public:
@@ -58,7 +50,7 @@ class PlayedTrack {
     const Trajectory trajectory = fitter_.fit(sampled_->between(first, behind), {.travel = travel_});
     out_.loosened = std::max(out_.loosened, trajectory.loosened());
     bound_trajectory(trajectory, from, to, peaks_);
-    for (std::size_t d = 0; d < peaks_.size(); ++d) raise(out_.axes[first_axis_ + d], peaks_[d]);
+    for (std::size_t d = 0; d < peaks_.size(); ++d) out_.axes[first_axis_ + d].raise(peaks_[d]);
     for (const TrajectoryBreak& at : trajectory.breaks()) {
       const bool is_inside = from < at.time && (at.time < to || (at.time == to && last < behind));
       if (!is_inside || at.time == FrameTime<double>{plan_.part().last, 0}) continue;
@@ -115,7 +107,7 @@ void bound_roll(std::span<const RollAxis<double>> rolls, PlayedBounds& out) {
       {.pieces = piece, .values = values, .buckets = bucket, .breaks = {}, .unbounded = {}, .samples = {}}));
   std::vector<AxisPeaks<double>> peaks(rolls.size());
   bound_trajectory(trajectory, peaks);
-  for (std::size_t d = 0; d < rolls.size(); ++d) raise(out.axes[d], peaks[d]);
+  for (std::size_t d = 0; d < rolls.size(); ++d) out.axes[d].raise(peaks[d]);
 }
 
 }  // namespace

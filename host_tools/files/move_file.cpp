@@ -313,6 +313,10 @@ MoveKinetic kinetic_of(const MoveTrack& track) {
   return track.kinetic.value_or(track.spline == Spline::linear ? MoveKinetic::linear : MoveKinetic::curves);
 }
 
+bool is_over_time(const MoveTrack& track) {
+  return track.timing == Timing::frames && kinetic_of(track) == MoveKinetic::curves;
+}
+
 MoveFile parse_move(std::string_view text, const std::string& file_name) {
   const toml::table root = parse_toml(text, file_name);
   if (root.empty()) {

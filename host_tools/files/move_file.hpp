@@ -155,6 +155,8 @@ struct MoveFile {
 
 /// The kinetic of a track with Timing::frames, written or not.
 MoveKinetic kinetic_of(const MoveTrack& track);
+/// Whether every axis is a curve over time: the keys have frames, and the kinetic is "curves".
+bool is_over_time(const MoveTrack& track);
 
 /// What a coordinate of a key is called: the axes, or those of MoveSpace.
 std::vector<std::string> coordinates_of(const MoveTrack& track);

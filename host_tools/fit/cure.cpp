@@ -33,11 +33,6 @@ bool has_curve(const MoveTrack& track) {
   return track.timing == Timing::speed || kinetic_of(track) == MoveKinetic::pace;
 }
 
-/// Whether every axis is a curve over time.
-bool is_over_time(const MoveTrack& track) {
-  return track.timing == Timing::frames && kinetic_of(track) == MoveKinetic::curves;
-}
-
 std::string keys_in_words(const std::set<std::size_t>& keys) {
   std::vector<std::string> numbers;
   numbers.reserve(keys.size());

@@ -11,8 +11,7 @@
 namespace inbetween {
 
 std::optional<RestFrames> rest_at_key(const MoveTrack& track, std::size_t key) {
-  if (track.timing != Timing::frames || kinetic_of(track) != MoveKinetic::curves) return std::nullopt;
-  if (key == 0 || key + 1 >= track.keys.size()) return std::nullopt;
+  if (!is_over_time(track) || key == 0 || key + 1 >= track.keys.size()) return std::nullopt;
   const MoveKey& before = track.keys[key - 1];
   const MoveKey& here = track.keys[key];
   const MoveKey& behind = track.keys[key + 1];

@@ -7,17 +7,13 @@
 #include <csignal>
 #include <cstdio>
 #include <map>
-#include <memory>
 #include <random>
 #include <string>
 
 #include "host_tools/check/check.hpp"
 #include "host_tools/files/move_file.hpp"
-#include "host_tools/files/rig_file.hpp"
-#include "host_tools/joints/kinematics.hpp"
 #include "host_tools/motions/run.hpp"
 #include "host_tools/plan/plan.hpp"
-#include "tests/support/places.hpp"
 #include "tests/support/property.hpp"
 #include "tests/support/random_files.hpp"
 
@@ -48,21 +44,6 @@ struct Outcome {
   std::string what;
   std::string message;
 };
-
-std::optional<RigFile> rig_of(const RandomFiles& files) {
-  if (!files.rig_folder.empty()) return read_rig_file(in_checkout(files.rig_folder + "/rig.toml"));
-  if (!files.rig.empty()) return parse_rig(files.rig, "rig.toml");
-  return std::nullopt;
-}
-
-/// Of the rigs of examples, whose joints are read from a file, one is enough.
-std::shared_ptr<const Kinematics> joints_of(const RandomFiles& files, const std::optional<RigFile>& rig) {
-  if (files.rig_folder.empty()) return nullptr;
-  static std::map<std::string, std::shared_ptr<const Kinematics>> known;
-  auto& joints = known[files.rig_folder];
-  if (!joints) joints = std::make_shared<const Kinematics>(read_kinematics(*rig));
-  return joints;
-}
 
 Outcome use(const RandomFiles& files, bool plays) {
   try {

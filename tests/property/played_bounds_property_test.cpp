@@ -5,8 +5,6 @@
 #include <array>
 #include <cmath>
 #include <iostream>
-#include <map>
-#include <memory>
 #include <random>
 #include <span>
 #include <string>
@@ -14,10 +12,7 @@
 
 #include "host_tools/check/played_bounds.hpp"
 #include "host_tools/files/move_file.hpp"
-#include "host_tools/files/rig_file.hpp"
-#include "host_tools/joints/kinematics.hpp"
 #include "inbetween/limits/motion_bounds.hpp"
-#include "tests/support/places.hpp"
 #include "tests/support/property.hpp"
 #include "tests/support/random_files.hpp"
 
@@ -35,14 +30,6 @@ struct Reasons {
   int compared = 0;
 };
 
-void raise(AxisPeaks<double>& peaks, const AxisPeaks<double>& roll) {
-  if (roll.lowest.value < peaks.lowest.value) peaks.lowest = roll.lowest;
-  peaks.highest.raise(roll.highest.value, roll.highest.frame);
-  peaks.velocity.raise(roll.velocity.value, roll.velocity.frame);
-  peaks.acceleration.raise(roll.acceleration.value, roll.acceleration.frame);
-  peaks.jerk.raise(roll.jerk.value, roll.jerk.frame);
-}
-
 /// Of one track on the frames that are played, and of its rolls.
 std::vector<AxisPeaks<double>> bounds_of_track(const Plan& plan, const Track<double>& track,
                                                std::size_t first) {
@@ -53,7 +40,7 @@ std::vector<AxisPeaks<double>> bounds_of_track(const Plan& plan, const Track<dou
   EXPECT_TRUE(bound_motion<double>(track, slack, {turns}, peaks, plan.part()).has_value());
   const MoveRolls<double>& rolls = plan.played().rolls();
   for (const std::span<const RollAxis<double>> roll : {rolls.before, rolls.after}) {
-    for (std::size_t d = 0; d < axes && !roll.empty(); ++d) raise(peaks[d], roll[first + d].peaks());
+    for (std::size_t d = 0; d < axes && !roll.empty(); ++d) peaks[d].raise(roll[first + d].peaks());
   }
   return peaks;
 }
@@ -131,21 +118,6 @@ class Comparison {
   PlayedBounds played_;
   bool is_uncounted_ = false;
 };
-
-std::optional<RigFile> rig_of(const RandomFiles& files) {
-  if (!files.rig_folder.empty()) return read_rig_file(in_checkout(files.rig_folder + "/rig.toml"));
-  if (!files.rig.empty()) return parse_rig(files.rig, "rig.toml");
-  return std::nullopt;
-}
-
-/// Of the rigs of examples, whose joints are read from a file, one is enough.
-std::shared_ptr<const Kinematics> joints_of(const RandomFiles& files, const std::optional<RigFile>& rig) {
-  if (files.rig_folder.empty()) return nullptr;
-  static std::map<std::string, std::shared_ptr<const Kinematics>> known;
-  auto& joints = known[files.rig_folder];
-  if (!joints) joints = std::make_shared<const Kinematics>(read_kinematics(*rig));
-  return joints;
-}
 
 /// Whether there is a plan to compare.
 bool compare(int number, Reasons& reasons) {

@@ -171,7 +171,7 @@ TEST(TrajectoryProperty, NoMomentOfAPieceIsAboveItsBoundAndNoBoundIsFarAboveItsP
       std::array<long double, 4> found{};
       for (const TrajectoryPiece& piece : fitted->pieces()) {
         for (int k = 0; k <= 32; ++k) {
-          const std::array<long double, 4> here = oracle::hermite(*fitted, piece, d, k / 32.0L);
+          const std::array<long double, 4> here = exact_piece(*fitted, piece, d, k / 32.0L);
           for (std::size_t q = 1; q < found.size(); ++q) found[q] = std::max(found[q], std::fabs(here[q]));
         }
       }

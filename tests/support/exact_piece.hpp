@@ -11,12 +11,10 @@
 
 namespace inbetween {
 
-namespace oracle {
-
 /// Position less that of the begin, velocity, acceleration and jerk of an axis on a piece, at u: the
 /// coefficients of the polynomial come from the equations that the rows are, by elimination in long double.
-inline std::array<long double, 4> hermite(const Trajectory& trajectory, const TrajectoryPiece& piece,
-                                          std::size_t axis, long double u) {
+inline std::array<long double, 4> exact_piece(const Trajectory& trajectory, const TrajectoryPiece& piece,
+                                              std::size_t axis, long double u) {
   const std::size_t n = piece.degree + 1U;
   const bool is_by_velocity = piece.degree == 6;  // it does not have the position of its end
   const std::size_t known = piece.degree / 2U + 1;
@@ -62,5 +60,4 @@ inline std::array<long double, 4> hermite(const Trajectory& trajectory, const Tr
   return motion;
 }
 
-}  // namespace oracle
 }  // namespace inbetween

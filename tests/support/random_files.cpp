@@ -4,8 +4,10 @@
 #include <fmt/ranges.h>
 
 #include <initializer_list>
+#include <map>
 #include <vector>
 
+#include "tests/support/places.hpp"
 #include "tests/support/rig_text.hpp"
 
 namespace inbetween {
@@ -217,6 +219,20 @@ class Writer {
 
 RandomFiles random_files(std::mt19937& random) {
   return Writer(random).write();
+}
+
+std::optional<RigFile> rig_of(const RandomFiles& files) {
+  if (!files.rig_folder.empty()) return read_rig_file(in_checkout(files.rig_folder + "/rig.toml"));
+  if (!files.rig.empty()) return parse_rig(files.rig, "rig.toml");
+  return std::nullopt;
+}
+
+std::shared_ptr<const Kinematics> joints_of(const RandomFiles& files, const std::optional<RigFile>& rig) {
+  if (files.rig_folder.empty()) return nullptr;
+  static std::map<std::string, std::shared_ptr<const Kinematics>> known;
+  auto& joints = known[files.rig_folder];
+  if (!joints) joints = std::make_shared<const Kinematics>(read_kinematics(*rig));
+  return joints;
 }
 
 }  // namespace inbetween

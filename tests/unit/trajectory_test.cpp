@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "host_tools/check/check.hpp"
+#include "host_tools/check/played_bounds.hpp"
 #include "host_tools/plan/fitted_trajectory.hpp"
 #include "host_tools/plan/plan.hpp"
 #include "inbetween/limits/motion_bounds.hpp"

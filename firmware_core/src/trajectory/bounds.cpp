@@ -155,7 +155,7 @@ Bernstein shifted(Bernstein polynomial, double by) {
   return polynomial;
 }
 
-/// What lies of a piece between two times.
+/// This is what lies of a piece between two times.
 struct PiecePart {
   const TrajectoryPiece* piece;
   double begin = 0, end = 1;  ///< u

@@ -20,7 +20,7 @@ constexpr double min_frames = 0x1p-36;
 constexpr std::size_t usual_pieces = 2048;
 /// A shorter piece is made from velocities, so that the rounding of positions at its ends is no jerk.
 constexpr double by_velocity_frames = 0x1p-8;
-constexpr double least_speed_share = 1e-6;
+constexpr double min_speed_share = 1e-6;
 /// Between the places at which a piece is compared its velocity may be further off.
 constexpr double velocity_margin = 0.5;
 /// Differences below so many roundings mean nothing.
@@ -264,11 +264,11 @@ class TrajectoryBuilder {
   /// along the path its own velocity, and its share of the way, so that it may stand still. A way of less
   /// than a millionth in a frame is as good as a rest.
   [[nodiscard]] double counted_speed(std::size_t d, double speed) const {
-    const double least = least_speed_share * travel_[d] / seconds_per_frame_;
-    if (const double weight = sampler_.weight(d); weight > 0) return std::max(speed / weight, least);
+    const double min_speed = min_speed_share * travel_[d] / seconds_per_frame_;
+    if (const double weight = sampler_.weight(d); weight > 0) return std::max(speed / weight, min_speed);
     const double length = sampler_.length();
     const double rate = length > 0 ? speed / length : 1 / whole_seconds_;
-    return std::max(std::fabs(between_[d].velocity) + travel_[d] * rate, least);
+    return std::max(std::fabs(between_[d].velocity) + travel_[d] * rate, min_speed);
   }
   /// What rounding leaves open of a position: of the number itself, and of the distance along the path.
   [[nodiscard]] double noise_of(const AxisMotion<double>& axis, double speed, double slack) const {

@@ -22,6 +22,15 @@ template <Precise Real>
 struct AxisPeaks {
   Peak<Real> lowest, highest;  ///< position
   Peak<Real> velocity, acceleration, jerk;
+
+  /// This takes in the peaks of another part of the same axis' motion.
+  constexpr void raise(const AxisPeaks& other) {
+    if (other.lowest.value < lowest.value) lowest = other.lowest;
+    highest.raise(other.highest.value, other.highest.frame);
+    velocity.raise(other.velocity.value, other.velocity.frame);
+    acceleration.raise(other.acceleration.value, other.acceleration.frame);
+    jerk.raise(other.jerk.value, other.jerk.frame);
+  }
 };
 
 }  // namespace inbetween

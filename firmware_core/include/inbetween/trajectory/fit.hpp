@@ -17,8 +17,8 @@ inline constexpr std::size_t max_trajectory_axes = 64;
 struct FitTolerances {
   double position_share = 1.0 / (1 << 30);  ///< of what the axis travels
   double speed_share = 1e-6;                ///< of the drawn speed at that moment
-  /// What each axis travels; empty: between the joints of the sampler. A stretch of a motion is the same
-  /// pieces as in the whole only with what the whole travels.
+  /// This says what each axis travels; where it is empty, the joints of the sampler say it. A stretch of a
+  /// motion has the same pieces as in the whole only with what the whole travels.
   std::span<const double> travel = {};
 };
 

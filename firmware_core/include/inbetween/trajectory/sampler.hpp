@@ -11,7 +11,7 @@
 
 namespace inbetween {
 
-/// What a sampler knows of a moment beside the motion itself.
+/// This is what a sampler knows of a moment beside the motion itself.
 struct SampledSpeed {
   double speed = 0;        ///< along the path, unit/s, as the weights of the axes count
   std::uint8_t order = 3;  ///< the highest derivative that has a value on this side: 0, 1 or 3
@@ -53,14 +53,14 @@ class TrackSampler {
   [[nodiscard]] double length() const { return track_->has_profile() ? track_->arc_length().total() : 0; }
   /// Every axis is a cubic in time from joint to joint: its position and velocity at both say all.
   [[nodiscard]] bool is_cubic() const;
-  /// No axis goes beyond where it is at two joints between them.
+  /// Between two joints every axis stays between its positions at both.
   [[nodiscard]] bool keeps_to_joints() const { return !track_->path().overshoots(); }
   /// Nothing moves from this joint to the next.
   [[nodiscard]] bool rests_behind(const SampledJoint& joint) const;
 
   /// Between joints.
   [[nodiscard]] SampledSpeed sample(const FrameTime<double>& time, std::span<AxisMotion<double>> out) const;
-  /// With what the motion comes to a joint, or leaves it.
+  /// These tell with what the motion comes to a joint, and with what it leaves it.
   [[nodiscard]] SampledSpeed arriving(const SampledJoint& joint, std::span<AxisMotion<double>> out) const;
   [[nodiscard]] SampledSpeed leaving(const SampledJoint& joint, std::span<AxisMotion<double>> out) const;
   /// Whether the acceleration of an axis has no bound beside a place (SampledSpeed::point) at which the path

@@ -60,7 +60,7 @@ struct TrajectoryContents {
   std::span<const double> values;
   std::span<const TrajectoryBreak> breaks = {};
   std::span<const UnboundedSide> unbounded = {};
-  /// No axis goes beyond the ends of a piece between them, however its polynomial is rounded.
+  /// On a piece every axis stays between its positions at both ends, however its polynomial is rounded.
   bool keeps_to_joints = false;
   double loosened = 1;  ///< Trajectory::loosened
 };
@@ -71,9 +71,9 @@ struct TrajectoryContents {
 /// Before its begin the first position and from its end on the last one, at rest.
 class Trajectory {
  public:
-  /// From pieces that are known. `buckets`: see TrajectoryMemory. Errors: wrong_count (no axis, piece or
-  /// bucket), out_of_range (pieces that do not follow each other, rows outside the values, a degree that is
-  /// not 1, 3, 5, 6 or 7). O(pieces + buckets).
+  /// This makes a trajectory of pieces that are known. `buckets`: see TrajectoryMemory. Errors: wrong_count
+  /// (no axis, piece or bucket), out_of_range (pieces that do not follow each other, rows outside the values,
+  /// a degree that is not 1, 3, 5, 6 or 7). O(pieces + buckets).
   static Result<Trajectory> make(const TrajectoryContents& contents, std::span<std::uint32_t> buckets);
 
   [[nodiscard]] std::size_t axis_count() const { return axis_count_; }
