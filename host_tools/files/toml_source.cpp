@@ -134,6 +134,7 @@ void refuse_unsafe_structure(std::string_view text, const std::string& file_name
   std::size_t dots = 0;
   std::size_t fields = 0;
   bool line_begins = true;
+  bool in_bare_value = false;  // within a number, a date or a word
   std::size_t at = 0;
   const auto refuse = [&](std::string message) {
     throw InputError(place_at(text, at, file_name), std::move(message));
@@ -144,7 +145,7 @@ void refuse_unsafe_structure(std::string_view text, const std::string& file_name
       // toml++ takes what is in quotes that follow directly on a word for more of the word, where it must not
       // meet such characters. A part of a name may be in quotes: bus."can 0".
       const std::string_view may_precede = position.in_value() ? " \t\r\n=[,\"'" : " \t\r\n[{,.\"'";
-      if (at > 0 && may_precede.find(text[at - 1]) == may_precede.npos) {
+      if (in_bare_value || (at > 0 && may_precede.find(text[at - 1]) == may_precede.npos)) {
         refuse(fmt::format("a quote directly after {}; is a blank or an = missing?",
                            in_quotes(text.substr(at - 1, 1))));
       }
@@ -160,6 +161,11 @@ void refuse_unsafe_structure(std::string_view text, const std::string& file_name
     if (static_cast<unsigned char>(c) >= 0x80) {
       const std::string_view character = text.substr(at, character_length(text.substr(at)));
       refuse(fmt::format("{} outside quotes; put the text in double quotes", in_quotes(character)));
+    }
+    if (std::string_view(" \t\r\n\v\f]},").find(c) != std::string_view::npos) {
+      in_bare_value = false;
+    } else if (position.in_value() && std::string_view("[{=").find(c) == std::string_view::npos) {
+      in_bare_value = true;  // toml++ takes every =, quote and opening bracket up to its end for more of it
     }
     position.pass(c, line_begins);
     if (c == '.') ++dots;

@@ -449,7 +449,8 @@ TEST(FuzzFinds, ASegmentAtTheEdgeOfTheNumbersHasAFiniteLengthWhateverItsWeight) 
 TEST(FuzzFinds, AQuoteDirectlyAfterAWordIsRefusedBeforeTomlSeesIt) {
   for (const std::string_view text :
        {"a = 6z\"b\xEF\xBB\xB6", "a = 1'\xEF\xBB\xB6'", "a\"b\" = 1", "a = 5!'ê'", "a = 5.'ê'", "a = [5.'ê']",
-        "a = {b = [1], c = 5.'ê'}", "[a]\nb = 1.'ê'", "a = [[1], 5.'ê']"}) {
+        "a = {b = [1], c = 5.'ê'}", "[a]\nb = 1.'ê'", "a = [[1], 5.'ê']", "a = 5x='ê'",
+        "a=[{b = 0x605Easksd=[{c=\"ê\"}", "a = [5x['ê']]"}) {
     EXPECT_THAT([&] { parse_toml(text, "f.toml"); },
                 testing::ThrowsMessage<InputError>(testing::HasSubstr("a quote directly after")))
         << text;
@@ -457,7 +458,8 @@ TEST(FuzzFinds, AQuoteDirectlyAfterAWordIsRefusedBeforeTomlSeesIt) {
   EXPECT_THAT([] { parse_toml(std::string_view("a = 1\0", 6), "f.toml"); },
               testing::ThrowsMessage<InputError>(testing::HasSubstr("f.toml:1:6: error: a zero byte")));
   for (const std::string_view text :
-       {"a = ['x','y']\nb = {'c'='d'}\n'e' = \"\"\"f\"\"\"\n", "a.'ê'.b = [[1.5],\n[2]]\nc.'ê' = 1\n",
+       {"a = 5#'ê'\nb = 'ê'\n", "a = [1979-05-27 07:32:00,'ê']\n",
+        "a = ['x','y']\nb = {'c'='d'}\n'e' = \"\"\"f\"\"\"\n", "a.'ê'.b = [[1.5],\n[2]]\nc.'ê' = 1\n",
         "a = {b = [1], c.'ê' = 1}\n", "[[a.'ê']]\nb = 1.5\n\n[c.\"ê\"]\n"}) {
     EXPECT_NO_THROW(parse_toml(text, "f.toml")) << text;
   }
