@@ -155,7 +155,7 @@ class CanEnding : public testing::Test {
       write("faults" + std::to_string(round) + ".toml", ending.faults);
       script += script_of(round, ending);
     }
-    const std::string seconds = std::to_string(120 + 30 * rounds);
+    const std::string seconds = std::to_string(1000 + 30 * rounds);
     const ProgramRun all =
         script_in_bench({"--vcan", "can0", "--virtual-time", "--timeout", seconds}, script + "exit 0\n");
     EXPECT_EQ(all.status, 0) << all.err;

@@ -102,7 +102,7 @@ TEST(CanRun, AnAxisOutsideItsLimitsIsHeldThereAndComesIn) {
   const TemporaryFolder folder;
   const std::string rig = BusScene::rig();
   const ProgramRun run = script_in_bench(
-      {"--vcan", "can0", "--virtual-time", "--timeout", "200"},
+      {"--vcan", "can0", "--virtual-time"},
       "echo -1 >/proc/sys/kernel/sched_rt_runtime_us\ncd '" + folder.path().string() +
           "'\ninbetween sim-drives --rig '" + rig +
           "' --from slide=-3 --from pan=190 --record drives 2>err & drives=$!\nuntil_true grep -q power "
@@ -158,7 +158,7 @@ home = { by = "drive", method = 17, fast = 20, slow = 5, acceleration = 200, at 
   // The bench shares the files of this machine: what a scene writes is in a folder of its own.
   const std::string folder = file.path().parent_path().string();
   return script_in_bench(
-      {"--vcan", "can0", "--virtual-time", "--timeout", "200"},
+      {"--vcan", "can0", "--virtual-time"},
       "echo -1 >/proc/sys/kernel/sched_rt_runtime_us\ncd '" + folder +
           "'\ninbetween sim-drives --rig table.toml --from slide=70 --record drives 2>err & drives=$!\n"
           "until_true grep -q power err\ninbetween home --rig table.toml --positions positions & run=$!\n" +
@@ -255,7 +255,7 @@ TEST(CanRun, ASecondInstanceIsRefused) {
 // docs/faults.md 22
 TEST(CanRun, DrivesThatAreNotThereAreNamedAndNothingIsSwitchedOn) {
   const ProgramRun run =
-      script_in_bench({"--vcan", "can0", "--virtual-time", "--timeout", "200"},
+      script_in_bench({"--vcan", "can0", "--virtual-time"},
                       "echo -1 >/proc/sys/kernel/sched_rt_runtime_us\n" + BusScene::run_command());
   EXPECT_EQ(run.status, 4) << run.err;
   EXPECT_THAT(run.out, HasSubstr("axis \"slide\""));

@@ -46,7 +46,7 @@ struct DeviceScene {
   /// What happens at the device, for jog with a reach.
   DeviceScene(const std::string& actions, const std::string& reach) {
     std::ofstream(folder.path() / "rig.toml") << rig;
-    run = script_in_bench({"--virtual-time", "--timeout", "200"},
+    run = script_in_bench({"--virtual-time"},
                           "cd '" + folder.path().string() +
                               "'\necho -1 >/proc/sys/kernel/sched_rt_runtime_us\nmkfifo servos\n"
                               "inbetween goto --rig rig.toml --positions positions --set-zero jaw\n"

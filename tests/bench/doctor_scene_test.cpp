@@ -30,7 +30,7 @@ ProgramRun doctor(const std::string& script, const std::string& faults = "",
   const TemporaryFolder folder;
   std::ofstream(folder.path() / "rig.toml") << rig;
   std::ofstream(folder.path() / "faults.toml") << faults;
-  std::vector<std::string> options{"--vcan", "can0", "--gpio", "head:8", "--virtual-time", "--timeout", "40"};
+  std::vector<std::string> options{"--vcan", "can0", "--gpio", "head:8", "--virtual-time"};
   options.insert(options.end(), more.begin(), more.end());
   return script_in_bench(options, "cd '" + folder.path().string() +
                                       "'\necho -1 >/proc/sys/kernel/sched_rt_runtime_us\n" + script);
@@ -117,9 +117,9 @@ TEST(DoctorScene, TenPreparedMistakesAreNamedEachWithItsRemedy) {
                        "no_drives() { kill -TERM $(jobs -p); wait || true; }\n";
   for (const Mistake& mistake : mistakes)
     script += fmt::format("echo '== {}'\n{}\n", mistake.name, mistake.script);
-  const ProgramRun run = script_in_bench(
-      {"--vcan", "can0", "--gpio", "head:8", "--hog", "head:3:somebody", "--virtual-time", "--timeout", "60"},
-      script + "echo '== end'\n");
+  const ProgramRun run =
+      script_in_bench({"--vcan", "can0", "--gpio", "head:8", "--hog", "head:3:somebody", "--virtual-time"},
+                      script + "echo '== end'\n");
   EXPECT_EQ(run.status, 0) << run.out << run.err;
   for (std::size_t i = 0; i < mistakes.size(); ++i) {
     const std::size_t begin = run.out.find(fmt::format("== {}\n", mistakes[i].name));

@@ -289,7 +289,7 @@ speed = [0, 0, 10, 0, 0]
   const std::string positions = (folder.path() / "positions").string();
   EXPECT_EQ(run_program({"goto", "--rig", rig, "--positions", positions, "--set-zero", "focus"}).status, 0);
   const ProgramRun run = script_in_bench(
-      {"--gpio", "pinctrl-bcm2711:54", "--vcan", "can0", "--virtual-time", "--timeout", "280"},
+      {"--gpio", "pinctrl-bcm2711:54", "--vcan", "can0", "--virtual-time"},
       "echo -1 >/proc/sys/kernel/sched_rt_runtime_us\nsleep 1\ninbetween sim-drives --rig " + rig +
           " --from track=200 --record " + record + " 2>" + err + " & drives=$!\nuntil_true grep -q power " +
           err + "\nstatus=0; inbetween run " + move + " --rig " + rig + " --positions " + positions +

@@ -19,7 +19,7 @@ GpioScene::GpioScene(const GpioSceneOptions& options) {
     words.insert(words.end(), options.at_zero.begin(), options.at_zero.end());
     EXPECT_EQ(run_program(words).status, 0);
   }
-  std::vector<std::string> bench{"--virtual-time", "--timeout", "200"};
+  std::vector<std::string> bench{"--virtual-time"};
   bench.insert(bench.end(), options.bench.begin(), options.bench.end());
   // A kernel that has just started has coarse timers.
   run = script_in_bench(bench, fmt::format(R"(echo -1 >/proc/sys/kernel/sched_rt_runtime_us

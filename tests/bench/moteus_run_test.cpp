@@ -100,7 +100,7 @@ TEST(MoteusFault, ADriveWithoutAWatchdogIsRefusedAndNothingIsSwitchedOn) {
 
 TEST(MoteusFault, AnInterfaceWithoutCanFdIsRefusedWithTheRemedy) {
   const ProgramRun run = script_in_bench(
-      {"--vcan", "can0", "--virtual-time", "--timeout", "60"},
+      {"--vcan", "can0", "--virtual-time"},
       "echo -1 >/proc/sys/kernel/sched_rt_runtime_us\nip link set can0 down\nip link set can0 mtu 16 up\n" +
           BusScene::run_command(moteus_rig()) + " && exit 9\ninbetween doctor --rig '" + moteus_rig() +
           "' --seconds 0.2");
@@ -143,7 +143,7 @@ TEST(MoteusFault, WhatIsWrongWithADriveInMotionStopsAllAndIsSaidInWords) {
 
 TEST(MoteusFault, TheDoctorTriesEveryDriveAndLeavesThemWithoutPower) {
   const ProgramRun run = script_in_bench(
-      {"--vcan", "can0", "--virtual-time", "--timeout", "60"},
+      {"--vcan", "can0", "--virtual-time"},
       "echo -1 >/proc/sys/kernel/sched_rt_runtime_us\ncd /tmp\ninbetween sim-drives --rig '" + moteus_rig() +
           "' --record record.csv 2>drives.txt & drives=$!\nuntil_true grep -q power drives.txt\nstatus=0\n"
           "inbetween doctor --rig '" +

@@ -153,7 +153,7 @@ TEST(OdriveRun, ADriveThatForgotItsTurnsIsNotBelieved) {
   const std::string on = " 2>drives.txt & drives=$!\nuntil_true grep -q power drives.txt\n";
   const std::string off = "kill -TERM $drives; wait $drives\n";
   const ProgramRun run = script_in_bench(
-      {"--vcan", "can0", "--virtual-time", "--timeout", "200"},
+      {"--vcan", "can0", "--virtual-time"},
       "cd '" + folder.path().string() +
           "'\nexport XDG_STATE_HOME=$PWD\necho -1 >/proc/sys/kernel/sched_rt_runtime_us\n" + drives +
           " --from slide=60 --from pan=-62 --from tilt=-4" + on + "status=0\n" +
@@ -179,7 +179,7 @@ TEST(OdriveRun, TheDoctorTriesEveryDriveAndNamesWhatIsWrong) {
   const TemporaryFolder folder;
   std::ofstream(folder.path() / "faults.toml") << fault_of("tilt", "\"no-watchdog\"");
   const ProgramRun run = script_in_bench(
-      {"--vcan", "can0", "--virtual-time", "--timeout", "60"},
+      {"--vcan", "can0", "--virtual-time"},
       "cd '" + folder.path().string() + "'\necho -1 >/proc/sys/kernel/sched_rt_runtime_us\n" +
           "inbetween sim-drives --rig '" + odrive_rig() +
           "' --faults faults.toml 2>drives.txt & drives=$!\n" +

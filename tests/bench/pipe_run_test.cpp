@@ -51,7 +51,7 @@ struct PipeScene {
     std::ofstream(folder.path() / "rig.toml") << rig;
     std::ofstream(folder.path() / "move.toml") << move;
     run = script_in_bench(
-        {"--virtual-time", "--timeout", "60"},
+        {"--virtual-time"},
         "cd '" + folder.path().string() +
             "'\necho -1 >/proc/sys/kernel/sched_rt_runtime_us\nmkfifo servos\n" + reader +
             " & reader=$!\ninbetween goto --rig rig.toml --positions positions --set-zero jaw\nstatus=0\n"

@@ -113,7 +113,8 @@ export async function edit(move, rig, { text, viewport = { width: 1280, height: 
     shown: () => shown(page),
     planned: () => plan().tracks.map((track) => track.hash ?? track.provenance?.hash).join(" "),
     settled: () => settled(page),
-    saved: () => until(page, () => document.getElementById("saved").textContent === "saved"),
+    // Its words alone are not enough: a page that is drawn late still shows those of before.
+    saved: () => until(page, () => !window.inbetween.store.isChanged && document.getElementById("saved").textContent === "saved"),
     picture: (name) => page.screenshot({ path: join(pictures, `${name}.png`) }),
     async end() {
       await context.close();

@@ -22,10 +22,13 @@ inline ProgramRun in_bench(const std::vector<std::string>& options, const std::v
 /// A bash script there, which has `inbetween`, the programs of the tests and those of root as commands.
 /// `until_true COMMAND...` waits for a condition; the time limit of the bench is its bound.
 inline ProgramRun script_in_bench(const std::vector<std::string>& options, std::string_view script) {
+  // It ends what hangs. A machine that is busy with something else takes many times as long as an idle one.
+  std::vector<std::string> all{"--timeout", "1000"};
+  all.insert(all.end(), options.begin(), options.end());
   const std::string whole = "PATH='" + in_build("") + "':'" + in_build("tests/bench") +
                             "':$PATH:/usr/sbin\nuntil_true() { until \"$@\"; do sleep 0.01; done; }\n" +
                             std::string(script);
-  return in_bench(options, {"/bin/bash", "-euc", whole});
+  return in_bench(all, {"/bin/bash", "-euc", whole});
 }
 
 }  // namespace inbetween

@@ -88,7 +88,7 @@ BusScene::BusScene(const BusSceneOptions& options) {
     std::ofstream(faults) << options.faults;
     drives_command += " --faults " + faults;
   }
-  std::vector<std::string> bench{"--vcan", "can0", "--virtual-time", "--timeout", "200"};
+  std::vector<std::string> bench{"--vcan", "can0", "--virtual-time"};
   bench.insert(bench.end(), options.bench.begin(), options.bench.end());
   run = script_in_bench(bench, "echo -1 >/proc/sys/kernel/sched_rt_runtime_us\nexport XDG_STATE_HOME=" +
                                    folder_.path().string() + "\n" + placing_command(rig, options.standing) +

@@ -27,7 +27,7 @@ bool asks_for_virtual_time(int count, char** arguments) {
   std::vector<std::string> words = {inbetween::in_checkout("sim/bench/run"),
                                     "--kernel",
                                     "--timeout",
-                                    "240",
+                                    "1000",
                                     "--echo",
                                     "--vcan",
                                     "can0",
