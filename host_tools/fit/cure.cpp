@@ -94,6 +94,18 @@ class CureSearch {
     return refusals;
   }
 
+  /// Keys of the track at which an axis steps as its drive cannot. A refusal names the worst one alone.
+  [[nodiscard]] static std::vector<std::size_t> keys_that_step(const Judged& judged, std::size_t track) {
+    std::vector<std::size_t> keys;
+    for (const CheckedStep& step : judged.report.steps) {
+      const bool is_refused =
+          step.velocity > 0 || breaks_jerk_limit(step, judged.plan.rig()->axes[step.axis]);
+      if (step.key && is_refused && judged.plan.axes()[step.axis].track == track)
+        keys.push_back(static_cast<std::size_t>(*step.key));
+    }
+    return keys;
+  }
+
   /// The first change after which no axis of the track is refused; or else the one that needs the least of
   /// slowing down.
   [[nodiscard]] std::optional<Tried> cured_track(const Tried& from, std::size_t track) const {
@@ -101,8 +113,12 @@ class CureSearch {
     using Self = CureSearch;
     const std::vector<std::vector<Change>> ways{{&Self::join_near_keys},
                                                 {&Self::ease},
+                                                {&Self::hold},
+                                                {&Self::hold, &Self::ease},
                                                 {&Self::stop_overshoot},
                                                 {&Self::stop_overshoot, &Self::ease},
+                                                {&Self::stop_overshoot, &Self::hold},
+                                                {&Self::stop_overshoot, &Self::hold, &Self::ease},
                                                 {&Self::allow_overshoot},
                                                 {&Self::rest},
                                                 {&Self::allow_overshoot, &Self::rest},
@@ -153,7 +169,8 @@ class CureSearch {
     return !pairs.empty();
   }
 
-  /// At the keys that are nearest to where axes of the track are refused; and where that shows others, there.
+  /// At the keys where axes of the track step, or that are nearest to where they are refused; and where that
+  /// shows others, there.
   bool ease(Tried& tried, std::size_t index) const {
     if (!has_curve(tried.move.tracks[index])) return false;
     std::set<std::size_t> eased;
@@ -174,6 +191,25 @@ class CureSearch {
         "ease = true at " + keys_in_words(eased));
     return true;
   }
+  /// At the same keys, where they have frames of their own: the speed can touch 0 on knots of its curve
+  /// alone, and such a frame may be on none.
+  bool hold(Tried& tried, std::size_t index) const {
+    MoveTrack& track = tried.move.tracks[index];
+    if (track.timing != Timing::speed) return false;
+    const std::optional<Judged> now = judged(tried.move, check_motion);
+    if (!now) return false;
+    std::set<std::size_t> held;
+    for (const std::size_t k : troubled_keys(*now, index)) {
+      MoveKey& key = track.keys[k];
+      if (!key.frame || key.hold || key.breaks) continue;
+      key.hold = 1;
+      key.ease = false;
+      held.insert(k);
+    }
+    if (held.empty()) return false;
+    say(tried, index, track.keys[*held.begin()].place, "hold = 1 at " + keys_in_words(held));
+    return true;
+  }
   /// Between the ends: there ease has no meaning.
   [[nodiscard]] static std::set<std::size_t> troubled_keys(const Judged& judged, std::size_t index) {
     std::set<std::size_t> keys;
@@ -184,6 +220,9 @@ class CureSearch {
       const PathPoint<double> point = track.locate({static_cast<std::int32_t>(whole), refusal.frame - whole});
       const auto nearest = static_cast<std::size_t>(std::lround(track.path().parameter(point)));
       if (nearest > 0 && nearest < last) keys.insert(nearest);
+    }
+    for (const std::size_t key : keys_that_step(judged, index)) {
+      if (key > 0 && key < last) keys.insert(key);
     }
     return keys;
   }
@@ -231,11 +270,7 @@ class CureSearch {
     const MoveTrack& track = judged.plan.move().tracks[index];
     const auto is_of_track = [&](std::size_t axis) { return judged.plan.axes()[axis].track == index; };
     std::set<std::int32_t> frames;
-    for (const CheckedStep& step : judged.report.steps) {
-      const bool is_refused =
-          step.velocity > 0 || breaks_jerk_limit(step, judged.plan.rig()->axes[step.axis]);
-      if (!step.key || !is_of_track(step.axis) || !is_refused) continue;
-      const auto key = static_cast<std::size_t>(*step.key);
+    for (const std::size_t key : keys_that_step(judged, index)) {
       if (rest_at_key(track, key)) frames.insert(*track.keys[key].frame);
     }
     for (std::size_t a = 0; a < judged.report.axes.size(); ++a) {

@@ -89,7 +89,7 @@ struct LooseContacts : GpioScene {
              .during = fmt::format("shake() {{ inbetween_shake_lines $chips/head {} {} & contacts=$!; }}\n{}",
                                    first_contact, contacts, during),
              .bench = {"--gpio", "head:56"},
-             .lines = first_contact + 1}) {}
+             .lines = {step, enable, emergency_stop, first_contact}}) {}
 
   /// x went on until edges were lost, then it stopped, and nobody knows where it is.
   void expect_a_stop_when_edges_were_lost(std::int64_t ticks_to_stop) const {
@@ -248,6 +248,7 @@ TEST(GpioFault, ALineThatTheRigMeansTwiceIsRefusedBeforeAnyIsTaken) {
 // --- an output without its chip
 
 TEST(GpioFault, AnOutputThatSaysOnlyTheNameOfItsLinePulsesThere) {
+  constexpr unsigned camera = 2, lamp = 1;
   const GpioScene scene({.rig = R"(name = "bench"
 rate_hz = 250
 [output.shutter]
@@ -281,9 +282,8 @@ width_ms = 40
                          .command = "run move.toml --rig rig.toml --positions positions --cue-log cues.csv",
                          .bench = {"--gpio", "head:8", "--gpio", "far:4", "--name", "far:2:CAMERA"},
                          .watched = "far",
-                         .lines = 4});
+                         .lines = {lamp, camera}});
   EXPECT_EQ(scene.run.status, 0) << scene.run.err << scene.run.out;
-  constexpr unsigned camera = 2, lamp = 1;
   const std::vector<std::int64_t> rises = scene.rises(camera);
   const std::vector<std::int64_t> falls = scene.falls(camera);
   ASSERT_THAT(rises, SizeIs(3));

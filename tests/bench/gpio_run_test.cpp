@@ -58,7 +58,7 @@ unpowered = "holds"
 drive = { type = "step-dir", chip = "head", step = 2, dir = 3, enable = 5, enable_active = "high", steps_per_unit = 10, max_step_rate = 333, pulse_us = 1000, pause_us = 1000 }
 )";
 constexpr unsigned step_x = 0, dir_x = 1, step_y = 2, dir_y = 3, enable_x = 4, enable_y = 5;
-constexpr unsigned emergency_stop = 6, limit_x = 7, lines = 8;
+constexpr unsigned emergency_stop = 6, limit_x = 7;
 
 const std::string move_text = R"(name = "there"
 fps = 25
@@ -76,8 +76,7 @@ struct GpioRunScene : GpioScene {
                    .move = move_text,
                    .at_zero = {"x", "y"},
                    .during = during,
-                   .bench = with_head(more_of_bench),
-                   .lines = lines}) {}
+                   .bench = with_head(more_of_bench)}) {}
 
   static std::vector<std::string> with_head(const std::vector<std::string>& more) {
     std::vector<std::string> bench{"--gpio", "head:8"};
@@ -212,7 +211,7 @@ TEST(GpioRun, ABusyLineNamesItsUserAndNothingIsSwitchedOn) {
                          (folder.path() / "positions").string(), "--set-zero", "x", "y"})
                 .status,
             0);
-  script += "inbetween_watch_lines $INBETWEEN_BENCH_GPIO/head 8 >record & watch=$!\n";
+  script += "inbetween_watch_lines $INBETWEEN_BENCH_GPIO/head {0..7} >record & watch=$!\n";
   for (const unsigned line : busy) {
     // Somebody who listens to the line has it, and leaves its level alone.
     script += fmt::format(

@@ -1,6 +1,7 @@
 #include "tests/bench/gpio_scene.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -22,7 +23,8 @@ GpioScene::GpioScene(const GpioSceneOptions& options) {
   std::vector<std::string> bench{"--virtual-time"};
   bench.insert(bench.end(), options.bench.begin(), options.bench.end());
   // A kernel that has just started has coarse timers.
-  run = script_in_bench(bench, fmt::format(R"(echo -1 >/proc/sys/kernel/sched_rt_runtime_us
+  run = script_in_bench(
+      bench, fmt::format(R"(echo -1 >/proc/sys/kernel/sched_rt_runtime_us
 cd {}
 chips=$INBETWEEN_BENCH_GPIO
 pull() {{ echo pull-$2 >$chips/{}/sim_gpio$1/pull; }}
@@ -34,8 +36,8 @@ sleep 2
 {}
 status=0; wait $run || status=$?
 sleep 0.5; kill $watch 2>/dev/null || true; exit $status)",
-                                           folder_.path().string(), options.watched, options.watched,
-                                           options.lines, options.before, options.command, options.during));
+                         folder_.path().string(), options.watched, options.watched,
+                         fmt::join(options.lines, " "), options.before, options.command, options.during));
   positions = file_contents(path("positions"));
   std::istringstream text(file_contents(path("record")));
   for (Levels at; text >> at.at_ns >> at.levels;) record.push_back(at);

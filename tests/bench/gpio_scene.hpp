@@ -24,7 +24,8 @@ struct GpioSceneOptions {
   std::string during = "";  ///< bash beside it, two seconds after its start; $run is the program
   std::vector<std::string> bench = {"--gpio", "head:8"};
   std::string watched = "head";
-  unsigned lines = 8;  ///< of the watched chip, from its first on
+  /// Of the watched chip. Most of what a scene takes is looking at them.
+  std::vector<unsigned> lines = {0, 1, 2, 3, 4, 5, 6, 7};
 };
 
 /// On virtual time, so that nothing depends on how loaded this machine is.

@@ -1,8 +1,8 @@
 // What an oscilloscope at a GPIO chip of the kernel's gpio-sim would show: a line for every change of its
-// lines, with the time (CLOCK_MONOTONIC, ns) and their levels as a number, bit i of line i. Until it is
-// killed, or the chip is unplugged.
+// lines that are named, with the time (CLOCK_MONOTONIC, ns) and their levels as a number, bit i of line i.
+// Until it is killed, or the chip is unplugged.
 //
-//   inbetween_watch_lines FOLDER_OF_THE_CHIP LINES
+//   inbetween_watch_lines FOLDER_OF_THE_CHIP LINE...
 #include <fcntl.h>
 #include <sched.h>
 #include <time.h>
@@ -21,12 +21,17 @@ namespace {
 constexpr std::int64_t between_looks_ns = 400'000;
 constexpr std::int64_t ns_per_s = 1'000'000'000;
 
-std::optional<unsigned> levels_of(const std::vector<int>& files) {
+struct Line {
+  int number;
+  int file;
+};
+
+std::optional<unsigned> levels_of(const std::vector<Line>& lines) {
   unsigned levels = 0;
-  for (std::size_t i = 0; i < files.size(); ++i) {
+  for (const Line& line : lines) {
     char value = 0;
-    if (::pread(files[i], &value, 1, 0) != 1) return std::nullopt;
-    if (value == '1') levels |= 1U << i;
+    if (::pread(line.file, &value, 1, 0) != 1) return std::nullopt;
+    if (value == '1') levels |= 1U << line.number;
   }
   return levels;
 }
@@ -34,22 +39,22 @@ std::optional<unsigned> levels_of(const std::vector<int>& files) {
 }  // namespace
 
 int main(int count, char** arguments) {
-  if (count != 3) return 2;
+  if (count < 3) return 2;
   // Before whatever it looks at.
   const sched_param priority{.sched_priority = 90};
   if (::sched_setscheduler(0, SCHED_FIFO, &priority) != 0) return 1;
-  std::vector<int> files;
-  for (int i = 0; i < std::atoi(arguments[2]); ++i) {
-    const std::string path = std::string(arguments[1]) + "/sim_gpio" + std::to_string(i) + "/value";
-    files.push_back(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
-    if (files.back() < 0) return 1;
+  std::vector<Line> lines;
+  for (int i = 2; i < count; ++i) {
+    const std::string path = std::string(arguments[1]) + "/sim_gpio" + arguments[i] + "/value";
+    lines.push_back({std::atoi(arguments[i]), ::open(path.c_str(), O_RDONLY | O_CLOEXEC)});
+    if (lines.back().file < 0) return 1;
   }
   timespec now{};
   ::clock_gettime(CLOCK_MONOTONIC, &now);
   std::int64_t at_ns = now.tv_sec * ns_per_s + now.tv_nsec;
   std::optional<unsigned> before;
   for (;;) {
-    const std::optional<unsigned> levels = levels_of(files);
+    const std::optional<unsigned> levels = levels_of(lines);
     if (!levels) return 0;
     if (levels != before) std::printf("%lld %u\n", static_cast<long long>(at_ns), *levels);
     if (levels != before) std::fflush(stdout);

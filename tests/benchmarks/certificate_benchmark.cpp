@@ -1,43 +1,18 @@
 #include <benchmark/benchmark.h>
 
-#include <random>
 #include <stdexcept>
 #include <vector>
 
-#include "host_tools/plan/solved_track.hpp"
 #include "inbetween/limits/limits.hpp"
 #include "inbetween/limits/motion_bounds.hpp"
 #include "inbetween/limits/move.hpp"
 #include "inbetween/limits/stop_bounds.hpp"
+#include "tests/benchmarks/solved_subject.hpp"
 
 /// What it costs to prove the peaks of a move, and that it can be stopped everywhere.
 
 namespace inbetween {
 namespace {
-
-struct MoveSize {
-  std::size_t keys, axes, control_values;
-  std::int32_t frames;
-};
-constexpr MoveSize example{8, 3, 7, 240};
-constexpr MoveSize large{100, 16, 64, 2400};
-
-/// A move of that size through random keys, at random speed.
-SolvedTrack<double> solved_track(const MoveSize& size) {
-  std::mt19937 random(1989);
-  std::uniform_real_distribution<double> coordinate(0.0, 100.0);
-  std::uniform_real_distribution<double> height(1.0, 20.0);
-  std::vector<double> at(size.keys * size.axes);
-  for (double& value : at) value = coordinate(random);
-  std::vector<double> speed(size.control_values);
-  for (double& value : speed) value = height(random);
-  const TrackSpec<double> spec{.path = {.axis_count = static_cast<std::int32_t>(size.axes), .keys = at},
-                               .control_values = speed,
-                               .frames = size.frames,
-                               .fps = {24, 1},
-                               .arc_length = {}};
-  return {spec, Solver::closed_form};
-}
 
 void prove(benchmark::State& state, const MoveSize& size) {
   const SolvedTrack<double> solution = solved_track(size);

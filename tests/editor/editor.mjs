@@ -18,7 +18,7 @@ const programs = new Set();  // that run: one whose test has failed would keep t
 export async function startBrowser() {
   // A container's root has no sandbox to give.
   const args = process.getuid() === 0 ? ["--no-sandbox"] : [];
-  browser = await chromium.launch({ executablePath: "/usr/bin/chromium", args: [...args, "--use-gl=swiftshader", "--enable-unsafe-swiftshader"] });
+  browser = await chromium.launch({ executablePath: "/usr/bin/chromium-headless-shell", args: [...args, "--use-gl=swiftshader", "--enable-unsafe-swiftshader"] });
 }
 export async function stopBrowser() {
   await browser.close();

@@ -196,27 +196,35 @@ TEST(Cure, OfSixKeysThatTurnBackThoseThatNeedItRest) {
             "key 2 twice, on frames 24 and 25 and key 3 twice, on frames 40 and 41, for a rest there");
 }
 
+/// A head whose motors are so many times as slow.
+std::string slow_head(double times) {
+  return rig_text({{.name = "pan",
+                    .unit = "deg",
+                    .min = -70,
+                    .max = 70,
+                    .max_velocity = 120 / times,
+                    .max_acceleration = 600 / times,
+                    .more = fmt::format("max_jerk = {}\n", 6000 / times)},
+                   {.name = "roll",
+                    .unit = "deg",
+                    .min = -20,
+                    .max = 20,
+                    .max_velocity = 80 / times,
+                    .max_acceleration = 400 / times,
+                    .more = fmt::format("max_jerk = {}\n", 4000 / times)}});
+}
+
 // The program said overshoot = false and ease = true at key 2, in 940576 frames.
 TEST(Cure, InTwentyTimesAsManyFramesItIsNoAdvice) {
-  const std::string rig = rig_text({{.name = "pan",
-                                     .unit = "deg",
-                                     .min = -70,
-                                     .max = 70,
-                                     .max_velocity = 120,
-                                     .max_acceleration = 600,
-                                     .more = "max_jerk = 6000\n"},
-                                    {.name = "roll",
-                                     .unit = "deg",
-                                     .min = -20,
-                                     .max = 20,
-                                     .max_velocity = 80,
-                                     .max_acceleration = 400,
-                                     .more = "max_jerk = 4000\n"}});
   const std::string move =
       move_of(R"("pan", "roll")", 96,
               "keys = [{at=[0,0]},{at=[-70,0]},{at=[-70,0],frame=15},{at=[0,5.8],hold=6},{at=[20.4,-20],"
               "ease=true},{at=[20.4,-20]},{at=[70,0]}]\nspeed = [0,0,5,10,3,0,0]\n");
-  EXPECT_EQ(cure_of(move, rig), std::nullopt);
+  const std::optional<Cure> cure = cure_of(move, slow_head(1));
+  ASSERT_TRUE(cure);
+  EXPECT_THAT(cure->words, HasSubstr("hold = 1 at key 2"));
+  EXPECT_LE(cure->frames, 20 * 96);
+  EXPECT_EQ(cure_of(move, slow_head(20)), std::nullopt);
 }
 
 TEST(Cure, CornersAreEasedBesideAHoldInTheSamePlace) {
@@ -250,6 +258,55 @@ TEST(Cure, TwoKeysInOnePlaceThatBothRestAreToldSo) {
   EXPECT_EQ(refusal_of("{at=[10],hold=4},{at=[25]}"), "") << "as the words say";
   EXPECT_THAT(refusal_of("{at=[0]},{at=[20],hold=5},{at=[20]}"), HasSubstr("remove the keys behind it"));
   EXPECT_EQ(refusal_of("{at=[0]},{at=[20],hold=5}"), "") << "as the words say";
+}
+
+/// A jaw and a neck at twelve keys, where a step at one is told of, and those at the others are counted.
+std::string dialogue(const std::string& ease) {
+  std::string keys;
+  for (const char* at : {"0, 0", "14, 3", "4, 6", "18, 8", "6, 5", "12, 0", "2, -6", "16, -10", "5, -8",
+                         "11, -3", "3, 2", "0, 0"}) {
+    const bool is_end = at == std::string("0, 0");
+    keys += fmt::format("{{at=[{}]{}}},\n", at, is_end ? "" : ease);
+  }
+  return "overshoot = false\nkeys = [\n" + keys + "]\nspeed = [0, 0, 8, 10, 10, 8, 10, 10, 8, 10, 6, 0, 0]\n";
+}
+
+TEST(Cure, AllKeysAtWhichAnAxisStepsAreEasedAtOnce) {
+  const std::string rig = rig_text({{.name = "jaw",
+                                     .unit = "deg",
+                                     .min = 0,
+                                     .max = 22,
+                                     .max_velocity = 220,
+                                     .max_acceleration = 2400,
+                                     .more = "max_jerk = 48000\n"},
+                                    {.name = "neck",
+                                     .unit = "deg",
+                                     .min = -60,
+                                     .max = 60,
+                                     .max_velocity = 180,
+                                     .max_acceleration = 900,
+                                     .more = "max_jerk = 9000\n"}});
+  const std::string axes = R"("jaw", "neck")";
+  const std::optional<Cure> cure = cure_of(move_of(axes, 88, dialogue("")), rig);
+  ASSERT_TRUE(cure);
+  EXPECT_EQ(cure->words, "ease = true at keys 1, 2, 3, 4, 5, 6, 7, 8, 9 and 10");
+  EXPECT_TRUE(fits(move_of(axes, cure->frames, dialogue(", ease=true")), rig)) << "as the words say";
+  EXPECT_FALSE(fits(move_of(axes, cure->frames - 1, dialogue(", ease=true")), rig));
+}
+
+TEST(Cure, AKeyWithAFrameOnNoKnotIsHeldAndNotEased) {
+  const auto nod = [](const std::string& overshoot, const std::string& locked, const std::string& free) {
+    return move_of(R"("yaw")", 72,
+                   fmt::format("{}keys = [{{at=[0]}},{{at=[-18],frame=22{}}},{{at=[4]{}}},{{at=[0]}}]\n"
+                               "speed = [0, 0, 10, 10, 8, 0, 0]\n",
+                               overshoot, locked, free));
+  };
+  const std::optional<Cure> cure = cure_of(nod("", "", ""), neck());
+  ASSERT_TRUE(cure);
+  EXPECT_EQ(cure->words, "overshoot = false, and hold = 1 at key 1, and ease = true at key 2");
+  EXPECT_EQ(cure->frames, 72);
+  EXPECT_TRUE(fits(nod("overshoot = false\n", ",hold=1", ",ease=true"), neck())) << "as the words say";
+  EXPECT_THROW(plan_of(nod("", ",ease=true", ""), neck()), InputError) << "its frame is on no knot";
 }
 
 TEST(Cure, AMoveOfSeveralTracksIsToldWhichOneToChange) {

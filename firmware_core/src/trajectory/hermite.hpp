@@ -95,6 +95,30 @@ constexpr HermitePolynomial integral_of(const HermitePolynomial& c) {
   return result;
 }
 
+/// The position of an axis on a piece less the one at its begin, as a polynomial in u. `begin` and `end` are
+/// its rows.
+template <std::size_t Degree>
+HermitePolynomial position_polynomial(const double* begin, const double* end, std::size_t axes,
+                                      std::size_t axis, double seconds) {
+  constexpr std::size_t first = Degree == 6 ? 1 : 0;
+  constexpr auto& basis = hermite_basis<known_of(Degree) - first>;
+  HermitePolynomial sum{};
+  double scale = 1;
+  for (std::size_t j = first; j < known_of(Degree); ++j) {
+    // Both first ones add up to 1.
+    const double left = j == 0 ? 0 : scale * begin[j * axes + axis];
+    const double right = j == 0 ? end[axis] - begin[axis] : scale * end[j * axes + axis];
+    for (std::size_t i = 0; i < sum.size(); ++i)
+      sum[i] += left * basis.left[j - first][i] + right * basis.right[j - first][i];
+    scale *= seconds;
+  }
+  if constexpr (Degree == 6) {
+    sum = integral_of(sum);
+    for (double& c : sum) c *= seconds;
+  }
+  return sum;
+}
+
 /// The weights of a derivative in time on a piece that lasts `seconds`. Of degree 6 is the one whose velocity
 /// is the quintic with the velocities, accelerations and jerks of both ends, from the position at its begin:
 /// end[0] is 0.

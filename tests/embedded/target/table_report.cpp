@@ -11,6 +11,9 @@
 #include "inbetween/timing/key_timing.hpp"
 #include "inbetween/timing/ode_frame_table.hpp"
 #include "inbetween/timing/track.hpp"
+#include "inbetween/trajectory/bounds.hpp"
+#include "inbetween/trajectory/count_trajectory.hpp"
+#include "inbetween/trajectory/fit.hpp"
 #include "tests/embedded/target/console.hpp"
 #include "tests/embedded/target/joint_report.hpp"
 #include "tests/embedded/target/moves.hpp"
@@ -107,6 +110,78 @@ void hash_counts(const Track<double>& track, const Move& move) {
   print("\n");
 }
 
+void hash_peaks(const Trajectory& trajectory) {
+  std::array<AxisPeaks<double>, max_axes> storage;
+  const auto peaks = std::span(storage).first(trajectory.axis_count());
+  bound_trajectory(trajectory, peaks);
+  Fnv1a hash;
+  for (const AxisPeaks<double>& axis : peaks) {
+    for (const Peak<double>& peak :
+         {axis.lowest, axis.highest, axis.velocity, axis.acceleration, axis.jerk}) {
+      hash.add(peak.value);
+      hash.add(peak.frame);
+    }
+  }
+  print_hash("bounds", hash.value());
+}
+
+/// What every tick evaluates of a trajectory, and of its counts.
+void hash_trajectory_ticks(const Trajectory& trajectory, CountTrajectory& counts, const Move& move) {
+  const std::size_t axes = trajectory.axis_count();
+  std::array<AxisMotion<double>, max_axes> motion{};
+  std::array<std::int32_t, max_axes> whole{};
+  Fnv1a motion_hash;
+  Fnv1a count_hash;
+  for (std::int64_t tick = 0; tick <= last_tick(move.frames, move.fps, move.rate_hz); ++tick) {
+    trajectory.motion(frame_time_of_tick<double>(tick, move.fps, move.rate_hz),
+                      std::span(motion).first(axes));
+    counts.counts(frame_time_of_tick<float>(tick, move.fps, move.rate_hz), std::span(whole).first(axes));
+    for (std::size_t d = 0; d < axes; ++d) {
+      for (const double one :
+           {motion[d].position, motion[d].velocity, motion[d].acceleration, motion[d].jerk})
+        motion_hash.add(one);
+      count_hash.add(whole[d]);
+    }
+  }
+  print_hash("motion", motion_hash.value());
+  print_hash("counts", count_hash.value());
+}
+
+void report_trajectory(const Move& move) {
+  static SolvedMove<double> solved;
+  static std::array<SampledJoint, 1000> joints;
+  static TrajectoryStorage<max_axes, 400, 60> fitted;
+  static std::array<CountTrajectoryPiece, 600> pieces;
+  static std::array<CountPolynomial, max_axes * pieces.size()> polynomials;
+  const Result<Track<double>> track = solved.solve(move);
+  if (!track) return fail("trajectory", move, track.error());
+  const auto sampler = TrackSampler::make(*track, joints);
+  if (!sampler) return fail("trajectory", move, sampler.error());
+  const auto trajectory = fit_trajectory(*sampler, {}, fitted.memory());
+  if (!trajectory) return fail("trajectory", move, trajectory.error());
+  const std::array scale{move.counts_per_unit, -move.counts_per_unit, move.counts_per_unit / 7};
+  auto counts = CountTrajectory::make(*trajectory, std::span(scale).first(trajectory->axis_count()),
+                                      {pieces, polynomials});
+  if (!counts) return fail("trajectory", move, counts.error());
+  print("trajectory ");
+  print(move.name);
+  print(" ");
+  print(static_cast<long long>(trajectory->pieces().size()));
+  Fnv1a rows;
+  for (const TrajectoryPiece& piece : trajectory->pieces()) {
+    rows.add(piece.begin.frame);
+    rows.add(piece.begin.fraction);
+    const std::size_t size = static_cast<std::size_t>(piece.degree / 2 + 1) * trajectory->axis_count();
+    for (const std::uint32_t row : {piece.begin_row, piece.end_row}) {
+      for (const double value : trajectory->values().subspan(row, size)) rows.add(value);
+    }
+  }
+  print_hash("rows", rows.value());
+  hash_peaks(*trajectory);
+  hash_trajectory_ticks(*trajectory, *counts, move);
+  print("\n");
+}
+
 template <Precise Real>
 void report(const Move& move) {
   static SolvedMove<Real> solved;
@@ -184,6 +259,7 @@ bool run() {
   for (const Move& move : moves) {
     report<float>(move);
     report<double>(move);
+    report_trajectory(move);
   }
   report_runge_kutta(moves[1]);
   report_play(moves[0]);

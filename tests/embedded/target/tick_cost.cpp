@@ -8,6 +8,8 @@
 #include "inbetween/play/playhead.hpp"
 #include "inbetween/timing/count_track.hpp"
 #include "inbetween/timing/track.hpp"
+#include "inbetween/trajectory/count_trajectory.hpp"
+#include "inbetween/trajectory/fit.hpp"
 #include "tests/embedded/target/console.hpp"
 #include "tests/embedded/target/moves.hpp"
 #include "tests/embedded/target/played_move.hpp"
@@ -32,6 +34,8 @@ void tick_move_float(const Move<float>& move, const FrameTime<float>& time, floa
 void tick_move_double(const Move<double>& move, const FrameTime<double>& time, double* out);
 void tick_playhead_float(Playhead<float>& playhead);
 void tick_playhead_double(Playhead<double>& playhead);
+void tick_trajectory(const Trajectory& trajectory, const FrameTime<double>& time, double* out);
+void tick_trajectory_counts(CountTrajectory& counts, const FrameTime<float>& time, std::int32_t* out);
 void tick_nothing(const void* track, const void* time, std::int32_t* out);
 void known_loop(std::uint32_t turns);
 }
@@ -66,6 +70,12 @@ TICK tick_playhead_float(Playhead<float>& playhead) {
 }
 TICK tick_playhead_double(Playhead<double>& playhead) {
   playhead.tick();
+}
+TICK tick_trajectory(const Trajectory& trajectory, const FrameTime<double>& time, double* out) {
+  trajectory.positions(time, std::span(out, 3));
+}
+TICK tick_trajectory_counts(CountTrajectory& counts, const FrameTime<float>& time, std::int32_t* out) {
+  counts.counts(time, std::span(out, 3));
 }
 TICK tick_nothing(const void*, const void*, std::int32_t*) {
   asm volatile("");
@@ -127,7 +137,7 @@ std::span<const FrameTime<Real>> all_times() {
 }
 
 template <Precise Real, class TickFunction, class Object, class Out>
-void measure(std::string_view name, TickFunction tick, const Object& object, Out out) {
+void measure(std::string_view name, TickFunction tick, Object& object, Out out) {
   const std::span<const FrameTime<Real>> times = all_times<Real>();
   std::array<std::int32_t, 3> nowhere{};
   const double all = instructions_of([&] {
@@ -141,7 +151,7 @@ void measure(std::string_view name, TickFunction tick, const Object& object, Out
 
 /// The longest of all ticks: each is repeated until one step of the clock is one instruction of it.
 template <Precise Real, class TickFunction, class Object, class Out>
-void measure_longest(std::string_view name, TickFunction tick, const Object& object, Out out) {
+void measure_longest(std::string_view name, TickFunction tick, Object& object, Out out) {
   std::array<std::int32_t, 3> nowhere{};
   double longest = 0;
   for (const FrameTime<Real>& time : all_times<Real>()) {
@@ -241,6 +251,33 @@ bool measure_play(const PlayNames& names, const Track<Real>& track, PlayedMove<R
   return is_well;
 }
 
+std::array<SampledJoint, 100> joints;
+TrajectoryStorage<3, 300, 30> fitted;
+std::array<CountTrajectoryPiece, 400> count_pieces;
+std::array<CountPolynomial, 3 * count_pieces.size()> count_polynomials;
+
+/// The trajectory of the subject, and its tick. False where there is none.
+bool measure_trajectory(const Track<double>& track) {
+  const auto sampler = TrackSampler::make(track, joints);
+  if (!sampler) return false;
+  auto trajectory = fit_trajectory(*sampler, {}, fitted.memory());
+  print_line("fit_trajectory/double",
+             instructions_of([&] { trajectory = fit_trajectory(*sampler, {}, fitted.memory()); }));
+  if (!trajectory) return false;
+  const CountTrajectoryMemory memory{count_pieces, count_polynomials};
+  auto counts = CountTrajectory::make(*trajectory, counts_per_unit, memory);
+  print_line("CountTrajectory::make/float",
+             instructions_of([&] { counts = CountTrajectory::make(*trajectory, counts_per_unit, memory); }));
+  if (!counts) return false;
+  std::array<double, 3> positions{};
+  std::array<std::int32_t, 3> out{};
+  measure<double>("Trajectory::positions/double", tick_trajectory, *trajectory, positions.data());
+  measure<float>("CountTrajectory::counts/float", tick_trajectory_counts, *counts, out.data());
+  measure_longest<float>("CountTrajectory::counts(longest)/float", tick_trajectory_counts, *counts,
+                         out.data());
+  return true;
+}
+
 SolvedMove<float> single_move;
 SolvedMove<double> double_move;
 CountTrackStorage<float, 3, speed.size(), 500> single_counts;
@@ -290,6 +327,10 @@ bool run() {
   measure<double>("Track::positions/double", tick_positions_double, *track, double_out.data());
   measure<double>("Track::motion/double", tick_motion_double, *track, double_motion.data());
   measure_frame_time<double>("frame_time_of_tick/double");
+  if (!measure_trajectory(*track)) {
+    print("FAILED: the subject has no trajectory\n");
+    return false;
+  }
   return measure_play<float>({"StopBounds::make/float", "Playhead::tick/float", "Playhead::tick(ramps)/float",
                               "Move::positions/float"},
                              *single, single_play, tick_playhead_float, tick_move_float) &&

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 
 #include "inbetween/base/result.hpp"
@@ -20,6 +22,20 @@ struct FitTolerances {
   /// This says what each axis travels; where it is empty, the joints of the sampler say it. A stretch of a
   /// motion has the same pieces as in the whole only with what the whole travels.
   std::span<const double> travel = {};
+};
+
+/// Memory for a trajectory of up to `Axes` axes, `Pieces` pieces and `Breaks` breaks, and as many unbounded
+/// sides as breaks have.
+template <std::size_t Axes, std::size_t Pieces, std::size_t Breaks>
+struct TrajectoryStorage {
+  std::array<TrajectoryPiece, Pieces> pieces;
+  std::array<double, (Pieces + Breaks + 1) * 4 * Axes> values;
+  std::array<std::uint32_t, Pieces> buckets;
+  std::array<TrajectoryBreak, Breaks> breaks;
+  std::array<UnboundedSide, 2 * Breaks * Axes> unbounded;
+  std::array<AxisMotion<double>, 3 * Axes> samples;
+
+  [[nodiscard]] TrajectoryMemory memory() { return {pieces, values, buckets, breaks, unbounded, samples}; }
 };
 
 /// How far each axis goes, by the joints and the middles between them. `samples` has an entry for each axis.
