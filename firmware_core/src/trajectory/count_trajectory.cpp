@@ -9,6 +9,8 @@ namespace {
 
 /// What the terms of a polynomial add up to at most, in counts: a float knows a 2^24th of it.
 constexpr double max_terms = 131072;
+/// What the two highest powers of a septic are worth at most after the others have taken over what they can.
+constexpr double max_dropped = 0.01;
 constexpr int max_halvings = 16;
 /// Positions are at most this, so that base and offset fit 32 bits together.
 constexpr double max_position = 2147483647.0 - max_terms;
@@ -57,6 +59,30 @@ double terms_of(const HermitePolynomial& c) {
   return sum;
 }
 
+/// Chebyshev's polynomials of degree 7 and 6 on [0, 1], which are nowhere there above 1.
+constexpr HermitePolynomial chebyshev_7{-1, 98, -1568, 9408, -26880, 39424, -28672, 8192};
+constexpr HermitePolynomial chebyshev_6{1, -72, 840, -3584, 6912, -6144, 2048, 0};
+
+/// The quintic that is nearest to a septic for a tick, which saves a sixth of its instructions; and how far
+/// it may be from it (economization; Lanczos, Applied Analysis, 1956, section 7-6).
+struct Economized {
+  HermitePolynomial c{};
+  double dropped = 0;
+
+  explicit Economized(const HermitePolynomial& septic) : c(septic) {
+    drop(7, chebyshev_7);
+    drop(6, chebyshev_6);
+  }
+
+ private:
+  void drop(std::size_t degree, const HermitePolynomial& chebyshev) {
+    const double share = c[degree] / chebyshev[degree];
+    for (std::size_t i = 0; i < degree; ++i) c[i] -= share * chebyshev[i];
+    c[degree] = 0;
+    dropped += std::fabs(share);
+  }
+};
+
 Error not_playable(const char* what, std::size_t axis) {
   return {.code = ErrorCode::out_of_range,
           .what = what,
@@ -78,7 +104,9 @@ Result<int> halvings_of(const Trajectory& trajectory, const TrajectoryPiece& pie
       const int parts = 1 << halvings;
       for (int part = 0; part < parts; ++part) {
         const double from = static_cast<double>(part) / parts;
-        if (terms_of(between(whole, from, from + 1.0 / parts)) * scale > max_terms) return false;
+        const Economized part_of_it(between(whole, from, from + 1.0 / parts));
+        if (terms_of(part_of_it.c) * scale > max_terms || part_of_it.dropped * scale > max_dropped)
+          return false;
       }
       return true;
     };
@@ -134,14 +162,15 @@ Error too_small(const Trajectory& trajectory, std::span<const double> counts_per
           .needed = needed ? static_cast<std::int64_t>(*needed) : -1};
 }
 
-CountPolynomial in_counts(const HermitePolynomial& c, double begin, double counts_per_unit) {
+CountPolynomial in_counts(const HermitePolynomial& septic, double begin, double counts_per_unit) {
+  const HermitePolynomial c = Economized(septic).c;
   const double exact = (begin + c[0]) * counts_per_unit;
   const double base = std::floor(exact + 0.5);
   CountPolynomial result;
   result.rounded_base = static_cast<std::uint32_t>(static_cast<std::int32_t>(base)) -
                         std::bit_cast<std::uint32_t>(CountPolynomial::rounder);
   result.c[0] = static_cast<float>(exact - base);
-  for (std::size_t i = 1; i < c.size(); ++i) result.c[i] = static_cast<float>(c[i] * counts_per_unit);
+  for (std::size_t i = 1; i < result.c.size(); ++i) result.c[i] = static_cast<float>(c[i] * counts_per_unit);
   return result;
 }
 

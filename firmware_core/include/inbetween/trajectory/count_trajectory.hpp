@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <tuple>
 
 #include "inbetween/base/processor_clones.hpp"
 #include "inbetween/base/result.hpp"
@@ -22,22 +23,25 @@ struct CountTrajectoryPiece {
   float inverse_frames = 0;  ///< 1 / length in frames; 0 for the end
 };
 
-/// One axis on one piece: base + c[0] + c[1] u + ... + c[7] u^7 counts, u from 0 to 1 over the piece. The
-/// base is the position at its begin, rounded, and |c[0]| <= 1/2 is what the rounding left.
+/// One axis on one piece: base + c[0] + c[1] u + ... + c[5] u^5 counts, u from 0 to 1 over the piece. The
+/// base is the position at its begin, rounded, and |c[0]| is little more than the 1/2 that the rounding left.
 struct CountPolynomial {
   /// Adding this to an offset puts its whole part, rounded to nearest even, into the lowest bits of the sum:
   /// one addition instead of a comparison and a conversion. It holds for offsets up to 2^22.
   static constexpr float rounder = 12582912.0F;
 
   std::uint32_t rounded_base = 0;  ///< base - bits of the rounder, modulo 2^32
-  std::array<float, 8> c{};
+  std::array<float, 6> c{};
 
   /// By Horner's rule with fused multiply-adds: an instruction and a rounding each on every processor with a
   /// floating-point unit, and the same bits on all (IEEE 754).
+  template <std::size_t First = 0>
   [[nodiscard]] INBETWEEN_PART_OF_CLONES float offset(float u) const {
-    float sum = c[7];
-    for (std::size_t i = 7; i-- > 0;) sum = std::fma(sum, u, c[i]);
-    return sum;
+    if constexpr (First + 1 == std::tuple_size_v<decltype(c)>) {
+      return c[First];
+    } else {
+      return std::fma(offset<First + 1>(u), u, c[First]);
+    }
   }
   [[nodiscard]] INBETWEEN_PART_OF_CLONES std::int32_t count(float u) const {
     return static_cast<std::int32_t>(rounded_base + std::bit_cast<std::uint32_t>(offset(u) + rounder));
