@@ -12,6 +12,7 @@
 #include "host_tools/plan/fitted_trajectory.hpp"
 #include "inbetween/limits/motion_bounds.hpp"
 #include "inbetween/trajectory/bounds.hpp"
+#include "tests/support/count_trajectory.hpp"
 #include "tests/support/exact_piece.hpp"
 #include "tests/support/property.hpp"
 #include "tests/support/random_move.hpp"
@@ -152,6 +153,46 @@ TEST(TrajectoryProperty, EveryJointTheFirstAndTheLastPositionAreThoseOfTheTrack)
       for (std::size_t d = 0; d < axes; ++d) RC_ASSERT(at[d] == fitted->values()[piece.begin_row + d]);
     }
   });
+}
+
+TEST(TrajectoryProperty, ItsCountsInFloatAreWithinATwentiethOfACount) {
+  double worst = 0;
+  check_property(many_moves, [&] {
+    const RandomMove move = *regular_move();
+    show(move);
+    const TrackInput<double> input(move);
+    const SolvedTrack<double> solved(input.spec, Solver::closed_form);
+    const Track<double>& track = solved.track();
+    if (track.arc_length().total() == 0 || track.frames() < 12) return;
+    const FittedTrajectory fitted(track);
+    const std::size_t axes = fitted->axis_count();
+    std::vector<AxisPeaks<double>> peaks(axes);
+    bound_trajectory(*fitted, peaks);
+    double reach = 0;
+    double speed = 0;
+    for (const AxisPeaks<double>& axis : peaks) {
+      reach = std::max({reach, std::fabs(axis.lowest.value), std::fabs(axis.highest.value)});
+      speed = std::max(speed, axis.velocity.value / track.frame_rate().frames_per_second());
+    }
+    // Twenty bits of counts, as far as so many in a frame are not told apart by a float's fraction of it.
+    const double scale = std::min(1048576 / reach, 262144 / speed);
+    CountsOfTrajectory counts(*fitted, std::vector<double>(axes, scale));
+    std::vector<double> positions(axes);
+    for (int k = 0; k < 200; ++k) {
+      const double frames = (k + 0.31830988) / 200 * track.frames();
+      const FrameTime<float> time{static_cast<std::int32_t>(frames),
+                                  static_cast<float>(frames - std::floor(frames))};
+      fitted->positions({time.frame, time.fraction}, positions);
+      for (std::size_t d = 0; d < axes; ++d) {
+        const CountTrajectory::Position found = counts->position(time, d);
+        const double miss = std::fabs(found.base - positions[d] * scale + static_cast<double>(found.offset));
+        worst = std::max(worst, miss);
+        RC_LOG() << "axis " << d << " at frame " << frames << " misses by " << miss << " counts\n";
+        RC_ASSERT(miss <= 0.05);
+      }
+    }
+  });
+  std::cout << "a float misses by at most " << worst << " counts\n";
 }
 
 /// A tenth of the moves, because a dense search in extended precision takes its time.

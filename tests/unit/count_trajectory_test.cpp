@@ -17,6 +17,7 @@
 #include "host_tools/plan/fitted_trajectory.hpp"
 #include "host_tools/plan/plan.hpp"
 #include "tests/support/count_trajectory.hpp"
+#include "tests/support/even_pieces.hpp"
 #include "tests/support/timing_kinds.hpp"
 
 namespace inbetween {
@@ -136,48 +137,26 @@ INSTANTIATE_TEST_SUITE_P(Kinds, EveryTimingInCounts, testing::ValuesIn(timing_ki
 
 // --- what is refused, and what is as short as a float tells
 
-/// An axis that goes from 0 to 1 in half a frame, and then by `step` in `frames`.
-struct TwoPieces {
-  TwoPieces(double step, double frames)
-      : values{0, 1, 1 + step},
-        pieces{{{.begin = {0, 0},
-                 .inverse_frames = 1,
-                 .seconds = 1.0 / 24,
-                 .begin_row = 0,
-                 .end_row = 1,
-                 .degree = 1},
-                {.begin = {0, 0.5},
-                 .inverse_frames = 1 / frames,
-                 .seconds = frames / 24,
-                 .begin_row = 1,
-                 .end_row = 2,
-                 .degree = 1}}},
-        trajectory(*Trajectory::make({.axis_count = 1,
-                                      .fps = {24, 1},
-                                      .end = moved_by(FrameTime<double>{0, 0.5}, frames),
-                                      .pieces = pieces,
-                                      .values = values},
-                                     buckets)) {}
-  std::array<double, 3> values;
-  std::array<TrajectoryPiece, 2> pieces;
-  std::array<std::uint32_t, 2> buckets{};
-  Trajectory trajectory;
-};
-
 TEST(CountTrajectory, APieceThatIsShorterThanAFloatTellsIsPassedAtItsBegin) {
-  const TwoPieces move(10, 1e-10);
-  CountsOfTrajectory counts(move.trajectory, {100.0});
+  const double short_while = 0.5 + 1e-12;
+  EvenPieces at_the_end({0, 0.5, short_while}, {0, 1, 11});
+  EvenPieces between({0, 0.5, short_while, 1}, {0, 1, 11, 13});
+  CountsOfTrajectory ended(at_the_end.made(), {100.0});
+  CountsOfTrajectory goes_on(between.made(), {100.0});
   std::array<std::int32_t, 1> found;
-  for (const auto& [frame, expected] : {std::pair{0.0F, 0}, {0.25F, 50}, {0.5F, 1100}, {0.75F, 1100}}) {
-    counts->counts({0, frame}, found);
-    EXPECT_EQ(found[0], expected) << frame;
+  for (const auto& [frame, at_end, further] :
+       {std::tuple{0.0F, 0, 0}, {0.25F, 50, 50}, {0.5F, 1100, 1100}, {0.75F, 1100, 1200}}) {
+    ended->counts({0, frame}, found);
+    EXPECT_EQ(found[0], at_end) << frame;
+    goes_on->counts({0, frame}, found);
+    EXPECT_EQ(found[0], further) << frame;
   }
 }
 
 TEST(CountTrajectory, RefusesCountsThatAreNone) {
-  const TwoPieces move(10, 1);
+  EvenPieces move({0, 1}, {0, 10});
   const auto error_of = [&](const std::vector<double>& scale) {
-    const auto count = CountTrajectory::piece_count(move.trajectory, scale);
+    const auto count = CountTrajectory::piece_count(move.made(), scale);
     return count ? Error{} : count.error();
   };
   EXPECT_EQ(error_of({}).code, ErrorCode::wrong_count);

@@ -19,6 +19,7 @@
 #include "inbetween/limits/motion_steps.hpp"
 #include "inbetween/limits/roll_trajectory.hpp"
 #include "inbetween/trajectory/bounds.hpp"
+#include "tests/support/even_pieces.hpp"
 #include "tests/support/rig_text.hpp"
 #include "tests/support/timing_kinds.hpp"
 
@@ -252,6 +253,58 @@ TEST(Trajectory, PiecesThatCannotBePlayedAreRefused) {
   EXPECT_FALSE(
       Trajectory::make({.axis_count = 1, .fps = {24, 1}, .end = {10, 0}, .pieces = {}, .values = {}}, bucket)
           .has_value());
+}
+
+// --- what is known of pieces by themselves
+
+TEST(Trajectory, AStepIsWhatItLeavesWithLessWhatItArrivedWith) {
+  EvenPieces move({0, 1, 2}, {0, 1, 4});
+  const std::array<TrajectoryBreak, 1> breaks{{{.time = {1, 0}, .piece = 1}}};
+  move.contents.breaks = breaks;
+  std::array<TrajectoryStep, 1> steps;
+  steps_at(move.made(), breaks[0], steps);
+  EXPECT_EQ(steps[0].velocity, (3 - 1) * 24);
+  EXPECT_EQ(steps[0].acceleration, 0);
+}
+
+TEST(Trajectory, WhatHasNoBoundIsInfinityInThatDerivativeAndThoseAbove) {
+  for (const int order : {1, 2, 3}) {
+    EvenPieces move({0, 1, 2}, {0, 1, 2});
+    const std::array<UnboundedSide, 1> sides{{{.time = {1, 0}, .order = static_cast<std::uint8_t>(order)}}};
+    move.contents.unbounded = sides;
+    std::array<AxisPeaks<double>, 1> peaks;
+    bound_trajectory(move.made(), peaks);
+    EXPECT_EQ(std::isinf(peaks[0].velocity.value), order <= 1) << order;
+    EXPECT_EQ(std::isinf(peaks[0].acceleration.value), order <= 2) << order;
+    EXPECT_TRUE(std::isinf(peaks[0].jerk.value));
+    EXPECT_EQ(peaks[0].jerk.frame, 1);
+    bound_trajectory(move.made(), {1, 0.5}, {2, 0}, peaks);
+    EXPECT_EQ(peaks[0].jerk.value, 0) << "not on this stretch";
+  }
+}
+
+TEST(Trajectory, WhereItKeepsToItsJointsNoMomentOfAPieceIsBeyondItsEnds) {
+  // It leaves 0 so fast that it would pass 1, and come to it from above.
+  const std::array<double, 4> values{0, 120, 1, -120};
+  const std::array<TrajectoryPiece, 1> pieces{
+      {{.begin = {}, .inverse_frames = 1, .seconds = 1.0 / 24, .begin_row = 0, .end_row = 2, .degree = 3}}};
+  std::array<std::uint32_t, 1> buckets{};
+  TrajectoryContents contents{
+      .axis_count = 1, .fps = {24, 1}, .end = {1, 0}, .pieces = pieces, .values = values};
+  std::array<double, 1> position;
+  std::array<AxisMotion<double>, 1> motion;
+  for (const bool keeps : {false, true}) {
+    contents.keeps_to_joints = keeps;
+    const Trajectory trajectory = *Trajectory::make(contents, buckets);
+    trajectory.positions({0, 0.6}, position);
+    trajectory.motion({0, 0.6}, motion);
+    EXPECT_EQ(motion[0].position, position[0]);
+    if (keeps) {
+      EXPECT_EQ(position[0], 1);
+    } else {
+      EXPECT_GT(position[0], 1.5);
+    }
+  }
 }
 
 }  // namespace trajectory_test

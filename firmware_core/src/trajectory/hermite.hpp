@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <type_traits>
 
+#include "inbetween/base/processor_clones.hpp"
+
 /// Hermite's polynomials: the one that has given values and derivatives at both ends of [0, 1].
 
 namespace inbetween {
@@ -119,11 +121,49 @@ HermitePolynomial position_polynomial(const double* begin, const double* end, st
   return sum;
 }
 
+/// The same of the septic, which nearly all pieces are, as products: near an end what is small there stays
+/// precise. right_j(u) is left_j(1 - u) but for its sign, so that both are computed at once.
+template <std::size_t Order>
+INBETWEEN_PART_OF_CLONES HermiteWeights septic_weights(double u, double seconds) {
+  using Both [[gnu::vector_size(2 * sizeof(double))]] = double;
+  const Both x{u, 1 - u};
+  const Both y{1 - u, u};
+  const Both xx = x * x;
+  std::array<Both, 4> w;
+  if constexpr (Order == 0) {
+    const Both yyyy = (y * y) * (y * y);
+    w = {yyyy * (1 + x * (4 + x * (10 + 20 * x))), yyyy * (x * (1 + x * (4 + 10 * x))),
+         yyyy * (xx * (0.5 + 2 * x)), yyyy * (xx * x) * (1.0 / 6)};
+  } else if constexpr (Order == 1) {
+    const Both yyy = y * y * y;
+    w = {-140 * (xx * x) * yyy, yyy * (1 + x * (3 + x * (6 - 70 * x))), yyy * (x * (1 + x * (3 - 14 * x))),
+         yyy * (xx * (0.5 - (7.0 / 6) * x))};
+  } else if constexpr (Order == 2) {
+    const Both yy = y * y;
+    w = {(xx * yy) * (840 * x - 420), (xx * yy) * (420 * x - 240), yy * (1 + x * (2 + x * (84 * x - 57))),
+         yy * (x * (1 + x * (7 * x - 6)))};
+  } else {
+    const Both xy = x * y;
+    w = {xy * (x * (4200 - 4200 * x) - 840), xy * (x * (2220 - 2100 * x) - 480),
+         xy * (x * (480 - 420 * x) - 120), y * (1 + x * (x * (45 - 35 * x) - 15))};
+  }
+  HermiteWeights weights;
+  double scale = 1;
+  for (std::size_t k = 0; k < Order; ++k) scale /= seconds;
+  for (std::size_t j = 0; j < w.size(); ++j) {
+    weights.begin[j] = scale * w[j][0];
+    weights.end[j] = (j + Order) % 2 == 0 ? scale * w[j][1] : -(scale * w[j][1]);
+    scale *= seconds;
+  }
+  return weights;
+}
+
 /// The weights of a derivative in time on a piece that lasts `seconds`. Of degree 6 is the one whose velocity
 /// is the quintic with the velocities, accelerations and jerks of both ends, from the position at its begin:
 /// end[0] is 0.
 template <std::size_t Degree, std::size_t Order>
-HermiteWeights hermite_weights(double u, double seconds) {
+INBETWEEN_PART_OF_CLONES HermiteWeights hermite_weights(double u, double seconds) {
+  if constexpr (Degree == 7) return septic_weights<Order>(u, seconds);
   constexpr bool is_by_velocity = Degree == 6;
   constexpr std::size_t first = is_by_velocity ? 1 : 0;
   constexpr auto& basis = hermite_basis<known_of(Degree) - first>;
@@ -146,7 +186,8 @@ HermiteWeights hermite_weights(double u, double seconds) {
 
 /// The weights of the position as products: near an end what is small there stays precise.
 template <std::size_t Degree>
-HermiteWeights position_weights(double u, double seconds) {
+INBETWEEN_PART_OF_CLONES HermiteWeights position_weights(double u, double seconds) {
+  if constexpr (Degree == 7) return septic_weights<0>(u, seconds);
   const double r = 1 - u;
   HermiteWeights weights;
   if constexpr (Degree == 6) {
@@ -165,17 +206,6 @@ HermiteWeights position_weights(double u, double seconds) {
     weights.end[0] = behind * (1 + r * (3 + 6 * r));
     weights.end[1] = -(seconds * (behind * r * (1 + 3 * r)));
     weights.end[2] = seconds * seconds * (behind * (r * r) / 2);
-  } else {
-    const double before = (r * r) * (r * r);
-    const double behind = (u * u) * (u * u);
-    const double square = seconds * seconds;
-    weights.begin[1] = seconds * (before * u * (1 + u * (4 + 10 * u)));
-    weights.begin[2] = square * (before * (u * u) * (1 + 4 * u) / 2);
-    weights.begin[3] = square * seconds * (before * (u * u * u) / 6);
-    weights.end[0] = behind * (1 + r * (4 + r * (10 + 20 * r)));
-    weights.end[1] = -(seconds * (behind * r * (1 + r * (4 + 10 * r))));
-    weights.end[2] = square * (behind * (r * r) * (1 + 4 * r) / 2);
-    weights.end[3] = -(square * seconds * (behind * (r * r * r) / 6));
   }
   return weights;
 }

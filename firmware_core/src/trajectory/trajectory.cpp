@@ -8,17 +8,48 @@
 namespace inbetween {
 namespace {
 
-/// Sums of the numbers of two rows: one order of operations, whatever the lanes.
+/// What a look at a piece reads.
+struct PieceRows {
+  const double* begin;
+  const double* end;
+  std::size_t axes;
+};
+
+/// The sum of an axis' numbers in both rows: one order of operations, whatever the lanes.
 template <std::size_t Known>
-INBETWEEN_PROCESSOR_CLONES void add_up(const HermiteWeights& weights, const double* begin, const double* end,
-                                       std::size_t axes, double* out, std::size_t stride, bool is_position) {
-  const HermiteWeights w = weights;
-  for (std::size_t d = 0; d < axes; ++d) {
-    double sum = w.end[0] * (end[d] - begin[d]);
-    for (std::size_t j = 1; j < Known; ++j)
-      sum += w.begin[j] * begin[j * axes + d] + w.end[j] * end[j * axes + d];
-    out[d * stride] = is_position ? begin[d] + sum : sum;
+INBETWEEN_PART_OF_CLONES double sum_of(const HermiteWeights& w, const PieceRows& rows, std::size_t axis) {
+  double sum = w.end[0] * (rows.end[axis] - rows.begin[axis]);
+  for (std::size_t j = 1; j < Known; ++j)
+    sum += w.begin[j] * rows.begin[j * rows.axes + axis] + w.end[j] * rows.end[j * rows.axes + axis];
+  return sum;
+}
+
+template <std::size_t Degree>
+INBETWEEN_PROCESSOR_CLONES void write_positions_on(const PieceRows& rows, double u, double seconds,
+                                                   double* out) {
+  const HermiteWeights weights = position_weights<Degree>(u, seconds);
+  for (std::size_t d = 0; d < rows.axes; ++d)
+    out[d] = rows.begin[d] + sum_of<known_of(Degree)>(weights, rows, d);
+}
+
+template <std::size_t Degree>
+INBETWEEN_PROCESSOR_CLONES void write_motion_on(const PieceRows& rows, double u, double seconds,
+                                                AxisMotion<double>* out) {
+  constexpr std::size_t known = known_of(Degree);
+  const HermiteWeights position = position_weights<Degree>(u, seconds);
+  const HermiteWeights velocity = hermite_weights<Degree, 1>(u, seconds);
+  const HermiteWeights acceleration = hermite_weights<Degree, 2>(u, seconds);
+  const HermiteWeights jerk = hermite_weights<Degree, 3>(u, seconds);
+  for (std::size_t d = 0; d < rows.axes; ++d) {
+    out[d] = {rows.begin[d] + sum_of<known>(position, rows, d), sum_of<known>(velocity, rows, d),
+              sum_of<known>(acceleration, rows, d), sum_of<known>(jerk, rows, d)};
   }
+}
+
+/// Where the ends of a piece are not, no moment of it is: a polynomial may be beyond them by its rounding.
+double clipped(double position, const PieceRows& rows, std::size_t axis) {
+  return std::clamp(position, std::min(rows.begin[axis], rows.end[axis]),
+                    std::max(rows.begin[axis], rows.end[axis]));
 }
 
 Error invalid(const char* what) {
@@ -98,59 +129,41 @@ std::size_t Trajectory::piece_at(const FrameTime<double>& time) const {
   return piece;
 }
 
-void Trajectory::positions(const FrameTime<double>& time, std::span<double> out) const {
-  write_positions(time, out.data(), 1);
-}
-
-void Trajectory::write_positions(const FrameTime<double>& asked, double* out, std::size_t stride) const {
+void Trajectory::positions(const FrameTime<double>& asked, std::span<double> out) const {
   FrameTime<double> time = asked;
   if (!(begin_ <= time && time < end_)) [[unlikely]]
     time = time < begin_ ? begin_ : end_;
   if (!(time < end_of_pieces_)) [[unlikely]] {
-    const double* row = &values_[pieces_.back().end_row];
-    for (std::size_t d = 0; d < axis_count_; ++d) out[d * stride] = row[d];
+    std::copy_n(&values_[pieces_.back().end_row], axis_count_, out.data());
     return;
   }
   const TrajectoryPiece& piece = pieces_[piece_at(time)];
   const double u = frames_between(piece.begin, time) * piece.inverse_frames;
-  const double* begin = &values_[piece.begin_row];
-  const double* end = &values_[piece.end_row];
-  with_degree(piece.degree, [&](auto degree) {
-    add_up<known_of(degree)>(position_weights<degree>(u, piece.seconds), begin, end, axis_count_, out, stride,
-                             true);
-  });
+  const PieceRows rows{&values_[piece.begin_row], &values_[piece.end_row], axis_count_};
+  with_degree(piece.degree,
+              [&](auto degree) { write_positions_on<degree>(rows, u, piece.seconds, out.data()); });
   if (!keeps_to_joints_) [[likely]]
     return;
-  for (std::size_t d = 0; d < axis_count_; ++d) {
-    double& position = out[d * stride];
-    position = std::clamp(position, std::min(begin[d], end[d]), std::max(begin[d], end[d]));
-  }
+  for (std::size_t d = 0; d < axis_count_; ++d) out[d] = clipped(out[d], rows, d);
 }
 
-void Trajectory::motion(const FrameTime<double>& time, std::span<AxisMotion<double>> out) const {
-  constexpr std::size_t stride = sizeof(AxisMotion<double>) / sizeof(double);
+void Trajectory::motion(const FrameTime<double>& asked, std::span<AxisMotion<double>> out) const {
+  const bool is_outside = asked < begin_ || end_ < asked;
+  const FrameTime<double> time = is_outside ? (asked < begin_ ? begin_ : end_) : asked;
   const bool is_end = time == end_;
-  if (!is_end && !(begin_ <= time && time < end_)) {
-    for (std::size_t d = 0; d < axis_count_; ++d) out[d] = {};
-    return write_positions(time, &out.data()->position, stride);
-  }
   std::size_t index = time < end_of_pieces_ ? piece_at(time) : pieces_.size() - 1;
   if (is_end && index > 0 && pieces_[index].begin == time) --index;
   const TrajectoryPiece& piece = pieces_[index];
-  const double u = time == end_of(index) ? 1 : frames_between(piece.begin, time) * piece.inverse_frames;
-  const double* begin = &values_[piece.begin_row];
-  const double* end = &values_[piece.end_row];
-  with_degree(piece.degree, [&](auto degree) {
-    const double h = piece.seconds;
-    AxisMotion<double>* first = out.data();
-    add_up<known_of(degree)>(hermite_weights<degree, 1>(u, h), begin, end, axis_count_, &first->velocity,
-                             stride, false);
-    add_up<known_of(degree)>(hermite_weights<degree, 2>(u, h), begin, end, axis_count_, &first->acceleration,
-                             stride, false);
-    add_up<known_of(degree)>(hermite_weights<degree, 3>(u, h), begin, end, axis_count_, &first->jerk, stride,
-                             false);
-  });
-  write_positions(time, &out.data()->position, stride);
+  const bool is_at_end = time == end_of(index);
+  const double u = is_at_end ? 1 : frames_between(piece.begin, time) * piece.inverse_frames;
+  const PieceRows rows{&values_[piece.begin_row], &values_[piece.end_row], axis_count_};
+  with_degree(piece.degree,
+              [&](auto degree) { write_motion_on<degree>(rows, u, piece.seconds, out.data()); });
+  for (std::size_t d = 0; d < axis_count_; ++d) {
+    if (is_at_end) out[d].position = rows.end[d];
+    if (keeps_to_joints_) out[d].position = clipped(out[d].position, rows, d);
+    if (is_outside) out[d] = {.position = out[d].position};
+  }
 }
 
 double at_end_of_piece(const Trajectory& trajectory, const TrajectoryPiece& piece, std::size_t axis,

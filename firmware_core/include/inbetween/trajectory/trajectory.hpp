@@ -108,7 +108,6 @@ class Trajectory {
 
  private:
   Trajectory() = default;
-  void write_positions(const FrameTime<double>& asked, double* out, std::size_t stride) const;
 
   std::span<const TrajectoryPiece> pieces_;
   std::span<const double> values_;
