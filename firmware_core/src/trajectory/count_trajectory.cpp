@@ -197,11 +197,8 @@ Result<CountTrajectory> CountTrajectory::make(const Trajectory& trajectory,
   };
   const auto take = [&](const Stretch& stretch) -> Status {
     const TrajectoryPiece& piece = trajectory.pieces()[stretch.piece];
-    const FrameTime<float> begin = in_float(stretch.begin);
-    // One that is shorter than a float tells has no time of its own: what follows replaces it.
-    if (count > 0 && begin <= memory.pieces[count - 1].begin) --count;
     if (is_full()) return too_small(trajectory, counts_per_unit);
-    memory.pieces[count].begin = begin;
+    memory.pieces[count].begin = in_float(stretch.begin);
     for (std::size_t axis = 0; axis < axes; ++axis) {
       const HermitePolynomial c = between(position_of(trajectory, piece, axis), stretch.from, stretch.to);
       memory.polynomials[count * axes + axis] =
@@ -211,10 +208,8 @@ Result<CountTrajectory> CountTrajectory::make(const Trajectory& trajectory,
     return Done{};
   };
   if (const Status made = for_each_stretch(trajectory, counts_per_unit, take); !made) return made.error();
-  const FrameTime<float> end = in_float(trajectory.end());
-  if (count > 1 && end <= memory.pieces[count - 1].begin) --count;
   if (is_full()) return too_small(trajectory, counts_per_unit);
-  memory.pieces[count] = {.begin = end, .inverse_frames = 0};
+  memory.pieces[count] = {.begin = in_float(trajectory.end()), .inverse_frames = 0};
   // The last position is read from where it is written, and not computed.
   const TrajectoryPiece& last = trajectory.pieces().back();
   const bool is_whole = trajectory.end() == trajectory.end_of(trajectory.pieces().size() - 1);
@@ -230,6 +225,7 @@ Result<CountTrajectory> CountTrajectory::make(const Trajectory& trajectory,
     memory.polynomials[count * axes + axis] = in_counts(rest, position, counts_per_unit[axis]);
   }
   ++count;
+  // One that is shorter than a float tells is never the last that has begun, so nobody looks at it.
   for (std::size_t i = 0; i + 1 < count; ++i) {
     CountTrajectoryPiece& piece = memory.pieces[i];
     piece.inverse_frames = 1 / frames_between(piece.begin, memory.pieces[i + 1].begin);
