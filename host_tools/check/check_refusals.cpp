@@ -66,6 +66,11 @@ class AxisRefusals {
                        in_quotes(rig_.name)),
            remedy_of_position(), false, true);
   }
+  /// To three digits, so that moving by it is enough.
+  [[nodiscard]] static double rounded_up(double number) {
+    const double unit = std::pow(10, std::floor(std::log10(number)) - 2);
+    return std::ceil(number / unit) * unit;
+  }
   /// Where its keys are inside, it is the curve between them that goes beyond.
   [[nodiscard]] std::string remedy_of_position() const {
     const bool can_overshoot =
@@ -74,16 +79,19 @@ class AxisRefusals {
       const double at = key.at[axis_in_track_];
       return at >= limits_.min && at <= limits_.max;
     });
-    if (!keys_are_inside || !can_overshoot) return "move its keys inward";
+    const bool low = limits_.min - axis_.range->lowest.value > axis_.range->highest.value - limits_.max;
+    const Peak<double>& worst = low ? axis_.range->lowest : axis_.range->highest;
+    const std::string inward =
+        fmt::format("move its keys inward by {:.6g} {}",
+                    rounded_up(low ? limits_.min - worst.value : worst.value - limits_.max), axis_.unit);
+    if (!keys_are_inside || !can_overshoot) return inward;
     // There overshoot = false would break max_jerk.
     if (is_over_time(track_) && limits_.max_jerk) {
-      const bool low = limits_.min - axis_.range->lowest.value > axis_.range->highest.value - limits_.max;
-      const Peak<double>& worst = low ? axis_.range->lowest : axis_.range->highest;
       const std::optional<std::size_t> key = key_to_rest(track_, worst.frame, axis_in_track_, low);
-      if (!key) return "move its keys inward";
-      return fmt::format("write {}, or move its keys inward", twice_in_words(track_, {*key}));
+      if (!key) return inward;
+      return fmt::format("write {}, or {}", twice_in_words(track_, {*key}), inward);
     }
-    return "keep the curve between its keys with overshoot = false, or move its keys inward";
+    return "keep the curve between its keys with overshoot = false, or " + inward;
   }
 
   /// The steps of this axis that are refused, and the largest of them.

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "host_tools/check/check_frames.hpp"
@@ -123,8 +124,17 @@ TEST(Check, APathThatSwingsBeyondALimitBetweenItsKeysIsRefused) {
   ASSERT_THAT(report.refusals, SizeIs(1));
   EXPECT_GT(report.axes[0].range->highest.value, 200);
   ASSERT_FALSE(report.fits());
-  EXPECT_THAT(report.refusals[0].message(),
-              HasSubstr("keep the curve between its keys with overshoot = false, or move its keys inward"));
+  const std::string_view either =
+      "keep the curve between its keys with overshoot = false, or move its keys inward by ";
+  const std::string message = report.refusals[0].message();
+  ASSERT_THAT(message, HasSubstr(either));
+  const double inward = std::stod(message.substr(message.find(either) + either.size()));
+  EXPECT_GE(inward, report.axes[0].range->highest.value - 200);
+  EXPECT_LE(inward, 1.01 * (report.axes[0].range->highest.value - 200));
+  const std::string moved = fmt::format(
+      "keys = [ {{ at = [0, 0] }}, {{ at = [{0}, 50] }}, {{ at = [{0}, 100] }}, {{ at = [0, 150] }} ]\n",
+      199 - inward);
+  EXPECT_TRUE(check_of(moved + gently, rig_with("", 4000), 400).fits()) << "as the words say";
   EXPECT_TRUE(check_of("overshoot = false\n" + swing + gently, rig_with("", 4000), 400).fits());
 }
 

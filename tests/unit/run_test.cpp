@@ -115,7 +115,7 @@ TEST(Run, AnAxisBeyondItsLimitMovesNothing) {
     EXPECT_THAT(error.what(), StartsWith("move.toml:5:9: error: axis \"x\" would go to 14."));
     EXPECT_THAT(error.what(), HasSubstr(" mm at frame "));
     EXPECT_THAT(error.what(),
-                HasSubstr("outside 2..14 mm of the rig \"bench\"; move its keys inward; inbetween "
+                HasSubstr("outside 2..14 mm of the rig \"bench\"; move its keys inward by 0.5 mm; inbetween "
                           "check tries what lets it fit"));
   }
   EXPECT_FALSE(moved);
