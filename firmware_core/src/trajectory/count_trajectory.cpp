@@ -11,7 +11,7 @@ namespace {
 constexpr double max_terms = 131072;
 /// What the two highest powers of a septic are worth at most after the others have taken over what they can.
 constexpr double max_dropped = 0.01;
-constexpr int max_halvings = 16;
+constexpr int max_piece_halvings = 16;
 /// Positions are at most this, so that base and offset fit 32 bits together.
 constexpr double max_position = 2147483647.0 - max_terms;
 
@@ -43,7 +43,7 @@ HermitePolynomial between(const HermitePolynomial& whole, double from, double to
   return result;
 }
 
-HermitePolynomial position_of(const Trajectory& trajectory, const TrajectoryPiece& piece, std::size_t axis) {
+HermitePolynomial septic_of(const Trajectory& trajectory, const TrajectoryPiece& piece, std::size_t axis) {
   HermitePolynomial result{};
   with_degree(piece.degree, [&](auto degree) {
     result = position_polynomial<degree>(&trajectory.values()[piece.begin_row],
@@ -97,7 +97,7 @@ Result<int> halvings_of(const Trajectory& trajectory, const TrajectoryPiece& pie
   for (std::size_t axis = 0; axis < trajectory.axis_count(); ++axis) {
     const double scale = std::fabs(counts_per_unit[axis]);
     const double begin = trajectory.values()[piece.begin_row + axis] * scale;
-    const HermitePolynomial whole = position_of(trajectory, piece, axis);
+    const HermitePolynomial whole = septic_of(trajectory, piece, axis);
     if (!(std::fabs(begin) + terms_of(whole) * scale <= max_position))
       return not_playable("a position does not fit 32 bits of counts", axis);
     const auto is_small = [&] {
@@ -111,7 +111,7 @@ Result<int> halvings_of(const Trajectory& trajectory, const TrajectoryPiece& pie
       return true;
     };
     while (!is_small()) {
-      if (++halvings > max_halvings) return not_playable("an axis goes too fast in counts", axis);
+      if (++halvings > max_piece_halvings) return not_playable("an axis goes too fast in counts", axis);
     }
   }
   return halvings;
@@ -200,7 +200,7 @@ Result<CountTrajectory> CountTrajectory::make(const Trajectory& trajectory,
     if (is_full()) return too_small(trajectory, counts_per_unit);
     memory.pieces[count].begin = in_float(stretch.begin);
     for (std::size_t axis = 0; axis < axes; ++axis) {
-      const HermitePolynomial c = between(position_of(trajectory, piece, axis), stretch.from, stretch.to);
+      const HermitePolynomial c = between(septic_of(trajectory, piece, axis), stretch.from, stretch.to);
       memory.polynomials[count * axes + axis] =
           in_counts(c, trajectory.values()[piece.begin_row + axis], counts_per_unit[axis]);
     }
@@ -219,7 +219,7 @@ Result<CountTrajectory> CountTrajectory::make(const Trajectory& trajectory,
     if (!is_whole) {
       const TrajectoryPiece& piece = trajectory.pieces()[trajectory.piece_at(trajectory.end())];
       const double u = frames_between(piece.begin, trajectory.end()) * piece.inverse_frames;
-      rest[0] = between(position_of(trajectory, piece, axis), u, 1)[0];
+      rest[0] = between(septic_of(trajectory, piece, axis), u, 1)[0];
       position = trajectory.values()[piece.begin_row + axis];
     }
     memory.polynomials[count * axes + axis] = in_counts(rest, position, counts_per_unit[axis]);
