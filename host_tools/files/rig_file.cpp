@@ -22,8 +22,9 @@
 namespace inbetween {
 namespace {
 
-constexpr std::array<std::string_view, 9> rig_fields = {
-    "name", "rate_hz", "bus", "axis", "emergency_stop", "start_trigger", "camera", "output", "kinematics"};
+constexpr std::array<std::string_view, 10> rig_fields = {"name",   "rate_hz",        "step_watch_us", "bus",
+                                                        "axis",   "emergency_stop", "start_trigger", "camera",
+                                                        "output", "kinematics"};
 constexpr std::array<std::string_view, 2> bus_fields = {"bitrate", "data_bitrate"};
 /// CAN FD transceivers carry no more.
 constexpr std::int64_t max_data_bitrate = 8'000'000;
@@ -596,6 +597,8 @@ RigFile parse_rig(std::string_view text, const std::string& file_name) {
   rig.name = table.required("name", R"(name = "what the rig is called")").text();
   const TomlValue rate = table.required("rate_hz", "rate_hz = 250, say");
   rig.rate_hz = static_cast<std::int32_t>(rate.integer(1, max_rate_hz));
+  if (const auto watch = table.optional("step_watch_us"))
+    rig.step_watch_ns = 1000 * watch->integer(0, max_step_watch_us);
   rig.buses = read_buses(table);
   Taken taken;
   TakenLines lines;

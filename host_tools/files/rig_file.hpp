@@ -21,6 +21,7 @@
 namespace inbetween {
 
 inline constexpr std::int32_t max_rate_hz = 20'000;
+inline constexpr std::int64_t max_step_watch_us = 1000;
 inline constexpr std::size_t max_rig_axes = 64;
 inline constexpr std::size_t max_rig_outputs = 64;
 inline constexpr std::size_t max_rig_tips = 16;
@@ -295,7 +296,8 @@ struct RigFile {
   std::string path;
   std::string name;
   std::int32_t rate_hz = 0;
-  std::vector<Bus> buses;  // in alphabetical order
+  std::int64_t step_watch_ns = 100'000;  // before an edge the clock is watched for so long
+  std::vector<Bus> buses;                // in alphabetical order
   std::vector<RigAxis> axes;
   std::optional<InputLine> emergency_stop = {};  // active: the level that stops
   std::optional<InputLine> start_trigger = {};

@@ -26,7 +26,7 @@ CueOutputs::CueOutputs(const MoveFile& move, const RigFile& rig, const WholeFram
     : pulses_(cue_pulses(move, part)),
       begun_(begun_in_a_tick),
       instants_(instants_for(begun_in_a_tick)),
-      chain_(rig.rate_hz, played_lead_ns(rig.rate_hz)) {
+      chain_(rig.rate_hz, played_lead_ns(rig)) {
   for (const Output& output : rig.outputs) {
     lines_.push_back({{output.name, &output.line, &output.place}, hardware.chip_of(output.line.address)});
   }

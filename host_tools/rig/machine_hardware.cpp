@@ -239,7 +239,8 @@ std::unique_ptr<ChipOutputs> MachineHardware::open_steps(const std::string& chip
                                                          std::span<const std::size_t> axes,
                                                          std::span<const StepLines> /*wires*/) {
   std::vector<gpio::OutputLine> lines, enables;
-  gpio::StepPlayerSettings settings{.pace = {.min_spacing_ns = ns_per_s}, .max_late_ns = ns_per_s};
+  gpio::StepPlayerSettings settings{
+      .pace = {.min_spacing_ns = ns_per_s}, .max_late_ns = ns_per_s, .watch_ns = rig_.step_watch_ns};
   for (const std::size_t a : axes) {
     const auto& drive = std::get<StepDirDrive>(motors_.axes[a].drive);
     lines.push_back({.line = choice_of(drive.step)});
@@ -268,7 +269,7 @@ std::unique_ptr<ChipOutputs> MachineHardware::open_pulses(const std::string& chi
         {.line = choice_of(line.wire->address.line), .is_inverted = line.wire->idle == Level::high});
   }
   auto played = std::make_unique<PlayedChip>(true);
-  if (const auto refusal = played->open(chip, wanted, {}, in_real_time_)) {
+  if (const auto refusal = played->open(chip, wanted, {.watch_ns = rig_.step_watch_ns}, in_real_time_)) {
     refuse_at(*lines.front().place, *refusal, "output " + in_quotes(lines.front().name));
   }
   return played;

@@ -30,9 +30,8 @@ namespace inbetween {
 
 /// How long before its time the motion of a tick is written: a tick, and never less than the thread of a chip
 /// needs to notice it.
-inline std::int64_t played_lead_ns(std::int32_t rate_hz) {
-  const gpio::StepPlayerSettings player;
-  return std::max(ns_per_s / rate_hz, player.nap_ns + 2 * player.watch_ns);
+inline std::int64_t played_lead_ns(const RigFile& rig) {
+  return std::max(ns_per_s / rig.rate_hz, gpio::StepPlayerSettings{}.nap_ns + 2 * rig.step_watch_ns);
 }
 
 /// A bus of a rig with such frames (can::FrameLink).

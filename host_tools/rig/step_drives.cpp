@@ -109,7 +109,7 @@ void StepDrives::make_port() {
     }
   }
   const StepPortTiming timing{
-      .rate_hz = rig_.rate_hz, .lead_ns = played_lead_ns(rig_.rate_hz), .max_late_ns = max_late_ns};
+      .rate_hz = rig_.rate_hz, .lead_ns = played_lead_ns(rig_), .max_late_ns = max_late_ns};
   const RigAxis& first = rig_.axes[indices_.front()];
   port_.emplace(
       value_or_refuse(StepPort<double, ChipOutputs>::make(lanes_, port_chips_, lane_states_, lists_, timing),

@@ -42,7 +42,7 @@ const std::string with_home =
 
 /// A loop so slow, and so many lines that change, that more edges come in a tick than it can take.
 std::string rig_with_loose_contacts(const std::string& of_rig, const std::string& of_x) {
-  std::string text = "name = \"bench\"\nrate_hz = 10\n" + of_rig + R"([[axis]]
+  std::string text = "name = \"bench\"\nrate_hz = 10\nstep_watch_us = 0\n" + of_rig + R"([[axis]]
 name = "x"
 unit = "mm"
 min = -1
@@ -142,6 +142,7 @@ TEST(GpioFault, LinesThatChangeOftenAndAreAllHeardStopNothing) {
 /// the drive is off while its ENABLE is high.
 const std::string rig_on_two_chips = R"(name = "bench"
 rate_hz = 250
+step_watch_us = 0
 [emergency_stop]
 chip = "head"
 line = 6

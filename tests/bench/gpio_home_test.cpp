@@ -25,6 +25,7 @@ constexpr std::int64_t ms = 1'000'000;
 
 const std::string rig_text = R"(name = "bench"
 rate_hz = 250
+step_watch_us = 0
 [[axis]]
 name = "x"
 unit = "mm"

@@ -32,6 +32,7 @@ constexpr std::int64_t tick_ns = 4 * ms;
 // Pulses so long that whoever looks every 0.4 ms sees each of them.
 const std::string rig_text = R"(name = "bench"
 rate_hz = 250
+step_watch_us = 0
 [emergency_stop]
 chip = "head"
 line = 6

@@ -12,6 +12,9 @@
 
 namespace inbetween {
 
+/// Watching the clock before every edge takes the kernel of the bench a system call for each look: rigs here
+/// have step_watch_us = 0, and sleep until the edge.
+///
 /// All bash in here runs in the folder with rig.toml, move.toml and the position file `positions`.
 /// `pull LINE up` and `pull LINE down` are a switch at a line of the watched chip, $chips/LABEL is the folder
 /// in which a chip's lines are driven.

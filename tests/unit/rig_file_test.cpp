@@ -240,11 +240,20 @@ TEST(RigFile, InvalidUtf8DeepNestingAndSyntaxErrorsAreRefused) {
   expect_change_refused("250", "@", {"not valid TOML"});
 }
 
+TEST(RigFile, TheClockIsWatchedBeforeAnEdgeForSoLong) {
+  EXPECT_EQ(parse_rig(slider, "slider.toml").step_watch_ns, 100'000);
+  const std::string with_watch = with(slider, "rate_hz = 250", "rate_hz = 250\nstep_watch_us = 40");
+  EXPECT_EQ(parse_rig(with_watch, "slider.toml").step_watch_ns, 40'000);
+  expect_change_refused("rate_hz = 250", "rate_hz = 250\nstep_watch_us = @1001", {"1001", "from 0 to 1000"});
+  expect_change_refused("rate_hz = 250", "rate_hz = 250\nstep_watch_us = @-1", {"-1", "from 0 to 1000"});
+}
+
 // ---- fields and types
 
 TEST(RigFile, AnUnknownFieldIsCorrected) {
-  expect_change_refused("rate_hz", "@rate",
-                        {"the rig has no field \"rate\"", "its fields are name, rate_hz, bus, axis"});
+  expect_change_refused(
+      "rate_hz", "@rate",
+      {"the rig has no field \"rate\"", "its fields are name, rate_hz, step_watch_us, bus, axis"});
   expect_change_refused("rate_hz", "@ratehz", {"did you mean \"rate_hz\"?"});
   expect_change_refused("bitrate", "@bit_rate",
                         {"bus \"can0\" has no field \"bit_rate\"", "did you mean \"bitrate\"?"});
