@@ -22,9 +22,9 @@
 namespace inbetween {
 namespace {
 
-constexpr std::array<std::string_view, 10> rig_fields = {"name",   "rate_hz",        "step_watch_us", "bus",
-                                                        "axis",   "emergency_stop", "start_trigger", "camera",
-                                                        "output", "kinematics"};
+constexpr std::array<std::string_view, 10> rig_fields = {
+    "name",           "rate_hz",       "step_watch_us", "bus",    "axis",
+    "emergency_stop", "start_trigger", "camera",        "output", "kinematics"};
 constexpr std::array<std::string_view, 2> bus_fields = {"bitrate", "data_bitrate"};
 /// CAN FD transceivers carry no more.
 constexpr std::int64_t max_data_bitrate = 8'000'000;
