@@ -81,7 +81,7 @@ class AxisRefusals {
     });
     const bool low = limits_.min - axis_.range->lowest.value > axis_.range->highest.value - limits_.max;
     const Peak<double>& worst = low ? axis_.range->lowest : axis_.range->highest;
-    const std::string inward =
+    std::string inward =
         fmt::format("move its keys inward by {:.6g} {}",
                     rounded_up(low ? limits_.min - worst.value : worst.value - limits_.max), axis_.unit);
     if (!keys_are_inside || !can_overshoot) return inward;

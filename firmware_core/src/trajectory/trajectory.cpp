@@ -129,16 +129,16 @@ std::size_t Trajectory::piece_at(const FrameTime<double>& time) const {
   return piece;
 }
 
-void Trajectory::positions(const FrameTime<double>& asked, std::span<double> out) const {
-  FrameTime<double> time = asked;
-  if (!(begin_ <= time && time < end_)) [[unlikely]]
-    time = time < begin_ ? begin_ : end_;
-  if (!(time < end_of_pieces_)) [[unlikely]] {
+void Trajectory::positions(const FrameTime<double>& time, std::span<double> out) const {
+  FrameTime<double> at = time;
+  if (!(begin_ <= at && at < end_)) [[unlikely]]
+    at = at < begin_ ? begin_ : end_;
+  if (!(at < end_of_pieces_)) [[unlikely]] {
     std::copy_n(&values_[pieces_.back().end_row], axis_count_, out.data());
     return;
   }
-  const TrajectoryPiece& piece = pieces_[piece_at(time)];
-  const double u = frames_between(piece.begin, time) * piece.inverse_frames;
+  const TrajectoryPiece& piece = pieces_[piece_at(at)];
+  const double u = frames_between(piece.begin, at) * piece.inverse_frames;
   const PieceRows rows{&values_[piece.begin_row], &values_[piece.end_row], axis_count_};
   with_degree(piece.degree,
               [&](auto degree) { write_positions_on<degree>(rows, u, piece.seconds, out.data()); });
@@ -147,15 +147,15 @@ void Trajectory::positions(const FrameTime<double>& asked, std::span<double> out
   for (std::size_t d = 0; d < axis_count_; ++d) out[d] = clipped(out[d], rows, d);
 }
 
-void Trajectory::motion(const FrameTime<double>& asked, std::span<AxisMotion<double>> out) const {
-  const bool is_outside = asked < begin_ || end_ < asked;
-  const FrameTime<double> time = is_outside ? (asked < begin_ ? begin_ : end_) : asked;
-  const bool is_end = time == end_;
-  std::size_t index = time < end_of_pieces_ ? piece_at(time) : pieces_.size() - 1;
-  if (is_end && index > 0 && pieces_[index].begin == time) --index;
+void Trajectory::motion(const FrameTime<double>& time, std::span<AxisMotion<double>> out) const {
+  const bool is_outside = time < begin_ || end_ < time;
+  const FrameTime<double> at = is_outside ? (time < begin_ ? begin_ : end_) : time;
+  const bool is_end = at == end_;
+  std::size_t index = at < end_of_pieces_ ? piece_at(at) : pieces_.size() - 1;
+  if (is_end && index > 0 && pieces_[index].begin == at) --index;
   const TrajectoryPiece& piece = pieces_[index];
-  const bool is_at_end = time == end_of(index);
-  const double u = is_at_end ? 1 : frames_between(piece.begin, time) * piece.inverse_frames;
+  const bool is_at_end = at == end_of(index);
+  const double u = is_at_end ? 1 : frames_between(piece.begin, at) * piece.inverse_frames;
   const PieceRows rows{&values_[piece.begin_row], &values_[piece.end_row], axis_count_};
   with_degree(piece.degree,
               [&](auto degree) { write_motion_on<degree>(rows, u, piece.seconds, out.data()); });
