@@ -84,8 +84,8 @@ class Writer {
       }
       axes.push_back(axis);
     }
-    files_.rig = rig_text(axes, {.rate_hz = one_of({100, 250}),
-                                 .more = (chance(0.2) ? "step_watch_us = 40\n" : "") + bus_can0 + lines()});
+    files_.rig =
+        rig_text(axes, {.rate_hz = one_of({100, 250}), .more = "step_watch_us = 40\n" + bus_can0 + lines()});
   }
   static std::string lines() {
     return "[start_trigger]\nchip = \"gpio\"\nline = 6\n[output.lamp]\nchip = \"gpio\"\nline = 19\nidle = "
