@@ -241,8 +241,8 @@ TEST(GpioFault, ALineThatTheRigMeansTwiceIsRefusedBeforeAnyIsTaken) {
   const TwoChips scene({"--name", "far:3:LAMP"}, rig);
   EXPECT_EQ(scene.run.status, 1);
   EXPECT_THAT(scene.run.err,
-              AllOf(HasSubstr("rig.toml:9:"),
-                    HasSubstr("line 3 of chip \"far\" is used in line 30 already; give each line one use")));
+              AllOf(HasSubstr("rig.toml:10:"),
+                    HasSubstr("line 3 of chip \"far\" is used in line 31 already; give each line one use")));
   scene.expect_nothing_was_touched();
 }
 
