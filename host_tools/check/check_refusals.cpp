@@ -66,7 +66,7 @@ class AxisRefusals {
                        in_quotes(rig_.name)),
            remedy_of_position(), false, true);
   }
-  /// To three digits, so that moving by it is enough.
+  /// It rounds up to three digits, so that moving by the result is enough.
   [[nodiscard]] static double rounded_up(double number) {
     const double unit = std::pow(10, std::floor(std::log10(number)) - 2);
     return std::ceil(number / unit) * unit;

@@ -27,7 +27,7 @@ struct GpioSceneOptions {
   std::string during = "";  ///< bash beside it, two seconds after its start; $run is the program
   std::vector<std::string> bench = {"--gpio", "head:8"};
   std::string watched = "head";
-  /// Of the watched chip. Most of what a scene takes is looking at them.
+  /// These lines of the watched chip are recorded. Looking at them takes most of the time of a scene.
   std::vector<unsigned> lines = {0, 1, 2, 3, 4, 5, 6, 7};
 };
 

@@ -7,9 +7,9 @@
 namespace inbetween {
 namespace {
 
-/// What the terms of a polynomial add up to at most, in counts: a float knows a 2^24th of it.
+/// The terms of a polynomial add up to this at most, in counts: a float knows a 2^24th of it.
 constexpr double max_terms = 131072;
-/// What the two highest powers of a septic are worth at most after the others have taken over what they can.
+/// The two highest powers of a septic are left out where this is the most they would change, in counts.
 constexpr double max_dropped = 0.01;
 constexpr int max_piece_halvings = 16;
 /// Positions are at most this, so that base and offset fit 32 bits together.

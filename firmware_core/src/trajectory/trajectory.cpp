@@ -8,7 +8,7 @@
 namespace inbetween {
 namespace {
 
-/// What a look at a piece reads.
+/// A look at a piece reads these.
 struct PieceRows {
   const double* begin;
   const double* end;
@@ -46,7 +46,7 @@ INBETWEEN_PROCESSOR_CLONES void write_motion_on(const PieceRows& rows, double u,
   }
 }
 
-/// Where the ends of a piece are not, no moment of it is: a polynomial may be beyond them by its rounding.
+/// This keeps a position between the ends of its piece: a polynomial may be beyond them by its rounding.
 double clipped(double position, const PieceRows& rows, std::size_t axis) {
   return std::clamp(position, std::min(rows.begin[axis], rows.end[axis]),
                     std::max(rows.begin[axis], rows.end[axis]));
@@ -169,18 +169,15 @@ void Trajectory::motion(const FrameTime<double>& time, std::span<AxisMotion<doub
 double at_end_of_piece(const Trajectory& trajectory, const TrajectoryPiece& piece, std::size_t axis,
                        std::size_t derivative, bool is_end) {
   const std::size_t axes = trajectory.axis_count();
-  const double* begin = &trajectory.values()[piece.begin_row];
-  const double* end = &trajectory.values()[piece.end_row];
-  if (derivative < known_of(piece.degree)) return (is_end ? end : begin)[derivative * axes + axis];
+  const PieceRows rows{&trajectory.values()[piece.begin_row], &trajectory.values()[piece.end_row], axes};
+  if (derivative < known_of(piece.degree)) return (is_end ? rows.end : rows.begin)[derivative * axes + axis];
   double sum = 0;
   with_degree(piece.degree, [&](auto degree) {
     const double u = is_end ? 1 : 0;
     const HermiteWeights w = derivative == 1   ? hermite_weights<degree, 1>(u, piece.seconds)
                              : derivative == 2 ? hermite_weights<degree, 2>(u, piece.seconds)
                                                : hermite_weights<degree, 3>(u, piece.seconds);
-    sum = w.end[0] * (end[axis] - begin[axis]);
-    for (std::size_t j = 1; j < known_of(degree); ++j)
-      sum += w.begin[j] * begin[j * axes + axis] + w.end[j] * end[j * axes + axis];
+    sum = sum_of<known_of(degree)>(w, rows, axis);
   });
   return sum;
 }
