@@ -40,7 +40,7 @@ void TrajectoryFitter::make_room_for(const TrackSampler& sampler) {
   grow(values_, usual_pieces * joints * 4 * axes);
   grow(buckets_, pieces_.size());
   grow(breaks_, joints);
-  grow(unbounded_, 2 * joints * axes);
+  grow(unbounded_, 3 * joints * axes);  // either side, and between two joints
   grow(samples_, 3 * axes);
 }
 

@@ -25,8 +25,12 @@ constexpr int many_files = 10'000;
 struct Reasons {
   int turns_back = 0;  ///< a line that turns back at a speed: a step of the velocity, and no acceleration
   int uncounted = 0;   ///< an axis of weight 0 moves where the path stands still: tracks do not see it
-  int loosened = 0;    ///< moves whose samples are rounded more than the tolerances of the fit
-  int narrow = 0;      ///< a peak that lasts less than a ten-millionth of the move is rounded
+  int resting = 0;   ///< an axis of weight 0 where the path stands still and rests: the place is met as near
+                     ///< as a lock is, and the root of that shows in the jerk
+  int too_low = 0;   ///< a track has more than its bound says, of an axis of weight 0 beside a standstill
+  int even = 0;      ///< the difference changes the velocity by a hundred-thousandth in a frame
+  int loosened = 0;  ///< moves whose samples are rounded more than the tolerances of the fit
+  int narrow = 0;    ///< a peak that lasts less than a ten-millionth of the move is rounded
   int compared = 0;
 };
 
@@ -62,6 +66,8 @@ class Comparison {
     for (const SolvedTrack<double>& solved : plan_.tracks()) {
       const std::vector<AxisPeaks<double>> peaks = bounds_of_track(plan_, solved.track(), first);
       is_uncounted_ = solved.track().has_profile() && has_uncounted_axis(solved.track());
+      track_ = &solved.track();
+      first_axis_ = first;
       for (std::size_t d = 0; d < peaks.size(); ++d) compare(first + d, peaks[d]);
       first += peaks.size();
     }
@@ -71,13 +77,15 @@ class Comparison {
   void compare(std::size_t axis, const AxisPeaks<double>& track) {
     const AxisPeaks<double>& played = played_.axes[axis];
     const double size = std::max(std::fabs(track.lowest.value), std::fabs(track.highest.value));
-    const double place = 1e-8 * (track.highest.value - track.lowest.value) + 1e-12 * size + 1e-12;
+    // Where the path stands still, an axis of weight 0 is known as well as a root of the rounding.
+    const double share = is_uncounted_ ? 1e-6 : 1e-8;
+    const double place = share * (track.highest.value - track.lowest.value) + 1e-12 * size + 1e-12;
     EXPECT_NEAR(played.lowest.value, track.lowest.value, place) << text_;
     EXPECT_NEAR(played.highest.value, track.highest.value, place) << text_;
     const std::array<Peak<double>, 3> now{played.velocity, played.acceleration, played.jerk};
     const std::array<Peak<double>, 3> before{track.velocity, track.acceleration, track.jerk};
-    const double seconds =
-        (plan_.part().last - plan_.part().first) / plan_.played().frame_rate().frames_per_second();
+    const double seconds_per_frame = 1 / plan_.played().frame_rate().frames_per_second();
+    const double seconds = (plan_.part().last - plan_.part().first) * seconds_per_frame;
     // A peak of the jerk that the acceleration is not worth mentioning beside, or of that beside the
     // velocity.
     const bool is_narrow = before[1].value < 1e-7 * seconds * before[2].value ||
@@ -97,6 +105,14 @@ class Comparison {
                      0.011 * std::max(now[q].value, before[q].value) + noise &&
                  std::isfinite(now[q].value) && std::isfinite(before[q].value)) {
         continue;
+      } else if (std::fabs(now[q].value - before[q].value) *
+                     std::pow(seconds_per_frame, static_cast<double>(q)) <=
+                 1e-5 * before[0].value) {
+        ++reasons_.even;
+      } else if (is_uncounted_ && reached(axis, now[q].frame)[q] >= 0.989 * now[q].value) {
+        ++reasons_.too_low;
+      } else if (is_uncounted_ && q > 0 && rests_beside(now[q].frame)) {
+        ++reasons_.resting;
       } else if (is_narrow) {
         ++reasons_.narrow;
       } else {
@@ -112,12 +128,38 @@ class Comparison {
     });
   }
 
+  /// What the motion of the track itself has at a frame.
+  [[nodiscard]] std::array<double, 3> reached(std::size_t axis, double frame) const {
+    std::vector<AxisMotion<double>> motion(static_cast<std::size_t>(track_->path().axis_count()));
+    const double whole = std::floor(frame);
+    track_->motion({static_cast<std::int32_t>(whole), frame - whole}, motion);
+    const AxisMotion<double>& here = motion[axis - first_axis_];
+    return {std::fabs(here.velocity), std::fabs(here.acceleration), std::fabs(here.jerk)};
+  }
+  /// The drawn curve is 0 within a hundredth of a frame.
+  [[nodiscard]] bool rests_beside(double frame) const {
+    const SpeedProfile<double>& profile = track_->profile();
+    const double frames_per_span = static_cast<double>(track_->frames()) / profile.span_count();
+    const auto knot = static_cast<std::int32_t>(std::lround(frame / frames_per_span));
+    return std::fabs(frame - knot * frames_per_span) < 1e-2 &&
+           (knot == profile.span_count() ? profile.span(knot - 1).b3 : profile.span(knot).b0) == 0;
+  }
+
   const Plan& plan_;
   const std::string& text_;
   Reasons& reasons_;
   PlayedBounds played_;
   bool is_uncounted_ = false;
+  const Track<double>* track_ = nullptr;
+  std::size_t first_axis_ = 0;  ///< of it
 };
+
+Reasons reasons_of(const std::string& text) {
+  Reasons reasons;
+  const Plan plan(parse_move(text, "move.toml"), std::nullopt, {});
+  Comparison(plan, text, reasons).compare();
+  return reasons;
+}
 
 /// Whether there is a plan to compare.
 bool compare(int number, Reasons& reasons) {
@@ -141,6 +183,53 @@ TEST(PlayedBoundsProperty, AStandstillAtAKnotOfTheSpeedCurveIsAPlaceOfThePath) {
   for (const int number : {1263, 6967}) EXPECT_TRUE(compare(number, reasons));
 }
 
+/// 26212, 48116, 62226: a slow place beside a key gave the key its time; 20008, 33598: a turn sharper than
+/// the shortest piece overshot its ends; 58277: a curve's knot 2.9e-8 frames from a path's; 31969: an axis of
+/// weight 0 rests where the others turn.
+TEST(PlayedBoundsProperty, WhatOnceDifferedDoesNotDiffer) {
+  Reasons reasons;
+  for (const int number : {10281, 15516, 20008, 26212, 31969, 33598, 48116, 58277, 62226})
+    EXPECT_TRUE(compare(number, reasons));
+  EXPECT_EQ(reasons.narrow, 0);
+}
+
+/// Axis b has no velocity at key 1. Once it was followed down to where the rounding of the velocity of axis a
+/// is a jerk of 2.9e10.
+TEST(PlayedBoundsProperty, AnAxisWithoutAVelocityIsNoJerkOfAnother) {
+  const Reasons reasons = reasons_of(R"(name = "uncounted"
+fps = "24000/1001"
+frames = 87
+[[track]]
+axes = ["a", "b"]
+weights = [3, 0]
+ease_out = 86
+speed = [1, 0, 7.3, 1, 1, 1, 0, 1, 100, 100, 0, 100, 0, 100, 0, 0, 0, 5.9, 0, 100, 1]
+keys = [{ at = [0.5, 31.2] }, { at = [1, 52.9] }, { at = [0, 31.4] }, { at = [0, 31.4] }]
+)");
+  EXPECT_EQ(reasons.uncounted, 3);
+  EXPECT_EQ(reasons.turns_back + reasons.narrow + reasons.resting, 0);
+}
+
+/// Axis b rests at frame 5, where axis a turns: its place is known as well as the root of the rounding of the
+/// distance. Once that was a velocity of 30 289.
+TEST(PlayedBoundsProperty, AnAxisThatDoesNotCountRestsWhereTheOthersTurn) {
+  const Reasons reasons = reasons_of(R"(name = "uncounted"
+fps = 1
+frames = 10
+[[track]]
+axes = ["a", "b"]
+spline = "smooth"
+weights = [2, 0]
+corners = "ease"
+speed = [0, 10, 0, 100, 0, 10, 1, 1]
+keys = [{ at = [1, 51.524412256451484] }, { at = [34.12597538692899, 1] },
+  { at = [59.910846278706195, -13.054746046549841] }, { at = [18.76481934893922, 42.419234746951965] },
+  { at = [18.76481934893922, 42.419234746951965] }, { at = [0, 0.5] }]
+)");
+  EXPECT_EQ(reasons.resting, 1);
+  EXPECT_EQ(reasons.turns_back + reasons.narrow + reasons.uncounted, 0);
+}
+
 TEST(PlayedBoundsProperty, TheyAreThoseOfTheTracksWithinOnePercentOrTheReasonIsKnown) {
   Reasons reasons;
   int planned = 0;
@@ -148,11 +237,14 @@ TEST(PlayedBoundsProperty, TheyAreThoseOfTheTracksWithinOnePercentOrTheReasonIsK
     if (compare(i, reasons)) ++planned;
   }
   std::cout << planned << " moves, " << reasons.compared << " peaks; turns back on a line "
-            << reasons.turns_back << ", axes of weight 0 " << reasons.uncounted << ", narrow "
-            << reasons.narrow << '\n';
+            << reasons.turns_back << ", axes of weight 0 " << reasons.uncounted << " and at rest "
+            << reasons.resting << ", above the bound of the track " << reasons.too_low << ", nearly even "
+            << reasons.even << ", narrow " << reasons.narrow << '\n';
   EXPECT_GE(planned, cases_to_run(many_files) / 4);
   EXPECT_LE(reasons.loosened, planned / 200 + 1);
-  EXPECT_LE(reasons.turns_back + reasons.uncounted + reasons.narrow, reasons.compared / 20 + 5);
+  const int explained = reasons.turns_back + reasons.uncounted + reasons.resting + reasons.too_low +
+                        reasons.even + reasons.narrow;
+  EXPECT_LE(explained, reasons.compared / 20 + 5);
 }
 
 }  // namespace played_bounds_property_test

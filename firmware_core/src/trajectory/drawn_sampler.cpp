@@ -146,18 +146,21 @@ class JointList {
     return way <= 4 * lock_share<double> * track_.arc_length().total();
   }
   static bool is_inside(const CurvePlace<double>& place) { return place.t > 0 && place.t < 1; }
+  static void take_time(SampledJoint& into, const SampledJoint& other) {
+    into.time = other.time;
+    into.curve_before = other.curve_before;
+    into.curve_after = other.curve_after;
+  }
   /// A knot of the curve knows the time and its spans, a knot of the path its points, a break its constants.
   static void join(SampledJoint& into, const SampledJoint& other) {
-    if (is_inside(into.curve_after) && !is_inside(other.curve_after)) {
-      into.time = other.time;
-      into.curve_before = other.curve_before;
-      into.curve_after = other.curve_after;
-    }
+    if (is_inside(into.curve_after) && !is_inside(other.curve_after)) take_time(into, other);
     if (other.point_after.segment != nowhere) {
       const bool is_alone = into.point_before.segment == nowhere;
       const bool are_keys = into.key >= 0 && other.key >= 0;
       // A slow place beside a key is passed by: beside the key the axes would jump there.
       if (is_alone || (into.key < 0 && other.key >= 0)) {
+        // With the time at which that place is passed: a billionth of a frame off, the axes would jump too.
+        if (is_inside(into.curve_after)) take_time(into, other);
         into.point_before = other.point_before;
         into.point_after = other.point_after;
       } else if (are_keys) {  // in the order of the path: their times are within rounding of each other
@@ -321,6 +324,36 @@ class Standing {
   double size_ = 0, third_ = 0, along_ = 0;
 };
 
+/// Calls `take` with an axis and how far from its position at a point it is at a distance before and behind.
+template <class Take>
+void look_beside(const Track<double>& track, const PathPoint<double>& point, double way, const Take& take) {
+  const std::int32_t segments = track.path().segment_count();
+  const std::span<const Cubic<double>> here = track.path().segment(std::min(point.segment, segments - 1));
+  const double t = point.segment < segments ? point.t : 1;
+  const TwoSum<double> distance = track.arc_length().distance(track.path(), point);
+  for (const double side : {-way, way}) {
+    TwoSum<double> aside = distance;
+    aside.add(side);
+    const PathPoint<double> beside = point_at(track, aside);
+    if (beside.segment >= segments) continue;  // the end itself
+    const std::span<const Cubic<double>> there = track.path().segment(beside.segment);
+    for (std::size_t d = 0; d < static_cast<std::size_t>(track.path().axis_count()); ++d)
+      take(d, std::fabs(there[d].value(beside.t) - here[d].value(t)));
+  }
+}
+
+/// Where an axis of weight 0 has no velocity, its position is known far worse than the distance: as well as
+/// the root of its rounding. The velocity says so: what the rounding of the distance makes of the position
+/// is in the same proportion to it as the velocity to the speed.
+void write_mean_velocities(const Track<double>& track, const AlongPath<double>& along,
+                           std::span<AxisMotion<double>> out) {
+  const double rounding =
+      distance_roundings * std::numeric_limits<double>::epsilon() * track.arc_length().total();
+  look_beside(track, along.point, rounding, [&](std::size_t d, double reach) {
+    out[d].velocity = std::max(out[d].velocity, reach / rounding * along.speed);
+  });
+}
+
 }  // namespace
 
 SampledSpeed sample_drawn(const Track<double>& track, const FrameTime<double>& time, const DrawnPlace& place,
@@ -362,6 +395,7 @@ SampledSpeed sample_drawn(const Track<double>& track, const FrameTime<double>& t
     case Derivatives::unbounded:
       break;
   }
+  if (place.point.segment == nowhere) write_mean_velocities(track, along, out);
   return {along.speed, 0, off, along.point};
 }
 
@@ -369,6 +403,12 @@ SampledSpeed sample_drawn(const Track<double>& track, const FrameTime<double>& t
                           std::span<AxisMotion<double>> out) {
   return sample_drawn(track, time, {track.place(time), constant_at(track, time.frame), {nowhere, 0}}, false,
                       out);
+}
+
+void write_reach_along(const Track<double>& track, const PathPoint<double>& point, double way,
+                       std::span<double> out) {
+  std::fill(out.begin(), out.end(), 0.0);
+  look_beside(track, point, way, [&](std::size_t d, double reach) { out[d] = std::max(out[d], reach); });
 }
 
 bool has_unbounded_turn(const Track<double>& track, const PathPoint<double>& point, std::size_t axis) {

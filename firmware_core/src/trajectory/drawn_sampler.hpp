@@ -23,6 +23,10 @@ SampledSpeed sample_drawn(const Track<double>& track, const FrameTime<double>& t
 SampledSpeed sample_drawn(const Track<double>& track, const FrameTime<double>& time,
                           std::span<AxisMotion<double>> out);
 
+/// How far from its position at a point every axis is within so much of the distance along the path.
+void write_reach_along(const Track<double>& track, const PathPoint<double>& point, double way,
+                       std::span<double> out);
+
 /// Whether the acceleration of an axis has no bound beside a point at which the path stands still.
 bool has_unbounded_turn(const Track<double>& track, const PathPoint<double>& point, std::size_t axis);
 

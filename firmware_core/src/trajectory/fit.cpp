@@ -15,6 +15,11 @@ namespace {
 constexpr std::array<double, 5> compared_at{0.12, 0.3, 0.5, 0.7, 0.88};
 /// No piece is shorter, in frames: there the rounding of positions would be a velocity.
 constexpr double min_frames = 0x1p-36;
+/// Nor one from or to a moment at which the velocity of an axis has no bound: it would follow that axis down
+/// to where the rounding of the velocity of all others is a jerk.
+constexpr double min_unbounded_frames = 0x1p-20;
+/// Two joints that are nearer may have a line between them.
+constexpr double line_frames = 0x1p-20;
 /// A stretch between two joints that takes more pieces is one whose samples are rounded more than is known
 /// here: from then on its tolerances are doubled, and again after as many pieces as that.
 constexpr std::size_t usual_pieces = 2048;
@@ -23,8 +28,6 @@ constexpr double by_velocity_frames = 0x1p-8;
 constexpr double min_speed_share = 1e-6;
 /// Between the places at which a piece is compared its velocity may be further off.
 constexpr double velocity_margin = 0.5;
-/// Differences below so many roundings mean nothing.
-constexpr double roundings = 8;
 
 Error no_room(const char* what, std::size_t needed) {
   return {.code = ErrorCode::capacity,
@@ -86,13 +89,16 @@ class TrajectoryBuilder {
 
  private:
   struct Row {
-    std::uint32_t offset = 0;  ///< in the values
-    std::uint8_t order = 3;    ///< of its highest derivative
-    double off = 0;            ///< SampledSpeed::off
+    std::uint32_t offset = 0;    ///< in the values
+    std::uint8_t order = 3;      ///< of its highest derivative
+    bool is_off = false;         ///< SampledSpeed::off is not 0: off_at_begin_ or off_at_end_
+    bool has_velocities = true;  ///< with bounds
   };
+  using PerAxis = std::array<double, max_trajectory_axes>;
 
   Row stored(std::span<const AxisMotion<double>> row, const SampledSpeed& known) {
-    const Row result{static_cast<std::uint32_t>(values_), known.order, known.off};
+    const Row result{static_cast<std::uint32_t>(values_), known.order, known.off > 0, has_velocities(known)};
+    if (known.off > 0) sampler_.write_reach(known.point, known.off, std::span(off_at_end_).first(axes_));
     const std::size_t needed = (known.order + std::size_t{1}) * axes_;
     if (values_ + needed <= memory_.values.size()) {
       double* out = &memory_.values[values_];
@@ -108,6 +114,12 @@ class TrajectoryBuilder {
     values_ += needed;
     return result;
   }
+  /// The next piece begins with this row.
+  void take(const Row& row) {
+    row_ = row;
+    if (row.is_off) off_at_begin_ = off_at_end_;
+  }
+  static bool has_velocities(const SampledSpeed& known) { return known.order > 0 || known.speed == 0; }
   [[nodiscard]] bool is_full() const {
     return values_ > memory_.values.size() || pieces_ > memory_.pieces.size();
   }
@@ -119,11 +131,8 @@ class TrajectoryBuilder {
       // Where the path stands still, an axis that does not count along it may have a way to go.
       const bool is_velocity = known.order == 0 && !(sampler_.weight(d) > 0);
       if (!is_velocity && !sampler_.is_unbounded(known.point, d)) continue;
-      if (unbounded_ < memory_.unbounded.size()) {
-        memory_.unbounded[unbounded_] = {joint.time, static_cast<std::int32_t>(d), joint.key,
-                                         static_cast<std::uint8_t>(is_velocity ? 1 : 2)};
-      }
-      ++unbounded_;
+      add(UnboundedSide{joint.time, static_cast<std::int32_t>(d), joint.key,
+                        static_cast<std::uint8_t>(is_velocity ? 1 : 2)});
     }
   }
 
@@ -137,7 +146,7 @@ class TrajectoryBuilder {
     }
     is_behind_rest_ = false;
     if (is_first || known.order != row_.order || !is_same()) {
-      row_ = stored(here_, known);
+      take(stored(here_, known));
       note_unbounded(joint, known);
     } else if (!is_cubic_ || !acceleration_steps()) {
       return;
@@ -182,6 +191,9 @@ class TrajectoryBuilder {
     const std::size_t pieces_before = pieces_;
     double loosened = 1;
     const double frames = frames_between(from.time, to.time);
+    const bool is_bounded = row_.has_velocities && has_velocities(sampler_.arriving(to, there_));
+    const double min = is_bounded ? min_frames : min_unbounded_frames;
+    std::array<bool, max_trajectory_axes> is_sharp{};
     std::uint64_t index = 0;
     int level = 0;
     while (!is_full()) {
@@ -195,20 +207,24 @@ class TrajectoryBuilder {
       const std::size_t values_before = values_;
       const Row end_row = stored(there_, known);
       if (is_full()) return;
-      const TrajectoryPiece piece = piece_between(begin, end, row_, end_row);
-      if (frames * share >= 2 * min_frames && !is_cubic_ &&
-          !is_near(piece, row_.off + end_row.off, loosened)) {
-        values_ = values_before;
-        index *= 2;
-        ++level;
-        continue;
+      TrajectoryPiece piece = piece_between(begin, end, row_, end_row);
+      if (level == 0 && is_as_good_as_a_line(piece, end_row)) piece.degree = 1;
+      if (!is_cubic_ && !is_near(piece, end_row, loosened)) {
+        if (frames * share >= 2 * min) {
+          values_ = values_before;
+          index *= 2;
+          ++level;
+          continue;
+        }
+        piece.degree = 1;
+        note_sharp(piece, end_row, loosened, is_sharp);
       }
       add(piece);
       if (pieces_ - pieces_before >= usual_pieces * static_cast<std::size_t>(loosened)) {
         loosened *= 2;
         loosened_ = std::max(loosened_, loosened);
       }
-      row_ = end_row;
+      take(end_row);
       if (is_last) return;
       for (++index; index % 2 == 0; index /= 2) --level;
     }
@@ -217,6 +233,10 @@ class TrajectoryBuilder {
   static std::uint8_t degree_of(std::uint8_t order, double frames) {
     if (order == 3 && frames < by_velocity_frames) return 6;
     return static_cast<std::uint8_t>(2 * order + 1);
+  }
+  void add(const UnboundedSide& side) {
+    if (unbounded_ < memory_.unbounded.size()) memory_.unbounded[unbounded_] = side;
+    ++unbounded_;
   }
   void add(const TrajectoryPiece& piece) {
     if (pieces_ < memory_.pieces.size()) memory_.pieces[pieces_] = piece;
@@ -234,31 +254,56 @@ class TrajectoryBuilder {
             .is_exact = is_cubic_};
   }
 
-  /// Whether a piece is within the tolerances, whose ends are known but for so much along the path: no piece
-  /// is so short that this were a speed.
-  [[nodiscard]] bool is_near(const TrajectoryPiece& piece, double slack, double loosened) {
+  /// Two joints may be so near to each other that the rounding of the velocities would be a jerk between
+  /// them.
+  [[nodiscard]] bool is_as_good_as_a_line(TrajectoryPiece piece, const Row& end_row) {
+    if (is_cubic_ || piece.inverse_frames < 1 / line_frames) return false;
+    piece.degree = 1;
+    return is_near(piece, end_row, 1);
+  }
+  /// Whether a piece is within the tolerances in all axes: `row_` is its first row.
+  [[nodiscard]] bool is_near(const TrajectoryPiece& piece, const Row& end_row, double loosened) {
+    return compare(piece, end_row, loosened, [](std::size_t) { return false; });
+  }
+  /// What turns more sharply than the shortest piece can is played as a line, and its acceleration has no
+  /// bound.
+  void note_sharp(const TrajectoryPiece& piece, const Row& end_row, double loosened,
+                  std::span<bool> is_noted) {
+    compare(piece, end_row, loosened, [&](std::size_t axis) {
+      if (!is_noted[axis]) add(UnboundedSide{piece.begin, static_cast<std::int32_t>(axis), -1, 2});
+      return is_noted[axis] = true;
+    });
+  }
+  /// Goes on after an axis that is off if `off` says so. Returns whether none was.
+  template <class Off>
+  bool compare(const TrajectoryPiece& piece, const Row& end_row, double loosened, const Off& off) {
     const double frames = 1 / piece.inverse_frames;
+    bool near = true;
+    bool goes_on = true;
     for (const double u : compared_at) {
       const SampledSpeed asked = sampler_.sample(moved_by(piece.begin, u * frames), between_);
-      bool near = true;
       with_degree(piece.degree, [&](auto degree) {
         const HermiteWeights at = position_weights<degree>(u, piece.seconds);
         const HermiteWeights rate = hermite_weights<degree, 1>(u, piece.seconds);
-        for (std::size_t d = 0; d < axes_ && near; ++d) {
-          const double position = memory_.values[piece.begin_row + d] + sum<known_of(degree)>(at, piece, d);
-          const double velocity = sum<known_of(degree)>(rate, piece, d);
+        const PieceRows rows{&memory_.values[piece.begin_row], &memory_.values[piece.end_row], axes_};
+        for (std::size_t d = 0; d < axes_ && goes_on; ++d) {
+          const double position = rows.begin[d] + sum_of<known_of(degree)>(at, rows, d);
+          const double velocity = sum_of<known_of(degree)>(rate, rows, d);
           const double most =
               velocity_margin * loosened * tolerances_.speed_share * counted_speed(d, asked.speed);
-          const double noise = noise_of(between_[d], asked.speed, slack);
-          near = std::fabs(position - between_[d].position) <=
-                     loosened * tolerances_.position_share * travel_[d] + noise &&
-                 (asked.order == 0 ||
-                  std::fabs(velocity - between_[d].velocity) <= most + noise / piece.seconds);
+          const double noise = noise_of(d, asked.speed, end_row);
+          if (std::fabs(position - between_[d].position) <=
+                  loosened * tolerances_.position_share * travel_[d] + noise &&
+              (asked.order == 0 ||
+               std::fabs(velocity - between_[d].velocity) <= most + noise / piece.seconds))
+            continue;
+          near = false;
+          goes_on = off(d);
         }
       });
-      if (!near) return false;
+      if (!goes_on) break;
     }
-    return true;
+    return near;
   }
   /// What the tolerance of an axis' velocity is a share of: the drawn speed; of an axis that does not count
   /// along the path its own velocity, and its share of the way, so that it may stand still. A way of less
@@ -270,20 +315,15 @@ class TrajectoryBuilder {
     const double rate = length > 0 ? speed / length : 1 / whole_seconds_;
     return std::max(std::fabs(between_[d].velocity) + travel_[d] * rate, min_speed);
   }
-  /// What rounding leaves open of a position: of the number itself, and of the distance along the path.
-  [[nodiscard]] double noise_of(const AxisMotion<double>& axis, double speed, double slack) const {
-    constexpr double rounding = roundings * std::numeric_limits<double>::epsilon();
+  /// What rounding leaves open of a position: of the number itself, of the distance along the path, and at
+  /// rest at either end of how near the curve comes to that place. No piece is so short that this were a
+  /// speed.
+  [[nodiscard]] double noise_of(std::size_t d, double speed, const Row& end_row) const {
+    constexpr double rounding = distance_roundings * std::numeric_limits<double>::epsilon();
+    const AxisMotion<double>& axis = between_[d];
     const double share = speed > 0 ? std::fabs(axis.velocity) / speed : 0;
-    return rounding * std::fabs(axis.position) + share * (rounding * sampler_.length() + slack);
-  }
-  template <std::size_t Known>
-  [[nodiscard]] double sum(const HermiteWeights& w, const TrajectoryPiece& piece, std::size_t d) const {
-    const double* begin = &memory_.values[piece.begin_row];
-    const double* end = &memory_.values[piece.end_row];
-    double sum = w.end[0] * (end[d] - begin[d]);
-    for (std::size_t j = 1; j < Known; ++j)
-      sum += w.begin[j] * begin[j * axes_ + d] + w.end[j] * end[j * axes_ + d];
-    return sum;
+    return rounding * (std::fabs(axis.position) + share * sampler_.length()) +
+           (row_.is_off ? off_at_begin_[d] : 0) + (end_row.is_off ? off_at_end_[d] : 0);
   }
 
   const TrackSampler& sampler_;
@@ -295,7 +335,7 @@ class TrajectoryBuilder {
   bool is_cubic_;
   bool is_behind_rest_ = false;
   double loosened_ = 1;
-  std::array<double, max_trajectory_axes> travel_{};
+  PerAxis travel_{}, off_at_begin_{}, off_at_end_{};
   double whole_seconds_ = 0;
   Row row_;
   std::size_t pieces_ = 0, values_ = 0, breaks_ = 0, unbounded_ = 0;

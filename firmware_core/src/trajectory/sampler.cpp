@@ -88,6 +88,10 @@ SampledSpeed TrackSampler::leaving(const SampledJoint& joint, std::span<AxisMoti
   return sample_drawn(*track_, joint.time, place, false, out);
 }
 
+void TrackSampler::write_reach(const PathPoint<double>& point, double way, std::span<double> out) const {
+  write_reach_along(*track_, point, way, out);
+}
+
 bool TrackSampler::is_unbounded(const PathPoint<double>& point, std::size_t axis) const {
   return track_->has_profile() && has_unbounded_turn(*track_, point, axis);
 }

@@ -8,22 +8,6 @@
 namespace inbetween {
 namespace {
 
-/// A look at a piece reads these.
-struct PieceRows {
-  const double* begin;
-  const double* end;
-  std::size_t axes;
-};
-
-/// The sum of an axis' numbers in both rows: one order of operations, whatever the lanes.
-template <std::size_t Known>
-INBETWEEN_PART_OF_CLONES double sum_of(const HermiteWeights& w, const PieceRows& rows, std::size_t axis) {
-  double sum = w.end[0] * (rows.end[axis] - rows.begin[axis]);
-  for (std::size_t j = 1; j < Known; ++j)
-    sum += w.begin[j] * rows.begin[j * rows.axes + axis] + w.end[j] * rows.end[j * rows.axes + axis];
-  return sum;
-}
-
 template <std::size_t Degree>
 INBETWEEN_PROCESSOR_CLONES void write_positions_on(const PieceRows& rows, double u, double seconds,
                                                    double* out) {

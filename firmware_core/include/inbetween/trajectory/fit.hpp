@@ -25,14 +25,14 @@ struct FitTolerances {
 };
 
 /// Memory for a trajectory of up to `Axes` axes, `Pieces` pieces and `Breaks` breaks, and as many unbounded
-/// sides as breaks have.
+/// sides as breaks and what lies between them have.
 template <std::size_t Axes, std::size_t Pieces, std::size_t Breaks>
 struct TrajectoryStorage {
   std::array<TrajectoryPiece, Pieces> pieces;
   std::array<double, (Pieces + Breaks + 1) * 4 * Axes> values;
   std::array<std::uint32_t, Pieces> buckets;
   std::array<TrajectoryBreak, Breaks> breaks;
-  std::array<UnboundedSide, 2 * Breaks * Axes> unbounded;
+  std::array<UnboundedSide, 3 * Breaks * Axes> unbounded;
   std::array<AxisMotion<double>, 3 * Axes> samples;
 
   [[nodiscard]] TrajectoryMemory memory() { return {pieces, values, buckets, breaks, unbounded, samples}; }
@@ -44,7 +44,8 @@ void measure_travel(const TrackSampler& sampler, std::span<AxisMotion<double>> s
 
 /// The trajectory of a sampled motion. Each stretch between two joints is halved until the Hermite polynomial
 /// of its ends is within the tolerances at five places inside; one that is a cubic is taken as it is, and one
-/// at rest is a constant.
+/// at rest is a constant. What turns too sharply for the shortest piece is a line there, and the acceleration
+/// of that axis is noted as unbounded.
 ///
 /// Errors: capacity (pieces, values, breaks, unbounded, samples, axes); of pieces and values what it needed
 /// when it gave up, which may not be enough. Cost: about seven samples a piece and as many again for each

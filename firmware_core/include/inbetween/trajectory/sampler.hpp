@@ -11,6 +11,9 @@
 
 namespace inbetween {
 
+/// The distance along a path is known within so many roundings of its length, and so is a position of itself.
+inline constexpr double distance_roundings = 8;
+
 /// This is what a sampler knows of a moment beside the motion itself.
 struct SampledSpeed {
   double speed = 0;        ///< along the path, unit/s, as the weights of the axes count
@@ -58,11 +61,14 @@ class TrackSampler {
   /// Nothing moves from this joint to the next.
   [[nodiscard]] bool rests_behind(const SampledJoint& joint) const;
 
-  /// Between joints.
+  /// Between joints. At order 0, where an axis has no velocity, it has the one that would make of the
+  /// rounding of the distance what that makes of the position.
   [[nodiscard]] SampledSpeed sample(const FrameTime<double>& time, std::span<AxisMotion<double>> out) const;
   /// These tell with what the motion comes to a joint, and with what it leaves it.
   [[nodiscard]] SampledSpeed arriving(const SampledJoint& joint, std::span<AxisMotion<double>> out) const;
   [[nodiscard]] SampledSpeed leaving(const SampledJoint& joint, std::span<AxisMotion<double>> out) const;
+  /// How far from its position at a point every axis is within so much of the distance along the path.
+  void write_reach(const PathPoint<double>& point, double way, std::span<double> out) const;
   /// Whether the acceleration of an axis has no bound beside a place (SampledSpeed::point) at which the path
   /// stands still, if it is passed at a drawn speed.
   [[nodiscard]] bool is_unbounded(const PathPoint<double>& point, std::size_t axis) const;
