@@ -4,7 +4,8 @@
 //
 //   INBETWEEN=build/release/inbetween node --test tests/editor/sequences_test.mjs
 //
-// The seeds are fixed. INBETWEEN_SESSION=17 runs session 17 alone, and says what it does.
+// The seeds are fixed. The first eight sessions are run, all 25 where INBETWEEN_CASES=all says so, as scripts/test --long
+// does. INBETWEEN_SESSION=17 runs session 17 alone, and says what it does.
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
 import { readdirSync, readFileSync, renameSync, rmSync, writeFileSync } from "node:fs";
@@ -14,7 +15,7 @@ import { after, before, test } from "node:test";
 import { edit, startBrowser, stopBrowser } from "./editor.mjs";
 
 const { parse } = createRequire(new URL("../../editor/page/package.json", import.meta.url).pathname)("smol-toml");
-const sessions = 25;
+const sessions = process.env.INBETWEEN_CASES === "all" ? 25 : 8;
 const sequencesEach = 40; // 1 000 in all
 
 before(startBrowser);

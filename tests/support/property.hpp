@@ -19,19 +19,23 @@ inline constexpr bool sanitized = true;
 inline constexpr bool sanitized = false;
 #endif
 
-/// All cases are run where the environment says INBETWEEN_CASES=all, as `scripts/test --deep` does, else a
-/// tenth of them; under a sanitizer always a tenth.
-inline bool runs_all_cases() {
+/// All cases are run where the environment says INBETWEEN_CASES=all, as `scripts/test --long` does, a third of
+/// them where it says `third`, as `--deep` does, else a tenth; under a sanitizer always a tenth.
+inline bool runs_cases(std::string_view share) {
   const char* const cases = std::getenv("INBETWEEN_CASES");
-  return !sanitized && cases != nullptr && std::string_view(cases) == "all";
+  return !sanitized && cases != nullptr && cases == share;
+}
+inline bool runs_all_cases() {
+  return runs_cases("all");
 }
 
 /// How many of `cases` are run.
 inline int cases_to_run(int cases) {
-  return runs_all_cases() ? cases : (cases + 9) / 10;
+  if (runs_all_cases()) return cases;
+  return runs_cases("third") ? (cases + 2) / 3 : (cases + 9) / 10;
 }
 
-/// Whether a test may also count in how many of its cases something happened. Not in a tenth of them nor in a
+/// Whether a test may also count in how many of its cases something happened. Not in a share of them nor in a
 /// replay: among so few, chance alone decides.
 inline bool counts_mean_something() {
   return runs_all_cases() && std::getenv("RC_PARAMS") == nullptr;
