@@ -328,7 +328,8 @@ class Standing {
 template <class Take>
 void look_beside(const Track<double>& track, const PathPoint<double>& point, double way, const Take& take) {
   const std::int32_t segments = track.path().segment_count();
-  const std::span<const Cubic<double>> here = track.path().segment(std::min(point.segment, segments - 1));
+  const std::span<const Cubic<double>> here =
+      track.path().segment(std::min<std::int32_t>(point.segment, segments - 1));
   const double t = point.segment < segments ? point.t : 1;
   const TwoSum<double> distance = track.arc_length().distance(track.path(), point);
   for (const double side : {-way, way}) {
