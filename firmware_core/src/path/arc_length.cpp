@@ -268,9 +268,13 @@ bool ArcLength<Real>::locate(const TwoSum<Real>& begin, std::span<const Real> wa
 
 template <Precise Real>
 TwoSum<Real> ArcLength<Real>::distance(const Path<Real>& path, const PathPoint<Real>& point) const {
+  return distance(SegmentSpeed<Real>(path.segment(point.segment), path.weights()), point);
+}
+
+template <Precise Real>
+TwoSum<Real> ArcLength<Real>::distance(const SegmentSpeed<Real>& speed, const PathPoint<Real>& point) const {
   const auto segment = static_cast<std::size_t>(point.segment);
   TwoSum<Real> sum = segment_begins_[std::min(segment, segment_begins_.size() - 1)];
-  const SegmentSpeed<Real> speed(path.segment(point.segment), path.weights());
   const bool is_passed_in_no_distance =
       point.segment < segment_count() && first_pieces_[segment] == first_pieces_[segment + 1];
   if (speed.is_still() || is_passed_in_no_distance) return sum;
@@ -288,7 +292,12 @@ TwoSum<Real> ArcLength<Real>::distance(const Path<Real>& path, const PathPoint<R
     sum = begin_of(piece);
   }
   const Real extent = point.t - from;
-  const Real mean = mean_of([&](Real t) { return speed.at(t); }, from, extent);
+  using Rule = GaussLegendre<Real>;
+  std::array<Real, Rule::node.size()> nodes;
+  for (std::size_t i = 0; i < nodes.size(); ++i) nodes[i] = from + extent * Rule::node[i];
+  const auto speeds = speed.at(nodes);
+  Real mean = 0;
+  for (std::size_t i = 0; i < nodes.size(); ++i) mean += Rule::weight[i] * speeds[i];
   sum.add(std::ldexp(mean * extent, speed.exponent()));
   return sum;
 }

@@ -77,6 +77,21 @@ class SegmentSpeed {
     return std::sqrt(sum);
   }
 
+  /// at() of so many t, to the last bit: their sums are side by side in lanes.
+  template <std::size_t Count>
+  [[nodiscard]] std::array<Real, Count> at(const std::array<Real, Count>& t) const {
+    std::array<Real, Count> sums{};
+    for (std::size_t d = 0; d < cubics_.size(); ++d) {
+      const Cubic<Real>& cubic = cubics_[d];
+      for (std::size_t k = 0; k < Count; ++k) {
+        const Real component = scale_ * (weights_[d] * cubic.derivative(t[k]));
+        sums[k] += component * component;
+      }
+    }
+    for (Real& sum : sums) sum = std::sqrt(sum);
+    return sums;
+  }
+
   /// q about t = anchor, in tau = +-(t - anchor).
   [[nodiscard]] Quartic<Real> about(Real anchor, bool forward) const {
     Quartic<Real> result;

@@ -187,13 +187,18 @@ PathPoint<double> point_at(const Track<double>& track, const TwoSum<double>& dis
   PathPoint<double> point = track.arc_length().locate(distance);
   if (point.segment >= track.path().segment_count()) return point;
   const double rounding = std::numeric_limits<double>::epsilon() * track.arc_length().total();
+  const SegmentSpeed<double> speed(track.path().segment(point.segment), track.path().weights());
+  const double unit = std::ldexp(1.0, speed.exponent());
+  double sigma = unit * speed.at(point.t);
   for (int i = 0; i < max_steps; ++i) {
-    const double off = track.arc_length().distance(track.path(), point).minus(distance);
-    const double sigma = track.path().parametric_speed(point);
+    const double off = track.arc_length().distance(speed, point).minus(distance);
     if (std::fabs(off) <= rounding || sigma == 0) break;
-    const double next = std::clamp(point.t - off / sigma, 0.0, 1.0);
-    if (next == point.t) break;
-    point.t = next;
+    const double last = point.t;
+    point.t = std::clamp(last - off / sigma, 0.0, 1.0);
+    // What is left after Newton's step is the curvature of the distance: half of what the speed has changed.
+    const double changed = unit * speed.at(point.t) - sigma;
+    if (std::fabs(changed * (point.t - last)) <= rounding) break;
+    sigma += changed;
   }
   return point;
 }

@@ -76,6 +76,9 @@ struct ArcLengthMemory {
   std::span<TwoSum<Real>> segment_begins;  ///< segments + 1
 };
 
+template <Precise Real>
+class SegmentSpeed;  // of a segment; inside the core
+
 /// How a piece is accepted.
 enum class Acceptance : std::uint8_t {
   estimated,  ///< the residual at its two extremes, with a safety factor of 4
@@ -152,6 +155,8 @@ class ArcLength {
 
   /// The distance from the start to a point, by quadrature within its piece: full precision of Real.
   [[nodiscard]] TwoSum<Real> distance(const Path<Real>& path, const PathPoint<Real>& point) const;
+  /// The same by the speed on the point's segment, for who asks for it several times.
+  [[nodiscard]] TwoSum<Real> distance(const SegmentSpeed<Real>& speed, const PathPoint<Real>& point) const;
 
  private:
   ArcLength() = default;
