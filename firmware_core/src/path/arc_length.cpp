@@ -268,16 +268,17 @@ bool ArcLength<Real>::locate(const TwoSum<Real>& begin, std::span<const Real> wa
 
 template <Precise Real>
 TwoSum<Real> ArcLength<Real>::distance(const Path<Real>& path, const PathPoint<Real>& point) const {
-  return distance(SegmentSpeed<Real>(path.segment(point.segment), path.weights()), point);
+  return distance(SegmentSpeed<Real>(path.segment(point.segment), path.weights()), point).distance;
 }
 
 template <Precise Real>
-TwoSum<Real> ArcLength<Real>::distance(const SegmentSpeed<Real>& speed, const PathPoint<Real>& point) const {
+DistanceAndSpeed<Real> ArcLength<Real>::distance(const SegmentSpeed<Real>& speed,
+                                                 const PathPoint<Real>& point) const {
   const auto segment = static_cast<std::size_t>(point.segment);
   TwoSum<Real> sum = segment_begins_[std::min(segment, segment_begins_.size() - 1)];
   const bool is_passed_in_no_distance =
       point.segment < segment_count() && first_pieces_[segment] == first_pieces_[segment + 1];
-  if (speed.is_still() || is_passed_in_no_distance) return sum;
+  if (speed.is_still() || is_passed_in_no_distance) return {sum, 0};
 
   // Past the end of an open path the speed is that of the continuation, in one stretch.
   Real from = 0;
@@ -293,13 +294,15 @@ TwoSum<Real> ArcLength<Real>::distance(const SegmentSpeed<Real>& speed, const Pa
   }
   const Real extent = point.t - from;
   using Rule = GaussLegendre<Real>;
-  std::array<Real, Rule::node.size()> nodes;
-  for (std::size_t i = 0; i < nodes.size(); ++i) nodes[i] = from + extent * Rule::node[i];
-  const auto speeds = speed.at(nodes);
+  constexpr std::size_t nodes = Rule::node.size();
+  std::array<Real, nodes + 1> t;  // and the point itself, in a lane that would do nothing
+  for (std::size_t i = 0; i < nodes; ++i) t[i] = from + extent * Rule::node[i];
+  t[nodes] = point.t;
+  const auto speeds = speed.at(t);
   Real mean = 0;
-  for (std::size_t i = 0; i < nodes.size(); ++i) mean += Rule::weight[i] * speeds[i];
+  for (std::size_t i = 0; i < nodes; ++i) mean += Rule::weight[i] * speeds[i];
   sum.add(std::ldexp(mean * extent, speed.exponent()));
-  return sum;
+  return {sum, std::ldexp(speeds[nodes], speed.exponent())};
 }
 
 template class ArcLength<double>;

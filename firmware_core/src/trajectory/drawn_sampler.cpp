@@ -188,17 +188,15 @@ PathPoint<double> point_at(const Track<double>& track, const TwoSum<double>& dis
   if (point.segment >= track.path().segment_count()) return point;
   const double rounding = std::numeric_limits<double>::epsilon() * track.arc_length().total();
   const SegmentSpeed<double> speed(track.path().segment(point.segment), track.path().weights());
-  const double unit = std::ldexp(1.0, speed.exponent());
-  double sigma = unit * speed.at(point.t);
   for (int i = 0; i < max_steps; ++i) {
-    const double off = track.arc_length().distance(speed, point).minus(distance);
-    if (std::fabs(off) <= rounding || sigma == 0) break;
+    const DistanceAndSpeed<double> here = track.arc_length().distance(speed, point);
+    const double off = here.distance.minus(distance);
+    if (std::fabs(off) <= rounding || here.speed == 0) break;
     const double last = point.t;
-    point.t = std::clamp(last - off / sigma, 0.0, 1.0);
+    point.t = std::clamp(last - off / here.speed, 0.0, 1.0);
     // What is left after Newton's step is the curvature of the distance: half of what the speed has changed.
-    const double changed = unit * speed.at(point.t) - sigma;
+    const double changed = std::ldexp(speed.at(point.t), speed.exponent()) - here.speed;
     if (std::fabs(changed * (point.t - last)) <= rounding) break;
-    sigma += changed;
   }
   return point;
 }
@@ -229,14 +227,10 @@ class Line {
     for (std::size_t k = 0; k < longest.size(); ++k) {
       if (std::fabs(longest[k]) > std::fabs(longest[term_])) term_ = k;
     }
-    double squares = 0;
-    for (std::size_t d = 0; d < cubics_.size(); ++d)
-      squares += weights_[d] * ratio(d) * weights_[d] * ratio(d);
-    length_ = std::sqrt(squares);
   }
   [[nodiscard]] bool is_there() const {
-    if (!(length_ > 0)) return false;
     const std::array<double, 3> longest = of(largest_);
+    if (longest[term_] == 0) return false;
     for (std::size_t d = 0; d < cubics_.size(); ++d) {
       for (std::size_t k = 0; k < longest.size(); ++k) {
         const double off = std::fabs(of(d)[k] - ratio(d) * longest[k]);
@@ -258,8 +252,12 @@ class Line {
       way = arriving ? -longest.second(t) : longest.second(t);
     if (way == 0) way = longest.third();
     const double sign = way < 0 ? -1 : 1;
+    double squares = 0;
+    for (std::size_t d = 0; d < cubics_.size(); ++d)
+      squares += weights_[d] * ratio(d) * weights_[d] * ratio(d);
+    const double length = std::sqrt(squares);
     for (std::size_t d = 0; d < out.size(); ++d) {
-      const double direction = sign * ratio(d) / length_;
+      const double direction = sign * ratio(d) / length;
       out[d].velocity = direction * along.speed;
       out[d].acceleration = direction * along.acceleration;
       out[d].jerk = direction * along.jerk;
@@ -282,7 +280,6 @@ class Line {
   std::span<const double> weights_;
   std::size_t largest_ = 0;  ///< the axis that counts most
   std::size_t term_ = 0;     ///< of its derivative, the largest
-  double length_ = 0;
 };
 
 /// Where P' = 0 to first order: the direction in which the path leaves, and how it turns from there with the

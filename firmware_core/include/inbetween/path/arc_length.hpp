@@ -79,6 +79,12 @@ struct ArcLengthMemory {
 template <Precise Real>
 class SegmentSpeed;  // of a segment; inside the core
 
+template <Precise Real>
+struct DistanceAndSpeed {
+  TwoSum<Real> distance;
+  Real speed = 0;  ///< by t
+};
+
 /// How a piece is accepted.
 enum class Acceptance : std::uint8_t {
   estimated,  ///< the residual at its two extremes, with a safety factor of 4
@@ -155,8 +161,10 @@ class ArcLength {
 
   /// The distance from the start to a point, by quadrature within its piece: full precision of Real.
   [[nodiscard]] TwoSum<Real> distance(const Path<Real>& path, const PathPoint<Real>& point) const;
-  /// The same by the speed on the point's segment, for who asks for it several times.
-  [[nodiscard]] TwoSum<Real> distance(const SegmentSpeed<Real>& speed, const PathPoint<Real>& point) const;
+  /// The same by the speed on the point's segment, for who asks for it several times, and |diag(weights)
+  /// dP/dt| there.
+  [[nodiscard]] DistanceAndSpeed<Real> distance(const SegmentSpeed<Real>& speed,
+                                                const PathPoint<Real>& point) const;
 
  private:
   ArcLength() = default;
