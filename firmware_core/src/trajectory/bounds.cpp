@@ -5,12 +5,14 @@
 #include <cmath>
 #include <limits>
 
+#include "base/lanes.hpp"
+#include "inbetween/base/processor_clones.hpp"
 #include "trajectory/hermite.hpp"
 
 namespace inbetween {
 namespace {
 
-constexpr double close_share = 1e-3;
+constexpr double close_share = 1e-5;
 constexpr double close_position = 1e-9;
 /// A hull shrinks to a quarter of what it is too wide with every halving.
 constexpr int max_depth = 30;
@@ -102,6 +104,75 @@ Bernstein position_of(const Trajectory& trajectory, const TrajectoryPiece& piece
   return position;
 }
 
+/// How far the hulls of some axes reach on a piece: of their positions and three derivatives.
+struct GroupReach {
+  std::array<Group<double>, 4> highest, lowest;
+};
+
+/// One number of a row, of a group of axes; 0 behind the last.
+Group<double> group_of(const double* row, std::size_t axes, std::size_t axis) {
+  if constexpr (lanes_are_quick) {
+    if (axis + group_size <= axes) return Group<double>::from({row + axis, group_size});
+  }
+  Group<double> result(0);
+  for (std::size_t k = 0; k < group_size && axis + k < axes; ++k) set_lane(result, k, row[axis + k]);
+  return result;
+}
+
+/// The coefficients are those of position_of() and of Bernstein::derivative(), to the last bit, so that an
+/// axis whose hull is within its bounds here has nothing to be searched for.
+template <std::size_t Degree>
+[[gnu::flatten]] INBETWEEN_PROCESSOR_CLONES void write_hulls(const PieceRows& rows, double seconds,
+                                                             std::size_t axis, GroupReach& out) {
+  using Number = Group<double>;
+  constexpr std::size_t first = Degree == 6 ? 1 : 0;
+  constexpr std::size_t degree = Degree - first;
+  std::array<Number, 4> begin, end;
+  for (std::size_t j = first; j < known_of(Degree); ++j) {
+    begin[j - first] = group_of(rows.begin + j * rows.axes, rows.axes, axis);
+    end[j - first] = group_of(rows.end + j * rows.axes, rows.axes, axis);
+  }
+  std::array<Number, 8> c;
+  const Number way = end[0] - begin[0];
+  for (std::size_t i = 0; i < known_of(degree); ++i) {
+    Number left(0);
+    Number right = way;
+    double factor = 1;
+    for (std::size_t j = 1; j <= i; ++j) {
+      factor *= static_cast<double>(i - j + 1) / static_cast<double>(j) * seconds /
+                static_cast<double>(degree + 1 - j);
+      left = left + factor * begin[j];
+      right = right + (j % 2 == 1 ? -factor : factor) * end[j];
+    }
+    c[i] = left;
+    c[degree - i] = right;
+  }
+  if constexpr (Degree == 6) {
+    std::array<Number, 8> position;
+    position[0] = Number(0);
+    for (std::size_t i = 0; i < 6; ++i) position[i + 1] = position[i] + seconds / 6 * (begin[0] + c[i]);
+    c = position;
+  }
+  std::size_t n = Degree;
+  for (std::size_t k = 0; k < out.highest.size(); ++k) {
+    if (k > 0 && n == 0) {
+      c[0] = Number(0);
+    } else if (k > 0) {
+      const double factor = static_cast<double>(n) / seconds;
+      for (std::size_t i = 0; i < n; ++i) c[i] = factor * (c[i + 1] - c[i]);
+      --n;
+    }
+    out.highest[k] = out.lowest[k] = c[0];
+    for (std::size_t i = 1; i <= n; ++i) {
+      out.highest[k] = greatest(out.highest[k], c[i]);
+      out.lowest[k] = least(out.lowest[k], c[i]);
+    }
+  }
+  const Number at_begin = group_of(rows.begin, rows.axes, axis);
+  out.highest[0] = out.highest[0] + at_begin;
+  out.lowest[0] = out.lowest[0] + at_begin;
+}
+
 double frame_of(const FrameTime<double>& time) {
   return static_cast<double>(time.frame) + time.fraction;
 }
@@ -112,7 +183,16 @@ class Search {
   Search(double share, double slack) : share_(share), slack_(slack) {}
 
   [[nodiscard]] double bound() const { return bound_; }
+  [[nodiscard]] double reached() const { return reached_; }
   [[nodiscard]] double frame() const { return frame_; }
+  void allow(double slack) { slack_ = slack; }
+  /// A value that is reached at u on a piece.
+  void reach(double value, double u, const TrajectoryPiece& piece) {
+    if (!(value > reached_)) return;
+    reached_ = value;
+    bound_ = std::max(bound_, value);
+    frame_ = frame_of(piece.begin) + u / piece.inverse_frames;
+  }
 
   void take(const Bernstein& whole, const TrajectoryPiece& piece) {
     if (whole.highest() <= bound_) return;
@@ -137,12 +217,6 @@ class Search {
   }
 
  private:
-  void reach(double value, double u, const TrajectoryPiece& piece) {
-    if (value <= reached_) return;
-    reached_ = value;
-    frame_ = frame_of(piece.begin) + u / piece.inverse_frames;
-  }
-
   double share_;
   double slack_;
   double reached_ = -std::numeric_limits<double>::infinity();
@@ -183,29 +257,40 @@ void for_each_part(const Trajectory& trajectory, const FrameTime<double>& from, 
   }
 }
 
-/// Where an axis is between two times at ends of pieces: what a search of its positions begins with.
-struct Reached {
-  double low = std::numeric_limits<double>::infinity();
-  double high = -std::numeric_limits<double>::infinity();
-
-  void take(double position) {
-    low = std::min(low, position);
-    high = std::max(high, position);
-  }
-};
-
 class AxisBounds {
  public:
-  AxisBounds(const Trajectory& trajectory, std::size_t axis, const Reached& reached)
-      : trajectory_(trajectory),
-        axis_(axis),
-        highest_(0, close_position * (reached.high - reached.low)),
-        lowest_(0, close_position * (reached.high - reached.low)) {}
+  AxisBounds() = default;
+  AxisBounds(const Trajectory& trajectory, std::size_t axis) : trajectory_(&trajectory), axis_(axis) {}
 
+  /// What the rows at both ends of a part say is reached: what is not beyond it needs no search.
+  void reach_rows(const PiecePart& part) {
+    const TrajectoryPiece& piece = *part.piece;
+    if (part.begin == 0) reach_row(&trajectory_->values()[piece.begin_row], piece, 0);
+    if (part.end == 1) reach_row(&trajectory_->values()[piece.end_row], piece, 1);
+  }
+  /// Behind the last of them.
+  void begin_search() {
+    const double range = highest_.reached() + lowest_.reached();
+    if (range > 0 && std::isfinite(range)) {
+      highest_.allow(close_position * range);
+      lowest_.allow(close_position * range);
+    }
+  }
+
+  /// Whether nothing on a piece is beyond what is proven already. `k` is the axis' place in its group.
+  [[nodiscard]] bool holds(const GroupReach& reach, std::size_t k) const {
+    bool is_within =
+        lane_of(reach.highest[0], k) <= highest_.bound() && -lane_of(reach.lowest[0], k) <= lowest_.bound();
+    for (std::size_t q = 0; q < peaks_.size(); ++q) {
+      is_within = is_within && lane_of(reach.highest[q + 1], k) <= peaks_[q].bound() &&
+                  -lane_of(reach.lowest[q + 1], k) <= peaks_[q].bound();
+    }
+    return is_within;
+  }
   void take(const PiecePart& part) {
     const TrajectoryPiece& piece = *part.piece;
-    const double begin = trajectory_.values()[piece.begin_row + axis_];
-    Bernstein polynomial = position_of(trajectory_, piece, axis_);
+    const double begin = trajectory_->values()[piece.begin_row + axis_];
+    Bernstein polynomial = position_of(*trajectory_, piece, axis_);
     take_position(shifted(part.of(polynomial), begin), piece);
     for (Search& peak : peaks_) {
       polynomial = polynomial.derivative(piece.seconds);
@@ -223,8 +308,15 @@ class AxisBounds {
   }
 
  private:
+  void reach_row(const double* row, const TrajectoryPiece& piece, double u) {
+    const std::size_t axes = trajectory_->axis_count();
+    highest_.reach(row[axis_], u, piece);
+    lowest_.reach(-row[axis_], u, piece);
+    for (std::size_t q = 0; q < peaks_.size() && q + 1 < known_of(piece.degree); ++q)
+      peaks_[q].reach(std::fabs(row[(q + 1) * axes + axis_]), u, piece);
+  }
   void take_position(const Bernstein& position, const TrajectoryPiece& piece) {
-    if (trajectory_.keeps_to_joints()) {  // what the ends of the piece are not, no moment of it is
+    if (trajectory_->keeps_to_joints()) {  // what the ends of the piece are not, no moment of it is
       Bernstein ends;
       ends.degree = 1;
       ends.c = {position.c[0], position.c[position.degree]};
@@ -237,26 +329,43 @@ class AxisBounds {
     lowest_.take(position.negated(), piece);
   }
 
-  const Trajectory& trajectory_;
-  std::size_t axis_;
-  Search highest_, lowest_;
+  const Trajectory* trajectory_ = nullptr;
+  std::size_t axis_ = 0;
+  Search highest_{0, 0}, lowest_{0, 0};
   std::array<Search, 3> peaks_{Search(close_share, 0), Search(close_share, 0), Search(close_share, 0)};
 };
+
+/// The bounds of a group of axes, or of what is left of one.
+void bound_group(const Trajectory& trajectory, const FrameTime<double>& from, const FrameTime<double>& to,
+                 std::size_t first, std::span<AxisPeaks<double>> out) {
+  const std::size_t axes = trajectory.axis_count();
+  const double* values = trajectory.values().data();
+  std::array<AxisBounds, group_size> bounds;
+  for (std::size_t k = 0; k < out.size(); ++k) bounds[k] = AxisBounds(trajectory, first + k);
+  for_each_part(trajectory, from, to, [&](const PiecePart& part) {
+    for (std::size_t k = 0; k < out.size(); ++k) bounds[k].reach_rows(part);
+  });
+  for (std::size_t k = 0; k < out.size(); ++k) bounds[k].begin_search();
+  GroupReach reach;
+  for_each_part(trajectory, from, to, [&](const PiecePart& part) {
+    const TrajectoryPiece& piece = *part.piece;
+    with_degree(piece.degree, [&](auto degree) {
+      write_hulls<degree>({values + piece.begin_row, values + piece.end_row, axes}, piece.seconds, first,
+                          reach);
+    });
+    for (std::size_t k = 0; k < out.size(); ++k) {
+      if (!bounds[k].holds(reach, k)) bounds[k].take(part);
+    }
+  });
+  for (std::size_t k = 0; k < out.size(); ++k) out[k] = bounds[k].peaks();
+}
 
 }  // namespace
 
 void bound_trajectory(const Trajectory& trajectory, const FrameTime<double>& from,
                       const FrameTime<double>& to, std::span<AxisPeaks<double>> out) {
-  for (std::size_t d = 0; d < trajectory.axis_count(); ++d) {
-    Reached reached;
-    for_each_part(trajectory, from, to, [&](const PiecePart& part) {
-      reached.take(trajectory.values()[part.piece->begin_row + d]);
-      reached.take(trajectory.values()[part.piece->end_row + d]);
-    });
-    AxisBounds bounds(trajectory, d, reached);
-    for_each_part(trajectory, from, to, [&](const PiecePart& part) { bounds.take(part); });
-    out[d] = bounds.peaks();
-  }
+  for (std::size_t d = 0; d < trajectory.axis_count(); d += group_size)
+    bound_group(trajectory, from, to, d, out.subspan(d, std::min(group_size, trajectory.axis_count() - d)));
   constexpr double infinity = std::numeric_limits<double>::infinity();
   for (const UnboundedSide& side : trajectory.unbounded()) {
     if (side.time < from || to < side.time) continue;

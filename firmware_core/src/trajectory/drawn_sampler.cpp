@@ -63,7 +63,7 @@ class JointList {
     for (std::int32_t i = 0; i < path.segment_count(); ++i) {
       if (!has_length(track_, i)) continue;
       if (before != nowhere)
-        add_passing(track_.arc_length().segment_begin(i), {before, 1}, {i, 0}, path.key_at(i));
+        add_passing(track_.arc_length().segment_begin(i), {before, 1}, {i, 0}, path.key_at(before + 1));
       if (before == nowhere) first_ = {i, 0};
       before = i;
       last_ = {i, 1};
@@ -92,7 +92,9 @@ class JointList {
       }
     }
     all[0].point_after = first_;
+    all[0].key = track_.path().key_at(0).value_or(-1);
     all[kept - 1].point_before = last_;
+    all[kept - 1].key = track_.path().key_at(last_.segment + 1).value_or(-1);
     return all.first(kept);
   }
   [[nodiscard]] bool has_room() const { return count_ <= memory_.size(); }
@@ -167,7 +169,7 @@ class JointList {
         if (other.point_before.at_or_before(into.point_before)) into.point_before = other.point_before;
         if (into.point_after.at_or_before(other.point_after)) into.point_after = other.point_after;
       }
-      into.key = std::max(into.key, other.key);
+      into.key = are_keys ? std::min(into.key, other.key) : std::max(into.key, other.key);
     }
     if (other.constant_before != other.constant_after) {
       into.constant_before = other.constant_before;

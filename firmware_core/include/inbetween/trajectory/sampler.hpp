@@ -25,7 +25,7 @@ struct SampledSpeed {
 /// A moment at which the asked motion is not smooth, or may not be.
 struct SampledJoint {
   FrameTime<double> time;
-  std::int32_t key = -1;                           ///< that is passed there
+  std::int32_t key = -1;                           ///< that is passed there: of keys in one place the first
   CurvePlace<double> curve_before, curve_after;    ///< of a drawn curve
   PathPoint<double> point_before, point_after;     ///< of the path
   double constant_before = 0, constant_after = 0;  ///< of a drawn curve
