@@ -174,6 +174,13 @@ template <Precise Real, class Find, class Locate>
   return in_order;
 }
 
+template <Precise Real, std::size_t Count>
+[[gnu::flatten]] INBETWEEN_PROCESSOR_CLONES void write_speeds(const SegmentSpeed<Real>& speed,
+                                                              const std::array<Real, Count>& t,
+                                                              std::array<Real, Count>& out) {
+  out = speed.at(t);
+}
+
 Error too_many_pieces(std::size_t needed) {
   return {.code = ErrorCode::capacity,
           .what = "the inverse of arc length has more pieces than its memory",
@@ -298,11 +305,12 @@ DistanceAndSpeed<Real> ArcLength<Real>::distance(const SegmentSpeed<Real>& speed
   std::array<Real, nodes + 1> t;  // and the point itself, in a lane that would do nothing
   for (std::size_t i = 0; i < nodes; ++i) t[i] = from + extent * Rule::node[i];
   t[nodes] = point.t;
-  const auto speeds = speed.at(t);
+  std::array<Real, nodes + 1> speeds;
+  write_speeds(speed, t, speeds);
   Real mean = 0;
   for (std::size_t i = 0; i < nodes; ++i) mean += Rule::weight[i] * speeds[i];
-  sum.add(std::ldexp(mean * extent, speed.exponent()));
-  return {sum, std::ldexp(speeds[nodes], speed.exponent())};
+  sum.add(speed.unit() * (mean * extent));
+  return {sum, speed.unit() * speeds[nodes]};
 }
 
 template class ArcLength<double>;

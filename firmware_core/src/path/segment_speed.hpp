@@ -46,6 +46,7 @@ struct AnchoredInterval {
 template <Precise Real>
 class SegmentSpeed {
  public:
+  SegmentSpeed() = default;
   SegmentSpeed(std::span<const Cubic<Real>> cubics, std::span<const Real> weights)
       : cubics_(cubics), weights_(weights) {
     for (std::size_t d = 0; d < cubics.size(); ++d) {
@@ -58,6 +59,7 @@ class SegmentSpeed {
     if (largest_ < std::numeric_limits<Real>::min()) return;
     static_cast<void>(std::frexp(largest_, &exponent_));
     scale_ = std::ldexp(Real(1), -exponent_);
+    unit_ = std::ldexp(Real(1), exponent_);
   }
 
   /// The segment has no length.
@@ -66,6 +68,8 @@ class SegmentSpeed {
   [[nodiscard]] Real largest() const { return largest_; }
   /// Lengths of this class times 2^exponent are lengths of the path.
   [[nodiscard]] int exponent() const { return exponent_; }
+  /// 2^exponent: no path is so large that it were infinite.
+  [[nodiscard]] Real unit() const { return unit_; }
 
   /// |P'(t)| from its components: near a cusp the quartic about a distant point has no digits left.
   [[nodiscard]] Real at(Real t) const {
@@ -118,6 +122,7 @@ class SegmentSpeed {
   std::span<const Real> weights_;
   Real largest_ = 0;
   Real scale_ = 0;
+  Real unit_ = 1;
   int exponent_ = 0;
 };
 

@@ -183,39 +183,6 @@ class JointList {
   PathPoint<double> first_, last_;  ///< of the way that has a length
 };
 
-/// The point at a distance to the last bits: the tick's own inverse is only as near as it promises.
-PathPoint<double> point_at(const Track<double>& track, const TwoSum<double>& distance) {
-  constexpr int max_steps = 8;
-  PathPoint<double> point = track.arc_length().locate(distance);
-  if (point.segment >= track.path().segment_count()) return point;
-  const double rounding = std::numeric_limits<double>::epsilon() * track.arc_length().total();
-  const SegmentSpeed<double> speed(track.path().segment(point.segment), track.path().weights());
-  for (int i = 0; i < max_steps; ++i) {
-    const DistanceAndSpeed<double> here = track.arc_length().distance(speed, point);
-    const double off = here.distance.minus(distance);
-    if (std::fabs(off) <= rounding || here.speed == 0) break;
-    const double last = point.t;
-    point.t = std::clamp(last - off / here.speed, 0.0, 1.0);
-    // What is left after Newton's step is the curvature of the distance: half of what the speed has changed.
-    const double changed = std::ldexp(speed.at(point.t), speed.exponent()) - here.speed;
-    if (std::fabs(changed * (point.t - last)) <= rounding) break;
-  }
-  return point;
-}
-
-/// A key at which the motion rests is its place to the last bit.
-PathPoint<double> resting_point(const Track<double>& track, const TwoSum<double>& distance, bool arriving) {
-  const double margin = lock_share<double> * track.arc_length().total();
-  const PathPoint<double> here = track.arc_length().locate(distance);
-  const std::int32_t last = track.path().segment_count();
-  for (std::int32_t key = here.segment; key <= std::min<std::int32_t>(here.segment + 1, last); ++key) {
-    if (std::fabs(distance.minus(track.arc_length().segment_begin(key))) > margin) continue;
-    if (arriving && key > 0 && has_length(track, key - 1)) return {key - 1, 1};
-    return {key, 0};
-  }
-  return point_at(track, distance);
-}
-
 /// A segment whose cubics are multiples of one: a line, on which only the pace changes, however it turns
 /// back. The chain rule would take large numbers from each other there.
 class Line {
@@ -284,6 +251,49 @@ class Line {
   std::size_t term_ = 0;     ///< of its derivative, the largest
 };
 
+const SampledSegment& know(const Track<double>& track, std::int32_t segment, SampledSegment& known) {
+  if (known.segment != segment) {
+    known = {segment, SegmentSpeed<double>(track.path().segment(segment), track.path().weights()),
+             Line(track, segment).is_there()};
+  }
+  return known;
+}
+
+/// The point at a distance to the last bits: the tick's own inverse is only as near as it promises.
+PathPoint<double> point_at(const Track<double>& track, const TwoSum<double>& distance,
+                           SampledSegment& known) {
+  constexpr int max_steps = 8;
+  PathPoint<double> point = track.arc_length().locate(distance);
+  if (point.segment >= track.path().segment_count()) return point;
+  const double rounding = std::numeric_limits<double>::epsilon() * track.arc_length().total();
+  const SegmentSpeed<double>& speed = know(track, point.segment, known).speed;
+  for (int i = 0; i < max_steps; ++i) {
+    const DistanceAndSpeed<double> here = track.arc_length().distance(speed, point);
+    const double off = here.distance.minus(distance);
+    if (std::fabs(off) <= rounding || here.speed == 0) break;
+    const double last = point.t;
+    point.t = std::clamp(last - off / here.speed, 0.0, 1.0);
+    // What is left after Newton's step is the curvature of the distance: half of what the speed has changed.
+    const double changed = speed.unit() * speed.at(point.t) - here.speed;
+    if (std::fabs(changed * (point.t - last)) <= rounding) break;
+  }
+  return point;
+}
+
+/// A key at which the motion rests is its place to the last bit.
+PathPoint<double> resting_point(const Track<double>& track, const TwoSum<double>& distance, bool arriving,
+                                SampledSegment& known) {
+  const double margin = lock_share<double> * track.arc_length().total();
+  const PathPoint<double> here = track.arc_length().locate(distance);
+  const std::int32_t last = track.path().segment_count();
+  for (std::int32_t key = here.segment; key <= std::min<std::int32_t>(here.segment + 1, last); ++key) {
+    if (std::fabs(distance.minus(track.arc_length().segment_begin(key))) > margin) continue;
+    if (arriving && key > 0 && has_length(track, key - 1)) return {key - 1, 1};
+    return {key, 0};
+  }
+  return point_at(track, distance, known);
+}
+
 /// Where P' = 0 to first order: the direction in which the path leaves, and how it turns from there with the
 /// root of the distance.
 class Standing {
@@ -336,10 +346,11 @@ void look_beside(const Track<double>& track, const PathPoint<double>& point, dou
       track.path().segment(std::min<std::int32_t>(point.segment, segments - 1));
   const double t = point.segment < segments ? point.t : 1;
   const TwoSum<double> distance = track.arc_length().distance(track.path(), point);
+  SampledSegment known;
   for (const double side : {-way, way}) {
     TwoSum<double> aside = distance;
     aside.add(side);
-    const PathPoint<double> beside = point_at(track, aside);
+    const PathPoint<double> beside = point_at(track, aside, known);
     if (beside.segment >= segments) continue;  // the end itself
     const std::span<const Cubic<double>> there = track.path().segment(beside.segment);
     for (std::size_t d = 0; d < static_cast<std::size_t>(track.path().axis_count()); ++d)
@@ -362,7 +373,7 @@ void write_mean_velocities(const Track<double>& track, const AlongPath<double>& 
 }  // namespace
 
 SampledSpeed sample_drawn(const Track<double>& track, const FrameTime<double>& time, const DrawnPlace& place,
-                          bool arriving, std::span<AxisMotion<double>> out) {
+                          bool arriving, SampledSegment& known, std::span<AxisMotion<double>> out) {
   const SpeedSpan<double>& span = track.profile().span(place.curve.span);
   const double constant = place.constant;
   const double rate = track.curve_rate();
@@ -373,7 +384,8 @@ SampledSpeed sample_drawn(const Track<double>& track, const FrameTime<double>& t
   along.point = place.point;
   if (along.point.segment == nowhere) {
     const TwoSum<double> distance = track.distance(time);
-    along.point = along.speed == 0 ? resting_point(track, distance, arriving) : point_at(track, distance);
+    along.point =
+        along.speed == 0 ? resting_point(track, distance, arriving, known) : point_at(track, distance, known);
   }
   const Derivatives derivatives = track.motion_at(along, out);
   if (along.point.t == 1) {  // the key itself, and not what the cubic before it is rounded to
@@ -386,8 +398,9 @@ SampledSpeed sample_drawn(const Track<double>& track, const FrameTime<double>& t
           ? std::fabs(track.distance(time).minus(track.arc_length().distance(track.path(), along.point)))
           : 0;
   const std::int32_t segment = std::min<std::int32_t>(along.point.segment, track.path().segment_count() - 1);
-  if (const Line line(track, segment); line.is_there()) {
-    if (along.point.segment == segment) line.write(along, place.point.segment != nowhere, arriving, out);
+  if (know(track, segment, known).is_line) {
+    if (along.point.segment == segment)
+      Line(track, segment).write(along, place.point.segment != nowhere, arriving, out);
     return {along.speed, 3, off, along.point};
   }
   switch (derivatives) {
@@ -404,10 +417,10 @@ SampledSpeed sample_drawn(const Track<double>& track, const FrameTime<double>& t
   return {along.speed, 0, off, along.point};
 }
 
-SampledSpeed sample_drawn(const Track<double>& track, const FrameTime<double>& time,
+SampledSpeed sample_drawn(const Track<double>& track, const FrameTime<double>& time, SampledSegment& known,
                           std::span<AxisMotion<double>> out) {
   return sample_drawn(track, time, {track.place(time), constant_at(track, time.frame), {nowhere, 0}}, false,
-                      out);
+                      known, out);
 }
 
 void write_reach_along(const Track<double>& track, const PathPoint<double>& point, double way,

@@ -4,6 +4,7 @@
 #include <span>
 
 #include "inbetween/trajectory/sampler.hpp"
+#include "path/segment_speed.hpp"
 
 /// What a TrackSampler knows of a track at a drawn speed whose path has length.
 
@@ -17,10 +18,17 @@ struct DrawnPlace {
   PathPoint<double> point;
 };
 
+/// What is worked out of a segment of the path once, and holds for every moment on it.
+struct SampledSegment {
+  std::int32_t segment = -1;
+  SegmentSpeed<double> speed;
+  bool is_line = false;
+};
+
 SampledSpeed sample_drawn(const Track<double>& track, const FrameTime<double>& time, const DrawnPlace& place,
-                          bool arriving, std::span<AxisMotion<double>> out);
+                          bool arriving, SampledSegment& known, std::span<AxisMotion<double>> out);
 /// Between joints.
-SampledSpeed sample_drawn(const Track<double>& track, const FrameTime<double>& time,
+SampledSpeed sample_drawn(const Track<double>& track, const FrameTime<double>& time, SampledSegment& known,
                           std::span<AxisMotion<double>> out);
 
 /// How far from its position at a point every axis is within so much of the distance along the path.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "trajectory/drawn_sampler.hpp"
 #include "trajectory/hermite.hpp"
 
 namespace inbetween {
@@ -29,6 +30,8 @@ constexpr double min_speed_share = 1e-6;
 /// Between the places at which a piece is compared it may be further off: in the middle 1.9 times, beside the
 /// others its velocity.
 constexpr double margin = 0.4;
+/// Where the first two looks find less than this share, the other two are for the ends of a stretch.
+constexpr double sure_share = 0.25;
 /// A piece twice as long is off 2^7 times as far: it is only tried where this share of the tolerances is
 /// enough.
 constexpr double easy_share = 1.0 / 64;
@@ -64,6 +67,10 @@ class TrajectoryBuilder {
       measure_travel(sampler_, there_, std::span(travel_).first(axes_));
     } else {
       std::copy_n(tolerances_.travel.begin(), axes_, travel_.begin());
+    }
+    for (std::size_t d = 0; d < axes_; ++d) {
+      min_speeds_[d] = min_speed_share * travel_[d] / seconds_per_frame_;
+      inverse_weights_[d] = sampler_.weight(d) > 0 ? 1 / sampler_.weight(d) : 0;
     }
     whole_seconds_ = seconds_per_frame_ * frames_between(joints.front().time, joints.back().time);
     for (std::size_t i = 0; i < joints.size(); ++i) {
@@ -207,13 +214,14 @@ class TrajectoryBuilder {
       const bool is_last = index + 1 == std::uint64_t{1} << level;
       const FrameTime<double> end =
           is_last ? to.time : moved_by(from.time, frames * share * static_cast<double>(index + 1));
-      const SampledSpeed known = is_last ? sampler_.arriving(to, there_) : sampler_.sample(end, there_);
+      const SampledSpeed known =
+          is_last ? sampler_.arriving(to, there_) : sampler_.sample(end, known_, there_);
       const std::size_t values_before = values_;
       const Row end_row = stored(there_, known);
       if (is_full()) return;
       TrajectoryPiece piece = piece_between(begin, end, row_, end_row);
       if (level == 0 && is_as_good_as_a_line(piece, end_row)) piece.degree = 1;
-      if (!is_cubic_ && !is_near(piece, end_row, loosened)) {
+      if (!is_cubic_ && !is_near(piece, end_row, loosened, index == 0 || is_last)) {
         if (frames * share >= 2 * min) {
           values_ = values_before;
           index *= 2;
@@ -267,44 +275,51 @@ class TrajectoryBuilder {
   [[nodiscard]] bool is_as_good_as_a_line(TrajectoryPiece piece, const Row& end_row) {
     if (is_cubic_ || piece.inverse_frames < 1 / line_frames) return false;
     piece.degree = 1;
-    return is_near(piece, end_row, 1);
+    return is_near(piece, end_row, 1, true);
   }
   /// Whether a piece is within the tolerances in all axes: `row_` is its first row.
-  [[nodiscard]] bool is_near(const TrajectoryPiece& piece, const Row& end_row, double loosened) {
-    return compare(piece, end_row, loosened, [](std::size_t) { return false; });
+  [[nodiscard]] bool is_near(const TrajectoryPiece& piece, const Row& end_row, double loosened,
+                             bool touches_joint) {
+    return compare(piece, end_row, loosened, touches_joint, [](std::size_t) { return false; });
   }
   /// What turns more sharply than the shortest piece can is played as a line, and its acceleration has no
   /// bound.
   void note_sharp(const TrajectoryPiece& piece, const Row& end_row, double loosened,
                   std::span<bool> is_noted) {
-    compare(piece, end_row, loosened, [&](std::size_t axis) {
+    compare(piece, end_row, loosened, true, [&](std::size_t axis) {
       if (!is_noted[axis]) add(UnboundedSide{piece.begin, static_cast<std::int32_t>(axis), -1, 2});
       return is_noted[axis] = true;
     });
   }
   /// Goes on after an axis that is off if `off` says so. Returns whether none was.
   template <class Off>
-  bool compare(const TrajectoryPiece& piece, const Row& end_row, double loosened, const Off& off) {
+  bool compare(const TrajectoryPiece& piece, const Row& end_row, double loosened, bool touches_joint,
+               const Off& off) {
     const double frames = 1 / piece.inverse_frames;
+    const double per_second = 1 / piece.seconds;
+    const double share = margin * loosened;
     bool near = true;
     bool goes_on = true;
     is_easy_ = true;
+    bool is_sure = !touches_joint;
     for (const double u : compared_at) {
-      const SampledSpeed asked = sampler_.sample(moved_by(piece.begin, u * frames), between_);
+      if (is_sure && u == compared_at[2]) break;
+      const SampledSpeed asked = sampler_.sample(moved_by(piece.begin, u * frames), known_, between_);
       with_degree(piece.degree, [&](auto degree) {
         const HermiteWeights at = position_weights<degree>(u, piece.seconds);
         const HermiteWeights rate = hermite_weights<degree, 1>(u, piece.seconds);
         const PieceRows rows{&memory_.values[piece.begin_row], &memory_.values[piece.end_row], axes_};
+        const double per_speed = asked.speed > std::numeric_limits<double>::min() ? 1 / asked.speed : 0;
         for (std::size_t d = 0; d < axes_ && goes_on; ++d) {
           const double position = rows.begin[d] + sum_of<known_of(degree)>(at, rows, d);
           const double velocity = sum_of<known_of(degree)>(rate, rows, d);
-          const double share = margin * loosened;
           const double near_by = share * tolerances_.position_share * travel_[d];
           const double near_speed = share * tolerances_.speed_share * counted_speed(d, asked.speed);
-          const double noise = noise_of(d, asked.speed, end_row);
+          const double noise = noise_of(d, per_speed, end_row);
           const double off_by = std::fabs(position - between_[d].position) - noise;
           const double off_speed =
-              asked.order == 0 ? 0 : std::fabs(velocity - between_[d].velocity) - noise / piece.seconds;
+              asked.order == 0 ? 0 : std::fabs(velocity - between_[d].velocity) - noise * per_second;
+          is_sure = is_sure && off_by <= sure_share * near_by && off_speed <= sure_share * near_speed;
           is_easy_ = is_easy_ && off_by <= easy_share * near_by && off_speed <= easy_share * near_speed;
           if (off_by <= near_by && off_speed <= near_speed) continue;
           near = false;
@@ -319,8 +334,8 @@ class TrajectoryBuilder {
   /// along the path its own velocity, and its share of the way, so that it may stand still. A way of less
   /// than a millionth in a frame is as good as a rest.
   [[nodiscard]] double counted_speed(std::size_t d, double speed) const {
-    const double min_speed = min_speed_share * travel_[d] / seconds_per_frame_;
-    if (const double weight = sampler_.weight(d); weight > 0) return std::max(speed / weight, min_speed);
+    const double min_speed = min_speeds_[d];
+    if (const double inverse = inverse_weights_[d]; inverse > 0) return std::max(speed * inverse, min_speed);
     const double length = sampler_.length();
     const double rate = length > 0 ? speed / length : 1 / whole_seconds_;
     return std::max(std::fabs(between_[d].velocity) + travel_[d] * rate, min_speed);
@@ -328,10 +343,10 @@ class TrajectoryBuilder {
   /// What rounding leaves open of a position: of the number itself, of the distance along the path, and at
   /// rest at either end of how near the curve comes to that place. No piece is so short that this were a
   /// speed.
-  [[nodiscard]] double noise_of(std::size_t d, double speed, const Row& end_row) const {
+  [[nodiscard]] double noise_of(std::size_t d, double per_speed, const Row& end_row) const {
     constexpr double rounding = distance_roundings * std::numeric_limits<double>::epsilon();
     const AxisMotion<double>& axis = between_[d];
-    const double share = speed > 0 ? std::fabs(axis.velocity) / speed : 0;
+    const double share = std::fabs(axis.velocity) * per_speed;
     return rounding * (std::fabs(axis.position) + share * sampler_.length()) +
            (row_.is_off ? off_at_begin_[d] : 0) + (end_row.is_off ? off_at_end_[d] : 0);
   }
@@ -346,9 +361,10 @@ class TrajectoryBuilder {
   bool is_behind_rest_ = false;
   bool is_easy_ = false;  ///< what was compared last is far within the tolerances
   double loosened_ = 1;
-  PerAxis travel_{}, off_at_begin_{}, off_at_end_{};
+  PerAxis travel_{}, min_speeds_{}, inverse_weights_{}, off_at_begin_{}, off_at_end_{};
   double whole_seconds_ = 0;
   Row row_;
+  SampledSegment known_;
   std::size_t pieces_ = 0, values_ = 0, breaks_ = 0, unbounded_ = 0;
 };
 

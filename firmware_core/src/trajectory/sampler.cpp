@@ -69,23 +69,31 @@ bool TrackSampler::rests_behind(const SampledJoint& joint) const {
 }
 
 SampledSpeed TrackSampler::sample(const FrameTime<double>& time, std::span<AxisMotion<double>> out) const {
+  SampledSegment known;
+  return sample(time, known, out);
+}
+
+SampledSpeed TrackSampler::sample(const FrameTime<double>& time, SampledSegment& known,
+                                  std::span<AxisMotion<double>> out) const {
   if (!track_->has_profile()) return sample_framed(*track_, time, out);
   if (stands(*track_)) return sample_standing(*track_, out);
-  return sample_drawn(*track_, time, out);
+  return sample_drawn(*track_, time, known, out);
 }
 
 SampledSpeed TrackSampler::arriving(const SampledJoint& joint, std::span<AxisMotion<double>> out) const {
   if (!track_->has_profile()) return sample_framed(*track_, joint.point_before.segment, 1, out);
   if (stands(*track_)) return sample_standing(*track_, out);
   const DrawnPlace place{joint.curve_before, joint.constant_before, joint.point_before};
-  return sample_drawn(*track_, joint.time, place, true, out);
+  SampledSegment known;
+  return sample_drawn(*track_, joint.time, place, true, known, out);
 }
 
 SampledSpeed TrackSampler::leaving(const SampledJoint& joint, std::span<AxisMotion<double>> out) const {
   if (!track_->has_profile()) return sample_framed(*track_, joint.point_after.segment, 0, out);
   if (stands(*track_)) return sample_standing(*track_, out);
   const DrawnPlace place{joint.curve_after, joint.constant_after, joint.point_after};
-  return sample_drawn(*track_, joint.time, place, false, out);
+  SampledSegment known;
+  return sample_drawn(*track_, joint.time, place, false, known, out);
 }
 
 void TrackSampler::write_reach(const PathPoint<double>& point, double way, std::span<double> out) const {

@@ -31,6 +31,8 @@ struct SampledJoint {
   double constant_before = 0, constant_after = 0;  ///< of a drawn curve
 };
 
+struct SampledSegment;  // inside the core
+
 /// A track as a motion that can be asked on either side of its joints. Refers to the track's memory and the
 /// caller's.
 class TrackSampler {
@@ -64,6 +66,9 @@ class TrackSampler {
   /// Between joints. At order 0, where an axis has no velocity, it has the one that would make of the
   /// rounding of the distance what that makes of the position.
   [[nodiscard]] SampledSpeed sample(const FrameTime<double>& time, std::span<AxisMotion<double>> out) const;
+  /// The same for who asks for many moments on a segment of the path: `known` is what was worked out of it.
+  SampledSpeed sample(const FrameTime<double>& time, SampledSegment& known,
+                      std::span<AxisMotion<double>> out) const;
   /// These tell with what the motion comes to a joint, and with what it leaves it.
   [[nodiscard]] SampledSpeed arriving(const SampledJoint& joint, std::span<AxisMotion<double>> out) const;
   [[nodiscard]] SampledSpeed leaving(const SampledJoint& joint, std::span<AxisMotion<double>> out) const;
