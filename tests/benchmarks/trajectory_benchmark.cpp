@@ -1,5 +1,7 @@
 #include <benchmark/benchmark.h>
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <random>
 #include <vector>
@@ -46,6 +48,29 @@ void bound(benchmark::State& state, const MoveSize& size) {
 }
 BENCHMARK_CAPTURE(bound, example, example)->Name("trajectory_bounds/example")->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(bound, large, large)->Name("trajectory_bounds/100x16")->Unit(benchmark::kMicrosecond);
+
+void bound_each_cell(benchmark::State& state, const MoveSize& size) {
+  const SolvedTrack<double> solved = solved_track(size);
+  const FittedTrajectory fitted(solved.track());
+  const CellLine line{0, solved.track().frames(), 256};
+  std::vector<AxisPeaks<double>> peaks(size.axes);
+  bound_trajectory(*fitted, peaks);
+  std::vector<std::array<double, 3>> room;
+  for (const AxisPeaks<double>& axis : peaks)
+    room.push_back({0.005 * axis.velocity.value, 0.005 * axis.acceleration.value, 0.005 * axis.jerk.value});
+  std::vector<std::array<double, 3>> suprema(line.cells * size.axes);
+  for (auto _ : state) {
+    std::fill(suprema.begin(), suprema.end(), std::array<double, 3>{});
+    bound_cells(*fitted, line, room, suprema, size.axes);
+    benchmark::DoNotOptimize(suprema.data());
+  }
+}
+BENCHMARK_CAPTURE(bound_each_cell, example, example)
+    ->Name("trajectory_cells/example")
+    ->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(bound_each_cell, large, large)
+    ->Name("trajectory_cells/100x16")
+    ->Unit(benchmark::kMicrosecond);
 
 /// Calls `look` with one time after the other.
 template <class Time, class Look>

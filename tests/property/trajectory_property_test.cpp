@@ -235,6 +235,68 @@ TEST(TrajectoryProperty, NoMomentOfAPieceIsAboveItsBoundAndNoBoundIsFarAboveItsP
 /// Both certificates speak of one motion. Told apart are only moves in which the rounding of positions is
 /// felt in the derivatives: an offset of a million times the way, a peak that lasts a ten-millionth of the
 /// move.
+/// What a dense search of the pieces finds of an axis in every cell.
+std::vector<MotionTriple<double>> found_in_cells(const FittedTrajectory& fitted, std::size_t axis,
+                                                 const CellLine& line) {
+  std::vector<MotionTriple<double>> found(line.cells);
+  const double cell_frames =
+      static_cast<double>(line.last_frame - line.first_frame) / static_cast<double>(line.cells);
+  for (const TrajectoryPiece& piece : fitted->pieces()) {
+    const int points = 32 + static_cast<int>(8 / (piece.inverse_frames * cell_frames));
+    for (int k = 0; k <= points; ++k) {  // the ends a little inside: a cell may begin there
+      const double frame = piece.begin.frame + piece.begin.fraction +
+                           (k + 1e-9 * (points / 2.0 - k)) / points / piece.inverse_frames;
+      const auto cell = static_cast<std::size_t>(
+          std::clamp((frame - line.first_frame) / cell_frames, 0.0, static_cast<double>(line.cells - 1)));
+      const std::array<long double, 4> here =
+          exact_piece(*fitted, piece, axis, static_cast<long double>(k) / points);
+      for (std::size_t q = 0; q < 3; ++q)
+        found[cell][q] = std::max(found[cell][q], static_cast<double>(std::fabs(here[q + 1])));
+    }
+  }
+  return found;
+}
+
+TEST(TrajectoryProperty, NoMomentOfACellIsAboveItsSupremumAndNoSupremumIsFarAboveItsNeighbours) {
+  check_property(many_moves / 10, [&] {
+    const RandomMove move = *regular_move();
+    show(move);
+    const TrackInput<double> input(move);
+    const SolvedTrack<double> solved(input.spec, Solver::closed_form);
+    if (solved.track().arc_length().total() == 0) return;
+    if (!is_resolved(solved.track(), bounds_of_track(solved.track()))) return;
+    const FittedTrajectory fitted(solved.track());
+    const std::size_t axes = fitted->axis_count();
+    std::vector<AxisPeaks<double>> peaks(axes);
+    bound_trajectory(*fitted, peaks);
+    const CellLine line{-3, move.frames, static_cast<std::size_t>(*rc::gen::inRange(1, 300))};
+    std::vector<MotionTriple<double>> room(axes);
+    for (std::size_t d = 0; d < axes; ++d)
+      room[d] = {0.005 * peaks[d].velocity.value, 0.005 * peaks[d].acceleration.value,
+                 0.005 * peaks[d].jerk.value};
+    const std::size_t stride = axes + 1;
+    std::vector<MotionTriple<double>> suprema(line.cells * stride);
+    bound_cells(*fitted, line, room, suprema, stride);
+    for (std::size_t d = 0; d < axes; ++d) {
+      const std::vector<MotionTriple<double>> found = found_in_cells(fitted, d, line);
+      const MotionTriple<double> noise = noise_at_peaks(fitted, d, peaks[d]);
+      for (std::size_t cell = 0; cell < line.cells; ++cell) {
+        for (std::size_t q = 0; q < 3; ++q) {
+          if (std::isinf(room[d][q])) continue;
+          double around = found[cell][q];
+          if (cell > 0) around = std::max(around, found[cell - 1][q]);
+          if (cell + 1 < line.cells) around = std::max(around, found[cell + 1][q]);
+          const double supremum = suprema[cell * stride + d][q];
+          RC_LOG() << "axis " << d << " derivative " << q + 1 << " cell " << cell << " of " << line.cells
+                   << ": " << supremum << ", found " << found[cell][q] << ", around " << around << '\n';
+          RC_ASSERT(supremum >= found[cell][q] * (1 - 1e-9) - noise[q]);
+          RC_ASSERT(supremum <= around * 1.03 + 1.05 * room[d][q] + noise[q]);
+        }
+      }
+    }
+  });
+}
+
 TEST(TrajectoryProperty, ItsCertificateIsThatOfTheTrackWithinOnePercent) {
   int compared = 0;
   int felt = 0;

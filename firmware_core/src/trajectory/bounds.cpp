@@ -14,6 +14,8 @@ namespace {
 
 constexpr double close_share = 1e-5;
 constexpr double close_position = 1e-9;
+/// The same of what is found in a cell: a rate change that is 2 % lower makes a stop that much longer.
+constexpr double close_in_cell = 0.02;
 /// A hull shrinks to a quarter of what it is too wide with every halving.
 constexpr int max_depth = 30;
 
@@ -109,6 +111,14 @@ struct GroupReach {
   std::array<Group<double>, 4> highest, lowest;
 };
 
+/// The velocity, the acceleration and the jerk of some axes on what is left of a piece.
+struct GroupDerivatives {
+  std::array<std::array<Group<double>, 8>, 3> c;
+  std::array<std::size_t, 3> degree{};
+};
+/// A bound of the magnitude of each.
+using GroupMagnitudes = std::array<Group<double>, 3>;
+
 /// One number of a row, of a group of axes; 0 behind the last.
 Group<double> group_of(const double* row, std::size_t axes, std::size_t axis) {
   if constexpr (lanes_are_quick) {
@@ -119,11 +129,12 @@ Group<double> group_of(const double* row, std::size_t axes, std::size_t axis) {
   return result;
 }
 
-/// The coefficients are those of position_of() and of Bernstein::derivative(), to the last bit, so that an
-/// axis whose hull is within its bounds here has nothing to be searched for.
-template <std::size_t Degree>
-[[gnu::flatten]] INBETWEEN_PROCESSOR_CLONES void write_hulls(const PieceRows& rows, double seconds,
-                                                             std::size_t axis, GroupReach& out) {
+/// Calls visit(k, c, n) with the coefficients, 0 to n, of the position of a group of axes less that at the
+/// begin, and of its three derivatives. They are those of position_of() and of Bernstein::derivative(), to
+/// the last bit, so that an axis whose hull is within its bounds here has nothing to be searched for.
+template <std::size_t Degree, class Visit>
+INBETWEEN_PART_OF_CLONES void visit_derivatives(const PieceRows& rows, double seconds, std::size_t axis,
+                                                const Visit& visit) {
   using Number = Group<double>;
   constexpr std::size_t first = Degree == 6 ? 1 : 0;
   constexpr std::size_t degree = Degree - first;
@@ -154,23 +165,54 @@ template <std::size_t Degree>
     c = position;
   }
   std::size_t n = Degree;
-  for (std::size_t k = 0; k < out.highest.size(); ++k) {
-    if (k > 0 && n == 0) {
-      c[0] = Number(0);
-    } else if (k > 0) {
-      const double factor = static_cast<double>(n) / seconds;
-      for (std::size_t i = 0; i < n; ++i) c[i] = factor * (c[i + 1] - c[i]);
-      --n;
-    }
+  visit(0, c, n);
+  for (std::size_t k = 1; k <= 3; ++k) {
+    const double factor = static_cast<double>(n) / seconds;
+    for (std::size_t i = 0; i < n; ++i) c[i] = factor * (c[i + 1] - c[i]);
+    if (n == 0) c[0] = Number(0);
+    n -= n > 0 ? 1 : 0;
+    visit(k, c, n);
+  }
+}
+
+template <std::size_t Degree>
+[[gnu::flatten]] INBETWEEN_PROCESSOR_CLONES void write_hulls(const PieceRows& rows, double seconds,
+                                                             std::size_t axis, GroupReach& out) {
+  visit_derivatives<Degree>(rows, seconds, axis, [&](std::size_t k, const auto& c, std::size_t n) {
     out.highest[k] = out.lowest[k] = c[0];
     for (std::size_t i = 1; i <= n; ++i) {
       out.highest[k] = greatest(out.highest[k], c[i]);
       out.lowest[k] = least(out.lowest[k], c[i]);
     }
-  }
-  const Number at_begin = group_of(rows.begin, rows.axes, axis);
+  });
+  const Group<double> at_begin = group_of(rows.begin, rows.axes, axis);
   out.highest[0] = out.highest[0] + at_begin;
   out.lowest[0] = out.lowest[0] + at_begin;
+}
+
+template <std::size_t Degree>
+[[gnu::flatten]] INBETWEEN_PROCESSOR_CLONES void write_derivatives(const PieceRows& rows, double seconds,
+                                                                   std::size_t axis, GroupDerivatives& out) {
+  visit_derivatives<Degree>(rows, seconds, axis, [&](std::size_t k, const auto& c, std::size_t n) {
+    if (k == 0) return;
+    out.c[k - 1] = c;
+    out.degree[k - 1] = n;
+  });
+}
+
+/// Cuts a share off the begin of what is left (de Casteljau), and bounds it.
+[[gnu::flatten]] INBETWEEN_PROCESSOR_CLONES void bound_share(GroupDerivatives& rest, double share,
+                                                             GroupMagnitudes& out) {
+  using Number = Group<double>;
+  for (std::size_t k = 0; k < out.size(); ++k) {
+    std::array<Number, 8>& c = rest.c[k];
+    Number most = absolute(c[0]);
+    for (std::size_t round = 1; round <= rest.degree[k]; ++round) {
+      for (std::size_t i = 0; i + round <= rest.degree[k]; ++i) c[i] = (1 - share) * c[i] + share * c[i + 1];
+      most = greatest(most, absolute(c[0]));
+    }
+    out[k] = most;
+  }
 }
 
 double frame_of(const FrameTime<double>& time) {
@@ -360,7 +402,158 @@ void bound_group(const Trajectory& trajectory, const FrameTime<double>& from, co
   for (std::size_t k = 0; k < out.size(); ++k) out[k] = bounds[k].peaks();
 }
 
+/// This raises the suprema of a group of axes in cells.
+class GroupCells {
+ public:
+  GroupCells(const Trajectory& trajectory, const CellLine& line, std::span<const std::array<double, 3>> room,
+             std::span<std::array<double, 3>> out, std::size_t stride)
+      : trajectory_(trajectory), line_(line), room_(room), out_(out), stride_(stride) {
+    cell_frames_ = static_cast<double>(line.last_frame - line.first_frame) / static_cast<double>(line.cells);
+  }
+
+  void run(std::size_t first, std::size_t count) {
+    for (const TrajectoryPiece& piece : trajectory_.pieces()) {
+      const Cells cells = cells_of(piece);
+      with_degree(piece.degree, [&](auto degree) {
+        cells.last - cells.first <= 1 ? take_whole<degree>(piece, cells, first, count)
+                                      : take_cell_by_cell<degree>(piece, cells, first, count);
+      });
+    }
+  }
+  void raise(const FrameTime<double>& time, std::size_t axis, std::size_t derivative) {
+    const std::size_t cell = cell_at(frame_of(time));
+    for (std::size_t q = derivative; q < 3; ++q) at(cell, axis, q) = std::numeric_limits<double>::infinity();
+  }
+
+ private:
+  struct Cells {
+    std::size_t first = 0, last = 0;
+  };
+  double& at(std::size_t cell, std::size_t axis, std::size_t q) { return out_[cell * stride_ + axis][q]; }
+  [[nodiscard]] std::size_t cell_at(double frame) const {
+    const double cell = (frame - line_.first_frame) / cell_frames_;
+    return cell > 0 ? std::min(static_cast<std::size_t>(cell), line_.cells - 1) : 0;
+  }
+  [[nodiscard]] Cells cells_of(const TrajectoryPiece& piece) const {
+    const double begin = frame_of(piece.begin);
+    return {cell_at(begin), cell_at(begin + 1 / piece.inverse_frames)};
+  }
+  /// What a derivative has at both ends of a piece; 0 where the rows do not say.
+  [[nodiscard]] double known_at_ends(const TrajectoryPiece& piece, std::size_t axis, std::size_t q) const {
+    if (q + 1 >= known_of(piece.degree)) return 0;
+    const std::size_t number = (q + 1) * trajectory_.axis_count() + axis;
+    return std::max(std::fabs(trajectory_.values()[piece.begin_row + number]),
+                    std::fabs(trajectory_.values()[piece.end_row + number]));
+  }
+
+  [[nodiscard]] PieceRows rows_of(const TrajectoryPiece& piece) const {
+    const double* values = trajectory_.values().data();
+    return {values + piece.begin_row, values + piece.end_row, trajectory_.axis_count()};
+  }
+  [[nodiscard]] double border(const TrajectoryPiece& piece, std::size_t cell) const {
+    const double frame = line_.first_frame + cell_frames_ * static_cast<double>(cell);
+    return std::clamp((frame - frame_of(piece.begin)) * piece.inverse_frames, 0.0, 1.0);
+  }
+
+  /// A piece of up to two cells counts as a whole in both.
+  template <std::size_t Degree>
+  void take_whole(const TrajectoryPiece& piece, const Cells& cells, std::size_t first, std::size_t count) {
+    GroupReach reach;
+    write_hulls<Degree>(rows_of(piece), piece.seconds, first, reach);
+    for (std::size_t k = 0; k < count; ++k) {
+      for (std::size_t q = 0; q < 3; ++q) {
+        const double hull = std::max(lane_of(reach.highest[q + 1], k), -lane_of(reach.lowest[q + 1], k));
+        if (hull <= std::min(at(cells.first, first + k, q), at(cells.last, first + k, q))) continue;
+        const double found = known_at_ends(piece, first + k, q);
+        const double room = room_[first + k][q];
+        const bool is_close = hull <= found + std::max(close_in_cell * found, room);
+        for (std::size_t cell = cells.first; cell <= cells.last; ++cell) {
+          double& supremum = at(cell, first + k, q);
+          if (is_close) {
+            supremum = std::max(supremum, hull);
+          } else {
+            search_part(piece, cells, cell, first + k, q);
+          }
+        }
+      }
+    }
+  }
+  template <std::size_t Degree>
+  void take_cell_by_cell(const TrajectoryPiece& piece, const Cells& cells, std::size_t first,
+                         std::size_t count) {
+    GroupDerivatives rest;
+    write_derivatives<Degree>(rows_of(piece), piece.seconds, first, rest);
+    double begin = 0;
+    for (std::size_t cell = cells.first; cell <= cells.last; ++cell) {
+      const double end = cell < cells.last ? border(piece, cell + 1) : 1;
+      if (!(begin < end)) continue;
+      GroupMagnitudes most;
+      bound_share(rest, (end - begin) / (1 - begin), most);
+      begin = end;
+      for (std::size_t k = 0; k < count; ++k) {
+        for (std::size_t q = 0; q < 3; ++q) {
+          const double hull = lane_of(most[q], k);
+          double& supremum = at(cell, first + k, q);
+          if (hull <= supremum) continue;
+          // What is left begins where this part has ended.
+          const double found = std::fabs(lane_of(rest.c[q][0], k));
+          if (hull <= found + std::max(close_in_cell * found, room_[first + k][q])) {
+            supremum = hull;
+          } else {
+            search_part(piece, cells, cell, first + k, q);
+          }
+        }
+      }
+    }
+  }
+  void search_part(const TrajectoryPiece& piece, const Cells& cells, std::size_t cell, std::size_t axis,
+                   std::size_t q) {
+    Bernstein polynomial = position_of(trajectory_, piece, axis);
+    for (std::size_t k = 0; k <= q; ++k) polynomial = polynomial.derivative(piece.seconds);
+    PiecePart part{&piece};
+    if (cell > cells.first) part.begin = border(piece, cell);
+    if (cell < cells.last) part.end = border(piece, cell + 1);
+    if (part.begin < part.end) search(part.of(polynomial), room_[axis][q], at(cell, axis, q));
+  }
+  static void search(const Bernstein& whole, double room, double& supremum) {
+    std::array<Bernstein, max_depth + 1> stack;
+    std::size_t count = 0;
+    stack[count++] = whole;
+    double reached = 0;
+    while (count > 0) {
+      Bernstein& top = stack[count - 1];
+      reached = std::max({reached, std::fabs(top.c[0]), std::fabs(top.c[top.degree])});
+      const double highest = std::max(top.highest(), top.negated().highest());
+      const double enough = reached + std::max(close_in_cell * reached, room);
+      if (highest <= std::max(enough, supremum) || count == stack.size()) {
+        supremum = std::max(supremum, highest);
+        --count;
+        continue;
+      }
+      const Bernstein second = top.halve();
+      stack[count++] = second;
+    }
+  }
+
+  const Trajectory& trajectory_;
+  CellLine line_;
+  double cell_frames_ = 1;
+  std::span<const std::array<double, 3>> room_;
+  std::span<std::array<double, 3>> out_;
+  std::size_t stride_;
+};
+
 }  // namespace
+
+void bound_cells(const Trajectory& trajectory, const CellLine& line,
+                 std::span<const std::array<double, 3>> room, std::span<std::array<double, 3>> out,
+                 std::size_t stride) {
+  GroupCells cells(trajectory, line, room, out, stride);
+  const std::size_t axes = trajectory.axis_count();
+  for (std::size_t d = 0; d < axes; d += group_size) cells.run(d, std::min(group_size, axes - d));
+  for (const UnboundedSide& side : trajectory.unbounded())
+    cells.raise(side.time, static_cast<std::size_t>(side.axis), side.order - std::size_t{1});
+}
 
 void bound_trajectory(const Trajectory& trajectory, const FrameTime<double>& from,
                       const FrameTime<double>& to, std::span<AxisPeaks<double>> out) {
