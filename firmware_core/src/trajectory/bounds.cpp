@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <type_traits>
 
 #include "base/lanes.hpp"
 #include "inbetween/base/processor_clones.hpp"
@@ -120,11 +121,12 @@ struct GroupDerivatives {
 using GroupMagnitudes = std::array<Group<double>, 3>;
 
 /// One number of a row, of a group of axes; 0 behind the last.
-Group<double> group_of(const double* row, std::size_t axes, std::size_t axis) {
-  if constexpr (lanes_are_quick) {
-    if (axis + group_size <= axes) return Group<double>::from({row + axis, group_size});
+template <class Number>
+Number group_of(const double* row, std::size_t axes, std::size_t axis) {
+  if constexpr (!std::is_same_v<Number, double>) {
+    if (axis + group_size <= axes) return Number::from({row + axis, group_size});
   }
-  Group<double> result(0);
+  Number result(0);
   for (std::size_t k = 0; k < group_size && axis + k < axes; ++k) set_lane(result, k, row[axis + k]);
   return result;
 }
@@ -140,8 +142,8 @@ INBETWEEN_PART_OF_CLONES void visit_derivatives(const PieceRows& rows, double se
   constexpr std::size_t degree = Degree - first;
   std::array<Number, 4> begin, end;
   for (std::size_t j = first; j < known_of(Degree); ++j) {
-    begin[j - first] = group_of(rows.begin + j * rows.axes, rows.axes, axis);
-    end[j - first] = group_of(rows.end + j * rows.axes, rows.axes, axis);
+    begin[j - first] = group_of<Group<double>>(rows.begin + j * rows.axes, rows.axes, axis);
+    end[j - first] = group_of<Group<double>>(rows.end + j * rows.axes, rows.axes, axis);
   }
   std::array<Number, 8> c;
   const Number way = end[0] - begin[0];
@@ -185,7 +187,7 @@ template <std::size_t Degree>
       out.lowest[k] = least(out.lowest[k], c[i]);
     }
   });
-  const Group<double> at_begin = group_of(rows.begin, rows.axes, axis);
+  const Group<double> at_begin = group_of<Group<double>>(rows.begin, rows.axes, axis);
   out.highest[0] = out.highest[0] + at_begin;
   out.lowest[0] = out.lowest[0] + at_begin;
 }
@@ -407,9 +409,13 @@ class GroupCells {
  public:
   GroupCells(const Trajectory& trajectory, const CellLine& line, std::span<const std::array<double, 3>> room,
              std::span<std::array<double, 3>> out, std::size_t stride)
-      : trajectory_(trajectory), line_(line), room_(room), out_(out), stride_(stride) {
-    cell_frames_ = static_cast<double>(line.last_frame - line.first_frame) / static_cast<double>(line.cells);
-  }
+      : trajectory_(trajectory),
+        line_(line),
+        cell_frames_(static_cast<double>(line.last_frame - line.first_frame) /
+                     static_cast<double>(line.cells)),
+        room_(room),
+        out_(out),
+        stride_(stride) {}
 
   void run(std::size_t first, std::size_t count) {
     for (const TrajectoryPiece& piece : trajectory_.pieces()) {
@@ -537,7 +543,7 @@ class GroupCells {
 
   const Trajectory& trajectory_;
   CellLine line_;
-  double cell_frames_ = 1;
+  double cell_frames_;
   std::span<const std::array<double, 3>> room_;
   std::span<std::array<double, 3>> out_;
   std::size_t stride_;
