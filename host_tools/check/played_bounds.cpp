@@ -102,9 +102,13 @@ void bound_roll(std::span<const RollAxis<double>> rolls, PlayedBounds& out) {
   std::array<TrajectoryPiece, 1> piece;
   std::array<std::uint32_t, 1> bucket{};
   std::vector<double> values(6 * rolls.size());
-  const Trajectory trajectory = value_or_throw(roll_trajectory(
-      rolls,
-      {.pieces = piece, .values = values, .buckets = bucket, .breaks = {}, .unbounded = {}, .samples = {}}));
+  const Trajectory trajectory = value_or_throw(roll_trajectory(rolls, {.pieces = piece,
+                                                                       .values = values,
+                                                                       .buckets = bucket,
+                                                                       .breaks = {},
+                                                                       .unbounded = {},
+                                                                       .samples = {},
+                                                                       .numbers = {}}));
   std::vector<AxisPeaks<double>> peaks(rolls.size());
   bound_trajectory(trajectory, peaks);
   for (std::size_t d = 0; d < rolls.size(); ++d) out.axes[d].raise(peaks[d]);

@@ -21,7 +21,7 @@ Trajectory TrajectoryFitter::fit(const TrackSampler& sampler, const FitTolerance
   make_room_for(sampler);
   while (true) {
     const Result<Trajectory> fitted =
-        fit_trajectory(sampler, tolerances, {pieces_, values_, buckets_, breaks_, unbounded_, samples_});
+        fit_trajectory(sampler, tolerances, {pieces_, values_, buckets_, breaks_, unbounded_, samples_, numbers_});
     if (fitted) return *fitted;
     // What it needed when it gave up is not yet all: at least twice as much, so that few tries are made.
     const bool may_grow =
@@ -42,6 +42,7 @@ void TrajectoryFitter::make_room_for(const TrackSampler& sampler) {
   grow(breaks_, joints);
   grow(unbounded_, 3 * joints * axes);  // either side, and between two joints
   grow(samples_, 3 * axes);
+  grow(numbers_, 5 * axes);
 }
 
 SampledTrack::SampledTrack(const Track<double>& track)

@@ -26,6 +26,7 @@ class TrajectoryFitter {
   std::vector<TrajectoryBreak> breaks_;
   std::vector<UnboundedSide> unbounded_;
   std::vector<AxisMotion<double>> samples_;
+  std::vector<double> numbers_;
 };
 
 /// The joints of a track in memory from the heap.

@@ -163,7 +163,7 @@ TEST_P(EveryTimingAsATrajectory, IsJoinedByTheTrajectoryOfItsRolls) {
     std::array<TrajectoryPiece, 1> piece;
     std::array<double, 6 * axes> values;
     std::array<std::uint32_t, 1> bucket;
-    const TrajectoryMemory memory{piece, values, bucket, {}, {}, {}};
+    const TrajectoryMemory memory{piece, values, bucket, {}, {}, {}, {}};
     const Result<Trajectory> rolled = roll_trajectory(roll, memory);
     ASSERT_TRUE(rolled.has_value());
     const double frames = frames_between(rolled->begin(), rolled->end());

@@ -57,6 +57,11 @@ class TrajectoryBuilder {
         here_(memory.samples.first(axes_)),
         there_(memory.samples.subspan(axes_, axes_)),
         between_(memory.samples.subspan(2 * axes_, axes_)),
+        travel_(memory.numbers.first(axes_)),
+        min_speeds_(memory.numbers.subspan(axes_, axes_)),
+        inverse_weights_(memory.numbers.subspan(2 * axes_, axes_)),
+        off_at_begin_(memory.numbers.subspan(3 * axes_, axes_)),
+        off_at_end_(memory.numbers.subspan(4 * axes_, axes_)),
         seconds_per_frame_(static_cast<double>(sampler.frame_rate().denominator) /
                            static_cast<double>(sampler.frame_rate().numerator)),
         is_cubic_(sampler.is_cubic()) {}
@@ -64,7 +69,7 @@ class TrajectoryBuilder {
   Result<Trajectory> build() {
     const std::span<const SampledJoint> joints = sampler_.joints();
     if (tolerances_.travel.empty()) {
-      measure_travel(sampler_, there_, std::span(travel_).first(axes_));
+      measure_travel(sampler_, there_, travel_);
     } else {
       std::copy_n(tolerances_.travel.begin(), axes_, travel_.begin());
     }
@@ -105,11 +110,10 @@ class TrajectoryBuilder {
     bool is_off = false;         ///< SampledSpeed::off is not 0: off_at_begin_ or off_at_end_
     bool has_velocities = true;  ///< with bounds
   };
-  using PerAxis = std::array<double, max_trajectory_axes>;
 
   Row stored(std::span<const AxisMotion<double>> row, const SampledSpeed& known) {
     const Row result{static_cast<std::uint32_t>(values_), known.order, known.off > 0, has_velocities(known)};
-    if (known.off > 0) sampler_.write_reach(known.point, known.off, std::span(off_at_end_).first(axes_));
+    if (known.off > 0) sampler_.write_reach(known.point, known.off, off_at_end_);
     const std::size_t needed = (known.order + std::size_t{1}) * axes_;
     if (values_ + needed <= memory_.values.size()) {
       double* out = &memory_.values[values_];
@@ -128,7 +132,7 @@ class TrajectoryBuilder {
   /// The next piece begins with this row.
   void take(const Row& row) {
     row_ = row;
-    if (row.is_off) off_at_begin_ = off_at_end_;
+    if (row.is_off) std::ranges::copy(off_at_end_, off_at_begin_.begin());
   }
   static bool has_velocities(const SampledSpeed& known) { return known.order > 0 || known.speed == 0; }
   [[nodiscard]] bool is_full() const {
@@ -356,12 +360,12 @@ class TrajectoryBuilder {
   TrajectoryMemory memory_;
   std::size_t axes_;
   std::span<AxisMotion<double>> here_, there_, between_;
+  std::span<double> travel_, min_speeds_, inverse_weights_, off_at_begin_, off_at_end_;
   double seconds_per_frame_;
   bool is_cubic_;
   bool is_behind_rest_ = false;
   bool is_easy_ = false;  ///< what was compared last is far within the tolerances
   double loosened_ = 1;
-  PerAxis travel_{}, min_speeds_{}, inverse_weights_{}, off_at_begin_{}, off_at_end_{};
   double whole_seconds_ = 0;
   Row row_;
   SampledSegment known_;
@@ -391,10 +395,10 @@ void measure_travel(const TrackSampler& sampler, std::span<AxisMotion<double>> s
 
 Result<Trajectory> fit_trajectory(const TrackSampler& sampler, const FitTolerances& tolerances,
                                   const TrajectoryMemory& memory) {
-  if (memory.buckets.empty() || memory.samples.size() < 3 * sampler.axis_count())
-    return no_room("the memory of a trajectory has no buckets or samples", 3 * sampler.axis_count());
-  if (sampler.axis_count() > max_trajectory_axes)
-    return no_room("the trajectory has more axes than it may", sampler.axis_count());
+  const std::size_t axes = sampler.axis_count();
+  if (memory.buckets.empty() || memory.samples.size() < 3 * axes || memory.numbers.size() < 5 * axes)
+    return no_room("the memory of a trajectory has no buckets, samples or numbers", 5 * axes);
+  if (axes > max_trajectory_axes) return no_room("the trajectory has more axes than it may", axes);
   return TrajectoryBuilder(sampler, tolerances, memory).build();
 }
 

@@ -34,8 +34,11 @@ struct TrajectoryStorage {
   std::array<TrajectoryBreak, Breaks> breaks;
   std::array<UnboundedSide, 3 * Breaks * Axes> unbounded;
   std::array<AxisMotion<double>, 3 * Axes> samples;
+  std::array<double, 5 * Axes> numbers;
 
-  [[nodiscard]] TrajectoryMemory memory() { return {pieces, values, buckets, breaks, unbounded, samples}; }
+  [[nodiscard]] TrajectoryMemory memory() {
+    return {pieces, values, buckets, breaks, unbounded, samples, numbers};
+  }
 };
 
 /// How far each axis goes, by the joints and the middles between them. `samples` has an entry for each axis.
@@ -43,13 +46,12 @@ void measure_travel(const TrackSampler& sampler, std::span<AxisMotion<double>> s
                     std::span<double> out);
 
 /// The trajectory of a sampled motion. Each stretch between two joints is halved until the Hermite polynomial
-/// of its ends is within the tolerances at five places inside; one that is a cubic is taken as it is, and one
-/// at rest is a constant. What turns too sharply for the shortest piece is a line there, and the acceleration
-/// of that axis is noted as unbounded.
+/// of its ends is within the tolerances at four places inside, or well within at two; one that is a cubic is
+/// taken as it is, and one at rest is a constant. What turns too sharply for the shortest piece is a line
+/// there, and the acceleration of that axis is noted as unbounded.
 ///
-/// Errors: capacity (pieces, values, breaks, unbounded, samples, axes); of pieces and values what it needed
-/// when it gave up, which may not be enough. Cost: about seven samples a piece and as many again for each
-/// halving.
+/// Errors: capacity (pieces, values, breaks, unbounded, samples, numbers, axes); of pieces and values what it
+/// needed when it gave up, which may not be enough. Cost: about five samples a piece.
 Result<Trajectory> fit_trajectory(const TrackSampler& sampler, const FitTolerances& tolerances,
                                   const TrajectoryMemory& memory);
 

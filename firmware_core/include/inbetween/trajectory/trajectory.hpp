@@ -49,6 +49,7 @@ struct TrajectoryMemory {
   std::span<TrajectoryBreak> breaks;
   std::span<UnboundedSide> unbounded;
   std::span<AxisMotion<double>> samples;  ///< 3 for each axis, while it is made
+  std::span<double> numbers;              ///< 5 for each axis, while it is made
 };
 
 /// A trajectory whose pieces are known.
