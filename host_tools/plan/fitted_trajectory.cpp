@@ -20,8 +20,8 @@ void grow(std::vector<T>& memory, std::size_t size) {
 Trajectory TrajectoryFitter::fit(const TrackSampler& sampler, const FitTolerances& tolerances) {
   make_room_for(sampler);
   while (true) {
-    const Result<Trajectory> fitted =
-        fit_trajectory(sampler, tolerances, {pieces_, values_, buckets_, breaks_, unbounded_, samples_, numbers_});
+    const Result<Trajectory> fitted = fit_trajectory(
+        sampler, tolerances, {pieces_, values_, buckets_, breaks_, unbounded_, samples_, numbers_});
     if (fitted) return *fitted;
     // What it needed when it gave up is not yet all: at least twice as much, so that few tries are made.
     const bool may_grow =

@@ -19,8 +19,8 @@ inline constexpr bool sanitized = true;
 inline constexpr bool sanitized = false;
 #endif
 
-/// All cases are run where the environment says INBETWEEN_CASES=all, as `scripts/test --long` does, a third of
-/// them where it says `third`, as `--deep` does, else a tenth; under a sanitizer always a tenth.
+/// All cases are run where the environment says INBETWEEN_CASES=all, as `scripts/test --long` does, a third
+/// of them where it says `third`, as `--deep` does, else a tenth; under a sanitizer always a tenth.
 inline bool runs_cases(std::string_view share) {
   const char* const cases = std::getenv("INBETWEEN_CASES");
   return !sanitized && cases != nullptr && cases == share;
