@@ -215,7 +215,8 @@ class FrameCurves {
       } else {
         part = restarted(hermite(delta, slopes), static_cast<Real>(j) / 4);
       }
-      part.c0 += begin;
+      // The key itself, and not what the chord less its parts is rounded to.
+      part.c0 = j == 0 ? begin : begin + part.c0;
       // Rounding of the chord may carry it beyond the next key.
       const Real end = key(k + 1, d);
       if (!spec_.overshoot) part.c0 = std::clamp(part.c0, std::min(begin, end), std::max(begin, end));
