@@ -195,10 +195,11 @@ TEST(TrajectoryProperty, ItsCountsInFloatAreWithinATwentiethOfACount) {
   std::cout << "a float misses by at most " << worst << " counts\n";
 }
 
-/// A tenth of the moves, because a dense search in extended precision takes its time.
-TEST(TrajectoryProperty, NoMomentOfAPieceIsAboveItsBoundAndNoBoundIsFarAboveItsPeak) {
-  double worst = 0;
-  check_property(many_moves / 5, [&] {
+/// Calls `work` with the trajectory of a move that has length and no peak too narrow, and with its bounds. As
+/// many as `cases` are drawn: few, because a dense search in extended precision takes its time.
+template <class Work>
+void check_bounded(int cases, const Work& work) {
+  check_property(cases, [&] {
     const RandomMove move = *regular_move();
     show(move);
     const TrackInput<double> input(move);
@@ -208,6 +209,13 @@ TEST(TrajectoryProperty, NoMomentOfAPieceIsAboveItsBoundAndNoBoundIsFarAboveItsP
     const FittedTrajectory fitted(solved.track());
     std::vector<AxisPeaks<double>> peaks(fitted->axis_count());
     bound_trajectory(*fitted, peaks);
+    work(fitted, peaks);
+  });
+}
+
+TEST(TrajectoryProperty, NoMomentOfAPieceIsAboveItsBoundAndNoBoundIsFarAboveItsPeak) {
+  double worst = 0;
+  check_bounded(many_moves / 5, [&](const auto& fitted, const auto& peaks) {
     for (std::size_t d = 0; d < peaks.size(); ++d) {
       std::array<long double, 4> found{};
       for (const TrajectoryPiece& piece : fitted->pieces()) {
@@ -232,9 +240,6 @@ TEST(TrajectoryProperty, NoMomentOfAPieceIsAboveItsBoundAndNoBoundIsFarAboveItsP
   std::cout << "a bound is at most " << worst << " of what is reached\n";
 }
 
-/// Both certificates speak of one motion. Told apart are only moves in which the rounding of positions is
-/// felt in the derivatives: an offset of a million times the way, a peak that lasts a ten-millionth of the
-/// move.
 /// What a dense search of the pieces finds of an axis in every cell.
 std::vector<MotionTriple<double>> found_in_cells(const FittedTrajectory& fitted, std::size_t axis,
                                                  const CellLine& line) {
@@ -258,18 +263,9 @@ std::vector<MotionTriple<double>> found_in_cells(const FittedTrajectory& fitted,
 }
 
 TEST(TrajectoryProperty, NoMomentOfACellIsAboveItsSupremumAndNoSupremumIsFarAboveItsNeighbours) {
-  check_property(many_moves / 10, [&] {
-    const RandomMove move = *regular_move();
-    show(move);
-    const TrackInput<double> input(move);
-    const SolvedTrack<double> solved(input.spec, Solver::closed_form);
-    if (solved.track().arc_length().total() == 0) return;
-    if (!is_resolved(solved.track(), bounds_of_track(solved.track()))) return;
-    const FittedTrajectory fitted(solved.track());
+  check_bounded(many_moves / 10, [](const auto& fitted, const auto& peaks) {
     const std::size_t axes = fitted->axis_count();
-    std::vector<AxisPeaks<double>> peaks(axes);
-    bound_trajectory(*fitted, peaks);
-    const CellLine line{-3, move.frames, static_cast<std::size_t>(*rc::gen::inRange(1, 300))};
+    const CellLine line{-3, fitted->end().frame, static_cast<std::size_t>(*rc::gen::inRange(1, 300))};
     std::vector<MotionTriple<double>> room(axes);
     for (std::size_t d = 0; d < axes; ++d)
       room[d] = {0.005 * peaks[d].velocity.value, 0.005 * peaks[d].acceleration.value,
@@ -297,6 +293,9 @@ TEST(TrajectoryProperty, NoMomentOfACellIsAboveItsSupremumAndNoSupremumIsFarAbov
   });
 }
 
+/// Both certificates speak of one motion. Told apart are only moves in which the rounding of positions is
+/// felt in the derivatives: an offset of a million times the way, a peak that lasts a ten-millionth of the
+/// move.
 TEST(TrajectoryProperty, ItsCertificateIsThatOfTheTrackWithinOnePercent) {
   int compared = 0;
   int felt = 0;

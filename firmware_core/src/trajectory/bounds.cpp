@@ -306,7 +306,7 @@ class AxisBounds {
   AxisBounds() = default;
   AxisBounds(const Trajectory& trajectory, std::size_t axis) : trajectory_(&trajectory), axis_(axis) {}
 
-  /// What the rows at both ends of a part say is reached: what is not beyond it needs no search.
+  /// The rows at both ends of a part say what is reached. What is not beyond that needs no search.
   void reach_rows(const PiecePart& part) {
     const TrajectoryPiece& piece = *part.piece;
     if (part.begin == 0) reach_row(&trajectory_->values()[piece.begin_row], piece, 0);
@@ -379,11 +379,14 @@ class AxisBounds {
   std::array<Search, 3> peaks_{Search(close_share, 0), Search(close_share, 0), Search(close_share, 0)};
 };
 
+PieceRows rows_of(const Trajectory& trajectory, const TrajectoryPiece& piece) {
+  const double* values = trajectory.values().data();
+  return {values + piece.begin_row, values + piece.end_row, trajectory.axis_count()};
+}
+
 /// The bounds of a group of axes, or of what is left of one.
 void bound_group(const Trajectory& trajectory, const FrameTime<double>& from, const FrameTime<double>& to,
                  std::size_t first, std::span<AxisPeaks<double>> out) {
-  const std::size_t axes = trajectory.axis_count();
-  const double* values = trajectory.values().data();
   std::array<AxisBounds, group_size> bounds;
   for (std::size_t k = 0; k < out.size(); ++k) bounds[k] = AxisBounds(trajectory, first + k);
   for_each_part(trajectory, from, to, [&](const PiecePart& part) {
@@ -394,8 +397,7 @@ void bound_group(const Trajectory& trajectory, const FrameTime<double>& from, co
   for_each_part(trajectory, from, to, [&](const PiecePart& part) {
     const TrajectoryPiece& piece = *part.piece;
     with_degree(piece.degree, [&](auto degree) {
-      write_hulls<degree>({values + piece.begin_row, values + piece.end_row, axes}, piece.seconds, first,
-                          reach);
+      write_hulls<degree>(rows_of(trajectory, piece), piece.seconds, first, reach);
     });
     for (std::size_t k = 0; k < out.size(); ++k) {
       if (!bounds[k].holds(reach, k)) bounds[k].take(part);
@@ -444,7 +446,7 @@ class GroupCells {
     const double begin = frame_of(piece.begin);
     return {cell_at(begin), cell_at(begin + 1 / piece.inverse_frames)};
   }
-  /// What a derivative has at both ends of a piece; 0 where the rows do not say.
+  /// The larger magnitude of a derivative at both ends of a piece. It is 0 where the rows do not say it.
   [[nodiscard]] double known_at_ends(const TrajectoryPiece& piece, std::size_t axis, std::size_t q) const {
     if (q + 1 >= known_of(piece.degree)) return 0;
     const std::size_t number = (q + 1) * trajectory_.axis_count() + axis;
@@ -452,10 +454,6 @@ class GroupCells {
                     std::fabs(trajectory_.values()[piece.end_row + number]));
   }
 
-  [[nodiscard]] PieceRows rows_of(const TrajectoryPiece& piece) const {
-    const double* values = trajectory_.values().data();
-    return {values + piece.begin_row, values + piece.end_row, trajectory_.axis_count()};
-  }
   [[nodiscard]] double border(const TrajectoryPiece& piece, std::size_t cell) const {
     const double frame = line_.first_frame + cell_frames_ * static_cast<double>(cell);
     return std::clamp((frame - frame_of(piece.begin)) * piece.inverse_frames, 0.0, 1.0);
@@ -465,7 +463,7 @@ class GroupCells {
   template <std::size_t Degree>
   void take_whole(const TrajectoryPiece& piece, const Cells& cells, std::size_t first, std::size_t count) {
     GroupReach reach;
-    write_hulls<Degree>(rows_of(piece), piece.seconds, first, reach);
+    write_hulls<Degree>(rows_of(trajectory_, piece), piece.seconds, first, reach);
     for (std::size_t k = 0; k < count; ++k) {
       for (std::size_t q = 0; q < 3; ++q) {
         const double hull = std::max(lane_of(reach.highest[q + 1], k), -lane_of(reach.lowest[q + 1], k));
@@ -488,7 +486,7 @@ class GroupCells {
   void take_cell_by_cell(const TrajectoryPiece& piece, const Cells& cells, std::size_t first,
                          std::size_t count) {
     GroupDerivatives rest;
-    write_derivatives<Degree>(rows_of(piece), piece.seconds, first, rest);
+    write_derivatives<Degree>(rows_of(trajectory_, piece), piece.seconds, first, rest);
     double begin = 0;
     for (std::size_t cell = cells.first; cell <= cells.last; ++cell) {
       const double end = cell < cells.last ? border(piece, cell + 1) : 1;
@@ -501,7 +499,7 @@ class GroupCells {
           const double hull = lane_of(most[q], k);
           double& supremum = at(cell, first + k, q);
           if (hull <= supremum) continue;
-          // What is left begins where this part has ended.
+          // The rest of the piece begins where this part has ended.
           const double found = std::fabs(lane_of(rest.c[q][0], k));
           if (hull <= found + std::max(close_in_cell * found, room_[first + k][q])) {
             supremum = hull;

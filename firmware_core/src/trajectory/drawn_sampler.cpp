@@ -161,7 +161,7 @@ class JointList {
       const bool are_keys = into.key >= 0 && other.key >= 0;
       // A slow place beside a key is passed by: beside the key the axes would jump there.
       if (is_alone || (into.key < 0 && other.key >= 0)) {
-        // With the time at which that place is passed: a billionth of a frame off, the axes would jump too.
+        // The key brings its own time: a billionth of a frame beside it, the axes would jump too.
         if (is_inside(into.curve_after)) take_time(into, other);
         into.point_before = other.point_before;
         into.point_after = other.point_after;
@@ -273,7 +273,7 @@ PathPoint<double> point_at(const Track<double>& track, const TwoSum<double>& dis
     if (std::fabs(off) <= rounding || here.speed == 0) break;
     const double last = point.t;
     point.t = std::clamp(last - off / here.speed, 0.0, 1.0);
-    // What is left after Newton's step is the curvature of the distance: half of what the speed has changed.
+    // Newton's step leaves what the distance bends on its way, half of the change of speed times the step.
     const double changed = speed.unit() * speed.at(point.t) - here.speed;
     if (std::fabs(changed * (point.t - last)) <= rounding) break;
   }
