@@ -8,7 +8,6 @@
 #include "editor/solver/session.hpp"
 #include "inbetween/base/hash.hpp"
 #include "inbetween/joints/joint_tree.hpp"
-#include "inbetween/limits/motion_steps.hpp"
 
 namespace inbetween::editor {
 namespace {
@@ -18,10 +17,10 @@ Session session;
 Exchange exchange;
 
 /// As many links as a URDF file may have.
-constexpr std::size_t max_joints = 256;
+constexpr std::size_t max_arm_joints = 256;
 /// ib_poses reads from the second half of the numbers and writes into the first.
 constexpr std::size_t pose_numbers = max_numbers / 2;
-JointStorage<double, max_joints> joint_memory;
+JointStorage<double, max_arm_joints> joint_memory;
 std::optional<JointTree<double>> tree;
 
 std::int32_t answer(const Status& status) {
@@ -182,12 +181,9 @@ std::int32_t ib_key_frames(std::int32_t index) {
   if (slot == nullptr) return 0;
   const Track<double>& track = slot->track();
   Writer out(exchange);
-  std::array<AxisStep<double>, max_axes> steps;
   for (std::int32_t i = 0; i <= track.path().segment_count(); ++i) {
-    const double frame = steps_at_key<double>(
-        track, i, std::span(steps).first(static_cast<std::size_t>(track.path().axis_count())));
     out.integer(track.path().key_at(i).value_or(-1));
-    out.number(frame);
+    out.number(frame_of_segment(track, i));
   }
   return track.path().segment_count() + 1;
 }
@@ -250,10 +246,10 @@ std::int32_t ib_certificate() {
       out.integer(cell.quantity);
     }
   }
-  for (const KeyStep& step : found.steps()) {
-    out.integer(step.track);
+  for (const MoveStep& step : found.steps()) {
+    out.integer(static_cast<std::int32_t>(step.track));
     out.integer(step.key);
-    out.integer(step.axis);
+    out.integer(static_cast<std::int32_t>(step.axis));
     out.number(step.frame);
     out.number(step.velocity);
     out.number(step.acceleration);
@@ -282,8 +278,8 @@ std::int32_t ib_motion(double first, double step, std::int32_t samples) {
 /// The joints of the rig, of which ib_poses knows from then on. Integers: kind, parent and coordinate of each
 /// joint. Numbers of each joint: factor, offset, place and three axes of its origin, its own axis.
 std::int32_t ib_joints(std::int32_t joint_count, std::int32_t coordinate_count) {
-  std::array<Joint<double>, max_joints> joints;
-  if (joint_count < 0 || static_cast<std::size_t>(joint_count) > max_joints) return 0;
+  std::array<Joint<double>, max_arm_joints> joints;
+  if (joint_count < 0 || static_cast<std::size_t>(joint_count) > max_arm_joints) return 0;
   Reader in(exchange);
   const auto vector = [&] {
     const double x = in.number();
@@ -314,7 +310,7 @@ std::int32_t ib_poses(std::int32_t count) {
   if (!tree) return 0;
   const std::size_t coordinates = tree->coordinate_count();
   std::array<double, max_move_axes> at;
-  std::array<Pose<double>, max_joints> poses;
+  std::array<Pose<double>, max_arm_joints> poses;
   const std::span<Pose<double>> links = std::span(poses).first(tree->joints().size());
   if (count < 0 || coordinates > at.size() ||
       static_cast<std::size_t>(count) * std::max(3 * links.size(), coordinates) > pose_numbers)

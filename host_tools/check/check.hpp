@@ -10,7 +10,6 @@
 
 #include "host_tools/files/diagnostics.hpp"
 #include "host_tools/plan/plan.hpp"
-#include "inbetween/limits/motion_bounds.hpp"
 #include "inbetween/limits/stop_bounds.hpp"
 
 namespace inbetween {
@@ -21,8 +20,8 @@ class LimitError : public InputError {
   using InputError::InputError;
 };
 
-/// The largest magnitude of a velocity, acceleration or jerk, proven: not below the true one, at most 1 %
-/// above it (bound_motion). Infinity where there is no bound.
+/// The largest magnitude of a velocity, acceleration or jerk, proven: not below the true one, at most 0.001 %
+/// above it (bound_move). Infinity where there is no bound.
 struct CheckedPeak {
   double value = 0;
   double frame = 0;             ///< need not be a whole one
@@ -48,7 +47,7 @@ struct CheckedAxis {
 };
 
 /// The motor of an axis with a calibration, in its unit and seconds; the limits are what the take-up of its
-/// backlash leaves. Proven by bound_motors: above the truth by more than 1 % where the curve bends.
+/// backlash leaves. Proven by bound_motor: above the truth by more than 1 % where the curve bends.
 struct CheckedMotor {
   std::size_t axis = 0;  ///< in CheckReport::axes
   std::string unit;
@@ -107,16 +106,13 @@ struct CheckReport {
   [[nodiscard]] bool fits() const { return refusals.empty(); }
 };
 
-/// A step below this share of the peak, or of the limit, is rounding.
-inline constexpr double step_rounding = 1e-9;
-
 /// Whether a step of the acceleration does not fit: the axis has a max_jerk, and it is not within
 /// max_acceleration_step.
 bool breaks_jerk_limit(const CheckedStep& step, const RigAxis& limits);
 
 /// The plan has a rig. Peaks are those of the move with its rolls. Where a roll is needed and none keeps the
-/// limits, the move is refused. Bounds are looser than 1 % by at most 1e-6 of a limit. It speaks of the
-/// motion as asked; the loop's fitted inverse of arc length is within `speed_error` of it.
+/// limits, the move is refused. It speaks of what plays: the trajectory, whose speed is within `speed_error`
+/// of what is drawn.
 ///
 /// Controlled stops are proven along with it (PlannedStops): a move that could not be stopped everywhere
 /// inside the stop limits is refused.

@@ -15,6 +15,9 @@ namespace {
 
 /// A slowing that is above 1 by more than the rounding of a motion.
 constexpr double clearly_beyond = 1 + 1e-6;
+/// Where locked frames are rounded anew the peak is elsewhere, and so much higher: moments that are nearer to
+/// a limit are not believed.
+constexpr double misleading = 1.01;
 /// A bound near its limit is at most 1 % above what is found: one further above it is loose.
 constexpr double loose = 1.01;
 /// The search follows the guesses so often that a number which was tried gives for the next.
@@ -94,7 +97,7 @@ class FrameSearch {
     std::int32_t refused = 0;
     std::int32_t fitting = 0;  // none yet
     std::int32_t next = first_guess();
-    std::int32_t step = 1;
+    std::int32_t step = 0;  // none yet
     int guesses = max_guesses;
     proven_ = 0;
     believes_moments_ = !proves_stops_;
@@ -109,14 +112,20 @@ class FrameSearch {
       if (refused == max_frames) return {std::nullopt, too_slow()};
       const bool guesses_further = guesses > 0 && guess_ > refused && (fitting == 0 || guess_ < fitting) &&
                                    std::abs(guess_ - here) > 1;
-      if (guesses_further) {
+      // A guess that fits and yet is not its own: the rounding of locked frames decides, and no more is
+      // guessed.
+      if (guesses_further && is_guess && here == fitting) {
+        guesses = 0;
+        step = max_frames;
+      } else if (guesses_further) {
         next = guess_;
-        step = 1;
+        step = 0;
         --guesses;
         continue;
       }
-      // Away from a guess in steps that double, then to the middle of what is left: at once where this
-      // number asks for more than one that fits.
+      // Away from a guess in steps that double, the first as long as this number is from its own guess; then
+      // to the middle of what is left: at once where this number asks for more than one that fits.
+      if (step == 0) step = guess_ > 0 ? std::max(std::abs(guess_ - here), 1) : 1;
       if (here == refused && fitting > 0 && guess_ > fitting) step = max_frames;
       const std::int32_t most = fitting > 0 ? std::max((fitting - refused) / 2, 1) : max_frames - refused;
       next = here == refused ? refused + std::min(step, most) : fitting - std::min(step, most);
@@ -162,7 +171,7 @@ class FrameSearch {
         guess_ = frames_for(slowing, frames);
         return false;
       }
-      if (believes && slowing > 0 && slowing * bounds_over_moments_ < 1 / clearly_beyond) return true;
+      if (believes && slowing > 0 && slowing * bounds_over_moments_ * misleading < 1) return true;
       nearest_ = proves_stops_ ? check_until_refused(plan) : check_motion(plan);
       nearest_frames_ = frames;
       const double needed = needed_slowing(plan, *nearest_);

@@ -39,7 +39,7 @@ void add_rows(const Plan& plan, const CheckReport& report, std::size_t index, Li
   std::vector<AxisMotion<double>> motion(plan.played().axis_count());
   const auto motion_at = [&](double frame) {
     const auto whole = static_cast<std::int32_t>(std::floor(frame));
-    plan.played().motion({whole, frame - whole}, motion);
+    plan.motion().motion({whole, frame - whole}, motion);
     const AxisMotion<double>& now = motion[planned.move_axis];
     return std::array<double, 3>{now.velocity, now.acceleration, now.jerk};
   };

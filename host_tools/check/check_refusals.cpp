@@ -309,9 +309,7 @@ std::string breach_in_words(const RollBreach<double>& breach, const RigAxis& axi
 bool has_room(const Plan& plan, const RollObstacle& obstacle) {
   const RollBreach<double>& breach = obstacle.breach;
   if (breach.quantity != RollQuantity::position) return true;
-  std::vector<AxisMotion<double>> joints(plan.played().axis_count());
-  static_cast<void>(joints_of(plan.played().tracks(), obstacle.end, std::span(joints), plan.part()));
-  const double position = joints[static_cast<std::size_t>(breach.axis)].position;
+  const double position = obstacle.joint_position;
   const AxisLimits<double>& limits = plan.limits()[static_cast<std::size_t>(breach.axis)];
   const double room = breach.value > breach.limit ? limits.max() - position : position - limits.min();
   return room > step_rounding * (limits.max() - limits.min());

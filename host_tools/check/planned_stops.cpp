@@ -1,6 +1,7 @@
 #include "host_tools/check/planned_stops.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "host_tools/files/rig_motors.hpp"
 #include "host_tools/plan/move_rolls.hpp"
@@ -59,72 +60,69 @@ PlannedMotors planned_motors(const Plan& plan) {
   return planned;
 }
 
-std::vector<AxisPeaks<double>> peaks_of_motors(const Plan& plan, const PlannedMotors& motors) {
-  const Move<double>& move = plan.played();
-  std::vector<AxisPeaks<double>> peaks(motors.motors.size());
-  if (peaks.empty()) return peaks;
-  const std::size_t cells = cell_count(plan, 1, true);
-  const std::size_t all = move.axis_count() + peaks.size();
-  std::vector<MotionTriple<double>> slack(all);
-  std::vector<MotionTriple<double>> suprema(cells * all);
-  std::vector<AxisTurn<double>> turns(move.axis_count());
-  std::vector<double> places(move.axis_count());
-  const MotionCells<double> found{
-      .cells = cells, .slack = slack, .suprema = suprema, .motors = peaks.size(), .places = places};
-  bound_cells<double>(move, turns, found);
-  bound_motors<double>(move, motors.motors, found);
-  const double frames = move.last_frame() - move.first_frame();
-  for (std::size_t cell = 0; cell < cells; ++cell) {
-    const double frame =
-        move.first_frame() + frames * ((static_cast<double>(cell) + 0.5) / static_cast<double>(cells));
-    for (std::size_t m = 0; m < peaks.size(); ++m) {
-      const auto [velocity, acceleration, jerk] = suprema[cell * all + move.axis_count() + m];
-      if (velocity > peaks[m].velocity.value) peaks[m].velocity = {velocity, frame};
-      if (acceleration > peaks[m].acceleration.value) peaks[m].acceleration = {acceleration, frame};
-      if (jerk > peaks[m].jerk.value) peaks[m].jerk = {jerk, frame};
-    }
-  }
-  return peaks;
+namespace {
+
+/// Those of every axis and motor: of a stop, or of the motion in place of those of a stop.
+std::vector<AxisLimits<double>> limits_of(const Plan& plan, bool of_stops) {
+  std::vector<AxisLimits<double>> limits = of_stops ? plan.limits() : motion_limits_of(plan);
+  for (const AxisLimits<double>& motor : planned_motors(plan).limits)
+    limits.push_back(of_stops ? motor : without_stops(motor));
+  return limits;
 }
 
-PlannedStops::PlannedStops(const Plan& plan, double rate)
-    : PlannedStops(plan, {.move = plan.played(), .limits = {}, .rate = rate}, plan.limits(),
-                   cell_count(plan, rate, !planned_motors(plan).motors.empty())) {}
+BoundedMove bounded_in(const Plan& plan, std::size_t cells, std::span<const AxisLimits<double>> limits,
+                       double rate) {
+  const PlannedMotors planned = planned_motors(plan);
+  std::vector<MotionTriple> room(limits.size());
+  write_room<double>(limits, rate, 1.0 / plan.rig()->rate_hz, room);
+  return BoundedMove(
+      plan.played(),
+      {.limits = plan.limits(), .motors = planned.motors, .cells = cells, .room = std::move(room)});
+}
+
+}  // namespace
+
+BoundedMove bounded_move(const Plan& plan, double rate, BoundedFor use) {
+  const bool has_motors = !planned_motors(plan).motors.empty();
+  const bool has_cells = use == BoundedFor::stops || has_motors;
+  return bounded_in(plan, has_cells ? cell_count(plan, rate, has_motors) : 0, limits_of(plan, true), rate);
+}
+
+PlannedStops::PlannedStops(const Plan& plan, double rate) {
+  const BoundedMove bounded = bounded_move(plan, rate, BoundedFor::stops);
+  make(plan, {.motion = bounded.cells(), .limits = limits_of(plan, true), .rate = rate});
+}
+
+PlannedStops::PlannedStops(const Plan& plan, const BoundedMove& bounded) {
+  make(plan, {.motion = bounded.cells(), .limits = limits_of(plan, true)});
+}
 
 PlannedStops PlannedStops::within_motion_limits(const Plan& plan, double rate, bool may_wait) const {
-  return {plan,
-          {.move = plan.played(), .limits = {}, .rate = rate, .within = &*bounds_, .may_wait = may_wait},
-          motion_limits_of(plan),
-          cells_.size() - 1};
+  const std::vector<AxisLimits<double>> limits = limits_of(plan, false);
+  const BoundedMove bounded = bounded_in(plan, cells_.size() - 1, limits, rate);
+  PlannedStops within;
+  within.make(
+      plan,
+      {.motion = bounded.cells(), .limits = limits, .rate = rate, .within = &*bounds_, .may_wait = may_wait});
+  return within;
 }
 
-PlannedStops::PlannedStops(const Plan& plan, StopRequest<double> request,
-                           std::vector<AxisLimits<double>> limits, std::size_t cells)
-    : motors_(planned_motors(plan)), cells_(cells + 1) {
-  const std::size_t axes = plan.played().axis_count();
-  const bool is_within = request.within != nullptr;
-  for (const AxisLimits<double>& motor : motors_.limits) {
-    limits.push_back(is_within ? without_stops(motor) : motor);
-  }
-  peaks_.resize(limits.size());
-  std::vector<MotionTriple<double>> suprema((cells_.size() - 1) * peaks_.size());
-  std::vector<AxisTurn<double>> turns(axes);
-  std::vector<MotionTriple<double>> slack(peaks_.size());
-  std::vector<double> places(axes);
-  request.limits = limits;
-  request.motors = motors_.motors;
+void PlannedStops::make(const Plan& plan, StopRequest<double> request) {
+  const MotionCells& motion = request.motion;
+  cells_.resize(motion.line.cells + 1);
+  peaks_.resize(motion.stride());
   request.tick_seconds = 1.0 / plan.rig()->rate_hz;
-  const StopBoundsMemory<double> memory{
-      .cells = cells_, .suprema = suprema, .slack = slack, .turns = turns, .places = places};
-  const auto bounds = StopBounds<double>::make(request, memory, peaks_);
-  if (bounds || bounds.error().code != ErrorCode::no_solution) {
+  const auto bounds = StopBounds<double>::make(request, cells_, peaks_, &obstacle_);
+  if (!obstacle_) {
     bounds_ = value_or_throw(bounds);
     return;
   }
-  obstacle_ = value_or_throw(stop_obstacle(request, memory));
   const auto found = static_cast<std::size_t>(obstacle_->axis);
-  obstacle_is_of_motor_ = found >= axes;
-  if (obstacle_is_of_motor_) obstacle_->axis = static_cast<std::int32_t>(motors_.motors[found - axes].axis);
+  obstacle_is_of_motor_ = found >= motion.axes;
+  if (obstacle_is_of_motor_) {
+    const std::vector<CalibratedMotor> motors = planned_motors(plan).motors;
+    obstacle_->axis = static_cast<std::int32_t>(motors[found - motion.axes].axis);
+  }
 }
 
 }  // namespace inbetween

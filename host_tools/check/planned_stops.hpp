@@ -1,10 +1,13 @@
 // How a plan can be stopped on its rig: the core's stop bounds with memory from the heap.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
 
+#include "host_tools/plan/bounded_move.hpp"
 #include "host_tools/plan/plan.hpp"
 #include "inbetween/limits/stop_bounds.hpp"
 
@@ -13,22 +16,26 @@ namespace inbetween {
 /// The motors that follow an axis of Plan::played() through a calibration, with the limits that the take-up
 /// of their backlash leaves them.
 struct PlannedMotors {
-  std::vector<CalibratedMotor<double>> motors;
+  std::vector<CalibratedMotor> motors;
   std::vector<AxisLimits<double>> limits;  ///< one for each
 };
 /// Refers to the rig of the plan.
 PlannedMotors planned_motors(const Plan& plan);
 
-/// The most that the motion asks of each of them, rolls included, at the drawn speed.
-std::vector<AxisPeaks<double>> peaks_of_motors(const Plan& plan, const PlannedMotors& motors);
+/// What bounds are asked for. Those of a motor take cells in any case.
+enum class BoundedFor : std::uint8_t { motion, stops };
+/// What is proven of the plan's motion, for rates up to `rate` times the drawn speed. A cell of the time line
+/// is about a frame, never shorter than two ticks, and never less than a 4096th of the move. Throws
+/// SolverError where a track has more axes than the core can bound.
+BoundedMove bounded_move(const Plan& plan, double rate, BoundedFor use);
 
 /// Movable. The bounds refer to memory that a move does not displace.
 class PlannedStops {
  public:
-  /// For rates up to `rate` times the drawn speed. The plan has a rig; a cell of the time line is about a
-  /// frame, never shorter than two ticks, and never less than a 4096th of the move. Throws SolverError where
-  /// a track has more axes than the core can bound.
+  /// For rates up to `rate` times the drawn speed. The plan has a rig. Throws as bounded_move().
   explicit PlannedStops(const Plan& plan, double rate = 1);
+  /// The same for the drawn speed, from what has been proven for stops; its cells are widened by it.
+  PlannedStops(const Plan& plan, const BoundedMove& bounded);
   /// For what is no stop, within the bounds of these stops and for a rate up to theirs: with the limits of
   /// the motion in place of those of a stop. If it may wait there is no obstacle: where the motion leaves
   /// nothing of its limits the rate stays what it is.
@@ -47,10 +54,9 @@ class PlannedStops {
   [[nodiscard]] const std::vector<AxisPeaks<double>>& peaks() const { return peaks_; }
 
  private:
-  PlannedStops(const Plan& plan, StopRequest<double> request, std::vector<AxisLimits<double>> limits,
-               std::size_t cells);
+  PlannedStops() = default;
+  void make(const Plan& plan, StopRequest<double> request);
 
-  PlannedMotors motors_;
   std::vector<StopCell<double>> cells_;
   std::vector<AxisPeaks<double>> peaks_;
   std::optional<StopBounds<double>> bounds_;

@@ -12,11 +12,11 @@ namespace inbetween {
 class LoopStorage {
  public:
   LoopStorage(std::size_t drives, std::size_t axes)
-      : states_(drives), setpoints_(drives), next_(axes), positions_(axes), motions_(axes) {}
+      : states_(drives), setpoints_(drives), next_(axes), motions_(axes) {}
   LoopStorage(const LoopStorage&) = delete;
   LoopStorage& operator=(const LoopStorage&) = delete;
 
-  [[nodiscard]] LoopMemory<double> memory() { return {states_, setpoints_, next_, positions_, motions_}; }
+  [[nodiscard]] LoopMemory<double> memory() { return {states_, setpoints_, next_, motions_}; }
   /// The setpoints that the drives were told last.
   [[nodiscard]] std::vector<double> targets() const {
     std::vector<double> targets;
@@ -27,7 +27,6 @@ class LoopStorage {
  private:
   std::vector<DriveState<double>> states_;
   std::vector<Setpoint<double>> setpoints_, next_;
-  std::vector<double> positions_;
   std::vector<AxisMotion<double>> motions_;
 };
 

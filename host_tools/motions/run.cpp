@@ -272,7 +272,7 @@ class Run {
 SessionOptions standing_at_start(StagedMove& staged, const RigReference& reference, SessionOptions rig) {
   const Plan& plan = staged.plan();
   std::vector<double> start(plan.played().axis_count());
-  plan.played().positions(staged.playhead().time(), start);
+  plan.motion().positions(staged.playhead().time(), start);
   for (std::size_t d = 0; d < start.size(); ++d) {
     const std::size_t a = plan.axis_of(d);
     if (!reference.position(a)) rig.standing.try_emplace(plan.axes()[a].name, start[d]);

@@ -29,11 +29,12 @@ void refuse_beyond_highest_rate(const Plan& plan, const CheckReport& report, dou
 
 void refuse_positions_beyond_limits(const Plan& plan) {
   const Move<double>& move = plan.played();
+  const PlayedMotion& motion = plan.motion();
   const std::int64_t last = move.last_tick_at(plan.rig()->rate_hz);
   std::vector<double> positions(move.axis_count());
   for (std::int64_t tick = 0; tick <= last; ++tick) {
     const FrameTime<double> when = move.time_of_tick(tick, plan.rig()->rate_hz);
-    move.positions(when, positions);
+    motion.positions(when, positions);
     for (std::size_t d = 0; d < positions.size(); ++d) {
       if (positions[d] >= plan.limits()[d].min() && positions[d] <= plan.limits()[d].max()) continue;
       const std::size_t a = plan.axis_of(d);

@@ -76,7 +76,7 @@ StagedMove::StagedMove(const Plan& plan, std::shared_ptr<const PlannedStops> sto
 }
 
 LoopSpec<double> StagedMove::loop_spec() {
-  LoopSpec<double> spec{.move = &plan_.played(),
+  LoopSpec<double> spec{.move = &plan_.motion(),
                         .playhead = &playhead_,
                         .drive_of = drive_of_,
                         .limits = loop_limits_,

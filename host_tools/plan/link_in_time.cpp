@@ -5,39 +5,29 @@
 #include <utility>
 
 #include "host_tools/joints/tip_deviation.hpp"
+#include "host_tools/plan/bounded_move.hpp"
 #include "host_tools/plan/solved_track.hpp"
-#include "inbetween/limits/motion_steps.hpp"
 
 namespace inbetween {
 namespace {
 
 /// Of the largest velocity or acceleration: a smaller step is rounding.
-constexpr double step_rounding = 1e-6;
+constexpr double step_share = 1e-6;
 
-bool steps_between_ends(const Track<double>& track, const std::vector<AxisPeaks<double>>& peaks) {
-  std::vector<AxisStep<double>> steps(peaks.size());
-  for (std::int32_t i = 1; i < track.path().segment_count(); ++i) {
-    static_cast<void>(steps_at_key<double>(track, i, steps));
-    for (std::size_t d = 0; d < steps.size(); ++d) {
-      if (steps[d].velocity > step_rounding * peaks[d].velocity.value ||
-          steps[d].acceleration > step_rounding * peaks[d].acceleration.value) {
-        return true;
-      }
-    }
-  }
-  return false;
+bool steps_between_ends(const BoundedMove& bounded, std::int32_t frames) {
+  return std::ranges::any_of(bounded.steps(), [&](const MoveStep& step) {
+    const AxisPeaks<double>& peaks = bounded.peaks()[step.axis];
+    const bool is_inside = step.frame > 0 && step.frame < frames;
+    return is_inside && (step.velocity > step_share * peaks.velocity.value ||
+                         step.acceleration > step_share * peaks.acceleration.value);
+  });
 }
 
 }  // namespace
 
 TrackBounds bounds_of(const Track<double>& track) {
-  const auto axes = static_cast<std::size_t>(track.path().axis_count());
-  TrackBounds bounds{.peaks = std::vector<AxisPeaks<double>>(axes)};
-  if (track.path().segment_count() == 0) return bounds;
-  std::vector<AxisTurn<double>> turns(axes);
-  const std::vector<MotionTriple<double>> slack(axes, {1e-6, 1e-6, 1e-6});
-  value_or_throw(bound_motion<double>(track, slack, {turns}, bounds.peaks));
-  bounds.steps = steps_between_ends(track, bounds.peaks);
+  const BoundedMove bounded(value_or_throw(Move<double>::make({&track, 1}, {})));
+  TrackBounds bounds{.peaks = bounded.peaks(), .steps = steps_between_ends(bounded, track.frames())};
   for (const AxisPeaks<double>& peak : bounds.peaks) {
     bounds.steps = bounds.steps || !std::isfinite(peak.jerk.value);
   }

@@ -7,8 +7,8 @@
 
 #include "host_tools/joints/kinematics.hpp"
 #include "host_tools/plan/axes_in_space.hpp"
-#include "inbetween/limits/motion_bounds.hpp"
 #include "inbetween/timing/track.hpp"
+#include "inbetween/trajectory/axis_peaks.hpp"
 
 namespace inbetween {
 

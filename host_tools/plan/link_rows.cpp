@@ -44,8 +44,7 @@ std::vector<Pose<double>> link_poses(const Plan& plan, const FrameTime<double>& 
   for (std::size_t a = 0; a < coordinates.size(); ++a) {
     const PlanAxis& axis = plan.axes()[a];
     if (!axis.track) continue;
-    const Track<double>& track = plan.tracks()[*axis.track].track();
-    coordinates[a] = track.path().position(track.locate(when), static_cast<std::int32_t>(axis.track_axis));
+    coordinates[a] = plan.motion().trajectories()[*axis.track].motion_of(axis.track_axis, when).position;
   }
   std::vector<Pose<double>> poses(plan.kinematics()->links().size());
   refuse_unplaced(plan, plan.kinematics()->tree().poses(coordinates, poses));

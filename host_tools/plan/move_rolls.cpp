@@ -17,20 +17,21 @@ AxisLimits<double> limits_of(const RigAxis& axis) {
                                                   .stop_jerk = axis.stop_jerk}));
 }
 
-PlannedRolls plan_rolls(std::span<const Track<double>> tracks, std::span<const AxisLimits<double>> limits,
-                        const WholeFrames& part) {
+PlannedRolls plan_rolls(std::span<const Track<double>> tracks, std::span<const Trajectory> trajectories,
+                        std::span<const AxisLimits<double>> limits, const WholeFrames& part) {
   PlannedRolls rolls;
   std::vector<AxisMotion<double>> joints(limits.size());
   for (const auto& [end, axes] :
        {std::pair(RollEnd::before, &rolls.before), std::pair(RollEnd::after, &rolls.after)}) {
-    if (!joints_of(tracks, end, std::span(joints), part)) continue;
+    if (!joints_of_part(tracks, trajectories, part, end, joints)) continue;
     const RollRequest<double> request{.end = end,
                                       .joint_frame = end == RollEnd::before ? part.first : part.last,
                                       .fps = tracks.front().frame_rate(),
                                       .joints = joints,
                                       .limits = limits};
     if (const auto obstacle = value_or_throw(roll_obstacle(request))) {
-      rolls.obstacles.push_back({end, *obstacle});
+      const double position = joints[static_cast<std::size_t>(obstacle->axis)].position;
+      rolls.obstacles.push_back({end, *obstacle, position});
       continue;
     }
     const RollSpan span{end, request.joint_frame, value_or_throw(roll_frames(request)), request.fps};

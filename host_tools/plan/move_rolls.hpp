@@ -6,7 +6,7 @@
 
 #include "host_tools/files/rig_file.hpp"
 #include "inbetween/limits/limits.hpp"
-#include "inbetween/limits/move.hpp"
+#include "inbetween/limits/played_motion.hpp"
 
 namespace inbetween {
 
@@ -17,6 +17,7 @@ AxisLimits<double> limits_of(const RigAxis& axis);
 struct RollObstacle {
   RollEnd end = RollEnd::before;
   RollBreach<double> breach;  ///< its axis counts through the tracks
+  double joint_position = 0;  ///< of that axis, where the roll would join the move
 };
 
 /// The rolls of every axis of all tracks, track after track. Empty if the move is at rest there, or if there
@@ -26,9 +27,9 @@ struct PlannedRolls {
   std::vector<RollObstacle> obstacles;
 };
 
-/// The shortest rolls that keep the limits, `limits` track after track, of the frames `part`. Each end has
-/// its own number of frames.
-PlannedRolls plan_rolls(std::span<const Track<double>> tracks, std::span<const AxisLimits<double>> limits,
-                        const WholeFrames& part);
+/// The shortest rolls that keep the limits, `limits` track after track, of the frames `part`; trajectories as
+/// for joints_of_part(). Each end has its own number of frames.
+PlannedRolls plan_rolls(std::span<const Track<double>> tracks, std::span<const Trajectory> trajectories,
+                        std::span<const AxisLimits<double>> limits, const WholeFrames& part);
 
 }  // namespace inbetween

@@ -513,7 +513,9 @@ void Plan::put_together() {
     std::size_t moving = 0;
     for (const MoveTrack& track : move_.tracks) moving += track.axes.size();
     for (std::size_t d = 0; d < moving; ++d) limits_.push_back(limits_of(rig_->axes[axis_of(d)]));
-    rolls_ = plan_rolls(track_views_, limits_, part_);
+    const std::span<const Trajectory> fitted =
+        is_whole() ? std::span<const Trajectory>() : motion_->trajectories(track_views_);
+    rolls_ = plan_rolls(track_views_, fitted, limits_, part_);
   }
   played_ = value_or_throw(
       Move<double>::make(track_views_, {.before = rolls_.before, .after = rolls_.after}, part_));
@@ -526,7 +528,12 @@ bool Plan::is_moving(std::size_t track, RollEnd end) const {
     return inbetween::is_moving(track_views_[track], end);
   }
   std::vector<AxisMotion<double>> joints(move_.tracks[track].axes.size());
-  return joints_of(std::span(track_views_).subspan(track, 1), end, std::span(joints), part_);
+  return joints_of_part(std::span(track_views_).subspan(track, 1),
+                        motion_->trajectories(track_views_).subspan(track, 1), part_, end, joints);
+}
+
+const PlayedMotion& Plan::motion() const {
+  return motion_->of(*played_);
 }
 
 const Place& Plan::place_of(std::size_t axis) const {

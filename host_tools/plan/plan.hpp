@@ -16,6 +16,7 @@
 #include "host_tools/plan/followed_path.hpp"
 #include "host_tools/plan/move_rolls.hpp"
 #include "host_tools/plan/near_keys.hpp"
+#include "host_tools/plan/plan_motion.hpp"
 #include "host_tools/plan/solved_track.hpp"
 #include "host_tools/plan/space_track.hpp"
 
@@ -66,6 +67,9 @@ class Plan {
   /// These frames on their time line, the axes track after track. On a rig it has a pre-roll where it starts
   /// moving and a post-roll where it ends moving, unless there is an obstacle.
   [[nodiscard]] const Move<double>& played() const { return *played_; }
+  /// What plays of them. The first call fits the trajectories: about 64 bytes for each piece and axis, and
+  /// 3 to 16 pieces for each key. Threads may call it at once.
+  [[nodiscard]] const PlayedMotion& motion() const;
   /// The limits of the axes of played(); empty without a rig.
   [[nodiscard]] const std::vector<AxisLimits<double>>& limits() const { return limits_; }
   [[nodiscard]] const std::vector<RollObstacle>& roll_obstacles() const { return rolls_.obstacles; }
@@ -116,6 +120,7 @@ class Plan {
   std::vector<AxisLimits<double>> limits_;
   PlannedRolls rolls_;
   std::optional<Move<double>> played_;
+  std::unique_ptr<PlanMotion> motion_ = std::make_unique<PlanMotion>();
   std::shared_ptr<const Kinematics> kinematics_;
   std::vector<Tip> tips_;
 };

@@ -23,28 +23,27 @@ AxisColumn::AxisColumn(const Plan& plan, const PlanAxis& axis, PlanRows rows)
     : line_(plan, rows),
       rows_(rows),
       solved_(plan.tracks()[*axis.track]),
+      trajectory_(plan.motion().trajectories()[*axis.track]),
       axis_(axis.track_axis),
-      move_axis_(axis.move_axis),
-      motion_(plan.move().tracks[*axis.track].axes.size()) {}
+      move_axis_(axis.move_axis) {}
 
 double AxisColumn::position(const FrameTime<double>& when) const {
   const Move<double>& move = line_.move();
   const auto rolls = move.rolls_at(when);
-  const bool is_on_roll =
-      when.frame < move.part().first || when.frame > move.part().last || when.fraction > 0;
-  if (is_on_roll && !rolls.empty()) return rolls[move_axis_].motion(when).position;
-  const bool is_in_table = rows_ == PlanRows::frame && when.fraction == 0;
-  const PathPoint<double> point =
-      is_in_table ? solved_.table().point(when.frame) : solved_.track().locate(move.within_part(when));
-  return solved_.track().path().position(point, static_cast<std::int32_t>(axis_));
+  if (!rolls.empty()) return rolls[move_axis_].motion(when).position;
+  const FrameTime<double> within = move.within_part(when);
+  const bool is_in_table = solved_.table().provenance().solver == Solver::runge_kutta &&
+                           rows_ == PlanRows::frame && within.fraction == 0;
+  if (!is_in_table) return trajectory_.motion_of(axis_, within).position;
+  return solved_.track().path().position(solved_.table().point(within.frame),
+                                         static_cast<std::int32_t>(axis_));
 }
 
-AxisMotion<double> AxisColumn::motion(std::int64_t row) {
+AxisMotion<double> AxisColumn::motion(std::int64_t row) const {
   const FrameTime<double> when = line_.at(row);
   const auto rolls = line_.move().rolls_at(when);
   if (!rolls.empty()) return rolls[move_axis_].motion(when);
-  solved_.track().motion(line_.move().within_part(when), motion_);
-  return motion_[axis_];
+  return trajectory_.motion_of(axis_, line_.move().within_part(when));
 }
 
 std::string unit_of(const PlanAxis& axis) {

@@ -34,8 +34,8 @@ class TimeLine {
   std::int32_t rate_hz_;
 };
 
-/// One axis of a track on the rows of a plan. On a frame it is where the frame table has it, whichever solver
-/// made that; between frames it is where the loop would evaluate it. Refers to the plan.
+/// One axis of a track on the rows of a plan: what plays. Where a move is solved by Runge-Kutta it is on a
+/// frame where the frame table has it. Refers to the plan.
 class AxisColumn {
  public:
   AxisColumn(const Plan& plan, const PlanAxis& axis, PlanRows rows);
@@ -44,16 +44,16 @@ class AxisColumn {
   [[nodiscard]] double position(std::int64_t row) const { return position(line_.at(row)); }
   /// Between the first row and the last.
   [[nodiscard]] double position(const FrameTime<double>& when) const;
-  /// Velocity and acceleration are those of the drawn speed, analytically.
-  AxisMotion<double> motion(std::int64_t row);
+  /// Velocity and acceleration are those of what plays.
+  [[nodiscard]] AxisMotion<double> motion(std::int64_t row) const;
 
  private:
   TimeLine line_;
   PlanRows rows_;
   const SolvedTrack<double>& solved_;
+  const Trajectory& trajectory_;
   std::size_t axis_;
   std::size_t move_axis_;
-  std::vector<AxisMotion<double>> motion_;
 };
 
 /// "mm"; "" where the plan has no rig.

@@ -5,7 +5,7 @@
 #include <limits>
 #include <optional>
 
-#include "inbetween/limits/motion_steps.hpp"
+#include "inbetween/path/standstills.hpp"
 
 namespace inbetween {
 namespace {
@@ -92,7 +92,7 @@ std::vector<Waypoint> waypoints_of(const Track<Real>& track) {
       const bool turns = is_corner<Real>(*arriving, *leaving);
       for (std::size_t k = first_of_place; k < waypoints.size(); ++k) waypoints[k].is_corner = turns;
     }
-    const Standstills<Real> turns = standstills_within(track, i);
+    const Standstills<Real> turns = standstills_within(path, i);
     for (std::size_t k = 0; k < turns.count; ++k) {
       const auto distance = static_cast<double>(lengths.distance(path, {i, turns.t[k]}).high);
       // One that is a key but for rounding has been seen there.

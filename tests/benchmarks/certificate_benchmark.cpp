@@ -1,28 +1,26 @@
 #include <benchmark/benchmark.h>
 
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
+#include "host_tools/plan/bounded_move.hpp"
 #include "inbetween/limits/limits.hpp"
-#include "inbetween/limits/motion_bounds.hpp"
-#include "inbetween/limits/move.hpp"
 #include "inbetween/limits/stop_bounds.hpp"
 #include "tests/benchmarks/solved_subject.hpp"
 
-/// What it costs to prove the peaks of a move, and that it can be stopped everywhere.
+/// What it costs to prove the peaks of a move, and with them that it can be stopped everywhere: the fit is in
+/// both.
 
 namespace inbetween {
 namespace {
 
 void prove(benchmark::State& state, const MoveSize& size) {
   const SolvedTrack<double> solution = solved_track(size);
-  std::vector<AxisTurn<double>> turns(size.axes);
-  const std::vector<MotionTriple<double>> slack(size.axes);
-  std::vector<AxisPeaks<double>> peaks(size.axes);
+  const Move<double> move = Move<double>::make({&solution.track(), 1}, {}).value();
   for (auto _ : state) {
-    if (!bound_motion<double>(solution.track(), slack, {turns}, peaks))
-      throw std::runtime_error("not bounded");
-    benchmark::DoNotOptimize(peaks.data());
+    const BoundedMove bounded(move);
+    benchmark::DoNotOptimize(bounded.peaks().data());
   }
 }
 BENCHMARK_CAPTURE(prove, example, example)->Name("certificate/example")->Unit(benchmark::kMicrosecond);
@@ -33,10 +31,7 @@ BENCHMARK_CAPTURE(prove, large, large)->Name("certificate/100x16")->Unit(benchma
 void bound_stops(benchmark::State& state, const MoveSize& size) {
   const SolvedTrack<double> solution = solved_track(size);
   const Move<double> move = Move<double>::make({&solution.track(), 1}, {}).value();
-  std::vector<AxisTurn<double>> turns(size.axes);
-  std::vector<MotionTriple<double>> slack(size.axes);
-  std::vector<AxisPeaks<double>> peaks(size.axes);
-  if (!bound_motion<double>(solution.track(), slack, {turns}, peaks)) throw std::runtime_error("not bounded");
+  const std::vector<AxisPeaks<double>> peaks = BoundedMove(move).peaks();
   std::vector<AxisLimits<double>> limits;
   for (const AxisPeaks<double>& axis : peaks) {
     limits.push_back(AxisLimits<double>::make({.min = -1e4,
@@ -48,16 +43,22 @@ void bound_stops(benchmark::State& state, const MoveSize& size) {
   }
   const auto cells = static_cast<std::size_t>(size.frames);
   std::vector<StopCell<double>> kept(cells + 1);
-  std::vector<MotionTriple<double>> suprema(cells * size.axes);
   for (auto _ : state) {
-    const auto bounds =
-        StopBounds<double>::make({.move = move, .limits = limits}, {kept, suprema, slack, turns}, {});
+    std::vector<MotionTriple> room(size.axes);
+    write_room<double>(limits, 1, 1.0 / 250, room);
+    const BoundedMove bounded(move,
+                              {.limits = limits, .motors = {}, .cells = cells, .room = std::move(room)});
+    const auto bounds = StopBounds<double>::make({.motion = bounded.cells(), .limits = limits}, kept, {});
     if (!bounds) throw std::runtime_error(bounds.error().what);
     benchmark::DoNotOptimize(kept.data());
   }
 }
-BENCHMARK_CAPTURE(bound_stops, example, example)->Name("stop_bounds/example")->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(bound_stops, large, large)->Name("stop_bounds/100x16")->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(bound_stops, example, example)
+    ->Name("certificate_and_stops/example")
+    ->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(bound_stops, large, large)
+    ->Name("certificate_and_stops/100x16")
+    ->Unit(benchmark::kMicrosecond);
 
 }  // namespace
 }  // namespace inbetween

@@ -110,7 +110,7 @@ class Rig {
     lanes_.push_back({&*bus_, &link_, targets_, known_, frames_});
     port_.emplace(can::Cia402Port<double, ReplayedLink>::make(lanes_, axes_).value());
     loop_.emplace(*port_, lines_, room_.memory());
-    if (!loop_->load({&plan_.played(), &playhead_, drive_of_, plan_.limits(), 1.0 / rate_hz}) ||
+    if (!loop_->load({&plan_.motion(), &playhead_, drive_of_, plan_.limits(), 1.0 / rate_hz}) ||
         !loop_->post(SupervisorEvent::arm)) {
       throw std::runtime_error("not armed");
     }

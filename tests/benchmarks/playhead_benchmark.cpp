@@ -3,11 +3,14 @@
 #include <optional>
 #include <random>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
+#include "host_tools/plan/bounded_move.hpp"
+#include "host_tools/plan/fitted_trajectory.hpp"
 #include "host_tools/plan/solved_track.hpp"
 #include "inbetween/limits/limits.hpp"
-#include "inbetween/limits/motion_bounds.hpp"
+#include "inbetween/limits/played_motion.hpp"
 #include "inbetween/play/playhead.hpp"
 
 /// A tick of a move that is played: where the playhead is, and the positions of all axes there.
@@ -24,13 +27,11 @@ class Subject {
   Subject(std::size_t keys, std::size_t axes)
       : axes_(axes),
         solution_(solved(keys, axes)),
-        move_(Move<double>::make({&solution_.track(), 1}, {}).value()) {
-    std::vector<AxisTurn<double>> turns(axes);
-    std::vector<MotionTriple<double>> slack(axes);
-    std::vector<AxisPeaks<double>> peaks(axes);
-    if (!bound_motion<double>(solution_.track(), slack, {turns}, peaks)) {
-      throw std::runtime_error("not bounded");
-    }
+        move_(Move<double>::make({&solution_.track(), 1}, {}).value()),
+        fitted_(solution_.track()),
+        trajectory_(*fitted_),
+        motion_(PlayedMotion::make(move_, {&trajectory_, 1}).value()) {
+    const std::vector<AxisPeaks<double>> peaks = BoundedMove(move_).peaks();
     for (const AxisPeaks<double>& axis : peaks) {
       limits_.push_back(AxisLimits<double>::make({.min = -1e4,
                                                   .max = 1e4,
@@ -41,10 +42,12 @@ class Subject {
     }
     const auto cells = static_cast<std::size_t>(move_.frames());
     cells_.resize(cells + 1);
-    std::vector<MotionTriple<double>> suprema(cells * axes);
-    const auto bounds =
-        StopBounds<double>::make({.move = move_, .limits = limits_, .tick_seconds = 1.0 / rate_hz},
-                                 {cells_, suprema, slack, turns}, {});
+    std::vector<MotionTriple> room(axes);
+    write_room<double>(limits_, 1, 1.0 / rate_hz, room);
+    const BoundedMove bounded(move_,
+                              {.limits = limits_, .motors = {}, .cells = cells, .room = std::move(room)});
+    const auto bounds = StopBounds<double>::make(
+        {.motion = bounded.cells(), .limits = limits_, .tick_seconds = 1.0 / rate_hz}, cells_, {});
     if (!bounds) throw std::runtime_error(bounds.error().what);
     bounds_ = *bounds;
   }
@@ -52,6 +55,7 @@ class Subject {
   Subject& operator=(const Subject&) = delete;
 
   [[nodiscard]] const Move<double>& move() const { return move_; }
+  [[nodiscard]] const PlayedMotion& motion() const { return motion_; }
   [[nodiscard]] std::size_t axes() const { return axes_; }
   [[nodiscard]] const StopBounds<double>& bounds() const { return *bounds_; }
 
@@ -76,6 +80,9 @@ class Subject {
   std::size_t axes_;
   SolvedTrack<double> solution_;
   Move<double> move_;
+  FittedTrajectory fitted_;
+  Trajectory trajectory_;
+  PlayedMotion motion_;
   std::vector<AxisLimits<double>> limits_;
   std::vector<StopCell<double>> cells_;
   std::optional<StopBounds<double>> bounds_;
@@ -96,7 +103,7 @@ void playhead_tick(benchmark::State& state) {
   std::vector<double> positions(subject.axes());
   for (auto _ : state) {
     playhead.tick();
-    subject.move().positions(playhead.time(), positions);
+    subject.motion().positions(playhead.time(), positions);
     benchmark::DoNotOptimize(positions.data());
     benchmark::ClobberMemory();
   }
@@ -119,7 +126,7 @@ void playhead_ramp(benchmark::State& state) {
       playhead.stop();
     }
     playhead.tick();
-    subject.move().positions(playhead.time(), positions);
+    subject.motion().positions(playhead.time(), positions);
     benchmark::DoNotOptimize(positions.data());
     benchmark::ClobberMemory();
   }

@@ -61,7 +61,7 @@ void bound_each_cell(benchmark::State& state, const MoveSize& size) {
   std::vector<std::array<double, 3>> suprema(line.cells * size.axes);
   for (auto _ : state) {
     std::fill(suprema.begin(), suprema.end(), std::array<double, 3>{});
-    bound_cells(*fitted, line, room, suprema, size.axes);
+    bound_cells(*fitted, fitted->begin(), fitted->end(), line, room, suprema, size.axes);
     benchmark::DoNotOptimize(suprema.data());
   }
 }

@@ -9,6 +9,7 @@
 #include "host_tools/check/planned_stops.hpp"
 #include "host_tools/files/rig_motors.hpp"
 #include "inbetween/limits/calibration.hpp"
+#include "tests/support/bounded_cells.hpp"
 #include "tests/support/fitting_move.hpp"
 #include "tests/support/oracle_gear.hpp"
 #include "tests/support/property.hpp"
@@ -129,7 +130,7 @@ std::optional<Plan> calibrated(const Plan& plan, std::size_t axis, double share)
 std::array<double, 3> motor_at(const Plan& plan, std::size_t d, const oracle::MarkCurve& curve,
                                const FrameTime<double>& time) {
   std::vector<AxisMotion<double>> motion(plan.played().axis_count());
-  plan.played().motion(time, motion);
+  plan.motion().motion(time, motion);
   const auto [p, v, a, j] = std::array<long double, 4>{motion[d].position, motion[d].velocity,
                                                        motion[d].acceleration, motion[d].jerk};
   const auto [value, t1, t2, t3] = curve.at(p);
@@ -138,18 +139,13 @@ std::array<double, 3> motor_at(const Plan& plan, std::size_t d, const oracle::Ma
 }
 
 /// Suprema of the motor, cell by cell of the time line.
-std::vector<MotionTriple<double>> cells_of_motor(const Plan& plan, std::size_t cells) {
+std::vector<MotionTriple> cells_of_motor(const Plan& plan, std::size_t cells) {
   const PlannedMotors planned = planned_motors(plan);
-  const std::size_t axes = plan.played().axis_count();
-  std::vector<MotionTriple<double>> slack(axes + 1);
-  std::vector<MotionTriple<double>> suprema(cells * (axes + 1)), of_motor;
-  std::vector<AxisTurn<double>> turns(axes);
-  std::vector<double> places(axes);
-  const MotionCells<double> found{
-      .cells = cells, .slack = slack, .suprema = suprema, .motors = 1, .places = places};
-  bound_cells<double>(plan.played(), turns, found);
-  bound_motors<double>(plan.played(), planned.motors, found);
-  for (std::size_t cell = 0; cell < cells; ++cell) of_motor.push_back(suprema[cell * (axes + 1) + axes]);
+  const BoundedMove bounded(plan.played(),
+                            {.limits = {}, .motors = planned.motors, .cells = cells, .room = {}});
+  const MotionCells& found = bounded.cells();
+  std::vector<MotionTriple> of_motor;
+  for (std::size_t cell = 0; cell < cells; ++cell) of_motor.push_back(found.of_cell(cell)[found.axes]);
   return of_motor;
 }
 
@@ -162,7 +158,7 @@ TEST(CalibrationProperty, NoMotorIsQuickerThanProvenInACellOfTheTimeLine) {
     const auto plan = calibrated(fitting->plan, fitting->plan.axis_of(d), 1);
     if (!plan) return;
     const std::size_t cells = static_cast<std::size_t>(*rc::gen::inRange(5, 50));
-    const std::vector<MotionTriple<double>> suprema = cells_of_motor(*plan, cells);
+    const std::vector<MotionTriple> suprema = cells_of_motor(*plan, cells);
     const oracle::MarkCurve curve = oracle_of(plan->rig()->axes[plan->axis_of(d)].calibration->marks);
     const int first = plan->played().first_frame();
     const int last = plan->played().last_frame();
@@ -206,7 +202,7 @@ TEST(CalibrationProperty, NoMotorIsQuickerThanProvenInAMoveAndInAStop) {
       const FrameTime<double> time{whole, frame - whole};
       const std::array<double, 3> q = motor_at(*plan, d, curve, time);
       for (std::size_t n = 0; n < 3; ++n) found[n] = std::max(found[n], std::fabs(q[n]));
-      plan->played().motion(time, motion);
+      plan->motion().motion(time, motion);
       fastest = std::max(fastest, std::fabs(motion[d].velocity));
       constexpr double rounding = 1 + 1e-6;
       RC_ASSERT(std::fabs(q[0]) <= motor.velocity.value * rounding);

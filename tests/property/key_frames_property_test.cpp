@@ -12,8 +12,8 @@
 
 #include "host_tools/plan/smoothest_pace.hpp"
 #include "host_tools/plan/solved_track.hpp"
-#include "inbetween/limits/motion_steps.hpp"
 #include "inbetween/timing/track.hpp"
+#include "tests/support/bounded_cells.hpp"
 #include "tests/support/oracle_curves.hpp"
 #include "tests/support/oracle_pace.hpp"
 #include "tests/support/oracle_path.hpp"
@@ -159,7 +159,6 @@ Sided rediff(const SolvedTrack<double>& track, std::int32_t axis, double frame, 
 
 void expect_no_steps(const TimedMove& move, const SolvedTrack<double>& track, bool of_acceleration) {
   const auto intervals = track.track().key_intervals();
-  std::vector<AxisStep<double>> steps(static_cast<std::size_t>(move.axes));
   for (std::int32_t d = 0; d < move.axes; ++d) {
     const double velocity = largest(track, d, &AxisMotion<double>::velocity);
     const double acceleration = largest(track, d, &AxisMotion<double>::acceleration);
@@ -304,6 +303,13 @@ TEST(KeyFramesProperty, APathWithoutOvershootStaysBetweenItsKeys) {
   });
 }
 
+double velocity_step(const BoundedMove& bounded, std::size_t key, std::int32_t axis) {
+  const auto found = std::ranges::find_if(bounded.steps(), [&](const MoveStep& step) {
+    return step.key == static_cast<std::int32_t>(key) && step.axis == static_cast<std::size_t>(axis);
+  });
+  return found != bounded.steps().end() ? found->velocity : 0;
+}
+
 TEST(KeyFramesProperty, MonotoneAndLinearMeetTheirKeysAndTellTheirSteps) {
   check_property(500, [] {
     TimedMove move = random_timed_move(
@@ -312,17 +318,16 @@ TEST(KeyFramesProperty, MonotoneAndLinearMeetTheirKeysAndTellTheirSteps) {
     const SolvedTrack<double> track = move.solved();
     expect_keys_met(move, track);
     if (move.kinetic != Kinetic::linear) return;  // only these are cubics of time
-    std::vector<AxisStep<double>> steps(static_cast<std::size_t>(move.axes));
+    const BoundedMove bounded = bounds_of_track(track.track());
     for (std::size_t k = 1; k + 1 < move.frames.size(); ++k) {
-      const double frame = steps_at_key<double>(track.track(), static_cast<std::int32_t>(k), steps);
+      const double frame = frame_of_segment(track.track(), static_cast<std::int32_t>(k));
       RC_ASSERT(frame == move.frames[k]);
       for (std::int32_t d = 0; d < move.axes; ++d) {
         const double before = (move.frames[k] - move.frames[k - 1]) / 4.0;
         const double behind = (move.frames[k + 1] - move.frames[k]) / 4.0;
         const double step =
             std::fabs(rediff(track, d, frame, behind).velocity - rediff(track, d, frame, -before).velocity);
-        RC_ASSERT(std::fabs(step - steps[static_cast<std::size_t>(d)].velocity) <=
-                  1e-9 * (step + 100 * move.range(d)));
+        RC_ASSERT(std::fabs(step - velocity_step(bounded, k, d)) <= 1e-9 * (step + 100 * move.range(d)));
       }
     }
   });
@@ -492,7 +497,7 @@ TEST(KeyFramesProperty, TheStepsOfMonotoneAndLinearAreThoseOfTheOracle) {
     const auto interval = [&](std::size_t i) {
       return static_cast<long double>(move.frames[i + 1] - move.frames[i]);
     };
-    std::vector<AxisStep<double>> steps(static_cast<std::size_t>(move.axes));
+    const BoundedMove bounded = bounds_of_track(track.track());
     for (std::size_t k = 1; k + 1 < move.frames.size(); ++k) {
       long double before = 1 / interval(k - 1);
       long double behind = 1 / interval(k);
@@ -500,13 +505,13 @@ TEST(KeyFramesProperty, TheStepsOfMonotoneAndLinearAreThoseOfTheOracle) {
         const long double share = (interval(k - 1) + 2 * interval(k)) / (3 * (interval(k - 1) + interval(k)));
         before = behind = before * behind / (share * behind + (1 - share) * before);
       }
-      const double frame = steps_at_key<double>(track.track(), static_cast<std::int32_t>(k), steps);
+      const double frame = frame_of_segment(track.track(), static_cast<std::int32_t>(k));
       RC_ASSERT(frame == move.frames[k]);
       const auto segment = static_cast<int>(k);
       for (std::int32_t d = 0; d < move.axes; ++d) {
         const long double step = 24 * std::fabs(path.derivative(1, segment, 0, d) * behind -
                                                 path.derivative(1, segment - 1, 1, d) * before);
-        RC_ASSERT(std::fabs(static_cast<double>(step) - steps[static_cast<std::size_t>(d)].velocity) <=
+        RC_ASSERT(std::fabs(static_cast<double>(step) - velocity_step(bounded, k, d)) <=
                   1e-9 * (static_cast<double>(step) + 24 * (move.range(d) + 1)));
       }
     }
@@ -536,17 +541,8 @@ TEST(KeyFramesProperty, CornersThatEaseDoNotStep) {
       for (std::int32_t frame = 0; frame <= 240; ++frame) {
         fastest = std::max(fastest, track.track().along({frame, 0}).speed);
       }
-      std::vector<AxisStep<double>> steps(static_cast<std::size_t>(move.axes));
-      for (std::int32_t i = 0; i <= track.track().path().segment_count(); ++i) {
-        steps_at_key<double>(track.track(), i, steps);
-        for (const AxisStep<double>& step : steps) RC_ASSERT(step.velocity <= 1e-6 * fastest);
-        if (i == track.track().path().segment_count()) break;
-        const Standstills<double> turns = standstills_within(track.track(), i);
-        for (std::size_t k = 0; k < turns.count; ++k) {
-          steps_at_standstill<double>(track.track(), {i, turns.t[k]}, steps);
-          for (const AxisStep<double>& step : steps) RC_ASSERT(step.velocity <= 1e-6 * fastest);
-        }
-      }
+      const BoundedMove bounded = bounds_of_track(track.track());
+      for (const MoveStep& step : bounded.steps()) RC_ASSERT(step.velocity <= 1e-6 * fastest);
     } catch (const SolverError&) {
       // Corners too near to each other for a curve of 4097 values: refused, and no move.
     }

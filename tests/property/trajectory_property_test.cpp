@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "host_tools/plan/fitted_trajectory.hpp"
-#include "inbetween/limits/motion_bounds.hpp"
 #include "inbetween/trajectory/bounds.hpp"
+#include "tests/support/bounded_cells.hpp"
 #include "tests/support/count_trajectory.hpp"
 #include "tests/support/exact_piece.hpp"
 #include "tests/support/property.hpp"
@@ -32,7 +32,7 @@ void show(const RandomMove& move) {
 }
 
 /// What the rounding of positions, and of the distance, may add to the derivatives on the piece at a frame.
-MotionTriple<double> noise_at(const FittedTrajectory& fitted, std::size_t axis, double frame) {
+MotionTriple noise_at(const FittedTrajectory& fitted, std::size_t axis, double frame) {
   const double whole = std::floor(frame);
   const FrameTime<double> time{static_cast<std::int32_t>(whole), frame - whole};
   const std::size_t here = time < fitted->end() ? fitted->piece_at(time) : fitted->pieces().size() - 1;
@@ -54,19 +54,10 @@ MotionTriple<double> noise_at(const FittedTrajectory& fitted, std::size_t axis, 
 }
 
 /// Of each derivative, where it is largest.
-MotionTriple<double> noise_at_peaks(const FittedTrajectory& fitted, std::size_t axis,
-                                    const AxisPeaks<double>& peaks) {
+MotionTriple noise_at_peaks(const FittedTrajectory& fitted, std::size_t axis,
+                            const AxisPeaks<double>& peaks) {
   return {noise_at(fitted, axis, peaks.velocity.frame)[0],
           noise_at(fitted, axis, peaks.acceleration.frame)[1], noise_at(fitted, axis, peaks.jerk.frame)[2]};
-}
-
-std::vector<AxisPeaks<double>> bounds_of_track(const Track<double>& track) {
-  const auto axes = static_cast<std::size_t>(track.path().axis_count());
-  std::vector<AxisTurn<double>> turns(axes);
-  std::vector<AxisPeaks<double>> peaks(axes);
-  const std::vector<MotionTriple<double>> slack(axes);
-  RC_ASSERT(bound_motion<double>(track, slack, {turns}, peaks).has_value());
-  return peaks;
 }
 
 /// Whether no peak is so narrow, beside a near-cusp, that it is passed in a few of the last digits of
@@ -90,10 +81,10 @@ TEST(TrajectoryProperty, WhatPlaysIsWithinTheTolerancesOfWhatIsAsked) {
     const SolvedTrack<double> solved(input.spec, Solver::closed_form);
     const Track<double>& track = solved.track();
     if (track.arc_length().total() == 0) return;
-    if (!is_resolved(track, bounds_of_track(track))) return;
+    if (!is_resolved(track, bounds_of_track(track).peaks())) return;
     const FittedTrajectory fitted(track);
     most = std::max(most, fitted->pieces().size());
-    const std::vector<AxisPeaks<double>> peaks = bounds_of_track(track);
+    const std::vector<AxisPeaks<double>> peaks = bounds_of_track(track).peaks();
     const std::size_t axes = fitted->axis_count();
     std::vector<AxisMotion<double>> asked(axes), played(axes);
     std::vector<double> positions(axes);
@@ -120,7 +111,7 @@ TEST(TrajectoryProperty, WhatPlaysIsWithinTheTolerancesOfWhatIsAsked) {
         const double least = 1e-6 * travel * track.frame_rate().frames_per_second();
         const double share = weight > 0 ? std::max(speed.speed / weight, least) : peaks[d].velocity.value;
         RC_ASSERT(std::fabs(played[d].velocity - asked[d].velocity) <= 1.05e-6 * share + v_noise);
-        const MotionTriple<double> noise = noise_at(fitted, d, frames);
+        const MotionTriple noise = noise_at(fitted, d, frames);
         if (std::isinf(peaks[d].acceleration.value)) continue;
         RC_ASSERT(std::fabs(played[d].acceleration - asked[d].acceleration) <=
                   1e-4 * peaks[d].acceleration.value + noise[1]);
@@ -205,7 +196,7 @@ void check_bounded(int cases, const Work& work) {
     const TrackInput<double> input(move);
     const SolvedTrack<double> solved(input.spec, Solver::closed_form);
     if (solved.track().arc_length().total() == 0) return;
-    if (!is_resolved(solved.track(), bounds_of_track(solved.track()))) return;
+    if (!is_resolved(solved.track(), bounds_of_track(solved.track()).peaks())) return;
     const FittedTrajectory fitted(solved.track());
     std::vector<AxisPeaks<double>> peaks(fitted->axis_count());
     bound_trajectory(*fitted, peaks);
@@ -224,9 +215,8 @@ TEST(TrajectoryProperty, NoMomentOfAPieceIsAboveItsBoundAndNoBoundIsFarAboveItsP
           for (std::size_t q = 1; q < found.size(); ++q) found[q] = std::max(found[q], std::fabs(here[q]));
         }
       }
-      const MotionTriple<double> bounds{peaks[d].velocity.value, peaks[d].acceleration.value,
-                                        peaks[d].jerk.value};
-      const MotionTriple<double> noise = noise_at_peaks(fitted, d, peaks[d]);
+      const MotionTriple bounds{peaks[d].velocity.value, peaks[d].acceleration.value, peaks[d].jerk.value};
+      const MotionTriple noise = noise_at_peaks(fitted, d, peaks[d]);
       for (std::size_t q = 0; q < bounds.size(); ++q) {
         RC_LOG() << "axis " << d << " derivative " << q + 1 << ": bound " << bounds[q] << ", found "
                  << static_cast<double>(found[q + 1]) << ", noise " << noise[q] << '\n';
@@ -241,9 +231,9 @@ TEST(TrajectoryProperty, NoMomentOfAPieceIsAboveItsBoundAndNoBoundIsFarAboveItsP
 }
 
 /// What a dense search of the pieces finds of an axis in every cell.
-std::vector<MotionTriple<double>> found_in_cells(const FittedTrajectory& fitted, std::size_t axis,
-                                                 const CellLine& line) {
-  std::vector<MotionTriple<double>> found(line.cells);
+std::vector<MotionTriple> found_in_cells(const FittedTrajectory& fitted, std::size_t axis,
+                                         const CellLine& line) {
+  std::vector<MotionTriple> found(line.cells);
   const double cell_frames =
       static_cast<double>(line.last_frame - line.first_frame) / static_cast<double>(line.cells);
   for (const TrajectoryPiece& piece : fitted->pieces()) {
@@ -266,16 +256,16 @@ TEST(TrajectoryProperty, NoMomentOfACellIsAboveItsSupremumAndNoSupremumIsFarAbov
   check_bounded(many_moves / 10, [](const auto& fitted, const auto& peaks) {
     const std::size_t axes = fitted->axis_count();
     const CellLine line{-3, fitted->end().frame, static_cast<std::size_t>(*rc::gen::inRange(1, 300))};
-    std::vector<MotionTriple<double>> room(axes);
+    std::vector<MotionTriple> room(axes);
     for (std::size_t d = 0; d < axes; ++d)
       room[d] = {0.005 * peaks[d].velocity.value, 0.005 * peaks[d].acceleration.value,
                  0.005 * peaks[d].jerk.value};
     const std::size_t stride = axes + 1;
-    std::vector<MotionTriple<double>> suprema(line.cells * stride);
-    bound_cells(*fitted, line, room, suprema, stride);
+    std::vector<MotionTriple> suprema(line.cells * stride);
+    bound_cells(*fitted, fitted->begin(), fitted->end(), line, room, suprema, stride);
     for (std::size_t d = 0; d < axes; ++d) {
-      const std::vector<MotionTriple<double>> found = found_in_cells(fitted, d, line);
-      const MotionTriple<double> noise = noise_at_peaks(fitted, d, peaks[d]);
+      const std::vector<MotionTriple> found = found_in_cells(fitted, d, line);
+      const MotionTriple noise = noise_at_peaks(fitted, d, peaks[d]);
       for (std::size_t cell = 0; cell < line.cells; ++cell) {
         for (std::size_t q = 0; q < 3; ++q) {
           if (std::isinf(room[d][q])) continue;
@@ -291,60 +281,6 @@ TEST(TrajectoryProperty, NoMomentOfACellIsAboveItsSupremumAndNoSupremumIsFarAbov
       }
     }
   });
-}
-
-/// Both certificates speak of one motion. Told apart are only moves in which the rounding of positions is
-/// felt in the derivatives: an offset of a million times the way, a peak that lasts a ten-millionth of the
-/// move.
-TEST(TrajectoryProperty, ItsCertificateIsThatOfTheTrackWithinOnePercent) {
-  int compared = 0;
-  int felt = 0;
-  int moves = 0;
-  int unresolved = 0;
-  check_property(many_moves, [&] {
-    const RandomMove move = *regular_move();
-    show(move);
-    const TrackInput<double> input(move);
-    const SolvedTrack<double> solved(input.spec, Solver::closed_form);
-    const Track<double>& track = solved.track();
-    if (track.arc_length().total() == 0) return;
-    const std::vector<AxisPeaks<double>> of_track = bounds_of_track(track);
-    if (!is_resolved(track, of_track)) {
-      ++unresolved;
-      return;
-    }
-    ++moves;
-    const FittedTrajectory fitted(track);
-    std::vector<AxisPeaks<double>> peaks(fitted->axis_count());
-    bound_trajectory(*fitted, peaks);
-    for (std::size_t d = 0; d < peaks.size(); ++d) {
-      const double travel = of_track[d].highest.value - of_track[d].lowest.value;
-      const double place =
-          1e-8 * travel + 1e-12 * (std::fabs(of_track[d].lowest.value) + fitted.sampler().length());
-      RC_ASSERT(std::fabs(peaks[d].lowest.value - of_track[d].lowest.value) <= place);
-      RC_ASSERT(std::fabs(peaks[d].highest.value - of_track[d].highest.value) <= place);
-      MotionTriple<double> noise = noise_at_peaks(fitted, d, peaks[d]);
-      const MotionTriple<double> other = noise_at_peaks(fitted, d, of_track[d]);
-      for (std::size_t q = 0; q < noise.size(); ++q) noise[q] = std::max(noise[q], other[q]);
-      const MotionTriple<double> now{peaks[d].velocity.value, peaks[d].acceleration.value,
-                                     peaks[d].jerk.value};
-      const MotionTriple<double> before{of_track[d].velocity.value, of_track[d].acceleration.value,
-                                        of_track[d].jerk.value};
-      for (std::size_t q = 0; q < now.size(); ++q) {
-        RC_LOG() << "axis " << d << " derivative " << q + 1 << ": " << now[q] << " for " << before[q]
-                 << ", noise " << noise[q] << '\n';
-        ++compared;
-        if (noise[q] > 1e-3 * before[q]) ++felt;
-        RC_ASSERT(std::isinf(now[q]) == std::isinf(before[q]));
-        if (std::isfinite(now[q]))
-          RC_ASSERT(std::fabs(now[q] - before[q]) <= 0.011 * std::max(now[q], before[q]) + noise[q]);
-      }
-    }
-  });
-  std::cout << "rounding is felt in " << felt << " of " << compared << " peaks; not compared: " << unresolved
-            << " moves of " << unresolved + moves << "\n";
-  EXPECT_LE(felt, compared / 2);
-  EXPECT_LE(unresolved, (unresolved + moves) / 8 + 3);
 }
 
 }  // namespace trajectory_property_test

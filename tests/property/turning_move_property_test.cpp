@@ -11,6 +11,7 @@
 #include "host_tools/check/check.hpp"
 #include "host_tools/check/check_frames.hpp"
 #include "host_tools/files/diagnostics.hpp"
+#include "tests/support/bounded_cells.hpp"
 #include "tests/support/oracle_rest.hpp"
 #include "tests/support/property.hpp"
 #include "tests/support/random_move.hpp"
@@ -92,10 +93,8 @@ TEST(TurningMoveProperty, IsRefusedForWhatItDoesAndForNothingElse) {
     oracle::RestingMotion motion(random.keys, plan->tracks()[0].control_values(), random.frames, 24, *met);
     const std::vector<oracle::RestPeaks> truth = motion.peaks();
     const Track<double>& track = plan->tracks()[0].track();
-    std::vector<AxisTurn<double>> turns(truth.size());
-    std::vector<AxisPeaks<double>> peaks(truth.size());
-    const std::vector<MotionTriple<double>> slack(truth.size());
-    RC_ASSERT(bound_motion<double>(track, slack, {turns}, peaks).has_value());
+    const BoundedMove bounded = bounds_of_track(track);
+    const std::vector<AxisPeaks<double>>& peaks = bounded.peaks();
     ++compared;
     long double quickest = 0;
     long double hardest = 0;
@@ -237,10 +236,8 @@ TEST(TurningMoveProperty, ARestInsideASegmentIsBoundedByItsMotionOverTime) {
     motion.meet(met);
     const std::vector<oracle::RestPeaks> truth = motion.peaks();
     RC_ASSERT(!motion.passes_standstill());
-    std::vector<AxisTurn<double>> turns(truth.size());
-    std::vector<AxisPeaks<double>> peaks(truth.size());
-    const std::vector<MotionTriple<double>> slack(truth.size());
-    RC_ASSERT(bound_motion<double>(plan->tracks()[0].track(), slack, {turns}, peaks).has_value());
+    const BoundedMove bounded = bounds_of_track(plan->tracks()[0].track());
+    const std::vector<AxisPeaks<double>>& peaks = bounded.peaks();
     ++compared;
     const double rate = plan->tracks()[0].track().curve_rate();
     for (std::size_t d = 0; d < truth.size(); ++d) {

@@ -13,6 +13,8 @@
 #include <type_traits>
 #include <vector>
 
+#include "inbetween/limits/move_bounds.hpp"
+#include "inbetween/limits/played_motion.hpp"
 #include "inbetween/limits/roll.hpp"
 #include "inbetween/limits/stop_bounds.hpp"
 #include "inbetween/loop/supervisor.hpp"
@@ -170,6 +172,45 @@ TYPED_TEST(NoAllocationIn, RungeKuttaTakesNoMemoryEither) {
   }
 }
 
+/// The same move in double, in cells, with its post-roll if it has one.
+class CellsInPlace {
+ public:
+  static constexpr std::size_t axes = 3;
+  static constexpr std::size_t cells = 256;
+
+  explicit CellsInPlace(double tension = 1) { move_.set_tension(tension); }
+
+  /// For limits of any precision. `roll_frames` of 0: none.
+  template <Precise Real>
+  Status make(std::span<const AxisLimits<Real>> limits, Real tick_seconds, std::int32_t roll_frames) {
+    const auto track = move_.make();
+    if (!track) return track.error();
+    track_ = *track;
+    MoveRolls<double> rolls;
+    std::array<AxisMotion<double>, axes> joints;
+    joints_of<double>({&*track_, 1}, RollEnd::after, joints);
+    for (std::size_t d = 0; d < axes && roll_frames > 0; ++d) {
+      const auto roll = RollAxis<double>::make({RollEnd::after, frames, roll_frames, fps}, joints[d]);
+      if (!roll) return roll.error();
+      after_[d] = *roll;
+      rolls.after = after_;
+    }
+    const auto move = Move<double>::make({&*track_, 1}, rolls);
+    if (!move) return move.error();
+    write_room<Real>(limits, 1, tick_seconds, storage_.room);
+    bounds_ = storage_.bounds(*move, cells);
+    return bound_move(*move, {}, {}, storage_.memory(), bounds_);
+  }
+  [[nodiscard]] const MotionCells& cells_of_move() const { return bounds_.cells; }
+
+ private:
+  MoveInPlace<double> move_;
+  std::optional<Track<double>> track_;
+  std::array<RollAxis<double>, axes> after_;
+  MoveBoundsStorage<axes, 100, 1000, 100, cells> storage_;
+  MoveBounds bounds_;
+};
+
 /// A move from rest that ends moving, with its post-roll, as it is played and stopped.
 template <Precise Real>
 class PlayInPlace {
@@ -193,8 +234,11 @@ class PlayInPlace {
     if (!played) return played.error();
     move_ = *played;
     std::array<AxisPeaks<Real>, axes> peaks;
+    const Real tick_seconds = Real{1} / rate_hz;
+    const Status proven = cells_.make<Real>(limits_, tick_seconds, after_.front().span().frames);
+    if (!proven) return proven.error();
     const auto bounds = StopBounds<Real>::make(
-        {.move = *move_, .limits = limits_, .tick_seconds = Real{1} / rate_hz}, stops_.memory(), peaks);
+        {.motion = cells_.cells_of_move(), .limits = limits_, .tick_seconds = tick_seconds}, stops_, peaks);
     if (!bounds) return bounds.error();
     bounds_ = *bounds;
     return Playhead<Real>(*move_, *bounds_, rate_hz);
@@ -225,7 +269,8 @@ class PlayInPlace {
   std::array<RollAxis<Real>, axes> after_;
   std::array<AxisLimits<Real>, axes> limits_{any_limits(), any_limits(), any_limits()};
   std::optional<Move<Real>> move_;
-  StopBoundsStorage<Real, 256, axes> stops_;
+  CellsInPlace cells_{0};
+  std::array<StopCell<Real>, CellsInPlace::cells + 1> stops_;
   std::optional<StopBounds<Real>> bounds_;
 };
 
@@ -345,20 +390,18 @@ TYPED_TEST(NoAllocationIn, ShootingFramesInMotionTakesNoMemory) {
 
 TYPED_TEST(NoAllocationIn, WhyAMoveCannotBeStoppedTakesNoMemory) {
   using Real = TypeParam;
-  const auto move = std::make_unique<MoveInPlace<Real>>();
-  const auto stops = std::make_unique<StopBoundsStorage<Real, 256, 3>>();
+  const auto move = std::make_unique<CellsInPlace>();
+  const auto stops = std::make_unique<std::array<StopCell<Real>, CellsInPlace::cells + 1>>();
   const AxisLimits<Real> weak = *AxisLimits<Real>::make({-1000, 1000, 1000, Real(0.001)});
   const std::array limits{weak, weak, weak};
   std::size_t hits = 0;
   bool is_told = false;
   {
     const ArmedAllocator armed;
-    const auto track = move->make();
-    const auto played = track ? Move<Real>::make({&*track, 1}, {}) : track.error();
-    if (played) {
-      const StopRequest<Real> request{.move = *played, .limits = limits};
-      const auto obstacle = stop_obstacle(request, stops->memory());
-      is_told = !StopBounds<Real>::make(request, stops->memory(), {}) && obstacle && *obstacle;
+    const StopRequest<Real> request{.motion = move->cells_of_move(), .limits = limits};
+    std::optional<StopObstacle<Real>> obstacle;
+    if (move->make<Real>(limits, request.tick_seconds, 0)) {
+      is_told = !StopBounds<Real>::make(request, *stops, {}, &obstacle) && obstacle.has_value();
     }
     hits = armed.hits();
   }

@@ -169,7 +169,7 @@ TEST(Soak, ALoopIsTheSameToTheLastBitHoweverLongItIsPlayedAndMemoryDoesNotGrow) 
   RigReference reference = reference_of(*plan.rig(), std::nullopt, true);
   SessionOptions options{.simulated = true, .fast = true};
   std::vector<double> start(axes);
-  plan.played().positions({0, 0}, start);
+  plan.motion().positions({0, 0}, start);
   for (int i = 0; i < axes; ++i) {
     options.standing[fmt::format("a{}", i)] = start[static_cast<std::size_t>(i)];
     if (reference.position(static_cast<std::size_t>(i)) == std::nullopt &&

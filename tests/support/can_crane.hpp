@@ -96,7 +96,7 @@ struct CanCrane {
     lanes.push_back({&bus.front(), &link, targets, known, frames});
     port.push_back(*can::Cia402Port<double, SimulatedLink>::make(lanes, axes));
     loops.emplace_back(port.front(), lines, room.memory());
-    EXPECT_TRUE(loop().load({&plan.played(), &playhead, drive_of, plan.limits(), 1.0 / 250}));
+    EXPECT_TRUE(loop().load({&plan.motion(), &playhead, drive_of, plan.limits(), 1.0 / 250}));
   }
   CanCrane(const CanCrane&) = delete;
   CanCrane& operator=(const CanCrane&) = delete;
@@ -138,7 +138,7 @@ struct CanCrane {
   /// Both axes are where the playhead has them, to a count of the setpoint: on the path.
   [[nodiscard]] bool is_on_path() const {
     std::vector<double> at(2);
-    plan.played().positions(playhead.time(), at);
+    plan.motion().positions(playhead.time(), at);
     return at == room.targets();
   }
   /// A controlled stop of all axes along the path, which ends in `last`.

@@ -12,7 +12,7 @@ RecordedPlay::RecordedPlay(const Plan& plan, const StopBounds<double>& bounds, d
     : plan_(plan), bounds_(bounds), tick_s_(tick_s), sizes_(plan.played().axis_count()) {
   for (std::int32_t frame = plan.played().first_frame(); frame <= plan.played().last_frame(); ++frame) {
     std::vector<double> at(sizes_.size());
-    plan.played().positions({frame, 0}, at);
+    plan.motion().positions({frame, 0}, at);
     for (std::size_t d = 0; d < at.size(); ++d) sizes_[d] = std::max(sizes_[d], std::fabs(at[d]));
   }
 }
@@ -30,7 +30,7 @@ void RecordedPlay::take(const Playhead<double>& playhead) {
   frames_.front() = playhead.time().frame + playhead.time().fraction;
   std::vector<double>& now = positions_.front();
   now.resize(sizes_.size());
-  plan_.played().positions(playhead.time(), now);
+  plan_.motion().positions(playhead.time(), now);
   count_ = std::min(count_ + 1, 4);
   const StopBound<double> bound = bounds_.at(playhead.time());
   if (std::fabs(playhead.rate()) > bounds_.rate() * (1 + 1e-12)) complain("too fast", playhead);

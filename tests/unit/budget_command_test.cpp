@@ -195,11 +195,12 @@ TEST(Budget, IsWhatPlayingTakes) {
   expect_size(bytes_of(capacity, "pre-roll and post-roll"), sizeof(std::array<RollAxis<double>, 10>));
   expect_size(bytes_of(capacity, "pre-roll and post-roll", false), sizeof(std::array<RollAxis<float>, 10>));
   expect_size(bytes_of(capacity, "stop bounds, 256 cells"), sizeof(std::array<StopCell<double>, cells + 1>));
-  expect_size(bytes_of(capacity, "stop bounds, 256 cells") + bytes_of(capacity, "while they are made"),
-              sizeof(StopBoundsStorage<double, cells, 5>));
+  expect_size(
+      bytes_of(capacity, "stop bounds, 256 cells") + bytes_of(capacity, "while they are made"),
+      sizeof(std::array<StopCell<double>, cells + 1>) + sizeof(std::array<MotionTriple, 5 * (cells + 1)>));
   expect_size(
       bytes_of(capacity, "stop bounds, 256 cells", false) + bytes_of(capacity, "while they are made", false),
-      sizeof(StopBoundsStorage<float, cells, 5>));
+      sizeof(std::array<StopCell<float>, cells + 1>) + sizeof(std::array<MotionTriple, 5 * (cells + 1)>));
   expect_size(bytes_of(capacity, "playhead"), sizeof(Playhead<double>));
   expect_size(bytes_of(capacity, "playhead", false), sizeof(Playhead<float>));
 }

@@ -34,11 +34,11 @@ Sampled sampled(const Plan& plan, std::size_t axis, std::int32_t first_frame, st
   std::vector<double> positions(2);
   for (std::int32_t frame = first_frame; frame < last_frame; ++frame) {
     for (int part = 0; part < per_frame; ++part) {
-      plan.played().positions({frame, static_cast<double>(part) / per_frame}, positions);
+      plan.motion().positions({frame, static_cast<double>(part) / per_frame}, positions);
       at.push_back(positions[axis]);
     }
   }
-  plan.played().positions({last_frame, 0}, positions);
+  plan.motion().positions({last_frame, 0}, positions);
   at.push_back(positions[axis]);
   Sampled peaks{*std::ranges::min_element(at), *std::ranges::max_element(at)};
   for (std::size_t i = 1; i + 1 < at.size(); ++i) {
@@ -103,8 +103,8 @@ TEST_P(EveryTiming, APartOfItIsCertifiedForWhatItDoesWithRollsOfItsOwn) {
     for (std::int32_t frame = first; frame <= last; ++frame) {
       for (const double fraction : {0.0, 0.37}) {
         if (frame == last && fraction > 0) continue;
-        part.played().positions({frame, fraction}, of_part);
-        whole.played().positions({frame, fraction}, of_whole);
+        part.motion().positions({frame, fraction}, of_part);
+        whole.motion().positions({frame, fraction}, of_whole);
         EXPECT_EQ(of_part, of_whole) << "to the last bit on frame " << frame + fraction;
       }
     }

@@ -44,7 +44,7 @@ struct Bench {
   [[nodiscard]] Playhead<double> playhead() const { return {plan.played(), *stops.bounds(), rate_hz}; }
   [[nodiscard]] std::vector<double> at(const FrameTime<double>& time) const {
     std::vector<double> positions(2);
-    plan.played().positions(time, positions);
+    plan.motion().positions(time, positions);
     return positions;
   }
 };

@@ -59,7 +59,7 @@ struct Set {
                std::span<const FrameTime<double>> rests = {})
       : shoot(spec, {.last = 6, .shots = shots, .rests = rests}, moving,
               second_stands_still ? &still : nullptr) {
-    LoopSpec<double> loaded{&plan.played(), &moving, drive_of, plan.limits(), tick_s};
+    LoopSpec<double> loaded{&plan.motion(), &moving, drive_of, plan.limits(), tick_s};
     if (second_stands_still) {
       loaded.still = &still;
       loaded.is_still = is_still;
@@ -80,7 +80,7 @@ struct Set {
   }
   [[nodiscard]] std::vector<double> planned(const FrameTime<double>& time) const {
     std::vector<double> at(2);
-    plan.played().positions(time, at);
+    plan.motion().positions(time, at);
     return at;
   }
 };

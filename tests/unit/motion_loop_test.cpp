@@ -63,7 +63,7 @@ struct Crane {
   MotionLoop<double, SimulatedRig, SimulatedLines> loop{rig, lines, room.memory()};
 
   explicit Crane(const std::vector<double>& at = {100, 0.25, 10}) : rig(at) {
-    EXPECT_TRUE(loop.load({&plan.played(), &playhead, drive_of, plan.limits(), tick_s}));
+    EXPECT_TRUE(loop.load({&plan.motion(), &playhead, drive_of, plan.limits(), tick_s}));
   }
   void tick(int count, std::int32_t ticks = 1) {
     for (int i = 0; i < count; ++i) loop.tick(ticks, 0);
@@ -98,7 +98,7 @@ TEST(MotionLoop, RunsAMoveFromArmingToItsLastFrame) {
   for (std::int64_t tick = 1; tick <= last; ++tick) {
     EXPECT_EQ(crane.loop.state(), SupervisorState::running);
     crane.loop.tick(1, 0);
-    crane.plan.played().positions(frame_time_of_tick<double>(tick, {24, 1}, 250), expected);
+    crane.plan.motion().positions(frame_time_of_tick<double>(tick, {24, 1}, 250), expected);
     ASSERT_THAT(crane.at(), ElementsAre(expected[1], 0.25, expected[0])) << tick;
   }
   EXPECT_EQ(crane.loop.state(), SupervisorState::ready);
@@ -116,7 +116,7 @@ TEST(MotionLoop, NothingStartsThatIsNotReady) {
   EXPECT_EQ(crane.lines.begins, 1) << "of what was begun the lines know";
   EXPECT_FALSE(crane.loop.post(SupervisorEvent::acknowledge));
   EXPECT_FALSE(
-      crane.loop.load({&crane.plan.played(), &crane.playhead, crane.drive_of, crane.plan.limits(), tick_s}));
+      crane.loop.load({&crane.plan.motion(), &crane.playhead, crane.drive_of, crane.plan.limits(), tick_s}));
 }
 
 // docs/faults.md 27
@@ -246,7 +246,7 @@ TEST(MotionLoop, AFaultOfOneDriveSlowsAllDownOnThePath) {
   std::vector<double> expected(2);
   for (int i = 0; i < 2000 && crane.loop.state() == SupervisorState::stopping; ++i) {
     crane.loop.tick(1, 0);
-    crane.plan.played().positions(crane.playhead.time(), expected);
+    crane.plan.motion().positions(crane.playhead.time(), expected);
     ASSERT_THAT(crane.at(), ElementsAre(expected[1], 0.25, expected[0]));
   }
   crane.tick(1);
@@ -266,7 +266,7 @@ TEST(MotionLoop, ALateTickIsMadeUpForWhereNoAxisGoesBeyondItsVelocity) {
   EXPECT_FALSE(crane.loop.tick(3, 0).lost_time) << "it is slow here";
   EXPECT_EQ(crane.loop.state(), SupervisorState::running);
   std::vector<double> expected(2);
-  crane.plan.played().positions(frame_time_of_tick<double>(33, {24, 1}, 250), expected);
+  crane.plan.motion().positions(frame_time_of_tick<double>(33, {24, 1}, 250), expected);
   EXPECT_EQ(crane.at()[0], expected[1]);
 }
 

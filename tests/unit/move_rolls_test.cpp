@@ -57,7 +57,7 @@ Plan plan_of(const std::string& move, const std::string& rig = rig_of()) {
 AxisMotion<double> motion_at(const Plan& plan, double frame) {
   std::vector<AxisMotion<double>> motion(plan.played().axis_count());
   const double whole = std::floor(frame);
-  plan.played().motion({static_cast<std::int32_t>(whole), frame - whole}, motion);
+  plan.motion().motion({static_cast<std::int32_t>(whole), frame - whole}, motion);
   return motion.front();
 }
 

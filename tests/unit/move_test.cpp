@@ -29,12 +29,11 @@ SolvedTrack<Real> track_of(const std::vector<Real>& keys, const std::vector<Real
 
 template <Precise Real>
 std::vector<RollAxis<Real>> rolls_of(std::span<const Track<Real>> tracks, RollEnd end, std::int32_t frames,
-                                     std::size_t axes, std::optional<WholeFrames> part = {}) {
+                                     std::size_t axes) {
   std::vector<AxisMotion<Real>> joints(axes);
-  joints_of(tracks, end, std::span(joints), part);
+  joints_of(tracks, end, std::span(joints));
   std::vector<RollAxis<Real>> rolls;
-  if (!part) part = {0, tracks.front().frames()};
-  const std::int32_t joint_frame = end == RollEnd::before ? part->first : part->last;
+  const std::int32_t joint_frame = end == RollEnd::before ? 0 : tracks.front().frames();
   for (const AxisMotion<Real>& joint : joints) {
     rolls.push_back(*RollAxis<Real>::make({end, joint_frame, frames, film}, joint));
   }
@@ -89,120 +88,6 @@ TYPED_TEST(MoveIn, RestsBeforeItsPreRollAndAfterItsPostRollAndIsTheTracksInBetwe
     EXPECT_NEAR(at[0].velocity, inside[0].velocity, 0.05);
     EXPECT_NEAR(at[0].acceleration, inside[0].acceleration, 2);
     EXPECT_GT(std::abs(inside[0].velocity), 10);
-  }
-}
-
-TYPED_TEST(MoveIn, APartHasThePositionsOfTheWholeToTheLastBitBetweenRollsOfItsOwn) {
-  using Real = TypeParam;
-  const auto one = track_of<Real>({0, 30, 100}, {0, 0, 10, 0, 0});
-  const auto other = track_of<Real>({-1, 2, 7}, {5, 10, 7});
-  const std::array tracks{one.track(), other.track()};
-  const std::span<const Track<Real>> all(tracks);
-  constexpr WholeFrames part{12, 36};
-  const auto before = rolls_of(all, RollEnd::before, 10, 2, part);
-  const auto after = rolls_of(all, RollEnd::after, 20, 2, part);
-  const auto whole = Move<Real>::make(all, {});
-  const auto move = Move<Real>::make(all, {before, after}, part);
-  ASSERT_TRUE(move && whole);
-  EXPECT_EQ(move->part(), part);
-  EXPECT_EQ(move->first_frame(), 2);
-  EXPECT_EQ(move->last_frame(), 56);
-  EXPECT_EQ(move->time_of_tick(0, 240).frame, 2) << "the frames have the numbers of the whole";
-  EXPECT_EQ(move->last_tick_at(240), 540);
-
-  std::array<Real, 2> of_part, of_whole;
-  for (std::int32_t frame = 12; frame <= 36; ++frame) {
-    for (const Real fraction : {Real(0), Real(0.3)}) {
-      if (frame == 36 && fraction > 0) continue;
-      move->positions({frame, fraction}, of_part);
-      whole->positions({frame, fraction}, of_whole);
-      EXPECT_EQ(of_part, of_whole) << frame;
-    }
-  }
-  std::array<AxisMotion<Real>, 2> outside, inside;
-  for (const std::int32_t frame : {-5, 2, 56, 57}) {
-    move->motion({frame, 0}, outside);
-    EXPECT_EQ(outside[0].velocity, 0) << frame;
-    EXPECT_EQ(outside[1].acceleration, 0) << frame;
-    EXPECT_EQ(outside[0].position, (frame < 12 ? before : after)[0].rest_position());
-  }
-  for (const std::int32_t joint : {12, 36}) {
-    const Real step = Real(1) / 1024;
-    move->motion(joint == 12 ? FrameTime<Real>{11, 1 - step} : FrameTime<Real>{36, step}, outside);
-    whole->motion({joint, 0}, inside);
-    for (std::size_t d = 0; d < 2; ++d) {
-      EXPECT_NEAR(outside[d].position, inside[d].position, 0.01);
-      EXPECT_NEAR(outside[d].velocity, inside[d].velocity, 0.05);
-      EXPECT_NEAR(outside[d].acceleration, inside[d].acceleration, 2);
-    }
-  }
-}
-
-TEST(Move, APartThatBeginsAndEndsInAHoldRestsThereWithoutRolls) {
-  TrackSpec<double> spec;
-  const std::vector<double> keys{0, 40, 100};
-  spec.path = {.axis_count = 1, .keys = keys};
-  const std::vector<double> speed{0, 0, 10, 10, 10, 0, 0};
-  spec.control_values = speed;
-  const std::array locks{KeyLock{.key = 1, .frame = 40, .hold = 12}};
-  spec.locks = locks;
-  spec.frames = 96;
-  spec.fps = film;
-  const SolvedTrack<double> solved(spec, Solver::closed_form);
-  const std::array tracks{solved.track()};
-  const std::span<const Track<double>> all(tracks);
-  std::vector<AxisMotion<double>> joints(1);
-  for (const WholeFrames& part : {WholeFrames{0, 40}, {0, 46}, {0, 52}}) {
-    EXPECT_FALSE(joints_of(all, RollEnd::after, std::span(joints), part)) << part.last;
-    EXPECT_NEAR(joints[0].position, 40, 1e-9);
-    EXPECT_FALSE(joints_of(all, RollEnd::before, std::span(joints), WholeFrames{part.last, 96}));
-  }
-  EXPECT_TRUE(joints_of(all, RollEnd::after, std::span(joints), WholeFrames{0, 39}));
-
-  const auto move = Move<double>::make(all, {}, WholeFrames{46, 96});
-  ASSERT_TRUE(move);
-  std::array<double, 1> position;
-  move->positions({20, 0.5}, position);
-  EXPECT_NEAR(position[0], 40, 1e-9) << "where it rests, and not where the whole move is on frame 20";
-}
-
-TEST(Move, ARollJoinsTheInnerSideOfAKeyOnWhichTheMotionSteps) {
-  // Frame 24 is on the corner: first along one axis, then along the other.
-  const std::vector<double> keys{0, 0, 100, 0, 100, 60};
-  const std::vector<double> speed{10, 10};
-  const std::vector<std::int32_t> frames{0, 24, 48};
-  TrackSpec<double> drawn;
-  drawn.path = {.spline = Spline::linear, .axis_count = 2, .keys = keys};
-  drawn.fps = film;
-  drawn.frames = 48;
-  TrackSpec<double> timed = drawn;
-  timed.key_frames = frames;
-  timed.kinetic = Kinetic::linear;
-  drawn.control_values = speed;
-  const std::array locks{KeyLock{.key = 1, .frame = 24}};
-  drawn.locks = locks;
-  const std::array broken_locks{KeyLock{.key = 1, .frame = 24, .breaks = true}};
-  TrackSpec<double> broken = drawn;
-  broken.locks = broken_locks;
-  for (const TrackSpec<double>& spec : {drawn, broken, timed}) {
-    const SolvedTrack<double> solved(spec, Solver::closed_form);
-    const std::array tracks{solved.track()};
-    const std::span<const Track<double>> all(tracks);
-    std::vector<AxisMotion<double>> joints(2);
-    ASSERT_TRUE(joints_of(all, RollEnd::after, std::span(joints), WholeFrames{0, 24}));
-    EXPECT_GT(joints[0].velocity, 60);
-    EXPECT_EQ(joints[1].velocity, 0);
-    EXPECT_NEAR(joints[0].position, 100, 1e-9);
-    ASSERT_TRUE(joints_of(all, RollEnd::before, std::span(joints), WholeFrames{24, 48}));
-    EXPECT_EQ(joints[0].velocity, 0);
-    EXPECT_GT(joints[1].velocity, 30);
-    // The motion of a part arrives on its last frame as its post-roll goes on.
-    const auto after = rolls_of(all, RollEnd::after, 30, 2, WholeFrames{0, 24});
-    const auto move = Move<double>::make(all, {{}, after}, WholeFrames{0, 24});
-    ASSERT_TRUE(move);
-    move->motion({24, 0}, joints);
-    EXPECT_GT(joints[0].velocity, 60);
-    EXPECT_EQ(joints[1].velocity, 0);
   }
 }
 

@@ -111,10 +111,10 @@ TEST(Plan, ATrackWithOneKeyInSpaceOrByDistanceStandsThere) {
   for (const double frame : {0.0, 20.0, 48.0}) {
     std::array<double, 2> at{};
     std::array<double, 2> of_twice{};
-    hand.played().positions({static_cast<std::int32_t>(frame), 0}, at);
-    twice.played().positions({static_cast<std::int32_t>(frame), 0}, of_twice);
+    hand.motion().positions({static_cast<std::int32_t>(frame), 0}, at);
+    twice.motion().positions({static_cast<std::int32_t>(frame), 0}, of_twice);
     EXPECT_EQ(at, of_twice);
-    angles.played().positions({static_cast<std::int32_t>(frame), 0}, at);
+    angles.motion().positions({static_cast<std::int32_t>(frame), 0}, at);
     EXPECT_EQ(at, (std::array<double, 2>{10, 80}));
   }
   EXPECT_FALSE(angles.is_moving(0, RollEnd::before)) << "it stands, whatever its speed curve says";

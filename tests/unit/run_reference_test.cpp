@@ -33,7 +33,7 @@ class RunReference : public testing::Test {
   /// Where the axes of the rig are at an end of the move.
   std::vector<double> planned(bool at_end) {
     std::vector<double> of_move(plan_.axes().size());
-    plan_.played().positions({at_end ? plan_.played().last_frame() : plan_.played().first_frame(), 0},
+    plan_.motion().positions({at_end ? plan_.played().last_frame() : plan_.played().first_frame(), 0},
                              of_move);
     std::vector<double> of_rig;
     for (const RigAxis& axis : rig_.axes) {

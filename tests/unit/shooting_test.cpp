@@ -418,7 +418,7 @@ TEST(TopRate, AboveWhatIsCertifiedIsRefusedWithTheHighest) {
   const ProgramRun run = run_with({"--top-rate", "9"});
   EXPECT_EQ(run.status, 3);
   EXPECT_THAT(run.err, HasSubstr("at 9 times the drawn speed the move leaves the limits of the rig; lower "
-                                 "--top-rate to 1.133 or less"));
+                                 "--top-rate to 1.137 or less"));
 }
 
 TEST(TopRate, LetsTheOverrideGoAboveTheDrawnSpeed) {

@@ -169,7 +169,7 @@ class AimWatch {
  public:
   explicit AimWatch(const Plan& plan) : plan_(plan), positions_(plan.played().axis_count()) {}
   void take(const Playhead<double>& playhead) {
-    plan_.played().positions(playhead.time(), positions_);
+    plan_.motion().positions(playhead.time(), positions_);
     std::vector<double> axes(positions_.size());
     for (std::size_t d = 0; d < axes.size(); ++d) axes[plan_.axis_of(d)] = positions_[d];
     const double lift = axes.size() > 6 ? axes[6] / 1000 : 0;

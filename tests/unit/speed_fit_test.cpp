@@ -394,17 +394,17 @@ TEST(SpeedFit, TheDetourIsTakenWhereItLeadsNearer) {
     axis.min = -1000;
     axis.max_acceleration = 20000;
   }
-  axes[0].max_velocity = 149.725;
-  axes[1].max_velocity = 165.742;
-  axes[2].max_velocity = 175.277;
+  axes[0].max_velocity = 303.429;
+  axes[1].max_velocity = 180.939;
+  axes[2].max_velocity = 176.063;
   const std::string move =
       "name = \"m\"\nfps = 24\nframes = 225\n[[track]]\naxes = [\"x\", \"y\", \"z\"]\nspline = \"tcb\"\nkeys "
       "= [\n"
-      "{ at = [75, 86, 27], tension = 0.24, bias = -0.11 },\n"
-      "{ at = [71.5, 108.5, 76.5], tension = -0.06, bias = 0.12 },\n"
-      "{ at = [173, -88, 21], tension = -0.41, bias = 0.02 },\n"
-      "{ at = [-135.5, 61.5, -22.5], tension = 0.41, bias = -0.34 },\n"
-      "{ at = [79, 18, 143], tension = -0.24, bias = -0.2 } ]\n"
+      "{ at = [-147, 142, 120], tension = -0.39, bias = 0.16 },\n"
+      "{ at = [-32, -174, -134], tension = -0.06, bias = 0.24 },\n"
+      "{ at = [40, 180, 130], tension = -0.25, bias = 0.04 },\n"
+      "{ at = [-59, -14, -30], tension = 0.36, bias = -0.11 },\n"
+      "{ at = [-5, 134, 127], tension = -0.07, bias = 0.24 } ]\n"
       "speed = [0, 0, 15, 16, 0, 0]\n";
   const Plan plan(parse_move(move, "move.toml"), parse_rig(rig_text(axes), "rig.toml"), {});
   const auto change_from = [&](FitStart start) {

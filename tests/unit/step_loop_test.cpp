@@ -100,7 +100,7 @@ struct Slider {
     EXPECT_TRUE(port().place(0, 10));
     EXPECT_TRUE(port().place(1, 100));
     loops.emplace_back(port(), lines, room.memory());
-    EXPECT_TRUE(loop().load({&plan.played(), &playhead, drive_of, plan.limits(), tick_s}));
+    EXPECT_TRUE(loop().load({&plan.motion(), &playhead, drive_of, plan.limits(), tick_s}));
   }
   Slider(const Slider&) = delete;
   Slider& operator=(const Slider&) = delete;

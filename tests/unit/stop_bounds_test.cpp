@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "host_tools/plan/solved_track.hpp"
+#include "tests/support/bounded_cells.hpp"
 
 /// Stop bounds of moves that are known by hand; random moves and stops are in tests/property.
 
@@ -21,9 +22,9 @@ constexpr double tick = 0.001;
 
 constexpr std::size_t cells = 128;
 
-template <Precise Real>
-SolvedTrack<Real> solved(const PathSpec<Real>& path, const std::vector<Real>& speed, std::int32_t frames) {
-  return SolvedTrack<Real>(
+SolvedTrack<double> solved(const PathSpec<double>& path, const std::vector<double>& speed,
+                           std::int32_t frames) {
+  return SolvedTrack<double>(
       {.path = path, .control_values = speed, .frames = frames, .fps = {24, 1}, .arc_length = {}},
       Solver::closed_form);
 }
@@ -40,20 +41,23 @@ AxisLimits<Real> stop_limits(Real acceleration, std::optional<Real> jerk = std::
 /// Bounds with the memory that they live in.
 template <Precise Real>
 struct Stops {
-  StopBoundsStorage<Real, cells, 4> storage;
+  std::vector<StopCell<Real>> stop_cells;
   std::vector<AxisPeaks<Real>> peaks;
+  std::optional<StopObstacle<Real>> obstacle;
   Result<StopBounds<Real>> bounds;
 
-  Stops(const Move<Real>& move, const std::vector<AxisLimits<Real>>& limits, Real rate = 1)
-      : peaks(limits.size()),
-        bounds(StopBounds<Real>::make({move, limits, rate, Real(tick)}, storage.memory(), peaks)) {}
+  Stops(const Move<double>& move, const std::vector<AxisLimits<Real>>& limits, Real rate = 1)
+      : stop_cells(cells + 1),
+        peaks(limits.size()),
+        bounds(StopBounds<Real>::make(
+            {bounded_cells<Real>(move, limits, cells, rate, Real(tick)).cells(), limits, rate, Real(tick)},
+            stop_cells, peaks, &obstacle)) {}
   Stops(const Stops&) = delete;
   Stops& operator=(const Stops&) = delete;
 };
 
-template <Precise Real>
-Move<Real> move_of(const SolvedTrack<Real>& solution) {
-  return *Move<Real>::make({&solution.track(), 1}, {});
+Move<double> move_of(const SolvedTrack<double>& solution) {
+  return *Move<double>::make({&solution.track(), 1}, {});
 }
 
 const std::vector<double> line{0, 1000};
@@ -63,7 +67,7 @@ const std::vector<double> calm{0, 0, 10, 10, 10, 0, 0};
 TEST(StopBounds, AStraightLineAtConstantSpeedIsStoppedWithAllItsAxisCanBear) {
   // 100 mm/s; 50 mm/s^2 are 0.5 /s, for a stop of 2 s and, at half the speed on average, one second of the
   // move.
-  const auto solution = solved<double>({.axis_count = 1, .keys = line}, {10, 10}, 240);
+  const auto solution = solved({.axis_count = 1, .keys = line}, {10, 10}, 240);
   const Stops<double> stops(move_of(solution), {stop_limits(50.0)});
   ASSERT_TRUE(stops.bounds.has_value());
   EXPECT_NEAR(stops.bounds->rate_change({120, 0}), 0.5, 0.01);
@@ -76,7 +80,7 @@ TEST(StopBounds, AStraightLineAtConstantSpeedIsStoppedWithAllItsAxisCanBear) {
 
 TEST(StopBounds, AJerkLimitMakesTheQuickestStopOfBothLimits) {
   // R2 = 1 /s^2: from rate 1 the quickest is 2 s, with a rate change of 1 /s in the middle.
-  const auto solution = solved<double>({.axis_count = 1, .keys = line}, {10, 10}, 240);
+  const auto solution = solved({.axis_count = 1, .keys = line}, {10, 10}, 240);
   const Stops<double> gentle(move_of(solution), {stop_limits(1000.0, std::optional(100.0))});
   ASSERT_TRUE(gentle.bounds.has_value());
   EXPECT_NEAR(gentle.bounds->rate_jerk({120, 0}), 1, 0.02);
@@ -91,14 +95,14 @@ TEST(StopBounds, AJerkLimitMakesTheQuickestStopOfBothLimits) {
 
 TEST(StopBounds, TheJerkThatIsToldIsAllThatTheLimitAllows) {
   // The speed grows all the way: the jerk of every stop has a part by acceleration and change of the rate.
-  const auto solution = solved<double>({.axis_count = 1, .keys = line}, {5, 15}, 240);
+  const auto solution = solved({.axis_count = 1, .keys = line}, {5, 15}, 240);
   const Stops<double> stops(move_of(solution), {stop_limits(1e5, std::optional(100.0))});
   ASSERT_TRUE(stops.bounds.has_value());
   EXPECT_NEAR(stops.peaks[0].jerk.value, 100, 1);
 }
 
 TEST(StopBounds, AHigherRateLeavesLessAndStopsLater) {
-  const auto solution = solved<double>({.axis_count = 2, .keys = bend}, calm, 240);
+  const auto solution = solved({.axis_count = 2, .keys = bend}, calm, 240);
   const std::vector<AxisLimits<double>> limits(2, stop_limits(2000.0, std::optional(20'000.0)));
   const Stops<double> once(move_of(solution), limits, 1);
   const Stops<double> twice(move_of(solution), limits, 2);
@@ -111,11 +115,8 @@ TEST(StopBounds, AHigherRateLeavesLessAndStopsLater) {
 }
 
 TEST(StopBounds, AMotionThatTakesAllOfAStopLimitIsRefusedWithItsAxisAndPlace) {
-  const auto solution = solved<double>({.axis_count = 2, .keys = bend}, calm, 240);
-  std::vector<AxisTurn<double>> turns(2);
-  const std::vector<MotionTriple<double>> none(2);
-  std::vector<AxisPeaks<double>> peaks(2);
-  ASSERT_TRUE(bound_motion<double>(solution.track(), none, {turns}, peaks).has_value());
+  const auto solution = solved({.axis_count = 2, .keys = bend}, calm, 240);
+  const std::vector<AxisPeaks<double>> peaks = bounds_of_track(solution.track()).peaks();
   const Move<double> move = move_of(solution);
   for (const bool by_jerk : {false, true}) {
     const Peak<double> peak = by_jerk ? peaks[1].jerk : peaks[1].acceleration;
@@ -127,7 +128,7 @@ TEST(StopBounds, AMotionThatTakesAllOfAStopLimitIsRefusedWithItsAxisAndPlace) {
     EXPECT_EQ(stops.bounds.error().code, ErrorCode::no_solution);
     EXPECT_EQ(stops.bounds.error().axis, 1);
     EXPECT_NEAR(stops.bounds.error().frame, peak.frame, 8);
-    const auto obstacle = *stop_obstacle<double>({move, limits, 1, tick}, stops.storage.memory());
+    const auto& obstacle = stops.obstacle;
     ASSERT_TRUE(obstacle.has_value());
     EXPECT_EQ(obstacle->quantity, by_jerk ? StopQuantity::jerk : StopQuantity::acceleration);
     EXPECT_EQ(obstacle->axis, 1);
@@ -138,14 +139,15 @@ TEST(StopBounds, AMotionThatTakesAllOfAStopLimitIsRefusedWithItsAxisAndPlace) {
     const double enough = 1.05 * peak.value;
     const std::vector<AxisLimits<double>> loose{
         stop_limits(1e5), by_jerk ? stop_limits(1e5, std::optional(enough)) : stop_limits(enough)};
-    EXPECT_TRUE(Stops<double>(move, loose).bounds.has_value());
-    EXPECT_FALSE(stop_obstacle<double>({move, loose, 1, tick}, stops.storage.memory())->has_value());
+    const Stops<double> slow(move, loose);
+    EXPECT_TRUE(slow.bounds.has_value());
+    EXPECT_FALSE(slow.obstacle.has_value());
   }
 }
 
 TEST(StopBounds, WhereNothingMovesTheyAreTheLargestThereAre) {
   const std::vector<double> still{5, 5};
-  const auto solution = solved<double>({.axis_count = 1, .keys = still}, {10, 10}, 48);
+  const auto solution = solved({.axis_count = 1, .keys = still}, {10, 10}, 48);
   const Stops<double> stops(move_of(solution), {stop_limits(1.0, std::optional(1.0))});
   ASSERT_TRUE(stops.bounds.has_value());
   for (const std::int32_t frame : {-10, 0, 20, 48, 500}) {
@@ -157,15 +159,17 @@ TEST(StopBounds, WhereNothingMovesTheyAreTheLargestThereAre) {
 }
 
 TEST(StopBounds, NoStopIsPossibleThroughACuspAtASpeed) {
-  const std::vector<double> keys{0, 10, 9, 0};
-  const auto solution = solved<double>({.axis_count = 1, .keys = keys}, {10, 10}, 48);
-  const Stops<double> stops(move_of(solution), {stop_limits(1e9)});
+  const std::vector<double> keys{0, 0, 50, 20, 60, 90, 0, 100};
+  const std::vector<KeyShape<double>> shapes{{}, {.tension = 1, .continuity = 0, .bias = 0}, {}, {}};
+  const auto solution =
+      solved({.spline = Spline::tcb, .axis_count = 2, .keys = keys, .shapes = shapes}, {10, 10}, 48);
+  const Stops<double> stops(move_of(solution), {2, stop_limits(1e9)});
   ASSERT_FALSE(stops.bounds.has_value());
   EXPECT_EQ(stops.bounds.error().code, ErrorCode::no_solution);
 }
 
 TEST(StopBounds, PreRollAndPostRollAreWithinThem) {
-  const auto solution = solved<double>({.axis_count = 1, .keys = line}, {10, 10}, 240);
+  const auto solution = solved({.axis_count = 1, .keys = line}, {10, 10}, 240);
   // From 0 to 100 mm/s in 12 frames: 200 mm/s^2 on average, where the line itself has none.
   std::vector<AxisMotion<double>> joint{{.position = 0, .velocity = 100}};
   const auto before = *RollAxis<double>::make({RollEnd::before, 0, 12, {24, 1}}, joint[0]);
@@ -176,12 +180,9 @@ TEST(StopBounds, PreRollAndPostRollAreWithinThem) {
   const Stops<double> refused(move, {stop_limits(0.99 * most)});
   ASSERT_FALSE(refused.bounds.has_value());
   EXPECT_EQ(refused.bounds.error().frame, -1) << "there are no negative frames in an error";
-  std::vector<AxisLimits<double>> limits{stop_limits(0.99 * most)};
-  StopBoundsStorage<double, cells, 1> storage;
-  const auto obstacle = *stop_obstacle<double>({move, limits, 1, tick}, storage.memory());
-  ASSERT_TRUE(obstacle.has_value());
-  EXPECT_LT(obstacle->frame, 0);
-  EXPECT_GT(obstacle->frame, -12);
+  ASSERT_TRUE(refused.obstacle.has_value());
+  EXPECT_LT(refused.obstacle->frame, 0);
+  EXPECT_GT(refused.obstacle->frame, -12);
   const Stops<double> stops(move, {stop_limits(1.5 * most)});
   ASSERT_TRUE(stops.bounds.has_value());
   const StopBounds<double>& bounds = *stops.bounds;
@@ -195,8 +196,8 @@ TEST(StopBounds, TheReverseOfAMoveHasTheSameBoundsFromTheOtherEnd) {
   for (std::size_t i = bend.size(); i > 0; i -= 2) turned.insert(turned.end(), {bend[i - 2], bend[i - 1]});
   const std::vector<double> slow_start{0, 0, 4, 10, 10, 0, 0};
   const std::vector<double> slow_end{0, 0, 10, 10, 4, 0, 0};
-  const auto there = solved<double>({.axis_count = 2, .keys = bend}, slow_start, 240);
-  const auto back = solved<double>({.axis_count = 2, .keys = turned}, slow_end, 240);
+  const auto there = solved({.axis_count = 2, .keys = bend}, slow_start, 240);
+  const auto back = solved({.axis_count = 2, .keys = turned}, slow_end, 240);
   const std::vector<AxisLimits<double>> limits(2, stop_limits(3000.0, std::optional(30'000.0)));
   const Stops<double> forward(move_of(there), limits);
   const Stops<double> reverse(move_of(back), limits);
@@ -214,11 +215,9 @@ TEST(StopBounds, TheReverseOfAMoveHasTheSameBoundsFromTheOtherEnd) {
 }
 
 TEST(StopBounds, FloatIsNearDouble) {
-  const auto wide = solved<double>({.axis_count = 2, .keys = bend}, calm, 240);
-  const std::vector<float> keys(bend.begin(), bend.end());
-  const auto narrow = solved<float>({.axis_count = 2, .keys = keys}, {0, 0, 10, 10, 10, 0, 0}, 240);
+  const auto wide = solved({.axis_count = 2, .keys = bend}, calm, 240);
   const Stops<double> in_double(move_of(wide), {2, stop_limits(3000.0, std::optional(30'000.0))});
-  const Stops<float> in_float(move_of(narrow), {2, stop_limits(3000.F, std::optional(30'000.F))});
+  const Stops<float> in_float(move_of(wide), {2, stop_limits(3000.F, std::optional(30'000.F))});
   ASSERT_TRUE(in_double.bounds.has_value());
   ASSERT_TRUE(in_float.bounds.has_value());
   for (std::int32_t frame = -1; frame <= 241; ++frame) {
@@ -232,10 +231,10 @@ TEST(StopBounds, FloatIsNearDouble) {
 }
 
 TEST(StopBounds, TheyFallAndRiseNoFasterThanAStopCanFollow) {
-  const auto solution = solved<double>({.axis_count = 2, .keys = bend}, calm, 240);
+  const auto solution = solved({.axis_count = 2, .keys = bend}, calm, 240);
   const Stops<double> stops(move_of(solution), {2, stop_limits(800.0, std::optional(6000.0))});
   ASSERT_TRUE(stops.bounds.has_value());
-  const auto& all = stops.storage.cells;
+  const auto& all = stops.stop_cells;
   const double seconds = 10.0 / cells;
   for (std::size_t i = 0; i < cells; ++i) {
     const double jerk = all[i].rate_jerk;
@@ -324,7 +323,7 @@ class CornerOracle {
 };
 
 TEST(StopBounds, TheJerkBoundHoldsWithinACellOfItsPlaceAndNoFurther) {
-  const auto solution = solved<double>(
+  const auto solution = solved(
       {.spline = Spline::linear, .axis_count = corner_axes, .keys = corners, .weights = corner_weights},
       {2.25, 0, 19.75, 0, 0}, corner_frames);
   const std::array<double, corner_axes> acceleration{117.46, 175'373, 98'575, 13'259.5, 133'977, 86.53};
@@ -339,10 +338,9 @@ TEST(StopBounds, TheJerkBoundHoldsWithinACellOfItsPlaceAndNoFurther) {
                                                 .stop_acceleration = acceleration[d],
                                                 .stop_jerk = jerk[d]}));
   }
-  StopBoundsStorage<double, cells, corner_axes> storage;
   constexpr double rate = 0.25;
-  const Move<double> corner_move = move_of(solution);
-  const auto bounds = StopBounds<double>::make({corner_move, limits, rate, tick}, storage.memory(), {});
+  const Stops<double> stops(move_of(solution), limits, rate);
+  const auto& bounds = stops.bounds;
   ASSERT_TRUE(bounds.has_value());
 
   const CornerOracle oracle;
@@ -353,7 +351,7 @@ TEST(StopBounds, TheJerkBoundHoldsWithinACellOfItsPlaceAndNoFurther) {
     for (std::size_t d = 0; d < corner_axes; ++d) {
       const auto [p1, p2, p3] = oracle.motion(frame, d);
       worst = std::max(worst, (p3 * rate * rate * rate + 3 * p2 * rate * change +
-                               p1 * storage.cells[jerk_of_cell].rate_jerk) /
+                               p1 * stops.stop_cells[jerk_of_cell].rate_jerk) /
                                   jerk[d]);
     }
     return worst;
@@ -372,38 +370,32 @@ TEST(StopBounds, TheJerkBoundHoldsWithinACellOfItsPlaceAndNoFurther) {
 }
 
 TEST(StopBounds, WhatIsAskedWronglyIsRefused) {
-  const auto solution = solved<double>({.axis_count = 2, .keys = bend}, calm, 240);
-  const Move<double> move = move_of(solution);
+  const auto solution = solved({.axis_count = 2, .keys = bend}, calm, 240);
   const std::vector<AxisLimits<double>> limits(2, stop_limits(3000.0));
+  const BoundedMove bounded = bounded_cells<double>(move_of(solution), limits, 10, 1, tick);
+  const MotionCells& motion = bounded.cells();
   std::vector<StopCell<double>> stop_cells(11);
-  std::vector<MotionTriple<double>> suprema(20);
-  std::vector<MotionTriple<double>> slack(2);
-  std::vector<AxisTurn<double>> turns(2);
   std::vector<AxisPeaks<double>> peaks(2);
-  const StopBoundsMemory<double> memory{stop_cells, suprema, slack, turns};
-  const auto code = [&](const StopRequest<double>& request, const StopBoundsMemory<double>& its,
+  const auto code = [&](const StopRequest<double>& request, std::span<StopCell<double>> its,
                         std::span<AxisPeaks<double>> out) {
     const auto made = StopBounds<double>::make(request, its, out);
     return made ? std::pair(ErrorCode{}, std::int64_t{0}) : std::pair(made.error().code, made.error().needed);
   };
-  EXPECT_TRUE(StopBounds<double>::make({move, limits, 1, tick}, memory, peaks).has_value());
-  EXPECT_TRUE(StopBounds<double>::make({move, limits, 1, tick}, memory, {}).has_value());
+  EXPECT_TRUE(StopBounds<double>::make({motion, limits, 1, tick}, stop_cells, peaks).has_value());
+  EXPECT_TRUE(StopBounds<double>::make({motion, limits, 1, tick}, stop_cells, {}).has_value());
   const std::span<const AxisLimits<double>> one(limits.data(), 1);
-  EXPECT_EQ(code({move, one, 1, tick}, memory, {}), std::pair(ErrorCode::wrong_count, std::int64_t{2}));
-  EXPECT_EQ(code({move, limits, 1, tick}, memory, std::span(peaks).first(1)),
+  EXPECT_EQ(code({motion, one, 1, tick}, stop_cells, {}), std::pair(ErrorCode::wrong_count, std::int64_t{2}));
+  EXPECT_EQ(code({motion, limits, 1, tick}, stop_cells, std::span(peaks).first(1)),
             std::pair(ErrorCode::wrong_count, std::int64_t{2}));
   for (const double rate : {0.0, -1.0, std::nan(""), std::numeric_limits<double>::infinity()}) {
-    EXPECT_EQ(code({move, limits, rate, tick}, memory, peaks).first, ErrorCode::out_of_range);
+    EXPECT_EQ(code({motion, limits, rate, tick}, stop_cells, peaks).first, ErrorCode::out_of_range);
   }
-  StopBoundsMemory<double> small = memory;
-  small.cells = small.cells.first(1);
-  EXPECT_EQ(code({move, limits, 1, tick}, small, {}), std::pair(ErrorCode::capacity, std::int64_t{2}));
-  small = memory;
+  EXPECT_EQ(code({motion, limits, 1, tick}, std::span(stop_cells).first(10), {}),
+            std::pair(ErrorCode::wrong_count, std::int64_t{11}));
+  MotionCells small = motion;
   small.suprema = small.suprema.first(19);
-  EXPECT_EQ(code({move, limits, 1, tick}, small, {}), std::pair(ErrorCode::capacity, std::int64_t{20}));
-  small = memory;
-  small.turns = small.turns.first(1);
-  EXPECT_EQ(code({move, limits, 1, tick}, small, {}), std::pair(ErrorCode::capacity, std::int64_t{2}));
+  EXPECT_EQ(code({small, limits, 1, tick}, stop_cells, {}),
+            std::pair(ErrorCode::wrong_count, std::int64_t{11}));
 }
 
 // --- how fast a move may be played

@@ -9,8 +9,6 @@
 #include <random>
 #include <vector>
 
-#include "host_tools/plan/solved_track.hpp"
-
 /// The quickest stop in one cell, against all rate changes one after the other.
 
 namespace inbetween {
@@ -21,7 +19,7 @@ constexpr double stop_acceleration = 10;
 constexpr double stop_jerk = 100;
 
 /// R2 where R1 is `change`: below 0 where that leaves none.
-double max_jerk_at(const StopRequest<double>& request, const std::vector<MotionTriple<double>>& suprema,
+double max_jerk_at(const StopRequest<double>& request, const std::vector<MotionTriple>& suprema,
                    double change) {
   double jerk = request.max_rate_jerk();
   for (const auto& [p1, p2, p3] : suprema) {
@@ -37,33 +35,25 @@ double max_jerk_at(const StopRequest<double>& request, const std::vector<MotionT
 TEST(StopPairs, NoOtherRateChangeStopsQuicker) {
   std::mt19937 random(1960);
   std::uniform_real_distribution<double> decades(-4, 0);
-  const std::vector<double> keys{0, 0, 0, 0, 0, 1, 2, 3, 4, 5};
-  const std::vector<double> speed{10, 10};
-  const SolvedTrack<double> solution({.path = {.axis_count = axis_count, .keys = keys},
-                                      .control_values = speed,
-                                      .frames = 24,
-                                      .fps = {24, 1},
-                                      .arc_length = {}},
-                                     Solver::closed_form);
-  const Move<double> move = *Move<double>::make({&solution.track(), 1}, {});
   AxisLimitsSpec<double> spec{.min = -10, .max = 10, .max_velocity = 10, .max_acceleration = 10};
   spec.stop_acceleration = stop_acceleration;
   spec.stop_jerk = stop_jerk;
   const std::vector<AxisLimits<double>> limits(axis_count, *AxisLimits<double>::make(spec));
-  const StopRequest<double> request{.move = move, .limits = limits};
+  std::vector<MotionTriple> suprema(axis_count);
+  const MotionCells motion{
+      .line = {0, 24, 1}, .fps = {24, 1}, .axes = axis_count, .room = {}, .suprema = suprema};
+  const StopRequest<double> request{.motion = motion, .limits = limits};
   int below_the_highest_change = 0;
   for (int i = 0; i < 1000; ++i) {
-    std::vector<MotionTriple<double>> suprema(axis_count);
-    for (MotionTriple<double>& axis : suprema) {
+    for (MotionTriple& axis : suprema) {
       axis = {30 * std::pow(10, decades(random)), 10 * std::pow(10, decades(random)),
               100 * std::pow(10, decades(random))};
     }
     if (i % 10 == 0) suprema[0][0] = 0;
     if (i % 10 == 1) {
-      for (MotionTriple<double>& axis : suprema) axis[1] = 0;
+      for (MotionTriple& axis : suprema) axis[1] = 0;
     }
-    const MotionCells<double> motion{.cells = 1, .slack = {}, .suprema = suprema};
-    const PairSearch<double> search(request, motion, 0);
+    const PairSearch<double> search(request, 0);
     if (search.obstacle()) continue;
     const auto [change, jerk] = search.quickest();
     ASSERT_GT(jerk, 0) << i;

@@ -11,14 +11,11 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/check/check.hpp"
-#include "host_tools/check/played_bounds.hpp"
 #include "host_tools/plan/fitted_trajectory.hpp"
 #include "host_tools/plan/plan.hpp"
-#include "inbetween/limits/motion_bounds.hpp"
-#include "inbetween/limits/motion_steps.hpp"
 #include "inbetween/limits/roll_trajectory.hpp"
 #include "inbetween/trajectory/bounds.hpp"
+#include "tests/support/bounded_cells.hpp"
 #include "tests/support/even_pieces.hpp"
 #include "tests/support/rig_text.hpp"
 #include "tests/support/timing_kinds.hpp"
@@ -51,10 +48,7 @@ class EveryTimingAsATrajectory : public testing::TestWithParam<TimingKind> {
 };
 
 TEST_P(EveryTimingAsATrajectory, IsWithinTheTolerancesOfTheTrack) {
-  std::array<AxisTurn<double>, axes> turns;
-  std::array<AxisPeaks<double>, axes> peaks;
-  const std::array<MotionTriple<double>, axes> slack{};
-  ASSERT_TRUE(bound_motion<double>(track(), slack, {turns}, peaks).has_value());
+  const std::vector<AxisPeaks<double>> peaks = bounds_of_track(track()).peaks();
   Motions asked, played;
   for (int k = 0; k < 48 * 40; ++k) {
     const FrameTime<double> time = time_at((k + 0.381966) / 40);
@@ -94,41 +88,6 @@ TEST_P(EveryTimingAsATrajectory, APartOfItIsTheWholeBitForBitAndRestsOutside) {
   part.motion({40, 0}, outside);
   EXPECT_EQ(outside[0].velocity, 0);
   EXPECT_EQ(outside[1].jerk, 0);
-}
-
-TEST_P(EveryTimingAsATrajectory, StepsWhereTheTrackSteps) {
-  const PlayedBounds played = bound_played(plan_);
-  std::array<AxisStep<double>, axes> steps;
-  for (std::int32_t key = 0; key <= track().path().segment_count(); ++key) {
-    const double frame = steps_at_key<double>(track(), key, steps);
-    if (frame < 1e-6 || frame > 48 - 1e-6) continue;  // against the rest outside, or a roll
-    for (std::size_t d = 0; d < axes; ++d) {
-      double velocity = 0;
-      double acceleration = 0;
-      for (const PlayedStep& step : played.steps) {
-        if (step.axis != d || std::fabs(step.frame - frame) > 1e-6) continue;
-        velocity += std::fabs(step.velocity);
-        acceleration += std::fabs(step.acceleration);
-      }
-      EXPECT_NEAR(velocity, steps[d].velocity, 1e-6 * (1 + steps[d].velocity)) << key;
-      EXPECT_NEAR(acceleration, steps[d].acceleration, 1e-4 * (1 + steps[d].acceleration)) << key;
-    }
-  }
-}
-
-TEST_P(EveryTimingAsATrajectory, HasTheCertificateOfTheTrackInWhatCheckFinds) {
-  const CheckReport report = check(plan_);
-  const PlayedBounds both = bound_played(plan_);
-  ASSERT_EQ(both.axes.size(), axes);
-  for (std::size_t d = 0; d < axes; ++d) {
-    const CheckedAxis& track = report.axes[plan_.axis_of(d)];
-    const AxisPeaks<double>& played = both.axes[d];
-    EXPECT_NEAR(played.lowest.value, track.range->lowest.value, 1e-6);
-    EXPECT_NEAR(played.highest.value, track.range->highest.value, 1e-6);
-    EXPECT_NEAR(played.velocity.value, track.velocity.value, 0.011 * track.velocity.value + 0.2);
-    EXPECT_NEAR(played.acceleration.value, track.acceleration.value, 0.011 * track.acceleration.value + 20);
-    EXPECT_NEAR(played.jerk.value, track.jerk.value, 0.011 * track.jerk.value + 1e-3);
-  }
 }
 
 TEST_P(EveryTimingAsATrajectory, IsBoundOnAStretchByWhatIsFoundThere) {

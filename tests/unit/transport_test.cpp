@@ -344,7 +344,7 @@ class TickedRig {
  private:
   static std::vector<double> standing_at_start(const Plan& plan) {
     std::vector<double> start(plan.played().axis_count());
-    plan.played().positions({plan.played().first_frame(), 0}, start);
+    plan.motion().positions({plan.played().first_frame(), 0}, start);
     std::vector<double> standing(plan.rig()->axes.size());
     for (std::size_t d = 0; d < start.size(); ++d) standing[plan.axis_of(d)] = start[d];
     return standing;

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "inbetween/limits/motion_steps.hpp"
-
 namespace inbetween {
 namespace {
 
@@ -55,21 +53,14 @@ bool is_moving(const Track<Real>& track, RollEnd end) {
 }
 
 template <Precise Real>
-bool joints_of(std::span<const Track<Real>> tracks, RollEnd end, std::span<AxisMotion<Real>> out,
-               const std::optional<WholeFrames>& part) {
+bool joints_of(std::span<const Track<Real>> tracks, RollEnd end, std::span<AxisMotion<Real>> out) {
   bool moves = false;
   for (const Track<Real>& track : tracks) {
     const auto axes = static_cast<std::size_t>(track.path().axis_count());
     const std::span<AxisMotion<Real>> joints = out.first(axes);
     out = out.subspan(axes);
-    const std::int32_t outermost = end == RollEnd::before ? 0 : track.frames();
-    const std::int32_t frame = !part ? outermost : end == RollEnd::before ? part->first : part->last;
-    if (frame == outermost) {
-      track.motion({frame, 0}, joints);
-    } else {
-      motion_beside(track, frame, end == RollEnd::after, joints);
-    }
-    const bool rests = frame == outermost && !is_moving(track, end);
+    track.motion({end == RollEnd::before ? 0 : track.frames(), 0}, joints);
+    const bool rests = !is_moving(track, end);
     for (AxisMotion<Real>& joint : joints) {
       if (rests) joint = {.position = joint.position};
       moves = moves || joint.velocity != 0 || joint.acceleration != 0;
@@ -126,7 +117,7 @@ Derivatives Move<Real>::motion(const FrameTime<Real>& time, std::span<AxisMotion
   for (std::size_t d = 0; d < rolls.size(); ++d) out[d] = rolls[d].motion(time);
   Derivatives worst = Derivatives::exact;
   if (!rolls.empty()) return worst;
-  const bool rests = is_before(time) || is_behind(time);
+  const bool rests = rests_at(time);
   for (const Track<Real>& track : tracks_) {
     const auto axes = static_cast<std::size_t>(track.path().axis_count());
     const std::span<AxisMotion<Real>> axes_of_track = out.first(axes);
@@ -143,10 +134,8 @@ Derivatives Move<Real>::motion(const FrameTime<Real>& time, std::span<AxisMotion
 
 template bool is_moving(const Track<double>&, RollEnd);
 template bool is_moving(const Track<float>&, RollEnd);
-template bool joints_of(std::span<const Track<double>>, RollEnd, std::span<AxisMotion<double>>,
-                        const std::optional<WholeFrames>&);
-template bool joints_of(std::span<const Track<float>>, RollEnd, std::span<AxisMotion<float>>,
-                        const std::optional<WholeFrames>&);
+template bool joints_of(std::span<const Track<double>>, RollEnd, std::span<AxisMotion<double>>);
+template bool joints_of(std::span<const Track<float>>, RollEnd, std::span<AxisMotion<float>>);
 template class Move<double>;
 template class Move<float>;
 

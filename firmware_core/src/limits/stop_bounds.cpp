@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "base/cube_root.hpp"
-#include "inbetween/limits/motion_cells.hpp"
 #include "stop_pairs.hpp"
 
 namespace inbetween {
@@ -30,11 +29,12 @@ template <Precise Real>
 inline constexpr Real slack_share = Real(0.001);
 
 template <Precise Real>
-Status check(const StopRequest<Real>& request, const StopBoundsMemory<Real>& memory) {
-  const std::size_t axes = request.move.axis_count() + request.motors.size();
-  if (request.limits.size() != axes) {
+Status check(const StopRequest<Real>& request, std::size_t cell_entries, std::size_t peaks) {
+  const MotionCells& motion = request.motion;
+  const std::size_t axes = motion.stride();
+  if (request.limits.size() != axes || (peaks != 0 && peaks != axes)) {
     return Error{.code = ErrorCode::wrong_count,
-                 .what = "there are not as many limits as axes",
+                 .what = "there are not as many limits as axes, or peaks of stops",
                  .remedy = "give one for every axis of all tracks, track after track, and every motor",
                  .needed = static_cast<std::int64_t>(axes)};
   }
@@ -44,84 +44,21 @@ Status check(const StopRequest<Real>& request, const StopBoundsMemory<Real>& mem
                  .what = "the highest rate of a stop is not above 0",
                  .remedy = "use 1, or the highest rate that the move is played at"};
   }
-  if (memory.cells.size() < 2) {
-    return Error{.code = ErrorCode::capacity,
-                 .what = "the memory of the stop bounds has no cell",
-                 .remedy = "give it one entry more than cells",
-                 .needed = 2};
+  if (motion.line.cells == 0 || cell_entries != motion.line.cells + 1 ||
+      motion.suprema.size() != motion.line.cells * axes) {
+    return Error{.code = ErrorCode::wrong_count,
+                 .what = "the memory of the stop bounds has not as many cells as the motion",
+                 .remedy =
+                     "give it one entry more than the motion has cells, and the motion one supremum for "
+                     "each cell and axis",
+                 .needed = static_cast<std::int64_t>(motion.line.cells + 1)};
   }
-  const std::size_t suprema = (memory.cells.size() - 1) * axes;
-  const bool has_places = request.motors.empty() || memory.places.size() >= request.move.axis_count();
-  if (memory.suprema.size() < suprema || memory.slack.size() < axes || !has_places) {
-    return Error{.code = ErrorCode::capacity,
-                 .what = "the memory of the stop bounds is too small for its cells and the axes of the move",
-                 .remedy = "give it suprema of cells times axes, and a slack for each axis",
-                 .needed = static_cast<std::int64_t>(suprema)};
-  }
-  if (request.within != nullptr && !request.within->is_as_fine_as(memory.cells.size(), request.rate)) {
+  if (request.within != nullptr && !request.within->is_as_fine_as(cell_entries, request.rate)) {
     return Error{.code = ErrorCode::wrong_count,
                  .what = "the bounds that others shall stay within have other cells, or a lower rate",
                  .remedy = "make them for the same move, with as many cells and for the highest rate"};
   }
-  for (const Track<Real>& track : request.move.tracks()) {
-    const auto own = static_cast<std::size_t>(track.path().axis_count());
-    if (own > max_bounded_axes || memory.turns.size() < own) {
-      return Error{.code = ErrorCode::capacity,
-                   .what = "a track has more axes than the memory of its stop bounds",
-                   .remedy = "give it more turns; 64 axes at most",
-                   .needed = static_cast<std::int64_t>(own)};
-    }
-  }
   return Done{};
-}
-
-/// Velocity matters where it takes a share of the acceleration at the largest rate change.
-template <Precise Real>
-void set_slack(const StopRequest<Real>& request, std::span<MotionTriple<Real>> out) {
-  const Real r = request.rate;
-  for (std::size_t d = 0; d < request.limits.size(); ++d) {
-    const AxisLimits<Real>& limits = request.limits[d];
-    const Real acceleration = slack_share<Real> * limits.stop_acceleration();
-    const Real jerk = slack_share<Real> *
-                      limits.stop_jerk().value_or(request.max_rate_change() * limits.stop_acceleration());
-    out[d] = {std::min(acceleration / request.max_rate_change(), jerk / request.max_rate_jerk()),
-              std::min(acceleration / r / r, jerk / (3 * r * request.max_rate_change())), jerk / r / r / r};
-  }
-}
-
-/// Every cell takes in its neighbours: first the one after it, and then, from the end on, the one before with
-/// what that has taken in.
-template <Precise Real>
-void widen(const MotionCells<Real>& motion, std::size_t axes) {
-  const std::span<MotionTriple<Real>> suprema = motion.suprema;
-  const auto take_in = [](MotionTriple<Real>& supremum, const MotionTriple<Real>& other) {
-    for (std::size_t i = 0; i < motion_quantities; ++i) supremum[i] = std::max(supremum[i], other[i]);
-  };
-  for (std::size_t i = 0; i + axes < suprema.size(); ++i) take_in(suprema[i], suprema[i + axes]);
-  for (std::size_t i = suprema.size(); i-- > axes;) take_in(suprema[i], suprema[i - axes]);
-}
-
-template <Precise Real>
-MotionCells<Real> bounded_cells(const StopRequest<Real>& request, const StopBoundsMemory<Real>& memory) {
-  const std::size_t cells = memory.cells.size() - 1;
-  const std::size_t axes = request.limits.size();
-  set_slack(request, memory.slack.first(axes));
-  const MotionCells<Real> motion{.cells = cells,
-                                 .slack = memory.slack.first(axes),
-                                 .suprema = memory.suprema.first(cells * axes),
-                                 .motors = request.motors.size(),
-                                 .places = memory.places};
-  bound_cells(request.move, memory.turns, motion);
-  bound_motors(request.move, request.motors, motion);
-  widen(motion, axes);
-  return motion;
-}
-
-template <Precise Real>
-Real middle_frame(const Move<Real>& move, std::size_t cell, std::size_t cells) {
-  const auto line = static_cast<Real>(move.last_frame() - move.first_frame());
-  return static_cast<Real>(move.first_frame()) +
-         line * ((static_cast<Real>(cell) + Real(0.5)) / static_cast<Real>(cells));
 }
 
 /// In a cell without a pair the rate stays what it is; whatever its release may be, there is none.
@@ -136,17 +73,18 @@ StopCell<Real> cell_of_pair(const StopRequest<Real>& request, const StopPair<Rea
 /// The pair of every cell, up to the first without one.
 template <Precise Real>
 std::optional<StopObstacle<Real>> find_pairs(const StopRequest<Real>& request,
-                                             const MotionCells<Real>& motion, std::span<StopCell<Real>> out) {
-  for (std::size_t cell = 0; cell < motion.cells; ++cell) {
-    const PairSearch<Real> search(request, motion, cell);
+                                             std::span<StopCell<Real>> out) {
+  const std::size_t cells = request.motion.line.cells;
+  for (std::size_t cell = 0; cell < cells; ++cell) {
+    const PairSearch<Real> search(request, cell);
     std::optional<StopObstacle<Real>> obstacle = search.obstacle();
     if (obstacle && !request.may_wait) {
-      obstacle->frame = middle_frame(request.move, cell, motion.cells);
+      obstacle->frame = static_cast<Real>(request.motion.middle_frame(cell));
       return obstacle;
     }
     out[cell] = cell_of_pair(request, obstacle ? StopPair<Real>{} : search.quickest());
   }
-  out[motion.cells] = out[motion.cells - 1];
+  out[cells] = out[cells - 1];
   return std::nullopt;
 }
 
@@ -164,19 +102,20 @@ Error refusal(const StopObstacle<Real>& obstacle) {
 }
 
 template <Precise Real>
-void find_peaks(const StopRequest<Real>& request, const MotionCells<Real>& motion,
-                std::span<const StopCell<Real>> cells, std::span<AxisPeaks<Real>> out) {
+void find_peaks(const StopRequest<Real>& request, std::span<const StopCell<Real>> cells,
+                std::span<AxisPeaks<Real>> out) {
   const Real r = request.rate;
+  const MotionCells& motion = request.motion;
   for (AxisPeaks<Real>& axis : out) axis.velocity = axis.acceleration = axis.jerk = {};
-  for (std::size_t cell = 0; cell < motion.cells; ++cell) {
-    const Real frame = middle_frame(request.move, cell, motion.cells);
+  for (std::size_t cell = 0; cell < motion.line.cells; ++cell) {
+    const auto frame = static_cast<Real>(motion.middle_frame(cell));
     // A tick of the next cell may begin in this one.
     Real change = 0;
-    for (std::size_t i = cell > 0 ? cell - 1 : 0; i <= std::min(cell + 2, motion.cells); ++i) {
+    for (std::size_t i = cell > 0 ? cell - 1 : 0; i <= std::min(cell + 2, motion.line.cells); ++i) {
       change = std::max(change, cells[i].rate_change);
     }
     for (std::size_t d = 0; d < out.size(); ++d) {
-      const auto [p1, p2, p3] = motion.suprema[cell * out.size() + d];
+      const auto [p1, p2, p3] = in_precision<Real>(motion.of_cell(cell)[d]);
       out[d].velocity.raise(p1 * r, frame);
       out[d].acceleration.raise(p2 * r * r + p1 * change, frame);
       out[d].jerk.raise(p3 * r * r * r + 3 * p2 * r * change + p1 * cells[cell].rate_jerk, frame);
@@ -207,31 +146,48 @@ template <Precise Real>
 StopBounds<Real>::StopBounds(const StopRequest<Real>& request, std::span<StopCell<Real>> cells)
     : cells_(cells),
       rate_(request.rate),
-      first_frame_(request.move.first_frame()),
-      frames_(request.move.last_frame() - request.move.first_frame()) {
-  const FrameRate fps = request.move.frame_rate();
+      first_frame_(request.motion.line.first_frame),
+      frames_(request.motion.line.last_frame - request.motion.line.first_frame) {
+  const FrameRate fps = request.motion.fps;
   cell_frames_ = static_cast<Real>(frames_) / static_cast<Real>(cell_count());
   cell_seconds_ = cell_frames_ * static_cast<Real>(fps.denominator) / static_cast<Real>(fps.numerator);
 }
 
+/// Velocity matters where it takes a share of the acceleration at the largest rate change.
+template <Precise Real>
+void write_room(std::span<const AxisLimits<Real>> limits, Real rate, Real tick_seconds,
+                std::span<MotionTriple> out) {
+  const MotionCells none{};
+  const StopRequest<Real> request{
+      .motion = none, .limits = limits, .rate = rate, .tick_seconds = tick_seconds};
+  for (std::size_t d = 0; d < limits.size(); ++d) {
+    const Real acceleration = slack_share<Real> * limits[d].stop_acceleration();
+    const Real jerk = slack_share<Real> * limits[d].stop_jerk().value_or(request.max_rate_change() *
+                                                                         limits[d].stop_acceleration());
+    const std::array<Real, motion_quantities> room{
+        std::min(acceleration / request.max_rate_change(), jerk / request.max_rate_jerk()),
+        std::min(acceleration / rate / rate, jerk / (3 * rate * request.max_rate_change())),
+        jerk / rate / rate / rate};
+    std::ranges::transform(room, out[d].begin(), [](Real value) { return static_cast<double>(value); });
+  }
+}
+
 template <Precise Real>
 Result<StopBounds<Real>> StopBounds<Real>::make(const StopRequest<Real>& request,
-                                                const StopBoundsMemory<Real>& memory,
-                                                std::span<AxisPeaks<Real>> peaks) {
-  if (const Status checked = check(request, memory); !checked) return checked.error();
-  if (!peaks.empty() && peaks.size() != request.limits.size()) {
-    return Error{.code = ErrorCode::wrong_count,
-                 .what = "there are not as many peaks of stops as axes",
-                 .remedy = "give one for every axis of all tracks, or none",
-                 .needed = static_cast<std::int64_t>(request.limits.size())};
+                                                std::span<StopCell<Real>> cells,
+                                                std::span<AxisPeaks<Real>> peaks,
+                                                std::optional<StopObstacle<Real>>* obstacle) {
+  if (const Status checked = check(request, cells.size(), peaks.size()); !checked) return checked.error();
+  widen(request.motion);
+  if (const auto found = find_pairs(request, cells)) {
+    if (obstacle != nullptr) *obstacle = found;
+    return refusal(*found);
   }
-  const MotionCells<Real> motion = bounded_cells(request, memory);
-  if (const auto obstacle = find_pairs(request, motion, memory.cells)) return refusal(*obstacle);
-  StopBounds result(request, memory.cells);
+  StopBounds result(request, cells);
   if (request.within != nullptr) result.stay_within(*request.within);
   result.make_continuous();
   if (!request.may_wait) result.find_longest();
-  if (!peaks.empty()) find_peaks<Real>(request, motion, memory.cells, peaks);
+  if (!peaks.empty()) find_peaks<Real>(request, cells, peaks);
   return result;
 }
 
@@ -392,13 +348,6 @@ void StopBounds<Real>::find_longest() {
 }
 
 template <Precise Real>
-Result<std::optional<StopObstacle<Real>>> stop_obstacle(const StopRequest<Real>& request,
-                                                        const StopBoundsMemory<Real>& memory) {
-  if (const Status checked = check(request, memory); !checked) return checked.error();
-  return find_pairs(request, bounded_cells(request, memory), memory.cells);
-}
-
-template <Precise Real>
 Real highest_rate(std::span<const PlayedAxis<Real>> axes, std::span<const AxisLimits<Real>> limits) {
   Real rate = std::numeric_limits<Real>::infinity();
   for (std::size_t d = 0; d < axes.size(); ++d) {
@@ -418,10 +367,8 @@ Real highest_rate(std::span<const PlayedAxis<Real>> axes, std::span<const AxisLi
 
 template class StopBounds<double>;
 template class StopBounds<float>;
-template Result<std::optional<StopObstacle<double>>> stop_obstacle(const StopRequest<double>&,
-                                                                   const StopBoundsMemory<double>&);
-template Result<std::optional<StopObstacle<float>>> stop_obstacle(const StopRequest<float>&,
-                                                                  const StopBoundsMemory<float>&);
+template void write_room(std::span<const AxisLimits<double>>, double, double, std::span<MotionTriple>);
+template void write_room(std::span<const AxisLimits<float>>, float, float, std::span<MotionTriple>);
 template double highest_rate(std::span<const PlayedAxis<double>>, std::span<const AxisLimits<double>>);
 template float highest_rate(std::span<const PlayedAxis<float>>, std::span<const AxisLimits<float>>);
 

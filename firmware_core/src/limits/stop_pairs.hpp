@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -21,6 +22,16 @@ inline constexpr Real pair_closeness = Real(1e-5);
 template <Precise Real>
 inline constexpr Real min_bound = Real(1e-6);
 
+/// In single precision it is rounded up.
+template <Precise Real>
+std::array<Real, motion_quantities> in_precision(const MotionTriple& triple) {
+  const auto rounded = [](double value) {
+    const auto near = static_cast<Real>(value);
+    return static_cast<double>(near) < value ? near * (1 + std::numeric_limits<Real>::epsilon()) : near;
+  };
+  return {rounded(triple[0]), rounded(triple[1]), rounded(triple[2])};
+}
+
 /// R1 and R2 of a cell.
 template <Precise Real>
 struct StopPair {
@@ -32,9 +43,8 @@ struct StopPair {
 template <Precise Real>
 class PairSearch {
  public:
-  PairSearch(const StopRequest<Real>& request, const MotionCells<Real>& motion, std::size_t cell)
+  PairSearch(const StopRequest<Real>& request, std::size_t cell)
       : request_(request),
-        motion_(motion),
         axes_(request.limits.size()),
         cell_(cell),
         max_rate_jerk_(request.max_rate_jerk()),
@@ -103,8 +113,8 @@ class PairSearch {
     [[nodiscard]] Real value(Real change) const { return at_rest - slope * change; }
   };
 
-  [[nodiscard]] const MotionTriple<Real>& suprema(std::size_t d) const {
-    return motion_.suprema[cell_ * axes_ + d];
+  [[nodiscard]] std::array<Real, motion_quantities> suprema(std::size_t d) const {
+    return in_precision<Real>(request_.motion.of_cell(cell_)[d]);
   }
   [[nodiscard]] Real max_change() const {
     Real change = request_.max_rate_change();
@@ -143,7 +153,6 @@ class PairSearch {
   }
 
   const StopRequest<Real>& request_;
-  const MotionCells<Real>& motion_;
   std::size_t axes_;
   std::size_t cell_;
   Real max_rate_jerk_;

@@ -14,6 +14,7 @@ inline constexpr Real jerk_rounding = std::numeric_limits<Real>::digits > 30 ? R
 /// The ends of a loop are in one place where they are within this share of the position.
 template <Precise Real>
 inline constexpr Real loop_rounding = std::numeric_limits<Real>::digits > 30 ? Real(1e-12) : Real(1e-6);
+constexpr std::size_t max_loop_axes = 64;
 /// The seconds of an exposure are a whole number of ticks within this share of a tick.
 template <Precise Real>
 inline constexpr Real tick_rounding = std::numeric_limits<Real>::digits > 30 ? Real(1e-9) : Real(1e-4);
@@ -145,10 +146,10 @@ Status Playhead<Real>::set_override(Real rate) {
 template <Precise Real>
 Status Playhead<Real>::set_repeat(Repeat repeat) {
   if (repeat == Repeat::loop) {
-    std::array<Real, max_bounded_axes> first;
-    std::array<Real, max_bounded_axes> last;
+    std::array<Real, max_loop_axes> first;
+    std::array<Real, max_loop_axes> last;
     const std::size_t axes = move_->axis_count();
-    if (axes > max_bounded_axes) {
+    if (axes > max_loop_axes) {
       return Error{.code = ErrorCode::capacity,
                    .what = "the move has more axes than a loop can compare",
                    .remedy = "use 64 at most",

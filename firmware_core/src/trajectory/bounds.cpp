@@ -409,8 +409,8 @@ void bound_group(const Trajectory& trajectory, const FrameTime<double>& from, co
 /// This raises the suprema of a group of axes in cells.
 class GroupCells {
  public:
-  GroupCells(const Trajectory& trajectory, const CellLine& line, std::span<const std::array<double, 3>> room,
-             std::span<std::array<double, 3>> out, std::size_t stride)
+  GroupCells(const Trajectory& trajectory, const CellLine& line, std::span<const MotionTriple> room,
+             std::span<MotionTriple> out, std::size_t stride)
       : trajectory_(trajectory),
         line_(line),
         cell_frames_(static_cast<double>(line.last_frame - line.first_frame) /
@@ -419,14 +419,15 @@ class GroupCells {
         out_(out),
         stride_(stride) {}
 
-  void run(std::size_t first, std::size_t count) {
-    for (const TrajectoryPiece& piece : trajectory_.pieces()) {
-      const Cells cells = cells_of(piece);
-      with_degree(piece.degree, [&](auto degree) {
-        cells.last - cells.first <= 1 ? take_whole<degree>(piece, cells, first, count)
-                                      : take_cell_by_cell<degree>(piece, cells, first, count);
+  void run(const FrameTime<double>& from, const FrameTime<double>& to, std::size_t first, std::size_t count) {
+    for_each_part(trajectory_, from, to, [&](const PiecePart& part) {
+      const Cells cells = cells_of(part);
+      const bool is_whole = part.begin == 0 && part.end == 1;
+      with_degree(part.piece->degree, [&](auto degree) {
+        is_whole&& cells.last - cells.first <= 1 ? take_whole<degree>(part, cells, first, count)
+                                                 : take_cell_by_cell<degree>(part, cells, first, count);
       });
-    }
+    });
   }
   void raise(const FrameTime<double>& time, std::size_t axis, std::size_t derivative) {
     const std::size_t cell = cell_at(frame_of(time));
@@ -442,9 +443,10 @@ class GroupCells {
     const double cell = (frame - line_.first_frame) / cell_frames_;
     return cell > 0 ? std::min(static_cast<std::size_t>(cell), line_.cells - 1) : 0;
   }
-  [[nodiscard]] Cells cells_of(const TrajectoryPiece& piece) const {
-    const double begin = frame_of(piece.begin);
-    return {cell_at(begin), cell_at(begin + 1 / piece.inverse_frames)};
+  [[nodiscard]] Cells cells_of(const PiecePart& part) const {
+    const double begin = frame_of(part.piece->begin);
+    return {cell_at(begin + part.begin / part.piece->inverse_frames),
+            cell_at(begin + part.end / part.piece->inverse_frames)};
   }
   /// The larger magnitude of a derivative at both ends of a piece. It is 0 where the rows do not say it.
   [[nodiscard]] double known_at_ends(const TrajectoryPiece& piece, std::size_t axis, std::size_t q) const {
@@ -454,14 +456,16 @@ class GroupCells {
                     std::fabs(trajectory_.values()[piece.end_row + number]));
   }
 
-  [[nodiscard]] double border(const TrajectoryPiece& piece, std::size_t cell) const {
+  [[nodiscard]] double border(const PiecePart& part, std::size_t cell) const {
     const double frame = line_.first_frame + cell_frames_ * static_cast<double>(cell);
-    return std::clamp((frame - frame_of(piece.begin)) * piece.inverse_frames, 0.0, 1.0);
+    const double u = (frame - frame_of(part.piece->begin)) * part.piece->inverse_frames;
+    return std::clamp(u, part.begin, part.end);
   }
 
   /// A piece of up to two cells counts as a whole in both.
   template <std::size_t Degree>
-  void take_whole(const TrajectoryPiece& piece, const Cells& cells, std::size_t first, std::size_t count) {
+  void take_whole(const PiecePart& part, const Cells& cells, std::size_t first, std::size_t count) {
+    const TrajectoryPiece& piece = *part.piece;
     GroupReach reach;
     write_hulls<Degree>(rows_of(trajectory_, piece), piece.seconds, first, reach);
     for (std::size_t k = 0; k < count; ++k) {
@@ -476,22 +480,22 @@ class GroupCells {
           if (is_close) {
             supremum = std::max(supremum, hull);
           } else {
-            search_part(piece, cells, cell, first + k, q);
+            search_part(part, cells, cell, first + k, q);
           }
         }
       }
     }
   }
   template <std::size_t Degree>
-  void take_cell_by_cell(const TrajectoryPiece& piece, const Cells& cells, std::size_t first,
-                         std::size_t count) {
+  void take_cell_by_cell(const PiecePart& part, const Cells& cells, std::size_t first, std::size_t count) {
     GroupDerivatives rest;
-    write_derivatives<Degree>(rows_of(trajectory_, piece), piece.seconds, first, rest);
-    double begin = 0;
+    write_derivatives<Degree>(rows_of(trajectory_, *part.piece), part.piece->seconds, first, rest);
+    GroupMagnitudes most;
+    if (part.begin > 0) bound_share(rest, part.begin, most);  // what lies before it
+    double begin = part.begin;
     for (std::size_t cell = cells.first; cell <= cells.last; ++cell) {
-      const double end = cell < cells.last ? border(piece, cell + 1) : 1;
+      const double end = cell < cells.last ? border(part, cell + 1) : part.end;
       if (!(begin < end)) continue;
-      GroupMagnitudes most;
       bound_share(rest, (end - begin) / (1 - begin), most);
       begin = end;
       for (std::size_t k = 0; k < count; ++k) {
@@ -504,19 +508,19 @@ class GroupCells {
           if (hull <= found + std::max(close_in_cell * found, room_[first + k][q])) {
             supremum = hull;
           } else {
-            search_part(piece, cells, cell, first + k, q);
+            search_part(part, cells, cell, first + k, q);
           }
         }
       }
     }
   }
-  void search_part(const TrajectoryPiece& piece, const Cells& cells, std::size_t cell, std::size_t axis,
+  void search_part(const PiecePart& whole, const Cells& cells, std::size_t cell, std::size_t axis,
                    std::size_t q) {
-    Bernstein polynomial = position_of(trajectory_, piece, axis);
-    for (std::size_t k = 0; k <= q; ++k) polynomial = polynomial.derivative(piece.seconds);
-    PiecePart part{&piece};
-    if (cell > cells.first) part.begin = border(piece, cell);
-    if (cell < cells.last) part.end = border(piece, cell + 1);
+    Bernstein polynomial = position_of(trajectory_, *whole.piece, axis);
+    for (std::size_t k = 0; k <= q; ++k) polynomial = polynomial.derivative(whole.piece->seconds);
+    PiecePart part = whole;
+    if (cell > cells.first) part.begin = border(whole, cell);
+    if (cell < cells.last) part.end = border(whole, cell + 1);
     if (part.begin < part.end) search(part.of(polynomial), room_[axis][q], at(cell, axis, q));
   }
   static void search(const Bernstein& whole, double room, double& supremum) {
@@ -542,21 +546,23 @@ class GroupCells {
   const Trajectory& trajectory_;
   CellLine line_;
   double cell_frames_;
-  std::span<const std::array<double, 3>> room_;
-  std::span<std::array<double, 3>> out_;
+  std::span<const MotionTriple> room_;
+  std::span<MotionTriple> out_;
   std::size_t stride_;
 };
 
 }  // namespace
 
-void bound_cells(const Trajectory& trajectory, const CellLine& line,
-                 std::span<const std::array<double, 3>> room, std::span<std::array<double, 3>> out,
+void bound_cells(const Trajectory& trajectory, const FrameTime<double>& from, const FrameTime<double>& to,
+                 const CellLine& line, std::span<const MotionTriple> room, std::span<MotionTriple> out,
                  std::size_t stride) {
   GroupCells cells(trajectory, line, room, out, stride);
   const std::size_t axes = trajectory.axis_count();
-  for (std::size_t d = 0; d < axes; d += group_size) cells.run(d, std::min(group_size, axes - d));
-  for (const UnboundedSide& side : trajectory.unbounded())
+  for (std::size_t d = 0; d < axes; d += group_size) cells.run(from, to, d, std::min(group_size, axes - d));
+  for (const UnboundedSide& side : trajectory.unbounded()) {
+    if (side.time < from || to < side.time) continue;
     cells.raise(side.time, static_cast<std::size_t>(side.axis), side.order - std::size_t{1});
+  }
 }
 
 void bound_trajectory(const Trajectory& trajectory, const FrameTime<double>& from,

@@ -81,8 +81,9 @@ class JointList {
   /// In order, those of one moment as one.
   std::span<const SampledJoint> settle() {
     const std::span<SampledJoint> all = memory_.first(count_);
-    std::sort(all.begin(), all.end(),
-              [](const SampledJoint& a, const SampledJoint& b) { return a.time < b.time; });
+    // A heap needs no recursion, so that the stack has a bound.
+    std::make_heap(all.begin(), all.end(), is_before);
+    std::sort_heap(all.begin(), all.end(), is_before);
     std::size_t kept = 0;
     for (const SampledJoint& joint : all) {
       if (kept > 0 && are_one(all[kept - 1], joint)) {
@@ -146,6 +147,15 @@ class JointList {
     };
     const double way = distance(b.point_before).minus(distance(a.point_after));
     return way <= 4 * lock_share<double> * track_.arc_length().total();
+  }
+  /// In time; of one moment knots of the curve, breaks, and passings in the order of the path: whatever the
+  /// library sorts with, the order is the same.
+  static bool is_before(const SampledJoint& a, const SampledJoint& b) {
+    if (!(a.time == b.time)) return a.time < b.time;
+    if (a.point_before.segment != b.point_before.segment)
+      return a.point_before.segment < b.point_before.segment;
+    if (a.point_before.t != b.point_before.t) return a.point_before.t < b.point_before.t;
+    return a.constant_before == a.constant_after && b.constant_before != b.constant_after;
   }
   static bool is_inside(const CurvePlace<double>& place) { return place.t > 0 && place.t < 1; }
   static void take_time(SampledJoint& into, const SampledJoint& other) {

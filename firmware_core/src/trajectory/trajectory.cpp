@@ -16,18 +16,30 @@ INBETWEEN_PROCESSOR_CLONES void write_positions_on(const PieceRows& rows, double
     out[d] = rows.begin[d] + sum_of<known_of(Degree)>(weights, rows, d);
 }
 
+/// The weights of the position and of three derivatives.
+template <std::size_t Degree>
+struct MotionWeights {
+  HermiteWeights position, velocity, acceleration, jerk;
+
+  INBETWEEN_PART_OF_CLONES MotionWeights(double u, double seconds)
+      : position(position_weights<Degree>(u, seconds)),
+        velocity(hermite_weights<Degree, 1>(u, seconds)),
+        acceleration(hermite_weights<Degree, 2>(u, seconds)),
+        jerk(hermite_weights<Degree, 3>(u, seconds)) {}
+
+  [[nodiscard]] INBETWEEN_PART_OF_CLONES AxisMotion<double> motion(const PieceRows& rows,
+                                                                   std::size_t d) const {
+    constexpr std::size_t known = known_of(Degree);
+    return {rows.begin[d] + sum_of<known>(position, rows, d), sum_of<known>(velocity, rows, d),
+            sum_of<known>(acceleration, rows, d), sum_of<known>(jerk, rows, d)};
+  }
+};
+
 template <std::size_t Degree>
 INBETWEEN_PROCESSOR_CLONES void write_motion_on(const PieceRows& rows, double u, double seconds,
                                                 AxisMotion<double>* out) {
-  constexpr std::size_t known = known_of(Degree);
-  const HermiteWeights position = position_weights<Degree>(u, seconds);
-  const HermiteWeights velocity = hermite_weights<Degree, 1>(u, seconds);
-  const HermiteWeights acceleration = hermite_weights<Degree, 2>(u, seconds);
-  const HermiteWeights jerk = hermite_weights<Degree, 3>(u, seconds);
-  for (std::size_t d = 0; d < rows.axes; ++d) {
-    out[d] = {rows.begin[d] + sum_of<known>(position, rows, d), sum_of<known>(velocity, rows, d),
-              sum_of<known>(acceleration, rows, d), sum_of<known>(jerk, rows, d)};
-  }
+  const MotionWeights<Degree> weights(u, seconds);
+  for (std::size_t d = 0; d < rows.axes; ++d) out[d] = weights.motion(rows, d);
 }
 
 /// This keeps a position between the ends of its piece: a polynomial may be beyond them by its rounding.
@@ -131,23 +143,41 @@ void Trajectory::positions(const FrameTime<double>& time, std::span<double> out)
   for (std::size_t d = 0; d < axis_count_; ++d) out[d] = clipped(out[d], rows, d);
 }
 
-void Trajectory::motion(const FrameTime<double>& time, std::span<AxisMotion<double>> out) const {
+Trajectory::Look Trajectory::look_at(const FrameTime<double>& time) const {
   const bool is_outside = time < begin_ || end_ < time;
   const FrameTime<double> at = is_outside ? (time < begin_ ? begin_ : end_) : time;
-  const bool is_end = at == end_;
   std::size_t index = at < end_of_pieces_ ? piece_at(at) : pieces_.size() - 1;
-  if (is_end && index > 0 && pieces_[index].begin == at) --index;
+  if (at == end_ && index > 0 && pieces_[index].begin == at) --index;
   const TrajectoryPiece& piece = pieces_[index];
   const bool is_at_end = at == end_of(index);
   const double u = is_at_end ? 1 : frames_between(piece.begin, at) * piece.inverse_frames;
+  return {&piece, u, is_at_end, is_outside};
+}
+
+AxisMotion<double> Trajectory::settled(AxisMotion<double> motion, const Look& look, std::size_t axis) const {
+  const PieceRows rows{&values_[look.piece->begin_row], &values_[look.piece->end_row], axis_count_};
+  if (look.is_at_end) motion.position = rows.end[axis];
+  if (keeps_to_joints_) motion.position = clipped(motion.position, rows, axis);
+  return look.is_outside ? AxisMotion<double>{.position = motion.position} : motion;
+}
+
+void Trajectory::motion(const FrameTime<double>& time, std::span<AxisMotion<double>> out) const {
+  const Look look = look_at(time);
+  const TrajectoryPiece& piece = *look.piece;
   const PieceRows rows{&values_[piece.begin_row], &values_[piece.end_row], axis_count_};
   with_degree(piece.degree,
-              [&](auto degree) { write_motion_on<degree>(rows, u, piece.seconds, out.data()); });
-  for (std::size_t d = 0; d < axis_count_; ++d) {
-    if (is_at_end) out[d].position = rows.end[d];
-    if (keeps_to_joints_) out[d].position = clipped(out[d].position, rows, d);
-    if (is_outside) out[d] = {.position = out[d].position};
-  }
+              [&](auto degree) { write_motion_on<degree>(rows, look.u, piece.seconds, out.data()); });
+  for (std::size_t d = 0; d < axis_count_; ++d) out[d] = settled(out[d], look, d);
+}
+
+AxisMotion<double> Trajectory::motion_of(std::size_t axis, const FrameTime<double>& time) const {
+  const Look look = look_at(time);
+  const TrajectoryPiece& piece = *look.piece;
+  const PieceRows rows{&values_[piece.begin_row], &values_[piece.end_row], axis_count_};
+  AxisMotion<double> motion;
+  with_degree(piece.degree,
+              [&](auto degree) { motion = MotionWeights<degree>(look.u, piece.seconds).motion(rows, axis); });
+  return settled(motion, look, axis);
 }
 
 double at_end_of_piece(const Trajectory& trajectory, const TrajectoryPiece& piece, std::size_t axis,

@@ -107,10 +107,13 @@ class PlaySession {
 template <Precise Real>
 void report(const Move& move) {
   static SolvedMove<Real> solved;
+  static SolvedMove<double> wide_solved;
   static PlayedMove<Real> played;
   const Result<Track<Real>> track = solved.solve(move);
   if (!track) return fail(name_of<Real>, move, track.error());
-  if (const Status made = played.make(*track, move.rate_hz); !made) {
+  const Result<Track<double>> wide = wide_solved.solve(move);
+  if (!wide) return fail(name_of<Real>, move, wide.error());
+  if (const Status made = played.make(*track, *wide, move.rate_hz); !made) {
     return fail(name_of<Real>, move, made.error());
   }
   print(name_of<Real>);

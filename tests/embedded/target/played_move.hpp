@@ -5,8 +5,8 @@
 #include <span>
 
 #include "inbetween/limits/limits.hpp"
-#include "inbetween/limits/motion_bounds.hpp"
 #include "inbetween/limits/move.hpp"
+#include "inbetween/limits/move_bounds.hpp"
 #include "inbetween/limits/roll.hpp"
 #include "inbetween/limits/stop_bounds.hpp"
 #include "inbetween/timing/track.hpp"
@@ -17,13 +17,65 @@
 
 namespace inbetween::embedded {
 
+/// What a move does, in double: its peaks, and its cells on such a rig.
+class ProvenMove {
+ public:
+  static constexpr std::size_t cells = 256;
+
+  /// The peaks without rolls.
+  Status bound(const Track<double>& track) {
+    track_ = track;
+    return bound({}, 0);
+  }
+  /// With a roll of so many frames at either end, or 0.
+  Status bound_in_cells(std::int32_t before, std::int32_t after) {
+    MoveRolls<double> rolls;
+    if (const Status made = make_roll(RollEnd::before, before, before_, rolls.before); !made) return made;
+    if (const Status made = make_roll(RollEnd::after, after, after_, rolls.after); !made) return made;
+    return bound(rolls, cells);
+  }
+  [[nodiscard]] std::span<const AxisPeaks<double>> peaks() const { return bounds_.peaks; }
+  [[nodiscard]] const MotionCells& motion() const { return bounds_.cells; }
+  [[nodiscard]] std::span<MotionTriple> room() { return storage_.room; }
+
+ private:
+  Status bound(const MoveRolls<double>& rolls, std::size_t count) {
+    const auto move = inbetween::Move<double>::make({&*track_, 1}, rolls);
+    if (!move) return move.error();
+    bounds_ = storage_.bounds(*move, count);
+    return bound_move(*move, {}, {}, storage_.memory(), bounds_);
+  }
+  Status make_roll(RollEnd end, std::int32_t frames, std::span<RollAxis<double>> memory,
+                   std::span<const RollAxis<double>>& out) {
+    if (frames == 0) return Done{};
+    const auto axes = static_cast<std::size_t>(track_->path().axis_count());
+    std::array<AxisMotion<double>, max_axes> joints;
+    joints_of<double>({&*track_, 1}, end, joints);
+    const std::int32_t joint_frame = end == RollEnd::before ? 0 : track_->frames();
+    for (std::size_t d = 0; d < axes; ++d) {
+      const auto roll = RollAxis<double>::make({end, joint_frame, frames, track_->frame_rate()}, joints[d]);
+      if (!roll) return roll.error();
+      memory[d] = *roll;
+    }
+    out = memory.first(axes);
+    return Done{};
+  }
+
+  std::optional<Track<double>> track_;
+  std::array<RollAxis<double>, max_axes> before_, after_;
+  MoveBoundsStorage<max_axes, 1000, 400, 60, cells> storage_;
+  MoveBounds bounds_;
+};
+
 template <Precise Real>
 class PlayedMove {
  public:
-  /// The track's memory is the caller's.
-  Status make(const Track<Real>& track, std::int32_t rate_hz) {
+  /// The same move in both precisions. The memory of the tracks is the caller's.
+  Status make(const Track<Real>& track, const Track<double>& wide, std::int32_t rate_hz) {
     track_ = track;
+    rate_hz_ = rate_hz;
     axes_ = static_cast<std::size_t>(track.path().axis_count());
+    if (const Status proven = proven_.bound(wide); !proven) return proven;
     if (const Status limited = make_limits(); !limited) return limited;
     MoveRolls<Real> rolls;
     for (const RollEnd end : {RollEnd::before, RollEnd::after}) {
@@ -32,13 +84,23 @@ class PlayedMove {
     const auto move = inbetween::Move<Real>::make({&*track_, 1}, rolls);
     if (!move) return move.error();
     move_ = *move;
-    return make_bounds(rate_hz);
+    if (const Status proven = prove(); !proven) return proven;
+    return make_bounds();
   }
-  /// Anew, for a move that has been made.
-  Status make_bounds(std::int32_t rate_hz) {
-    const StopRequest<Real> request{
-        .move = *move_, .limits = limits(), .tick_seconds = Real{1} / static_cast<Real>(rate_hz)};
-    const auto bounds = StopBounds<Real>::make(request, stops_.memory(), std::span(stop_peaks_).first(axes_));
+  /// Anew, for a move that has been made: what it does, in cells.
+  Status prove() {
+    const auto length = [](std::span<const RollAxis<Real>> roll) {
+      return roll.empty() ? 0 : roll.front().span().frames;
+    };
+    write_room<Real>(limits(), 1, Real{1} / static_cast<Real>(rate_hz_), proven_.room());
+    return proven_.bound_in_cells(length(move_->rolls().before), length(move_->rolls().after));
+  }
+  /// Once, from what was proven.
+  Status make_bounds() {
+    const StopRequest<Real> request{.motion = proven_.motion(),
+                                    .limits = limits(),
+                                    .tick_seconds = Real{1} / static_cast<Real>(rate_hz_)};
+    const auto bounds = StopBounds<Real>::make(request, stops_, std::span(stop_peaks_).first(axes_));
     if (!bounds) return bounds.error();
     bounds_ = *bounds;
     return Done{};
@@ -46,7 +108,7 @@ class PlayedMove {
 
   [[nodiscard]] const inbetween::Move<Real>& move() const { return *move_; }
   [[nodiscard]] const StopBounds<Real>& bounds() const { return *bounds_; }
-  [[nodiscard]] std::span<const StopCell<Real>> cells() const { return stops_.cells; }
+  [[nodiscard]] std::span<const StopCell<Real>> cells() const { return stops_; }
   /// Of the move itself, and of its stops.
   [[nodiscard]] std::span<const PlayedAxis<Real>> played() const { return std::span(played_).first(axes_); }
   [[nodiscard]] std::span<const AxisPeaks<Real>> stop_peaks() const {
@@ -55,21 +117,25 @@ class PlayedMove {
   [[nodiscard]] std::span<const AxisLimits<Real>> limits() const { return std::span(limits_).first(axes_); }
 
  private:
+  static Peak<Real> in_precision(const Peak<double>& peak) {
+    return {static_cast<Real>(peak.value), static_cast<Real>(peak.frame)};
+  }
   Status make_limits() {
     constexpr auto room = Real(1.25);
     constexpr auto anywhere = Real(1e4);
-    std::array<AxisPeaks<Real>, max_axes> peaks;
-    const std::array<MotionTriple<Real>, max_axes> slack{};
-    if (const Status bounded = bound_motion<Real>(*track_, slack, {stops_.turns}, peaks); !bounded) {
-      return bounded;
-    }
     for (std::size_t d = 0; d < axes_; ++d) {
-      played_[d] = {.peaks = peaks[d]};
-      const auto axis = AxisLimits<Real>::make({.min = -anywhere,
-                                                .max = anywhere,
-                                                .max_velocity = room * peaks[d].velocity.value,
-                                                .max_acceleration = room * peaks[d].acceleration.value,
-                                                .max_jerk = room * peaks[d].jerk.value});
+      const AxisPeaks<double>& peaks = proven_.peaks()[d];
+      played_[d].peaks = {.lowest = in_precision(peaks.lowest),
+                          .highest = in_precision(peaks.highest),
+                          .velocity = in_precision(peaks.velocity),
+                          .acceleration = in_precision(peaks.acceleration),
+                          .jerk = in_precision(peaks.jerk)};
+      const auto axis =
+          AxisLimits<Real>::make({.min = -anywhere,
+                                  .max = anywhere,
+                                  .max_velocity = room * played_[d].peaks.velocity.value,
+                                  .max_acceleration = room * played_[d].peaks.acceleration.value,
+                                  .max_jerk = room * played_[d].peaks.jerk.value});
       if (!axis) return axis.error();
       limits_[d] = *axis;
     }
@@ -104,7 +170,9 @@ class PlayedMove {
   std::array<AxisPeaks<Real>, max_axes> stop_peaks_;
   std::array<AxisMotion<Real>, max_axes> joints_;
   std::array<RollAxis<Real>, max_axes> before_, after_;
-  StopBoundsStorage<Real, 256, max_axes> stops_;
+  std::array<StopCell<Real>, ProvenMove::cells + 1> stops_;
+  std::int32_t rate_hz_ = 0;
+  ProvenMove proven_;
 };
 
 }  // namespace inbetween::embedded

@@ -4,7 +4,6 @@
 #include <string_view>
 
 #include "inbetween/base/hash.hpp"
-#include "inbetween/limits/motion_bounds.hpp"
 #include "inbetween/play/playhead.hpp"
 #include "inbetween/timing/count_track.hpp"
 #include "inbetween/timing/frame_table.hpp"
@@ -56,26 +55,6 @@ void hash_ticks(const Track<Real>& track, const Move& move) {
   }
   print_hash("positions", position_hash.value());
   print_hash("motion", motion_hash.value());
-}
-
-/// What is proven of the move's peaks.
-template <Precise Real>
-void hash_bounds(const Track<Real>& track, const Move& move) {
-  std::array<AxisTurn<Real>, max_axes> turns;
-  const std::array<MotionTriple<Real>, max_axes> slack{};
-  std::array<AxisPeaks<Real>, max_axes> peaks;
-  if (const Status bounded = bound_motion<Real>(track, slack, {turns}, peaks); !bounded) {
-    fail(name_of<Real>, move, bounded.error());
-    return;
-  }
-  Fnv1a hash;
-  for (const AxisPeaks<Real>& axis : std::span(peaks).first(static_cast<std::size_t>(move.axis_count))) {
-    for (const Peak<Real>& peak : {axis.lowest, axis.highest, axis.velocity, axis.acceleration, axis.jerk}) {
-      hash.add(peak.value);
-      hash.add(peak.frame);
-    }
-  }
-  print_hash("bounds", hash.value());
 }
 
 /// One for every two keys with a frame.
@@ -201,7 +180,6 @@ void report(const Move& move) {
   print(move.name);
   print_hash("table", hash_of(table->points()));
   hash_ticks(*track, move);
-  hash_bounds(*track, move);
   print("\n");
   if constexpr (std::same_as<Real, double>) {
     hash_counts<float>(*track, move);
@@ -215,16 +193,13 @@ template <Precise Real>
 void report_sizes() {
   print("sizes ");
   print(name_of<Real>);
-  for (const std::size_t size : {sizeof(Cubic<Real>),      sizeof(ArcPiece<Real>),
-                                 sizeof(TwoSum<Real>),     sizeof(SpeedSpan<Real>),
-                                 sizeof(PathPoint<Real>),  sizeof(OdeSegment<Real>),
-                                 sizeof(CountSpan<Real>),  sizeof(CountPiece<Real>),
-                                 sizeof(CountCubic<Real>), sizeof(CountPortion<Real>),
-                                 sizeof(Portion<Real>),    sizeof(KeyInterval<Real>),
-                                 sizeof(KeyLock),          sizeof(FrameTime<Real>),
-                                 sizeof(AxisMotion<Real>), sizeof(RollAxis<Real>),
-                                 sizeof(StopCell<Real>),   sizeof(MotionTriple<Real>),
-                                 sizeof(AxisTurn<Real>),   sizeof(Playhead<Real>) - 4 * sizeof(void*)}) {
+  for (const std::size_t size :
+       {sizeof(Cubic<Real>), sizeof(ArcPiece<Real>), sizeof(TwoSum<Real>), sizeof(SpeedSpan<Real>),
+        sizeof(PathPoint<Real>), sizeof(OdeSegment<Real>), sizeof(CountSpan<Real>), sizeof(CountPiece<Real>),
+        sizeof(CountCubic<Real>), sizeof(CountPortion<Real>), sizeof(Portion<Real>),
+        sizeof(KeyInterval<Real>), sizeof(KeyLock), sizeof(FrameTime<Real>), sizeof(AxisMotion<Real>),
+        sizeof(RollAxis<Real>), sizeof(StopCell<Real>), sizeof(MotionTriple),
+        sizeof(Playhead<Real>) - 4 * sizeof(void*)}) {
     print(" ");
     print(static_cast<long long>(size));
   }

@@ -232,15 +232,17 @@ void measure_frame_time(std::string_view name) {
 }
 
 struct PlayNames {
-  std::string_view bounds, even, ramps, positions;
+  std::string_view proof, bounds, even, ramps, positions;
 };
 /// Playing the subject. False where it does not go as it should.
 template <Precise Real, class PlayheadTick, class MoveTick>
-bool measure_play(const PlayNames& names, const Track<Real>& track, PlayedMove<Real>& played,
-                  PlayheadTick playhead_tick, MoveTick move_tick) {
-  Status made = played.make(track, subject.rate_hz);
-  print_line(names.bounds,
-             instructions_of([&] { made = made ? played.make_bounds(subject.rate_hz) : made; }));
+bool measure_play(const PlayNames& names, const Track<Real>& track, const Track<double>& wide,
+                  PlayedMove<Real>& played, PlayheadTick playhead_tick, MoveTick move_tick) {
+  Status made = played.make(track, wide, subject.rate_hz);
+  if (!names.proof.empty())
+    print_line(names.proof, instructions_of([&] { made = made ? played.prove() : made; }));
+  made = made ? played.prove() : made;
+  print_line(names.bounds, instructions_of([&] { made = made ? played.make_bounds() : made; }));
   bool is_well = made.has_value();
   if (is_well) {
     is_well = measure_playing<Real>(names.even, names.ramps, playhead_tick, played);
@@ -331,12 +333,12 @@ bool run() {
     print("FAILED: the subject has no trajectory\n");
     return false;
   }
-  return measure_play<float>({"StopBounds::make/float", "Playhead::tick/float", "Playhead::tick(ramps)/float",
-                              "Move::positions/float"},
-                             *single, single_play, tick_playhead_float, tick_move_float) &&
-         measure_play<double>({"StopBounds::make/double", "Playhead::tick/double",
+  return measure_play<float>({"", "StopBounds::make/float", "Playhead::tick/float",
+                              "Playhead::tick(ramps)/float", "Move::positions/float"},
+                             *single, *track, single_play, tick_playhead_float, tick_move_float) &&
+         measure_play<double>({"bound_move/double", "StopBounds::make/double", "Playhead::tick/double",
                                "Playhead::tick(ramps)/double", "Move::positions/double"},
-                              *track, double_play, tick_playhead_double, tick_move_double);
+                              *track, *track, double_play, tick_playhead_double, tick_move_double);
 }
 
 }  // namespace inbetween::embedded

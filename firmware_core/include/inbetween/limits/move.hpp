@@ -18,17 +18,15 @@ namespace inbetween {
 
 /// Whether a track is moving at its first or last frame: the drawn speed, or that of the parameter, is not 0
 /// there. (A curve that rises from 0 at once, 0 = v_0 < v_1, is not moving yet: its acceleration steps, which
-/// steps_at_key tells.)
+/// bound_move tells.)
 template <Precise Real>
 bool is_moving(const Track<Real>& track, RollEnd end);
 
-/// The motion of every axis where a roll would join the frames `part`, of the whole move where none are
-/// given, track after track: of a track that is moving there that of its inner side (at frame 0 and N
-/// Track::motion, elsewhere motion_beside); of one that rests its position, at rest. Returns whether any axis
-/// moves, so that a roll is needed. `out` has an entry for every axis of all tracks. O(axes).
+/// The motion of every axis where a roll would join the whole move, track after track: of a track that is
+/// moving there Track::motion; of one that rests its position, at rest. Returns whether any axis moves, so
+/// that a roll is needed. `out` has an entry for every axis of all tracks. O(axes).
 template <Precise Real>
-bool joints_of(std::span<const Track<Real>> tracks, RollEnd end, std::span<AxisMotion<Real>> out,
-               const std::optional<WholeFrames>& part = std::nullopt);
+bool joints_of(std::span<const Track<Real>> tracks, RollEnd end, std::span<AxisMotion<Real>> out);
 
 /// The rolls of a move: of every axis of all tracks, track after track, or of none.
 template <Precise Real>
@@ -80,6 +78,10 @@ class Move {
   [[nodiscard]] std::span<const RollAxis<Real>> rolls_at(const FrameTime<Real>& time) const {
     if (is_before(time)) return rolls_.before;
     return is_behind(time) ? rolls_.after : std::span<const RollAxis<Real>>();
+  }
+  /// Before its first frame and behind its last one, and on that of a part, the motion is a roll's or none.
+  [[nodiscard]] bool rests_at(const FrameTime<Real>& time) const {
+    return is_before(time) || is_behind(time);
   }
   /// Where no roll joins it, a part rests on its first and its last frame.
   [[nodiscard]] FrameTime<Real> within_part(const FrameTime<Real>& time) const {

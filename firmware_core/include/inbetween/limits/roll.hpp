@@ -8,9 +8,9 @@
 #include "inbetween/base/precision.hpp"
 #include "inbetween/base/result.hpp"
 #include "inbetween/limits/limits.hpp"
-#include "inbetween/limits/motion_bounds.hpp"
 #include "inbetween/timing/frame_time.hpp"
 #include "inbetween/timing/track.hpp"
+#include "inbetween/trajectory/axis_peaks.hpp"
 
 /// Pre-roll and post-roll: from rest into a move that starts moving, and from one that ends moving to rest.
 /// They join the first and the last of the frames that are played, A and B: 0 and N of a whole move.

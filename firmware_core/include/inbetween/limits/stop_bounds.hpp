@@ -10,9 +10,7 @@
 #include "inbetween/base/precision.hpp"
 #include "inbetween/base/result.hpp"
 #include "inbetween/limits/limits.hpp"
-#include "inbetween/limits/motion_bounds.hpp"
 #include "inbetween/limits/motion_cells.hpp"
-#include "inbetween/limits/move.hpp"
 #include "inbetween/timing/frame_time.hpp"
 
 /// How hard the playhead may brake and speed up at every place of the time line, so that every axis stays
@@ -38,27 +36,6 @@ struct StopCell {
   Real rate_change = 0;
   Real rate_jerk = 0;
   Real release_jerk = 0;
-};
-
-/// The memory of stop bounds, owned by the caller. StopBounds keeps `cells`; the others are free again when
-/// it is made.
-template <Precise Real>
-struct StopBoundsMemory {
-  std::span<StopCell<Real>> cells;        ///< one more than cells on the time line
-  std::span<MotionTriple<Real>> suprema;  ///< cells x axes of all tracks and motors of the request
-  std::span<MotionTriple<Real>> slack;    ///< axes of all tracks and motors of the request
-  std::span<AxisTurn<Real>> turns;        ///< axes of the track that has most
-  std::span<Real> places = {};            ///< axes of all tracks, if the request has motors
-};
-
-template <Precise Real, std::size_t Cells, std::size_t Axes>
-struct StopBoundsStorage {
-  std::array<StopCell<Real>, Cells + 1> cells;
-  std::array<MotionTriple<Real>, Cells * Axes> suprema;
-  std::array<MotionTriple<Real>, Axes> slack;
-  std::array<AxisTurn<Real>, Axes> turns;
-
-  [[nodiscard]] StopBoundsMemory<Real> memory() { return {cells, suprema, slack, turns}; }
 };
 
 /// The bounds at one place. |a| <= rate_change, |j| <= rate_jerk.
@@ -88,7 +65,7 @@ enum class StopQuantity : std::uint8_t { acceleration, jerk };
 /// them.
 template <Precise Real>
 struct StopObstacle {
-  std::int32_t axis = -1;  ///< counted through the tracks; behind them the motors of the request
+  std::int32_t axis = -1;  ///< counted through the tracks; behind them the motors
   StopQuantity quantity = StopQuantity::acceleration;
   Real value = 0;  ///< a bound of |p2| rate^2 or |p3| rate^3; infinity where there is none
   Real limit = 0;
@@ -98,11 +75,11 @@ struct StopObstacle {
 template <Precise Real>
 class StopBounds;
 
-/// What stop bounds are made for. `limits` has an entry for every axis, track after track, and then one for
-/// every motor of `motors`, in units of the motor.
+/// What stop bounds are made for.
 template <Precise Real>
 struct StopRequest {
-  const Move<Real>& move;
+  const MotionCells& motion;  ///< what the move does
+  /// One for every axis, track after track, and then one for every motor, in units of the motor.
   std::span<const AxisLimits<Real>> limits;
   Real rate = 1;                      ///< the highest |r|
   Real tick_seconds = Real(1) / 250;  ///< of the playhead that will follow the bounds
@@ -112,13 +89,17 @@ struct StopRequest {
   /// Such changes may wait. Where the motion leaves next to nothing of the limits the rate stays what it is:
   /// R1 = R2 = 0 there, and no place is an obstacle.
   bool may_wait = false;
-  /// Motors that follow an axis through a calibration: everything that is said of axes holds for them too.
-  std::span<const CalibratedMotor<Real>> motors = {};
 
   /// The caps of |a| and |j|, where the axes could bear more.
   [[nodiscard]] Real max_rate_change() const { return rate / (min_stop_ticks * tick_seconds); }
   [[nodiscard]] Real max_rate_jerk() const { return max_rate_change() / (min_jerk_ticks * tick_seconds); }
 };
+
+/// How far above the truth the suprema of a cell may be and cost a stop no more than a thousandth: a share of
+/// what the limits leave. `out` has an entry for every limit.
+template <Precise Real>
+void write_room(std::span<const AxisLimits<Real>> limits, Real rate, Real tick_seconds,
+                std::span<MotionTriple> out);
 
 /// Bounds R1, R2 and Q as functions of u such that for |r| <= rate, |a| <= R1(u), |j| <= R2(u) every axis
 /// keeps its stop_acceleration and, where it has one, its stop_jerk, at u itself and anywhere within a cell
@@ -127,8 +108,7 @@ struct StopRequest {
 ///     |a| <= R1(u);   a^2 <= 2 |r| Q(u) while braking;   a^2 <= 2 (rate - |r|) Q(u) while speeding up (V)
 /// are viable: from each of them, forward and reverse, there is a continuation inside V, and one that stops.
 ///
-/// Method. On each cell |p1|, |p2|, |p3| are bounded as by bound_motion, to 2 % of what is found there, 0.5 %
-/// of the axis' peak or 0.1 % of its limit; on rolls by centred forms and RollAxis::peaks. Of the pairs with
+/// Method. MotionCells has bounds of |p1|, |p2|, |p3| on each cell. Of the pairs with
 ///     p2 rate^2 + p1 R1 <= stop_acceleration,   p3 rate^3 + 3 p2 rate R1 + p1 R2 <= stop_jerk
 /// over the cell and its neighbours that is taken from which a stop from `rate` lasts shortest,
 /// rate / R1 + R1 / R2, convex in R1. R2 is constant on a cell. R1 and Q are continuous, linear on a cell:
@@ -150,17 +130,19 @@ struct StopRequest {
 template <Precise Real>
 class StopBounds {
  public:
-  /// As many cells as memory.cells has entries, less one. If `peaks` is not empty it has an entry for every
-  /// axis and receives the most that any playing and stopping within V asks of it: velocity p1 rate,
-  /// acceleration p2 rate^2 + p1 R1, jerk p3 rate^3 + 3 p2 rate R1 + p1 R2 (also of an axis without a
-  /// stop_jerk), with the frame near which; lowest and highest are left as they are.
+  /// `cells` has one entry more than the motion has cells; the bounds keep it. Every cell of the motion takes
+  /// in its neighbours (widen). If `peaks` is not empty it has an entry for every axis and receives the most
+  /// that any playing and stopping within V asks of it: velocity p1 rate, acceleration p2 rate^2 + p1 R1,
+  /// jerk p3 rate^3 + 3 p2 rate R1 + p1 R2 (also of an axis without a stop_jerk), with the frame near which;
+  /// lowest and highest are left as they are.
   ///
   /// Errors: no_solution, with axis and, unless negative, the whole frame, where not even a slow stop is
-  /// legal (stop_obstacle says more); wrong_count (limits, peaks), out_of_range (rate), capacity (no cell,
-  /// suprema, turns, more than 64 axes in a track). No allocation. Cost: about 0.5 ms for three axes and 256
-  /// cells on a desktop machine, 6 ms for 16 axes and 100 keys.
-  static Result<StopBounds> make(const StopRequest<Real>& request, const StopBoundsMemory<Real>& memory,
-                                 std::span<AxisPeaks<Real>> peaks);
+  /// legal: `obstacle`, if it is given, then says more, of the cells in order of time the first, of it the
+  /// first axis; wrong_count (limits, peaks, cells, suprema), out_of_range (rate). No allocation.
+  /// O(cells * axes).
+  static Result<StopBounds> make(const StopRequest<Real>& request, std::span<StopCell<Real>> cells,
+                                 std::span<AxisPeaks<Real>> peaks,
+                                 std::optional<StopObstacle<Real>>* obstacle = nullptr);
 
   [[nodiscard]] Real rate() const { return rate_; }
   /// Whether others with so many entries for cells, for rates up to `rate`, can be `within` these.
@@ -220,14 +202,8 @@ class StopBounds {
   LongestStop<Real> longest_in_frames_;
 };
 
-/// Why StopBounds::make found none: of the cells in order of time the first, of it the first axis. Empty
-/// where it found bounds. Errors and cost: those of StopBounds::make, no_solution excepted.
-template <Precise Real>
-Result<std::optional<StopObstacle<Real>>> stop_obstacle(const StopRequest<Real>& request,
-                                                        const StopBoundsMemory<Real>& memory);
-
-/// The peaks of an axis over the whole time line, and the largest step of its acceleration (steps_at_key); 0
-/// where there is none worth the name.
+/// The peaks of an axis over the whole time line, and the largest step of its acceleration; 0 where there is
+/// none worth the name.
 template <Precise Real>
 struct PlayedAxis {
   AxisPeaks<Real> peaks;

@@ -10,7 +10,7 @@
 
 #include "inbetween/base/result.hpp"
 #include "inbetween/limits/limits.hpp"
-#include "inbetween/limits/move.hpp"
+#include "inbetween/limits/played_motion.hpp"
 #include "inbetween/loop/ports.hpp"
 #include "inbetween/loop/supervisor.hpp"
 #include "inbetween/play/free_source.hpp"
@@ -23,7 +23,7 @@ namespace inbetween {
 /// The axes of a rig and the move that it is to make. Refers to the caller's memory.
 template <Precise Real>
 struct LoopSpec {
-  const Move<Real>* move = nullptr;
+  const PlayedMotion* move = nullptr;
   Playhead<Real>* playhead = nullptr;
   std::span<const std::size_t> drive_of;     ///< for every axis of the move
   std::span<const AxisLimits<Real>> limits;  ///< for every axis of the move
@@ -52,7 +52,6 @@ struct LoopMemory {
   std::span<DriveState<Real>> states;   ///< drives
   std::span<Setpoint<Real>> setpoints;  ///< drives
   std::span<Setpoint<Real>> next;       ///< axes of the move
-  std::span<Real> positions;            ///< axes of the move
   std::span<AxisMotion<Real>> motions;  ///< axes of the move
 };
 
@@ -93,8 +92,7 @@ class MotionLoop {
       return possible;
     }
     const bool counts = spec.counts.empty() || spec.counts.size() == axes;
-    if (spec.is_still.size() != still || !counts || memory_.positions.size() < axes ||
-        memory_.motions.size() < axes) {
+    if (spec.is_still.size() != still || !counts || memory_.motions.size() < axes) {
       return too_few(axes);
     }
     free_ = {};
@@ -308,14 +306,13 @@ class MotionLoop {
   }
   /// For all axes, or for those that are still or are not.
   void look_at(const Playhead<Real>& playhead, std::span<const bool> is_still, bool wanted) {
-    spec_.move->positions(playhead.time(), memory_.positions);
     spec_.move->motion(playhead.time(), memory_.motions);
     const Real rate = playhead.rate();
     for (std::size_t d = 0; d < spec_.move->axis_count(); ++d) {
       if (!is_still.empty() && is_still[d] != wanted) continue;
       const AxisMotion<Real>& motion = memory_.motions[d];
       memory_.next[d] = {
-          .position = memory_.positions[d],
+          .position = motion.position,
           .velocity = motion.velocity * rate,
           .acceleration = motion.acceleration * rate * rate + motion.velocity * playhead.rate_change()};
     }

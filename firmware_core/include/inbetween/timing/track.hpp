@@ -314,6 +314,11 @@ struct TrackStorage {
   [[nodiscard]] TrackMemory<Real> memory() { return {span_distances}; }
 };
 
+/// The frame, which need not be a whole one, on which a segment of the path begins; of segment_count the end.
+/// Of keys in one place the first frame is that of all. O(log N) and a bisection in time.
+template <Precise Real>
+Real frame_of_segment(const Track<Real>& track, std::int32_t segment);
+
 extern template class Track<double>;
 extern template class Track<float>;
 

@@ -1,8 +1,15 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
+
 #include "inbetween/base/precision.hpp"
 
 namespace inbetween {
+
+/// Velocity, acceleration and jerk of one axis, as magnitudes.
+inline constexpr std::size_t motion_quantities = 3;
+using MotionTriple = std::array<double, motion_quantities>;
 
 /// A proven bound, and the frame, which need not be a whole one, near which it is reached.
 template <Precise Real>

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -34,9 +33,10 @@ struct CellLine {
 /// Raises the suprema of |velocity|, |acceleration| and |jerk| of every axis in every cell, so that they are
 /// not below those of the trajectory there, and above those of the cell and its two neighbours by no more
 /// than 2 % or `room` (of every axis). Infinity where there is no bound. `out` has a triple for every axis of
-/// a cell, cell by cell, each `stride` behind the one before. O((pieces + cells) * axes).
-void bound_cells(const Trajectory& trajectory, const CellLine& line,
-                 std::span<const std::array<double, 3>> room, std::span<std::array<double, 3>> out,
+/// a cell, cell by cell, each `stride` behind the one before. Domain: begin() <= from < to <= end().
+/// O((pieces + cells) * axes).
+void bound_cells(const Trajectory& trajectory, const FrameTime<double>& from, const FrameTime<double>& to,
+                 const CellLine& line, std::span<const MotionTriple> room, std::span<MotionTriple> out,
                  std::size_t stride);
 
 /// How much an axis steps at a break: leaving less arriving, with its sign, in axis units and seconds.

@@ -104,11 +104,22 @@ class Trajectory {
   /// Position and three derivatives of every axis. On a joint those with which the motion leaves it; at the
   /// end those with which it arrives. O(axes).
   void motion(const FrameTime<double>& time, std::span<AxisMotion<double>> out) const;
+  /// The same of one axis, to the last bit. O(1).
+  [[nodiscard]] AxisMotion<double> motion_of(std::size_t axis, const FrameTime<double>& time) const;
   /// The piece that a time from begin() to before end() lies in.
   [[nodiscard]] std::size_t piece_at(const FrameTime<double>& time) const;
 
  private:
   Trajectory() = default;
+  struct Look {
+    const TrajectoryPiece* piece;
+    double u;
+    bool is_at_end;   ///< of the piece
+    bool is_outside;  ///< before the begin or behind the end
+  };
+  [[nodiscard]] Look look_at(const FrameTime<double>& time) const;
+  [[nodiscard]] AxisMotion<double> settled(AxisMotion<double> motion, const Look& look,
+                                           std::size_t axis) const;
 
   std::span<const TrajectoryPiece> pieces_;
   std::span<const double> values_;

@@ -1,0 +1,96 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "inbetween/limits/limits.hpp"
+#include "inbetween/limits/motion_cells.hpp"
+#include "inbetween/limits/move.hpp"
+#include "inbetween/trajectory/fit.hpp"
+
+/// How far, how fast and how hard a move goes and where it steps, proven for every moment of what plays: of
+/// its trajectories and its rolls.
+
+namespace inbetween {
+
+/// A jump of the velocity or the acceleration of an axis, as magnitudes, in axis units and seconds. At either
+/// end of the whole move against the rest outside.
+struct MoveStep {
+  std::size_t track = 0;
+  std::int32_t key = -1;  ///< that is passed there; -1 between keys, where the path turns on the spot
+  double frame = 0;       ///< it need not be a whole one
+  std::size_t axis = 0;   ///< counted through the tracks
+  double velocity = 0;    ///< 0 where it does not step
+  double acceleration = 0;
+};
+
+/// A step below this share of the peak, or of the limit, is rounding.
+inline constexpr double step_rounding = 1e-9;
+
+/// What is proven of a move. The memory is the caller's.
+struct MoveBounds {
+  /// One for every axis, and behind them one for every motor: of a motor velocity, acceleration and jerk.
+  std::span<AxisPeaks<double>> peaks;
+  std::span<MoveStep> steps;
+  std::size_t step_count = 0;  ///< of all steps; those for which `steps` has no room are left out
+  MotionCells cells = {};      ///< none where CellLine::cells is 0; motors need them
+  double loosened = 1;         ///< the greatest Trajectory::loosened
+};
+
+/// The memory that bound_move works in, owned by the caller. It is free again behind it.
+struct MoveBoundsMemory {
+  std::span<SampledJoint> joints;  ///< max_joints() of the track that has most
+  /// A track is fitted in as many stretches as are needed for one to fit in here: from one joint to the next
+  /// but one it must.
+  TrajectoryMemory trajectory;
+  std::span<double> travel;            ///< axes of the track that has most
+  std::span<AxisPeaks<double>> peaks;  ///< the same
+  std::span<TrajectoryStep> steps;     ///< the same
+  std::span<double> places;            ///< axes of all tracks, where there are motors
+};
+
+/// Both for tracks of up to `Axes` axes and `Joints` joints, a move of as many axes in all, without motors,
+/// in up to `Cells` cells. TrajectoryStorage says what Pieces and Breaks are: of a stretch, as long as there
+/// is room for.
+template <std::size_t Axes, std::size_t Joints, std::size_t Pieces, std::size_t Breaks, std::size_t Cells,
+          std::size_t Steps = 64, std::size_t TrackAxes = Axes>
+struct MoveBoundsStorage {
+  std::array<SampledJoint, Joints> joints;
+  TrajectoryStorage<TrackAxes, Pieces, Breaks> trajectory;
+  std::array<double, TrackAxes> travel;
+  std::array<AxisPeaks<double>, TrackAxes> stretch_peaks;
+  std::array<TrajectoryStep, TrackAxes> stretch_steps;
+  std::array<AxisPeaks<double>, Axes> peaks;
+  std::array<MoveStep, Steps> steps;
+  std::array<MotionTriple, Axes> room;
+  std::array<MotionTriple, Axes * Cells> suprema;
+
+  [[nodiscard]] MoveBoundsMemory memory() {
+    return {joints, trajectory.memory(), travel, stretch_peaks, stretch_steps, {}};
+  }
+  /// Where bound_move puts what it finds. The caller writes `room` where there are cells (write_room).
+  [[nodiscard]] MoveBounds bounds(const Move<double>& move, std::size_t cells) {
+    const std::size_t axes = move.axis_count();
+    return {.peaks = std::span(peaks).first(axes),
+            .steps = steps,
+            .cells = {.line = {move.first_frame(), move.last_frame(), cells},
+                      .fps = move.frame_rate(),
+                      .axes = axes,
+                      .room = std::span(room).first(axes),
+                      .suprema = std::span(suprema).first(cells * axes)}};
+  }
+};
+
+/// Bounds of the frames Move::part() and of the rolls: true <= peak <= 1.00001 true, lowest and highest
+/// within 1e-9 of the way (bound_trajectory); steps beyond rounding; the suprema of the cells (bound_cells;
+/// 0.5 % of the peak of an axis are room as well); of motors what bound_motor makes of a cell. `limits`, one
+/// for every axis or none, say what a step is compared with, beside the peak.
+///
+/// Errors: wrong_count (limits, peaks, cells), capacity (memory), those of fit_trajectory. No allocation.
+/// Cost: the fit, and O((pieces + cells) * axes).
+Status bound_move(const Move<double>& move, std::span<const AxisLimits<double>> limits,
+                  std::span<const CalibratedMotor> motors, const MoveBoundsMemory& memory, MoveBounds& out);
+
+}  // namespace inbetween

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+#include "inbetween/base/result.hpp"
+#include "inbetween/limits/move.hpp"
+#include "inbetween/trajectory/trajectory.hpp"
+
+namespace inbetween {
+
+/// A break of a trajectory so near to a frame is met on it.
+inline constexpr double frame_rounding = 1e-9;
+
+/// The motion of every axis where a roll would join the frames `part`, of the whole move or inside it, track
+/// after track: joints_of() the whole at its ends; inside it the motion with which the trajectory leaves the
+/// first frame, or arrives on the last: position, velocity and acceleration, and no jerk. The two differ
+/// where a key on which the motion steps is met there, within what a lock promises. Returns whether any axis
+/// moves beyond rounding. There are as many trajectories, of whole tracks, as tracks, or none for a whole
+/// move. `out` has an entry for every axis of all tracks. O(axes + log pieces).
+bool joints_of_part(std::span<const Track<double>> tracks, std::span<const Trajectory> trajectories,
+                    const WholeFrames& part, RollEnd end, std::span<AxisMotion<double>> out);
+
+/// What plays: a move with the trajectories of its tracks. On the frames Move::part() they decide, to the
+/// last bit; a part of a move is on its frames the whole, bit for bit. Refers to the caller's memory.
+class PlayedMotion {
+ public:
+  /// Trajectories of whole tracks, one for each. Errors: wrong_count (there are not as many, or of other
+  /// axes), out_of_range (they do not last from frame 0 to the last of the tracks). O(tracks).
+  static Result<PlayedMotion> make(const Move<double>& move, std::span<const Trajectory> trajectories);
+
+  [[nodiscard]] const Move<double>& move() const { return move_; }
+  [[nodiscard]] std::span<const Trajectory> trajectories() const { return trajectories_; }
+  [[nodiscard]] std::size_t axis_count() const { return move_.axis_count(); }
+
+  /// The position of every axis. Before Move::first_frame() and after Move::last_frame() the axes rest where
+  /// they are on it. `out` has axis_count() entries. O(axes), no allocation.
+  void positions(const FrameTime<double>& time, std::span<double> out) const;
+  /// Position, velocity, acceleration and jerk of every axis; at a joint those with which the motion leaves
+  /// it. Resting outside the time line: derivatives 0. O(axes), no allocation.
+  void motion(const FrameTime<double>& time, std::span<AxisMotion<double>> out) const;
+
+ private:
+  PlayedMotion(const Move<double>& move, std::span<const Trajectory> trajectories)
+      : move_(move), trajectories_(trajectories) {}
+
+  Move<double> move_;
+  std::span<const Trajectory> trajectories_;
+};
+
+}  // namespace inbetween

@@ -1,0 +1,120 @@
+#include "inbetween/limits/played_motion.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace inbetween {
+namespace {
+
+/// Less than this share of what an axis does on a piece is rounding.
+constexpr double rest_share = 1e-12;
+
+double without_rounding(double value, double size) {
+  return std::fabs(value) > rest_share * size ? value : 0;
+}
+
+/// The piece that a motion arrives with on a frame, or leaves it with.
+std::size_t piece_beside(const Trajectory& trajectory, const FrameTime<double>& at, bool arriving) {
+  for (const TrajectoryBreak& one : trajectory.breaks()) {
+    if (std::fabs(frames_between(at, one.time)) <= frame_rounding)
+      return arriving ? one.piece - 1 : one.piece;
+  }
+  const std::size_t piece = trajectory.piece_at(at);
+  return arriving && piece > 0 && trajectory.pieces()[piece].begin == at ? piece - 1 : piece;
+}
+
+/// Of a frame inside the trajectory.
+void write_joint(const Trajectory& trajectory, const FrameTime<double>& at, bool arriving,
+                 std::span<AxisMotion<double>> out) {
+  const std::size_t index = piece_beside(trajectory, at, arriving);
+  const TrajectoryPiece& piece = trajectory.pieces()[index];
+  const FrameTime<double> end = trajectory.end_of(index);
+  trajectory.motion(at, out);
+  const bool is_at_end = std::fabs(frames_between(at, arriving ? end : piece.begin)) <= frame_rounding;
+  for (std::size_t d = 0; d < out.size(); ++d) {
+    const auto value = [&](std::size_t derivative, bool of_end) {
+      return at_end_of_piece(trajectory, piece, d, derivative, of_end);
+    };
+    if (is_at_end) {
+      out[d].velocity = value(1, arriving);
+      out[d].acceleration = value(2, arriving);
+    }
+    const double speed = std::max({std::fabs(value(1, false)), std::fabs(value(1, true)),
+                                   std::fabs(value(0, true) - value(0, false)) / piece.seconds});
+    const double change =
+        std::max({std::fabs(value(2, false)), std::fabs(value(2, true)), speed / piece.seconds});
+    out[d].velocity = without_rounding(out[d].velocity, speed);
+    out[d].acceleration = without_rounding(out[d].acceleration, change);
+    out[d].jerk = 0;
+  }
+}
+
+}  // namespace
+
+bool joints_of_part(std::span<const Track<double>> tracks, std::span<const Trajectory> trajectories,
+                    const WholeFrames& part, RollEnd end, std::span<AxisMotion<double>> out) {
+  const bool arriving = end == RollEnd::after;
+  const std::int32_t frame = arriving ? part.last : part.first;
+  if (frame == (arriving ? tracks.front().frames() : 0)) return joints_of(tracks, end, out);
+  bool moves = false;
+  for (const Trajectory& trajectory : trajectories) {
+    const std::span<AxisMotion<double>> joints = out.first(trajectory.axis_count());
+    out = out.subspan(trajectory.axis_count());
+    write_joint(trajectory, {frame, 0}, arriving, joints);
+    for (const AxisMotion<double>& joint : joints)
+      moves = moves || joint.velocity != 0 || joint.acceleration != 0;
+  }
+  return moves;
+}
+
+Result<PlayedMotion> PlayedMotion::make(const Move<double>& move, std::span<const Trajectory> trajectories) {
+  const std::span<const Track<double>> tracks = move.tracks();
+  bool is_complete = trajectories.size() == tracks.size();
+  for (std::size_t t = 0; is_complete && t < tracks.size(); ++t)
+    is_complete = trajectories[t].axis_count() == static_cast<std::size_t>(tracks[t].path().axis_count());
+  if (!is_complete) {
+    return Error{.code = ErrorCode::wrong_count,
+                 .what = "a move has not a trajectory for each of its tracks",
+                 .remedy = "fit one to each",
+                 .needed = static_cast<std::int64_t>(tracks.size())};
+  }
+  for (const Trajectory& trajectory : trajectories) {
+    const bool is_whole = trajectory.begin() == FrameTime<double>{0, 0} &&
+                          trajectory.end() == FrameTime<double>{move.frames(), 0} &&
+                          trajectory.frame_rate() == move.frame_rate();
+    if (is_whole) continue;
+    return Error{.code = ErrorCode::out_of_range,
+                 .what = "a trajectory of a move does not last as long as its tracks",
+                 .remedy = "fit it to the whole track"};
+  }
+  return PlayedMotion(move, trajectories);
+}
+
+void PlayedMotion::positions(const FrameTime<double>& time, std::span<double> out) const {
+  const std::span<const RollAxis<double>> rolls = move_.rolls_at(time);
+  for (std::size_t d = 0; d < rolls.size(); ++d) out[d] = rolls[d].motion(time).position;
+  if (!rolls.empty()) return;
+  const FrameTime<double> within = move_.within_part(time);
+  for (const Trajectory& trajectory : trajectories_) {
+    trajectory.positions(within, out.first(trajectory.axis_count()));
+    out = out.subspan(trajectory.axis_count());
+  }
+}
+
+void PlayedMotion::motion(const FrameTime<double>& time, std::span<AxisMotion<double>> out) const {
+  const std::span<const RollAxis<double>> rolls = move_.rolls_at(time);
+  for (std::size_t d = 0; d < rolls.size(); ++d) out[d] = rolls[d].motion(time);
+  if (!rolls.empty()) return;
+  const FrameTime<double> within = move_.within_part(time);
+  for (const Trajectory& trajectory : trajectories_) {
+    const std::span<AxisMotion<double>> axes = out.first(trajectory.axis_count());
+    trajectory.motion(within, axes);
+    // A part rests where no roll joins it.
+    for (AxisMotion<double>& axis : axes) {
+      if (move_.rests_at(time)) axis = {.position = axis.position};
+    }
+    out = out.subspan(trajectory.axis_count());
+  }
+}
+
+}  // namespace inbetween

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "host_tools/plan/bounded_move.hpp"
+#include "host_tools/plan/solved_track.hpp"
+#include "inbetween/limits/stop_bounds.hpp"
+
+/// What is proven of moves that are no plan.
+
+namespace inbetween {
+
+/// Of one track, or a part of it, without rolls.
+inline BoundedMove bounds_of_track(const Track<double>& track,
+                                   const std::optional<WholeFrames>& part = std::nullopt) {
+  return BoundedMove(value_or_throw(Move<double>::make({&track, 1}, {}, part)));
+}
+
+/// Its motion in cells, as stop bounds for these limits need it.
+template <Precise Real>
+BoundedMove bounded_cells(const Move<double>& move, std::span<const AxisLimits<Real>> limits,
+                          std::size_t cells, Real rate, Real tick_seconds) {
+  std::vector<MotionTriple> room(limits.size());
+  write_room<Real>(limits, rate, tick_seconds, room);
+  return BoundedMove(move, {.limits = {}, .motors = {}, .cells = cells, .room = room});
+}
+
+}  // namespace inbetween
