@@ -3,12 +3,12 @@
 #include <cstdint>
 #include <span>
 #include <string_view>
-#include <type_traits>
 
 #include "examples/firmware/board.hpp"
-#include "inbetween/timing/count_track.hpp"
 #include "inbetween/timing/frame_table.hpp"
 #include "inbetween/timing/track.hpp"
+#include "inbetween/trajectory/count_trajectory.hpp"
+#include "inbetween/trajectory/fit.hpp"
 
 /// The move examples/reveal.toml on a controller without an operating system: solved on the controller, then
 /// sent to the drives tick by tick, in counts. The "drives" are the serial port: a line per tick.
@@ -28,15 +28,15 @@ constexpr FrameRate fps{24, 1};
 constexpr std::array counts_per_unit{1000.0, 4000.0, 4000.0};
 constexpr std::int32_t rate_hz = 250;
 
-/// The tick is evaluated in what the processor has instructions for (Arm C Language Extensions: bit 3 of
-/// __ARM_FP is double). The move is solved in double on every processor: that takes some milliseconds more
-/// on a Cortex-M4, once, and the move is the same everywhere.
-using Tick = std::conditional_t<(__ARM_FP & 0x8) != 0, double, float>;
-
-/// All memory of the move. Large objects are static: the stack is for calls.
+/// All memory of the move. Large objects are static: the stack is for calls. The move is solved in double on
+/// every processor: that takes some hundred milliseconds on a Cortex-M4, once, and the move is the same
+/// everywhere. The tick is evaluated in floats, which both have instructions for.
 TrackStorage<double, keys.size() / axis_count, axis_count, speed.size()> storage;
 std::array<PathPoint<double>, frames + 1> rows;
-CountTrackStorage<Tick, axis_count, speed.size(), 160> count_storage;
+std::array<SampledJoint, 60> joints;
+TrajectoryStorage<axis_count, 200, 30> trajectory_storage;
+std::array<CountTrajectoryPiece, 300> count_pieces;
+std::array<CountPolynomial, axis_count * count_pieces.size()> count_polynomials;
 
 /// Where positions go. Here as lines of text; a drive on a bus is another class with the same function.
 class LineSink {
@@ -86,13 +86,22 @@ Status check(const Track<double>& track) {
   return check_invariants(track, *table);
 }
 
+/// The motion of the track in counts.
+Result<CountTrajectory> counts_of(const Track<double>& track) {
+  const auto sampler = TrackSampler::make(track, joints);
+  if (!sampler) return sampler.error();
+  const auto trajectory = fit_trajectory(*sampler, {}, trajectory_storage.memory());
+  if (!trajectory) return trajectory.error();
+  return CountTrajectory::make(*trajectory, counts_per_unit, {count_pieces, count_polynomials});
+}
+
 }  // namespace
 
 bool inbetween::board::program() {
   const Result<Track<double>> track = solve();
   if (!track) return refuse(track.error());
   if (const Status sound = check(*track); !sound) return refuse(sound.error());
-  const auto counts = CountTrack<Tick>::make(*track, counts_per_unit, count_storage.memory());
+  Result<CountTrajectory> counts = counts_of(*track);
   if (!counts) return refuse(counts.error());
 
   LineSink sink;
@@ -105,7 +114,7 @@ bool inbetween::board::program() {
       board::send("error: a tick was missed; lower the rate, or make the sink faster\n");
       return false;
     }
-    counts->counts(frame_time_of_tick<Tick>(tick, fps, rate_hz), position);
+    counts->counts(frame_time_of_tick<float>(tick, fps, rate_hz), position);
     sink.set_positions(tick, position);
   }
   return true;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <concepts>
 #include <string>
 
 #include "host_tools/files/diagnostics.hpp"
@@ -13,17 +14,18 @@
 #include "inbetween/limits/roll.hpp"
 #include "inbetween/limits/stop_bounds.hpp"
 #include "inbetween/play/playhead.hpp"
-#include "inbetween/timing/count_track.hpp"
 #include "inbetween/timing/key_timing.hpp"
 #include "inbetween/timing/ode_frame_table.hpp"
 #include "inbetween/timing/track.hpp"
+#include "inbetween/trajectory/count_trajectory.hpp"
+#include "inbetween/trajectory/fit.hpp"
 
 namespace inbetween {
 namespace {
 
 /// The elements of the memories, counted.
 struct ElementCounts {
-  std::int64_t cubics, axes, pieces, segments, spans, rows, locks, count_spans, count_pieces;
+  std::int64_t cubics, axes, pieces, segments, spans, rows, locks, fitted;
 };
 
 template <Precise Real>
@@ -42,10 +44,7 @@ ElementCounts element_counts(const BudgetCapacity& capacity) {
   n.spans = std::max(capacity.control_values - 1, 1);
   n.rows = static_cast<std::int64_t>(capacity.frames) + 1;
   n.locks = capacity.locks;
-  n.count_spans = count_span_count<Real>(static_cast<std::int32_t>(n.spans)) + n.locks;
-  n.count_pieces =
-      n.segments * (min_parts_per_piece<Real> * usual_pieces_per_segment(delta_of<double>(capacity)) +
-                    (min_pieces_per_segment<Real> - 1));
+  n.fitted = usual_trajectory_pieces(n.segments, n.spans);
   return n;
 }
 
@@ -58,6 +57,7 @@ std::array<std::optional<std::int64_t>, budget_object_count> bytes(const BudgetC
   const std::int64_t two_sum = size(sizeof(TwoSum<Real>));
   const std::int64_t index = size(sizeof(std::int32_t));
   const auto locks = static_cast<std::size_t>(n.locks);
+  constexpr bool is_double = std::same_as<Real, double>;
   const auto numbers_of_rows = static_cast<std::int64_t>(
       lock_weight_count(locks, static_cast<std::size_t>(n.spans) + 1) + lock_entry_count(locks));
   std::array<std::optional<std::int64_t>, budget_object_count> result{
@@ -70,8 +70,12 @@ std::array<std::optional<std::int64_t>, budget_object_count> bytes(const BudgetC
           (n.locks + 1) * (5 * real + size(sizeof(LockRow))) + numbers_of_rows * real,
       n.segments * size(sizeof(KeyInterval<Real>)),
       n.rows * size(sizeof(PathPoint<Real>)),
-      (n.locks + 2) * size(sizeof(CountPortion<Real>)) + n.count_spans * size(sizeof(CountSpan<Real>)) +
-          (n.count_pieces + 1) * (size(sizeof(CountPiece<Real>)) + n.axes * size(sizeof(CountCubic<Real>))),
+      is_double ? std::optional(n.fitted * (size(sizeof(TrajectoryPiece)) + index) +
+                                (n.fitted + n.segments + n.spans + 1) * 4 * n.axes * real)
+                : std::nullopt,
+      is_double ? std::nullopt
+                : std::optional(n.fitted * (size(sizeof(CountTrajectoryPiece)) +
+                                            n.axes * size(sizeof(CountPolynomial)))),
       2 * n.axes * size(sizeof(RollAxis<Real>)),
       (budget_stop_cells + 1) * size(sizeof(StopCell<Real>)),
       n.axes * (budget_stop_cells + 1) * size(sizeof(MotionTriple)),
@@ -96,7 +100,8 @@ constexpr std::array<std::string_view, budget_object_count> object_names{
     "  adjusted to the locked keys, more",
     "  timed by frames instead, more",
     "frame table",
-    "count track",
+    "trajectory",
+    "its counts",
     "pre-roll and post-roll",
     "stop bounds, 256 cells",
     "  while they are made, more",
@@ -106,17 +111,15 @@ constexpr std::array<std::string_view, budget_object_count> object_names{
     "  their CAN bus, with its frames"};
 
 // These solve a move, or every tick calls them: the stack of another function is in neither of these.
-constexpr std::array<FunctionBudget, 23> stack{{
+constexpr std::array<FunctionBudget, 21> stack{{
     {"ArcLength::make", {2880, 1600}, {3200, 1600}},
     {"adjust_to_locks", {832, 640}, {1408, 640}},
     {"Track::make", {640, 512}, {672, 512}},
     {"closed_form_table", {1408, 832}, {1728, 832}},
-    {"CountTrack::make", {896, 672}, {1344, 1152}},
     {"bound_move", {5536, 0}, {6080, 0}},
     {"StopBounds::make", {672, 480}, {864, 512}},
     {"Track::positions", {192, 144}, {480, 144}},
     {"Track::motion", {704, 480}, {960, 480}},
-    {"CountTrack::counts", {64, 32}, {224, 32}},
     {"fit_trajectory", {2944, 0}, {3488, 0}},
     {"Trajectory::positions", {448, 0}, {672, 0}},
     {"CountTrajectory::make", {0, 1120}, {0, 1408}},
@@ -132,11 +135,8 @@ constexpr std::array<FunctionBudget, 23> stack{{
     {"Cia402Bus::receive", {288, 288}, {288, 288}},
 }};
 
-// The first line has the required numbers: 140 in double on a Cortex-M7, 130 in single precision on a
-// Cortex-M4F.
-constexpr std::array<FunctionBudget, 17> instructions{{
-    {"CountTrack::counts", {140, 130}, {3600, 130}},
-    {"CountTrack::counts(longest)", {210, 210}, {4000, 210}},
+// CountTrajectory::counts is asked for in 140 on a Cortex-M7 and 130 on a Cortex-M4F.
+constexpr std::array<FunctionBudget, 14> instructions{{
     {"fit_trajectory", {1'800'000, 0}, {51'000'000, 0}},
     {"CountTrajectory::make", {0, 890'000}, {0, 14'700'000}},
     {"Trajectory::positions", {310, 0}, {7450, 0}},
@@ -146,7 +146,6 @@ constexpr std::array<FunctionBudget, 17> instructions{{
     {"Track::motion", {520, 520}, {15'700, 530}},
     {"frame_time_of_tick", {74, 74}, {820, 74}},
     {"solve", {180'000, 210'000}, {6'900'000, 212'000}},
-    {"CountTrack::make", {240'000, 120'000}, {5'700'000, 2'750'000}},
     {"Move::positions", {210, 230}, {4050, 230}},
     {"Playhead::tick", {210, 180}, {1500, 210}},
     {"Playhead::tick(ramps)", {1150, 1200}, {16'000, 1250}},
@@ -211,6 +210,10 @@ std::span<const FunctionBudget> stack_limits() {
 
 std::span<const FunctionBudget> instruction_limits() {
   return instructions;
+}
+
+std::int64_t usual_trajectory_pieces(std::int64_t segments, std::int64_t spans) {
+  return 20 * segments + 4 * spans;
 }
 
 std::int32_t usual_pieces_per_segment(double delta) {

@@ -40,18 +40,22 @@ struct BudgetObject {
   std::optional<std::int64_t> in_float;
 };
 
-inline constexpr std::size_t budget_object_count = 16;
+inline constexpr std::size_t budget_object_count = 17;
 
 /// The number of cells into which the time line is cut for the bounds of stops.
 inline constexpr std::int64_t budget_stop_cells = 256;
 
 /// The memory of every object of the core that its caller provides. Elements have the same size on x86-64,
 /// arm64 and Cortex-M (held by Embedded.CortexM7HasTheBitsOfThisMachine and its neighbours). The inverse has
-/// usual_pieces_per_segment() pieces a segment. A count track in single precision is made from a track in
-/// double; therefore it is within 0.1 counts. Rolls, stop bounds and playhead are those of a move of one
+/// usual_pieces_per_segment() pieces a segment, a trajectory usual_trajectory_pieces(). It is in double, and
+/// its counts in single precision. Rolls, stop bounds and playhead are those of a move of one
 /// track. The playhead is an object itself and holds two pointers: on a Cortex-M it takes 8 bytes less. So do
 /// drives and their bus, which hold pointers and lengths.
 std::array<BudgetObject, budget_object_count> budget_objects(const BudgetCapacity& capacity);
+
+/// The number of pieces that the trajectory of a smooth path at a drawn speed usually takes, and its counts.
+/// It suffices for every example. The core says how many it needs.
+std::int64_t usual_trajectory_pieces(std::int64_t segments, std::int64_t spans);
 
 /// The number of pieces that the inverse of arc length usually takes for a segment, averaged over a path. It
 /// suffices for every example and, at the default delta, for three of four smooth paths through random keys.

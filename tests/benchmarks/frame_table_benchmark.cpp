@@ -9,7 +9,6 @@
 
 #include "inbetween/path/arc_length.hpp"
 #include "inbetween/path/path.hpp"
-#include "inbetween/timing/count_track.hpp"
 #include "inbetween/timing/frame_table.hpp"
 #include "inbetween/timing/ode_frame_table.hpp"
 #include "inbetween/timing/speed_profile.hpp"
@@ -84,28 +83,6 @@ void tick(benchmark::State& state) {
   }
 }
 BENCHMARK(tick)->Arg(3)->Arg(16);
-
-/// The same in the counts of drives.
-void count_tick(benchmark::State& state) {
-  Subject subject(8, 7, static_cast<std::size_t>(state.range(0)), 240);
-  const Track<double> source = subject.make_track();
-  const std::vector<double> counts_per_unit(subject.axes(), 1000.0);
-  const CountSizes sizes = count_sizes<double>(source);
-  std::vector<CountPortion<double>> portions(sizes.portions + 1);
-  std::vector<CountSpan<double>> spans(sizes.spans);
-  std::vector<CountPiece<double>> pieces(sizes.pieces + 1);
-  std::vector<CountCubic<double>> cubics(pieces.size() * subject.axes());
-  const CountTrack<double> track =
-      CountTrack<double>::make(source, counts_per_unit, {portions, spans, pieces, cubics}).value();
-  RandomTimes times;
-  std::vector<std::int32_t> counts(subject.axes());
-  for (auto _ : state) {
-    track.counts(times.next(), counts);
-    benchmark::DoNotOptimize(counts.data());
-    benchmark::ClobberMemory();
-  }
-}
-BENCHMARK(count_tick)->Arg(3)->Arg(16);
 
 /// The places of all frames alone, in runs that share a span and a piece.
 void frames_in_runs(benchmark::State& state) {

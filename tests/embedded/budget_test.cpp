@@ -74,8 +74,8 @@ TEST(Budget, EveryFunctionKeepsToItsStack) {
 }
 
 TEST(Budget, TheTickOfADriveIsAsQuickAsWasAskedFor) {
-  EXPECT_LE(measured("instructions", "cortex-m4f").at("CountTrack::counts/float"), 130);
-  EXPECT_LE(measured("instructions", "cortex-m7").at("CountTrack::counts/double"), 140);
+  EXPECT_LE(measured("instructions", "cortex-m4f").at("CountTrajectory::counts/float"), 130);
+  EXPECT_LE(measured("instructions", "cortex-m7").at("CountTrajectory::counts/float"), 140);
 }
 
 }  // namespace

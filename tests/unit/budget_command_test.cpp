@@ -16,15 +16,17 @@
 
 #include "host_tools/cli/budget.hpp"
 #include "host_tools/files/move_file.hpp"
+#include "host_tools/plan/fitted_trajectory.hpp"
 #include "host_tools/plan/plan.hpp"
 #include "inbetween/can/cia402_drive.hpp"
 #include "inbetween/limits/roll.hpp"
 #include "inbetween/limits/stop_bounds.hpp"
 #include "inbetween/play/playhead.hpp"
-#include "inbetween/timing/count_track.hpp"
 #include "inbetween/timing/key_timing.hpp"
 #include "inbetween/timing/ode_frame_table.hpp"
 #include "inbetween/timing/track.hpp"
+#include "inbetween/trajectory/count_trajectory.hpp"
+#include "inbetween/trajectory/fit.hpp"
 #include "tests/support/places.hpp"
 #include "tests/support/run_program.hpp"
 
@@ -178,14 +180,12 @@ TEST(Budget, IsWhatTheStoragesOfTheCoreTake) {
   expect_size(bytes_of(capacity, "breaks"), sizeof(std::array<Portion<double>, 4>));
   expect_size(bytes_of(capacity, "timed by frames"), sizeof(std::array<KeyInterval<double>, 8>));
   expect_size(bytes_of(capacity, "Runge-Kutta"), sizeof(std::array<OdeSegment<double>, 9>));
-  // Three breaks make four portions. The storage has room for the most spans that a curve is cut into; this
-  // one, of nine, is cut into 144, or 72.
-  expect_size(bytes_of(capacity, "count track"),
-              sizeof(CountTrackStorage<double, 3, 10, std::size_t{8} * 52, 4>) -
-                  (254 - 144) * sizeof(CountSpan<double>));
-  expect_size(bytes_of(capacity, "count track", false),
-              sizeof(CountTrackStorage<float, 3, 10, std::size_t{8} * (26 + 7), 4>) -
-                  (126 - 72) * sizeof(CountSpan<float>));
+  // 8 segments and 9 spans; the joints between them may be breaks, each with a row of its own.
+  expect_size(bytes_of(capacity, "trajectory"), sizeof(std::array<TrajectoryPiece, 196>) +
+                                                    sizeof(std::array<std::uint32_t, 196>) +
+                                                    sizeof(std::array<double, (196 + 17 + 1) * 4 * 3>));
+  expect_size(bytes_of(capacity, "its counts", false),
+              sizeof(std::array<CountTrajectoryPiece, 196>) + sizeof(std::array<CountPolynomial, 3 * 196>));
 }
 
 TEST(Budget, IsWhatPlayingTakes) {
@@ -222,6 +222,13 @@ TEST(Budget, HasRoomForThePiecesOfEveryExample) {
         EXPECT_LE(inverse->piece_count(), usual_pieces_per_segment(delta) * path.key_count())
             << name << " at " << delta;
       }
+      const FittedTrajectory fitted(solved.track());
+      const std::int64_t usual =
+          usual_trajectory_pieces(path.segment_count(), solved.track().profile().span_count());
+      const std::vector<double> counts_per_unit(fitted->axis_count(), 1000);
+      EXPECT_LE(static_cast<std::int64_t>(fitted->pieces().size()), usual) << name;
+      EXPECT_LE(static_cast<std::int64_t>(*CountTrajectory::piece_count(*fitted, counts_per_unit)), usual)
+          << name;
     }
   }
 }

@@ -5,7 +5,6 @@
 
 #include "inbetween/base/hash.hpp"
 #include "inbetween/play/playhead.hpp"
-#include "inbetween/timing/count_track.hpp"
 #include "inbetween/timing/frame_table.hpp"
 #include "inbetween/timing/key_timing.hpp"
 #include "inbetween/timing/ode_frame_table.hpp"
@@ -27,14 +26,6 @@
 namespace inbetween::embedded {
 namespace {
 
-/// On a Cortex-M4 std::fma(double) is a function of the C library, and newlib's rounds twice. There a
-/// CountTrack is one of floats.
-#ifdef __ARM_FP
-constexpr bool has_fused_double = (__ARM_FP & 0x8) != 0;
-#else
-constexpr bool has_fused_double = true;
-#endif
-
 template <Precise Real>
 void hash_ticks(const Track<Real>& track, const Move& move) {
   std::array<Real, max_axes> positions{};
@@ -55,38 +46,6 @@ void hash_ticks(const Track<Real>& track, const Move& move) {
   }
   print_hash("positions", position_hash.value());
   print_hash("motion", motion_hash.value());
-}
-
-/// One for every two keys with a frame.
-constexpr std::size_t max_portions = max_keys - 1;
-
-template <Precise Real>
-void hash_counts(const Track<double>& track, const Move& move) {
-  static CountTrackStorage<Real, max_axes, max_values, max_pieces, max_portions> storage;
-  const std::array scale{move.counts_per_unit, -move.counts_per_unit, move.counts_per_unit / 7};
-  const auto axes = static_cast<std::size_t>(move.axis_count);
-  const auto counts = CountTrack<Real>::make(track, std::span(scale).first(axes), storage.memory());
-  if (!counts) {
-    fail(name_of<Real>, move, counts.error());
-    return;
-  }
-  std::array<std::int32_t, max_axes> position{};
-  Fnv1a count_hash;
-  Fnv1a offset_hash;
-  for (std::int64_t tick = 0; tick <= last_tick(move.frames, move.fps, move.rate_hz); ++tick) {
-    const FrameTime<Real> time = frame_time_of_tick<Real>(tick, move.fps, move.rate_hz);
-    counts->counts(time, std::span(position).first(axes));
-    for (std::size_t d = 0; d < axes; ++d) {
-      count_hash.add(position[d]);
-      offset_hash.add(counts->position(time, static_cast<std::int32_t>(d)).offset);
-    }
-  }
-  print(name_of<Real>);
-  print("_counts ");
-  print(move.name);
-  print_hash("counts", count_hash.value());
-  print_hash("offsets", offset_hash.value());
-  print("\n");
 }
 
 void hash_peaks(const Trajectory& trajectory) {
@@ -181,10 +140,6 @@ void report(const Move& move) {
   print_hash("table", hash_of(table->points()));
   hash_ticks(*track, move);
   print("\n");
-  if constexpr (std::same_as<Real, double>) {
-    hash_counts<float>(*track, move);
-    if constexpr (has_fused_double) hash_counts<double>(*track, move);
-  }
 }
 
 /// What the elements of the core's memory take. `inbetween budget` computes with those of the machine that it
@@ -195,8 +150,8 @@ void report_sizes() {
   print(name_of<Real>);
   for (const std::size_t size :
        {sizeof(Cubic<Real>), sizeof(ArcPiece<Real>), sizeof(TwoSum<Real>), sizeof(SpeedSpan<Real>),
-        sizeof(PathPoint<Real>), sizeof(OdeSegment<Real>), sizeof(CountSpan<Real>), sizeof(CountPiece<Real>),
-        sizeof(CountCubic<Real>), sizeof(CountPortion<Real>), sizeof(Portion<Real>),
+        sizeof(PathPoint<Real>), sizeof(OdeSegment<Real>), sizeof(TrajectoryPiece),
+        sizeof(CountTrajectoryPiece), sizeof(CountPolynomial), sizeof(Portion<Real>),
         sizeof(KeyInterval<Real>), sizeof(KeyLock), sizeof(FrameTime<Real>), sizeof(AxisMotion<Real>),
         sizeof(RollAxis<Real>), sizeof(StopCell<Real>), sizeof(MotionTriple),
         sizeof(Playhead<Real>) - 4 * sizeof(void*)}) {

@@ -6,7 +6,6 @@
 
 #include "examples/firmware/board.hpp"
 #include "inbetween/play/playhead.hpp"
-#include "inbetween/timing/count_track.hpp"
 #include "inbetween/timing/track.hpp"
 #include "inbetween/trajectory/count_trajectory.hpp"
 #include "inbetween/trajectory/fit.hpp"
@@ -26,8 +25,6 @@ using namespace inbetween;
 extern "C" {
 void tick_positions_float(const Track<float>& track, const FrameTime<float>& time, float* out);
 void tick_positions_double(const Track<double>& track, const FrameTime<double>& time, double* out);
-void tick_counts_float(const CountTrack<float>& track, const FrameTime<float>& time, std::int32_t* out);
-void tick_counts_double(const CountTrack<double>& track, const FrameTime<double>& time, std::int32_t* out);
 void tick_motion_float(const Track<float>& track, const FrameTime<float>& time, AxisMotion<float>* out);
 void tick_motion_double(const Track<double>& track, const FrameTime<double>& time, AxisMotion<double>* out);
 void tick_move_float(const Move<float>& move, const FrameTime<float>& time, float* out);
@@ -46,12 +43,6 @@ TICK tick_positions_float(const Track<float>& track, const FrameTime<float>& tim
 }
 TICK tick_positions_double(const Track<double>& track, const FrameTime<double>& time, double* out) {
   track.positions(time, std::span(out, 3));
-}
-TICK tick_counts_float(const CountTrack<float>& track, const FrameTime<float>& time, std::int32_t* out) {
-  track.counts(time, std::span(out, 3));
-}
-TICK tick_counts_double(const CountTrack<double>& track, const FrameTime<double>& time, std::int32_t* out) {
-  track.counts(time, std::span(out, 3));
 }
 TICK tick_motion_float(const Track<float>& track, const FrameTime<float>& time, AxisMotion<float>* out) {
   track.motion(time, std::span(out, 3));
@@ -282,8 +273,6 @@ bool measure_trajectory(const Track<double>& track) {
 
 SolvedMove<float> single_move;
 SolvedMove<double> double_move;
-CountTrackStorage<float, 3, speed.size(), 500> single_counts;
-CountTrackStorage<double, 3, speed.size(), 500> double_counts;
 PlayedMove<float> single_play;
 PlayedMove<double> double_play;
 
@@ -302,30 +291,13 @@ bool run() {
     print("FAILED: the subject has no track\n");
     return false;
   }
-  auto counts = CountTrack<float>::make(*track, counts_per_unit, single_counts.memory());
-  print_line("CountTrack::make/float", instructions_of([&] {
-               counts = CountTrack<float>::make(*track, counts_per_unit, single_counts.memory());
-             }));
-  auto wide_counts = CountTrack<double>::make(*track, counts_per_unit, double_counts.memory());
-  print_line("CountTrack::make/double", instructions_of([&] {
-               wide_counts = CountTrack<double>::make(*track, counts_per_unit, double_counts.memory());
-             }));
-  if (!counts || !wide_counts) {
-    print("FAILED: the subject has no count track\n");
-    return false;
-  }
-  std::array<std::int32_t, 3> out{};
   std::array<float, 3> single_out{};
   std::array<double, 3> double_out{};
   std::array<AxisMotion<float>, 3> single_motion{};
   std::array<AxisMotion<double>, 3> double_motion{};
-  measure<float>("CountTrack::counts/float", tick_counts_float, *counts, out.data());
-  measure_longest<float>("CountTrack::counts(longest)/float", tick_counts_float, *counts, out.data());
   measure<float>("Track::positions/float", tick_positions_float, *single, single_out.data());
   measure<float>("Track::motion/float", tick_motion_float, *single, single_motion.data());
   measure_frame_time<float>("frame_time_of_tick/float");
-  measure<double>("CountTrack::counts/double", tick_counts_double, *wide_counts, out.data());
-  measure_longest<double>("CountTrack::counts(longest)/double", tick_counts_double, *wide_counts, out.data());
   measure<double>("Track::positions/double", tick_positions_double, *track, double_out.data());
   measure<double>("Track::motion/double", tick_motion_double, *track, double_motion.data());
   measure_frame_time<double>("frame_time_of_tick/double");
