@@ -110,7 +110,7 @@ TEST(BudgetCommand, TakesEveryPartOfTheCapacityFromItsOption) {
       .keys = 21, .axes = 5, .control_values = 33, .frames = 1000, .delta = 1e-4, .locks = 4};
   for (const BudgetObject& object : budget_objects(capacity)) {
     EXPECT_EQ(numbers_behind(run.out, std::string(object.name)),
-              (std::vector{*object.in_double, *object.in_float}))
+              (std::vector{object.in_double.value_or(0), object.in_float.value_or(0)}))
         << object.name;
   }
 }
