@@ -30,7 +30,7 @@ struct CellCeiling {
 };
 
 inline constexpr std::size_t max_steps = 256;
-/// Of a track that is fitted at a time; bound_move takes shorter stretches where one has more.
+/// So much of a track is fitted at a time; bound_move takes shorter stretches where one has more.
 inline constexpr std::size_t max_trajectory_pieces = 8192;
 inline constexpr std::size_t max_trajectory_breaks = 512;
 /// Knots of the curve, passings of knots of the path, and standstills between them.

@@ -1,60 +1,45 @@
 #include "host_tools/plan/bounded_move.hpp"
 
 #include <algorithm>
-#include <memory>
 #include <utility>
 
+#include "host_tools/plan/fitted_trajectory.hpp"
 #include "host_tools/plan/solved_track.hpp"
 
 namespace inbetween {
 namespace {
 
-/// A longer track is fitted in stretches: 16 pieces a joint are more than most take.
-constexpr std::size_t max_stretch = 257;
+/// More than most take.
 constexpr std::size_t pieces_per_joint = 16;
-/// Of one stretch between two joints, which must fit.
+/// Between two joints, which must fit.
 constexpr std::size_t min_pieces = 64;
 
 constexpr std::size_t usual_steps = 64;
 
-/// What bound_move works in. Most of it is not touched, so it is not set to 0.
+/// What bound_move works in.
 class WorkingMemory {
  public:
   explicit WorkingMemory(const Move<double>& move) {
+    std::size_t joints = 0;
+    std::size_t axes = 0;
     for (const Track<double>& track : move.tracks()) {
-      joints_ = std::max(joints_, max_joints(track));
-      axes_ = std::max(axes_, static_cast<std::size_t>(track.path().axis_count()));
+      joints = std::max(joints, max_joints(track));
+      axes = std::max(axes, static_cast<std::size_t>(track.path().axis_count()));
     }
-    const std::size_t stretch = std::min(joints_, max_stretch);
-    pieces_ = std::max(pieces_per_joint * stretch, min_pieces);
-    joint_memory_.resize(joints_);
-    travel_.resize(axes_);
-    peaks_.resize(axes_);
-    steps_.resize(axes_);
+    // The joints at both ends of a stretch, and the one behind it.
+    const std::size_t stretch = std::min(joints, max_joints_at_a_time + 2);
+    room_.reserve(stretch, axes, std::max(pieces_per_joint * stretch, min_pieces));
+    joints_.resize(joints);
+    travel_.resize(axes);
+    peaks_.resize(axes);
+    steps_.resize(axes);
     places_.resize(move.axis_count());
-    samples_.resize(3 * axes_);
-    numbers_.resize(5 * axes_);
-    breaks_.resize(stretch + 1);
-    unbounded_.resize(3 * axes_ * (stretch + 1));
-    grow(1);
   }
 
-  /// Room for so many times as many pieces.
-  void grow(std::size_t times) {
-    pieces_ *= times;
-    piece_memory_ = std::make_unique_for_overwrite<TrajectoryPiece[]>(pieces_);
-    value_memory_ = std::make_unique_for_overwrite<double[]>(4 * axes_ * (pieces_ + breaks_.size() + 1));
-    bucket_memory_ = std::make_unique_for_overwrite<std::uint32_t[]>(pieces_);
-  }
+  void grow() { room_.grow(); }
   [[nodiscard]] MoveBoundsMemory memory() {
-    return {.joints = joint_memory_,
-            .trajectory = {.pieces = {piece_memory_.get(), pieces_},
-                           .values = {value_memory_.get(), 4 * axes_ * (pieces_ + breaks_.size() + 1)},
-                           .buckets = {bucket_memory_.get(), pieces_},
-                           .breaks = breaks_,
-                           .unbounded = unbounded_,
-                           .samples = samples_,
-                           .numbers = numbers_},
+    return {.joints = joints_,
+            .trajectory = room_.memory(),
             .travel = travel_,
             .peaks = peaks_,
             .steps = steps_,
@@ -62,17 +47,8 @@ class WorkingMemory {
   }
 
  private:
-  std::size_t joints_ = 0;
-  std::size_t axes_ = 0;
-  std::size_t pieces_ = 0;
-  std::vector<SampledJoint> joint_memory_;
-  std::unique_ptr<TrajectoryPiece[]> piece_memory_;
-  std::unique_ptr<double[]> value_memory_;
-  std::unique_ptr<std::uint32_t[]> bucket_memory_;
-  std::vector<TrajectoryBreak> breaks_;
-  std::vector<UnboundedSide> unbounded_;
-  std::vector<AxisMotion<double>> samples_;
-  std::vector<double> numbers_;
+  TrajectoryRoom room_;
+  std::vector<SampledJoint> joints_;
   std::vector<double> travel_;
   std::vector<AxisPeaks<double>> peaks_;
   std::vector<TrajectoryStep> steps_;
@@ -94,8 +70,6 @@ BoundedMove::BoundedMove(const Move<double>& move, BoundRequest request)
                      .motors = request.motors.size(),
                      .room = room_,
                      .suprema = suprema_};
-  } else {
-    bounds_.cells.line.cells = 0;
   }
   bounds_.peaks = peaks_;
   while (true) {
@@ -113,7 +87,7 @@ BoundedMove::BoundedMove(const Move<double>& move, BoundRequest request)
           return track.path().axis_count() <= static_cast<std::int32_t>(max_trajectory_axes);
         });
     if (!may_grow) throw SolverError(bounded.error());
-    memory.grow(2);
+    memory.grow();
   }
 }
 

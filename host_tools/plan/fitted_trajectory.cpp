@@ -10,39 +10,44 @@ namespace {
 /// Pieces between two joints at first: most stretches take less.
 constexpr std::size_t usual_pieces = 8;
 
-template <class T>
-void grow(std::vector<T>& memory, std::size_t size) {
-  if (memory.size() < size) memory.resize(size);
-}
-
 }  // namespace
 
+void TrajectoryRoom::reserve(std::size_t joints, std::size_t axes, std::size_t pieces) {
+  if (joints <= joints_ && axes <= axes_ && pieces <= pieces_) return;
+  joints_ = std::max(joints_, joints);
+  axes_ = std::max(axes_, axes);
+  pieces_ = std::max(pieces_, pieces);
+  piece_memory_ = std::make_unique_for_overwrite<TrajectoryPiece[]>(pieces_);
+  values_ = std::make_unique_for_overwrite<double[]>(value_count());
+  buckets_ = std::make_unique_for_overwrite<std::uint32_t[]>(pieces_);
+  breaks_.resize(joints_);
+  unbounded_.resize(3 * joints_ * axes_);  // either side, and between two joints
+  samples_.resize(3 * axes_);
+  numbers_.resize(5 * axes_);
+}
+
+TrajectoryMemory TrajectoryRoom::memory() {
+  return {.pieces = {piece_memory_.get(), pieces_},
+          .values = {values_.get(), value_count()},
+          .buckets = {buckets_.get(), pieces_},
+          .breaks = breaks_,
+          .unbounded = unbounded_,
+          .samples = samples_,
+          .numbers = numbers_};
+}
+
 Trajectory TrajectoryFitter::fit(const TrackSampler& sampler, const FitTolerances& tolerances) {
-  make_room_for(sampler);
+  const std::size_t joints = sampler.joints().size();
+  room_.reserve(joints, sampler.axis_count(), usual_pieces * joints);
   while (true) {
-    const Result<Trajectory> fitted = fit_trajectory(
-        sampler, tolerances, {pieces_, values_, buckets_, breaks_, unbounded_, samples_, numbers_});
+    const Result<Trajectory> fitted = fit_trajectory(sampler, tolerances, room_.memory());
     if (fitted) return *fitted;
-    // What it needed when it gave up is not yet all: at least twice as much, so that few tries are made.
+    // What it needed when it gave up is not yet all: twice as much, so that few tries are made.
     const bool may_grow =
         fitted.error().code == ErrorCode::capacity && sampler.axis_count() <= max_trajectory_axes;
     if (!may_grow) throw SolverError(fitted.error());
-    pieces_.resize(2 * pieces_.size());
-    values_.resize(2 * values_.size());
-    buckets_.resize(pieces_.size());
+    room_.grow();
   }
-}
-
-void TrajectoryFitter::make_room_for(const TrackSampler& sampler) {
-  const std::size_t joints = sampler.joints().size();
-  const std::size_t axes = sampler.axis_count();
-  grow(pieces_, usual_pieces * joints);
-  grow(values_, usual_pieces * joints * 4 * axes);
-  grow(buckets_, pieces_.size());
-  grow(breaks_, joints);
-  grow(unbounded_, 3 * joints * axes);  // either side, and between two joints
-  grow(samples_, 3 * axes);
-  grow(numbers_, 5 * axes);
 }
 
 SampledTrack::SampledTrack(const Track<double>& track)

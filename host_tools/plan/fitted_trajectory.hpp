@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -11,22 +12,38 @@
 
 namespace inbetween {
 
-/// Memory for one trajectory at a time: it grows with the largest that is asked for.
+/// Room for one trajectory at a time. Most of it is not touched, so it is not set to 0.
+class TrajectoryRoom {
+ public:
+  /// It grows to at least this: for so many joints and axes, and so many pieces.
+  void reserve(std::size_t joints, std::size_t axes, std::size_t pieces);
+  /// Twice as many pieces.
+  void grow() { reserve(joints_, axes_, 2 * pieces_); }
+  [[nodiscard]] TrajectoryMemory memory();
+
+ private:
+  [[nodiscard]] std::size_t value_count() const { return 4 * axes_ * (pieces_ + joints_); }
+
+  std::size_t joints_ = 0;
+  std::size_t axes_ = 0;
+  std::size_t pieces_ = 0;
+  std::unique_ptr<TrajectoryPiece[]> piece_memory_;
+  std::unique_ptr<double[]> values_;
+  std::unique_ptr<std::uint32_t[]> buckets_;
+  std::vector<TrajectoryBreak> breaks_;
+  std::vector<UnboundedSide> unbounded_;
+  std::vector<AxisMotion<double>> samples_;
+  std::vector<double> numbers_;
+};
+
+/// Fits one trajectory at a time: its room grows with the largest that is asked for.
 class TrajectoryFitter {
  public:
   /// Holds until the next one is fitted. Throws SolverError where there are more axes than the core takes.
   Trajectory fit(const TrackSampler& sampler, const FitTolerances& tolerances = {});
 
  private:
-  void make_room_for(const TrackSampler& sampler);
-
-  std::vector<TrajectoryPiece> pieces_;
-  std::vector<double> values_;
-  std::vector<std::uint32_t> buckets_;
-  std::vector<TrajectoryBreak> breaks_;
-  std::vector<UnboundedSide> unbounded_;
-  std::vector<AxisMotion<double>> samples_;
-  std::vector<double> numbers_;
+  TrajectoryRoom room_;
 };
 
 /// The joints of a track in memory from the heap.

@@ -9,10 +9,6 @@
 namespace inbetween {
 namespace {
 
-/// Joints that are fitted at a time, if there is room: more need memory, fewer fit the joints at their ends
-/// twice.
-constexpr std::size_t joints_at_a_time = 256;
-
 /// A rate change that is so much lower makes a stop that much longer, and a quarter of it costs twice the
 /// time.
 constexpr double cell_room = 0.005;
@@ -56,7 +52,7 @@ class TrackBounding {
     step_from_rest(*sampler, RollEnd::before);
     const std::size_t last = sampler->joints().size() - 1;
     for (std::size_t joint = 0; joint < last;) {
-      const Result<std::size_t> taken = take(*sampler, joint, std::min(joints_at_a_time, last - joint));
+      const Result<std::size_t> taken = take(*sampler, joint, std::min(max_joints_at_a_time, last - joint));
       if (!taken) return taken.error();
       joint += *taken;
     }
@@ -90,7 +86,6 @@ class TrackBounding {
   }
   void take(const Trajectory& trajectory, const FrameTime<double>& from, const FrameTime<double>& to,
             bool has_more) {
-    out_.loosened = std::max(out_.loosened, trajectory.loosened());
     bound_trajectory(trajectory, from, to, memory_.peaks.first(axes_));
     for (std::size_t d = 0; d < axes_; ++d) out_.peaks[first_axis_ + d].raise(memory_.peaks[d]);
     for (const TrajectoryBreak& at : trajectory.breaks()) {
@@ -117,8 +112,8 @@ class TrackBounding {
     raise(room[2], peaks.jerk.value);
   }
 
-  /// Where the whole move begins or ends with a step and no roll. Inside the whole it rests, or is joined by
-  /// a roll.
+  /// The whole move begins or ends with a step where it has no roll. Inside the whole a part rests, or a roll
+  /// joins it.
   void step_from_rest(const TrackSampler& sampler, RollEnd end) {
     const bool is_start = end == RollEnd::before;
     const bool is_end_of_whole = is_start ? move_.part().first == 0 : move_.part().last == move_.frames();
@@ -176,8 +171,9 @@ Status take_rolls(std::span<const RollAxis<double>> rolls, const MoveBoundsMemor
   for (std::size_t d = 0; d < rolls.size(); ++d) out.peaks[d].raise(rolls[d].peaks());
   if (out.cells.line.cells == 0) return Done{};
   for (std::size_t first = 0; first < rolls.size();) {
-    const std::size_t axes =
-        std::min({rolls.size() - first, max_trajectory_axes, memory.trajectory.values.size() / 6});
+    // One at least: where there is no room for it, raise_cells says so.
+    const std::size_t room = std::max<std::size_t>(memory.trajectory.values.size() / 6, 1);
+    const std::size_t axes = std::min({rolls.size() - first, max_trajectory_axes, room});
     const Status raised = raise_cells(rolls.subspan(first, axes), first, out.cells, memory.trajectory);
     if (!raised) return raised;
     first += axes;
@@ -190,8 +186,7 @@ void take_motors(const Move<double>& move, std::span<const CalibratedMotor> moto
   const MotionCells& cells = out.cells;
   for (std::size_t cell = 0; !motors.empty() && cell < cells.line.cells; ++cell) {
     const double frame = cells.middle_frame(cell);
-    const double whole = std::floor(frame);
-    move.positions({static_cast<std::int32_t>(whole), frame - whole}, places);
+    move.positions(moved_by<double>({}, frame), places);
     for (std::size_t m = 0; m < motors.size(); ++m) {
       bound_motor(cells, cell, m, motors[m], places[motors[m].axis]);
       const auto [velocity, acceleration, jerk] = cells.of_cell(cell)[cells.axes + m];
@@ -232,7 +227,6 @@ Status bound_move(const Move<double>& move, std::span<const AxisLimits<double>> 
         .lowest = {infinity, 0}, .highest = {-infinity, 0}, .velocity = {}, .acceleration = {}, .jerk = {}};
   std::ranges::fill(out.cells.suprema, MotionTriple{});
   out.step_count = 0;
-  out.loosened = 1;
   std::size_t first_axis = 0;
   for (std::size_t t = 0; t < move.tracks().size(); ++t) {
     const Status bounded = TrackBounding(move, t, first_axis, limits, memory, out).run();

@@ -157,17 +157,14 @@ StopBounds<Real>::StopBounds(const StopRequest<Real>& request, std::span<StopCel
 template <Precise Real>
 void write_room(std::span<const AxisLimits<Real>> limits, Real rate, Real tick_seconds,
                 std::span<MotionTriple> out) {
-  const MotionCells none{};
-  const StopRequest<Real> request{
-      .motion = none, .limits = limits, .rate = rate, .tick_seconds = tick_seconds};
+  const auto [max_rate_change, max_rate_jerk] = StopCaps<Real>(rate, tick_seconds);
   for (std::size_t d = 0; d < limits.size(); ++d) {
     const Real acceleration = slack_share<Real> * limits[d].stop_acceleration();
-    const Real jerk = slack_share<Real> * limits[d].stop_jerk().value_or(request.max_rate_change() *
-                                                                         limits[d].stop_acceleration());
+    const Real jerk =
+        slack_share<Real> * limits[d].stop_jerk().value_or(max_rate_change * limits[d].stop_acceleration());
     const std::array<Real, motion_quantities> room{
-        std::min(acceleration / request.max_rate_change(), jerk / request.max_rate_jerk()),
-        std::min(acceleration / rate / rate, jerk / (3 * rate * request.max_rate_change())),
-        jerk / rate / rate / rate};
+        std::min(acceleration / max_rate_change, jerk / max_rate_jerk),
+        std::min(acceleration / rate / rate, jerk / (3 * rate * max_rate_change)), jerk / rate / rate / rate};
     std::ranges::transform(room, out[d].begin(), [](Real value) { return static_cast<double>(value); });
   }
 }

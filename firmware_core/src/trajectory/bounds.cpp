@@ -379,11 +379,6 @@ class AxisBounds {
   std::array<Search, 3> peaks_{Search(close_share, 0), Search(close_share, 0), Search(close_share, 0)};
 };
 
-PieceRows rows_of(const Trajectory& trajectory, const TrajectoryPiece& piece) {
-  const double* values = trajectory.values().data();
-  return {values + piece.begin_row, values + piece.end_row, trajectory.axis_count()};
-}
-
 /// The bounds of a group of axes, or of what is left of one.
 void bound_group(const Trajectory& trajectory, const FrameTime<double>& from, const FrameTime<double>& to,
                  std::size_t first, std::span<AxisPeaks<double>> out) {
@@ -397,7 +392,8 @@ void bound_group(const Trajectory& trajectory, const FrameTime<double>& from, co
   for_each_part(trajectory, from, to, [&](const PiecePart& part) {
     const TrajectoryPiece& piece = *part.piece;
     with_degree(piece.degree, [&](auto degree) {
-      write_hulls<degree>(rows_of(trajectory, piece), piece.seconds, first, reach);
+      write_hulls<degree>(rows_of(piece, trajectory.values(), trajectory.axis_count()), piece.seconds, first,
+                          reach);
     });
     for (std::size_t k = 0; k < out.size(); ++k) {
       if (!bounds[k].holds(reach, k)) bounds[k].take(part);
@@ -424,8 +420,11 @@ class GroupCells {
       const Cells cells = cells_of(part);
       const bool is_whole = part.begin == 0 && part.end == 1;
       with_degree(part.piece->degree, [&](auto degree) {
-        is_whole&& cells.last - cells.first <= 1 ? take_whole<degree>(part, cells, first, count)
-                                                 : take_cell_by_cell<degree>(part, cells, first, count);
+        if (is_whole && cells.last - cells.first <= 1) {
+          take_whole<degree>(part, cells, first, count);
+        } else {
+          take_cell_by_cell<degree>(part, cells, first, count);
+        }
       });
     });
   }
@@ -438,6 +437,9 @@ class GroupCells {
   struct Cells {
     std::size_t first = 0, last = 0;
   };
+  [[nodiscard]] PieceRows rows(const TrajectoryPiece& piece) const {
+    return rows_of(piece, trajectory_.values(), trajectory_.axis_count());
+  }
   double& at(std::size_t cell, std::size_t axis, std::size_t q) { return out_[cell * stride_ + axis][q]; }
   [[nodiscard]] std::size_t cell_at(double frame) const {
     const double cell = (frame - line_.first_frame) / cell_frames_;
@@ -467,7 +469,7 @@ class GroupCells {
   void take_whole(const PiecePart& part, const Cells& cells, std::size_t first, std::size_t count) {
     const TrajectoryPiece& piece = *part.piece;
     GroupReach reach;
-    write_hulls<Degree>(rows_of(trajectory_, piece), piece.seconds, first, reach);
+    write_hulls<Degree>(rows(piece), piece.seconds, first, reach);
     for (std::size_t k = 0; k < count; ++k) {
       for (std::size_t q = 0; q < 3; ++q) {
         const double hull = std::max(lane_of(reach.highest[q + 1], k), -lane_of(reach.lowest[q + 1], k));
@@ -489,7 +491,7 @@ class GroupCells {
   template <std::size_t Degree>
   void take_cell_by_cell(const PiecePart& part, const Cells& cells, std::size_t first, std::size_t count) {
     GroupDerivatives rest;
-    write_derivatives<Degree>(rows_of(trajectory_, *part.piece), part.piece->seconds, first, rest);
+    write_derivatives<Degree>(rows(*part.piece), part.piece->seconds, first, rest);
     GroupMagnitudes most;
     if (part.begin > 0) bound_share(rest, part.begin, most);  // what lies before it
     double begin = part.begin;

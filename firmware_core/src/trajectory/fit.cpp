@@ -312,7 +312,7 @@ class TrajectoryBuilder {
       with_degree(piece.degree, [&](auto degree) {
         const HermiteWeights at = position_weights<degree>(u, piece.seconds);
         const HermiteWeights rate = hermite_weights<degree, 1>(u, piece.seconds);
-        const PieceRows rows{&memory_.values[piece.begin_row], &memory_.values[piece.end_row], axes_};
+        const PieceRows rows = rows_of(piece, memory_.values, axes_);
         const double per_speed = asked.speed > std::numeric_limits<double>::min() ? 1 / asked.speed : 0;
         for (std::size_t d = 0; d < axes_ && goes_on; ++d) {
           const double position = rows.begin[d] + sum_of<known_of(degree)>(at, rows, d);

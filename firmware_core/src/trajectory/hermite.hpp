@@ -2,9 +2,11 @@
 
 #include <array>
 #include <cstddef>
+#include <span>
 #include <type_traits>
 
 #include "inbetween/base/processor_clones.hpp"
+#include "inbetween/trajectory/trajectory.hpp"
 
 /// Hermite's polynomials: the one that has given values and derivatives at both ends of [0, 1].
 
@@ -216,6 +218,10 @@ struct PieceRows {
   const double* end;
   std::size_t axes;
 };
+
+inline PieceRows rows_of(const TrajectoryPiece& piece, std::span<const double> values, std::size_t axes) {
+  return {&values[piece.begin_row], &values[piece.end_row], axes};
+}
 
 /// The sum of an axis' numbers in both rows: one order of operations, whatever the lanes.
 template <std::size_t Known>

@@ -135,7 +135,7 @@ void Trajectory::positions(const FrameTime<double>& time, std::span<double> out)
   }
   const TrajectoryPiece& piece = pieces_[piece_at(at)];
   const double u = frames_between(piece.begin, at) * piece.inverse_frames;
-  const PieceRows rows{&values_[piece.begin_row], &values_[piece.end_row], axis_count_};
+  const PieceRows rows = rows_of(piece, values_, axis_count_);
   with_degree(piece.degree,
               [&](auto degree) { write_positions_on<degree>(rows, u, piece.seconds, out.data()); });
   if (!keeps_to_joints_) [[likely]]
@@ -155,7 +155,7 @@ Trajectory::Look Trajectory::look_at(const FrameTime<double>& time) const {
 }
 
 AxisMotion<double> Trajectory::settled(AxisMotion<double> motion, const Look& look, std::size_t axis) const {
-  const PieceRows rows{&values_[look.piece->begin_row], &values_[look.piece->end_row], axis_count_};
+  const PieceRows rows = rows_of(*look.piece, values_, axis_count_);
   if (look.is_at_end) motion.position = rows.end[axis];
   if (keeps_to_joints_) motion.position = clipped(motion.position, rows, axis);
   return look.is_outside ? AxisMotion<double>{.position = motion.position} : motion;
@@ -164,7 +164,7 @@ AxisMotion<double> Trajectory::settled(AxisMotion<double> motion, const Look& lo
 void Trajectory::motion(const FrameTime<double>& time, std::span<AxisMotion<double>> out) const {
   const Look look = look_at(time);
   const TrajectoryPiece& piece = *look.piece;
-  const PieceRows rows{&values_[piece.begin_row], &values_[piece.end_row], axis_count_};
+  const PieceRows rows = rows_of(piece, values_, axis_count_);
   with_degree(piece.degree,
               [&](auto degree) { write_motion_on<degree>(rows, look.u, piece.seconds, out.data()); });
   for (std::size_t d = 0; d < axis_count_; ++d) out[d] = settled(out[d], look, d);
@@ -173,7 +173,7 @@ void Trajectory::motion(const FrameTime<double>& time, std::span<AxisMotion<doub
 AxisMotion<double> Trajectory::motion_of(std::size_t axis, const FrameTime<double>& time) const {
   const Look look = look_at(time);
   const TrajectoryPiece& piece = *look.piece;
-  const PieceRows rows{&values_[piece.begin_row], &values_[piece.end_row], axis_count_};
+  const PieceRows rows = rows_of(piece, values_, axis_count_);
   AxisMotion<double> motion;
   with_degree(piece.degree,
               [&](auto degree) { motion = MotionWeights<degree>(look.u, piece.seconds).motion(rows, axis); });
@@ -183,7 +183,7 @@ AxisMotion<double> Trajectory::motion_of(std::size_t axis, const FrameTime<doubl
 double at_end_of_piece(const Trajectory& trajectory, const TrajectoryPiece& piece, std::size_t axis,
                        std::size_t derivative, bool is_end) {
   const std::size_t axes = trajectory.axis_count();
-  const PieceRows rows{&trajectory.values()[piece.begin_row], &trajectory.values()[piece.end_row], axes};
+  const PieceRows rows = rows_of(piece, trajectory.values(), axes);
   if (derivative < known_of(piece.degree)) return (is_end ? rows.end : rows.begin)[derivative * axes + axis];
   double sum = 0;
   with_degree(piece.degree, [&](auto degree) {

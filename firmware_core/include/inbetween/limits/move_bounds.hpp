@@ -29,15 +29,18 @@ struct MoveStep {
 /// A step below this share of the peak, or of the limit, is rounding.
 inline constexpr double step_rounding = 1e-9;
 
-/// What is proven of a move. The memory is the caller's.
+/// This holds what is proven of a move, in the caller's memory.
 struct MoveBounds {
   /// One for every axis, and behind them one for every motor: of a motor velocity, acceleration and jerk.
   std::span<AxisPeaks<double>> peaks;
   std::span<MoveStep> steps;
   std::size_t step_count = 0;  ///< of all steps; those for which `steps` has no room are left out
   MotionCells cells = {};      ///< none where CellLine::cells is 0; motors need them
-  double loosened = 1;         ///< the greatest Trajectory::loosened
 };
+
+/// So many stretches from joint to joint are fitted at a time, if there is room: more need memory, and fewer
+/// fit the joints at their ends twice.
+inline constexpr std::size_t max_joints_at_a_time = 256;
 
 /// The memory that bound_move works in, owned by the caller. It is free again behind it.
 struct MoveBoundsMemory {
@@ -70,7 +73,7 @@ struct MoveBoundsStorage {
   [[nodiscard]] MoveBoundsMemory memory() {
     return {joints, trajectory.memory(), travel, stretch_peaks, stretch_steps, {}};
   }
-  /// Where bound_move puts what it finds. The caller writes `room` where there are cells (write_room).
+  /// bound_move puts what it finds here. The caller writes `room` where there are cells (write_room).
   [[nodiscard]] MoveBounds bounds(const Move<double>& move, std::size_t cells) {
     const std::size_t axes = move.axis_count();
     return {.peaks = std::span(peaks).first(axes),

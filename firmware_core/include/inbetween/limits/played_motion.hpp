@@ -21,8 +21,8 @@ inline constexpr double frame_rounding = 1e-9;
 bool joints_of_part(std::span<const Track<double>> tracks, std::span<const Trajectory> trajectories,
                     const WholeFrames& part, RollEnd end, std::span<AxisMotion<double>> out);
 
-/// What plays: a move with the trajectories of its tracks. On the frames Move::part() they decide, to the
-/// last bit; a part of a move is on its frames the whole, bit for bit. Refers to the caller's memory.
+/// This is what plays: a move with the trajectories of its tracks. They decide on the frames Move::part(), to
+/// the last bit; a part of a move is on its frames the whole, bit for bit. Refers to the caller's memory.
 class PlayedMotion {
  public:
   /// Trajectories of whole tracks, one for each. Errors: wrong_count (there are not as many, or of other

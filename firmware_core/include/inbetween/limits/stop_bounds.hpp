@@ -75,7 +75,18 @@ struct StopObstacle {
 template <Precise Real>
 class StopBounds;
 
-/// What stop bounds are made for.
+/// The caps of |a| and |j|, where the axes could bear more.
+template <Precise Real>
+struct StopCaps {
+  Real max_rate_change;
+  Real max_rate_jerk;
+
+  StopCaps(Real rate, Real tick_seconds)
+      : max_rate_change(rate / (min_stop_ticks * tick_seconds)),
+        max_rate_jerk(max_rate_change / (min_jerk_ticks * tick_seconds)) {}
+};
+
+/// Stop bounds are made for this.
 template <Precise Real>
 struct StopRequest {
   const MotionCells& motion;  ///< what the move does
@@ -90,9 +101,9 @@ struct StopRequest {
   /// R1 = R2 = 0 there, and no place is an obstacle.
   bool may_wait = false;
 
-  /// The caps of |a| and |j|, where the axes could bear more.
-  [[nodiscard]] Real max_rate_change() const { return rate / (min_stop_ticks * tick_seconds); }
-  [[nodiscard]] Real max_rate_jerk() const { return max_rate_change() / (min_jerk_ticks * tick_seconds); }
+  [[nodiscard]] StopCaps<Real> caps() const { return {rate, tick_seconds}; }
+  [[nodiscard]] Real max_rate_change() const { return caps().max_rate_change; }
+  [[nodiscard]] Real max_rate_jerk() const { return caps().max_rate_jerk; }
 };
 
 /// How far above the truth the suprema of a cell may be and cost a stop no more than a thousandth: a share of

@@ -315,7 +315,7 @@ struct TrackStorage {
 };
 
 /// The frame, which need not be a whole one, on which a segment of the path begins; of segment_count the end.
-/// Of keys in one place the first frame is that of all. O(log N) and a bisection in time.
+/// Keys in one place have the frame of the first. O(log N) and a bisection in time.
 template <Precise Real>
 Real frame_of_segment(const Track<Real>& track, std::int32_t segment);
 

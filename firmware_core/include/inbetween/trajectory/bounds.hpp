@@ -27,7 +27,7 @@ void bound_trajectory(const Trajectory& trajectory, std::span<AxisPeaks<double>>
 /// A time line cut into cells of equal length. A piece belongs to every cell that it has a part of.
 struct CellLine {
   std::int32_t first_frame = 0, last_frame = 1;
-  std::size_t cells = 1;
+  std::size_t cells = 0;
 };
 
 /// Raises the suprema of |velocity|, |acceleration| and |jerk| of every axis in every cell, so that they are
