@@ -23,7 +23,7 @@ void TrajectoryRoom::reserve(std::size_t joints, std::size_t axes, std::size_t p
   breaks_.resize(joints_);
   unbounded_.resize(3 * joints_ * axes_);  // either side, and between two joints
   samples_.resize(3 * axes_);
-  numbers_.resize(5 * axes_);
+  numbers_.resize(fit_numbers * axes_);
 }
 
 TrajectoryMemory TrajectoryRoom::memory() {

@@ -185,6 +185,22 @@ void set_lane(Lanes<Real, bytes>& numbers, std::size_t i, Real value) {
   numbers.set(i, value);
 }
 
+/// Of a row of so many numbers a group from number `first` on; 0 behind the last.
+template <class Number>
+Number group_of(const double* row, std::size_t count, std::size_t first) {
+  if constexpr (!std::is_same_v<Number, double>) {
+    if (first + group_size <= count) return Number::from({row + first, group_size});
+  }
+  // One after the other: in a loop GCC 12 would go through memory, and wait.
+  static_assert(group_size <= 4);
+  const std::size_t left = count - first;
+  Number result(0);
+  set_lane(result, 0, row[first]);
+  if (group_size > 1 && left > 1) set_lane(result, 1, row[first + 1]);
+  if (group_size > 2 && left > 2) set_lane(result, 2, row[first + 2]);
+  return result;
+}
+
 /// Rounding may leave a value below 0. Its root is 0.
 template <Precise Real>
 Real square_root(Real number) {

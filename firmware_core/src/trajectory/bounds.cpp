@@ -107,9 +107,10 @@ Bernstein position_of(const Trajectory& trajectory, const TrajectoryPiece& piece
   return position;
 }
 
-/// How far the hulls of some axes reach on a piece: of their positions and three derivatives.
-struct GroupReach {
-  std::array<Group<double>, 4> highest, lowest;
+/// What is proven of some axes: how high and how low they go (its opposite), and three derivatives.
+struct GroupBounds {
+  Group<double> highest, lowest;
+  std::array<Group<double>, 3> peaks;
 };
 
 /// The velocity, the acceleration and the jerk of some axes on what is left of a piece.
@@ -119,17 +120,6 @@ struct GroupDerivatives {
 };
 /// A bound of the magnitude of each.
 using GroupMagnitudes = std::array<Group<double>, 3>;
-
-/// One number of a row, of a group of axes; 0 behind the last.
-template <class Number>
-Number group_of(const double* row, std::size_t axes, std::size_t axis) {
-  if constexpr (!std::is_same_v<Number, double>) {
-    if (axis + group_size <= axes) return Number::from({row + axis, group_size});
-  }
-  Number result(0);
-  for (std::size_t k = 0; k < group_size && axis + k < axes; ++k) set_lane(result, k, row[axis + k]);
-  return result;
-}
 
 /// Calls visit(k, c, n) with the coefficients, 0 to n, of the position of a group of axes less that at the
 /// begin, and of its three derivatives. They are those of position_of() and of Bernstein::derivative(), to
@@ -142,8 +132,8 @@ INBETWEEN_PART_OF_CLONES void visit_derivatives(const PieceRows& rows, double se
   constexpr std::size_t degree = Degree - first;
   std::array<Number, 4> begin, end;
   for (std::size_t j = first; j < known_of(Degree); ++j) {
-    begin[j - first] = group_of<Group<double>>(rows.begin + j * rows.axes, rows.axes, axis);
-    end[j - first] = group_of<Group<double>>(rows.end + j * rows.axes, rows.axes, axis);
+    begin[j - first] = group_of<Number>(rows.begin + j * rows.axes, rows.axes, axis);
+    end[j - first] = group_of<Number>(rows.end + j * rows.axes, rows.axes, axis);
   }
   std::array<Number, 8> c;
   const Number way = end[0] - begin[0];
@@ -177,19 +167,44 @@ INBETWEEN_PART_OF_CLONES void visit_derivatives(const PieceRows& rows, double se
   }
 }
 
+/// 1 in the lanes whose hulls on a piece are beyond what is proven, and 0 in the others.
 template <std::size_t Degree>
-[[gnu::flatten]] INBETWEEN_PROCESSOR_CLONES void write_hulls(const PieceRows& rows, double seconds,
-                                                             std::size_t axis, GroupReach& out) {
+[[gnu::flatten]] INBETWEEN_PROCESSOR_CLONES void find_beyond(const PieceRows& rows, double seconds,
+                                                             std::size_t axis, const GroupBounds& bounds,
+                                                             Group<double>& out) {
+  using Number = Group<double>;
+  const Number yes(1);
+  const Number begin = group_of<Number>(rows.begin, rows.axes, axis);
+  Number beyond(0);
   visit_derivatives<Degree>(rows, seconds, axis, [&](std::size_t k, const auto& c, std::size_t n) {
-    out.highest[k] = out.lowest[k] = c[0];
+    Number highest = c[0];
+    Number lowest = c[0];
     for (std::size_t i = 1; i <= n; ++i) {
-      out.highest[k] = greatest(out.highest[k], c[i]);
-      out.lowest[k] = least(out.lowest[k], c[i]);
+      highest = greatest(highest, c[i]);
+      lowest = least(lowest, c[i]);
     }
+    if (k == 0) {
+      highest = highest + begin;
+      lowest = lowest + begin;
+    }
+    beyond = if_less(k == 0 ? bounds.highest : bounds.peaks[k - 1], highest, yes, beyond);
+    beyond = if_less(k == 0 ? bounds.lowest : bounds.peaks[k - 1], -1 * lowest, yes, beyond);
   });
-  const Group<double> at_begin = group_of<Group<double>>(rows.begin, rows.axes, axis);
-  out.highest[0] = out.highest[0] + at_begin;
-  out.lowest[0] = out.lowest[0] + at_begin;
+  out = beyond;
+}
+/// The same of a row that is passed.
+[[gnu::flatten]] INBETWEEN_PROCESSOR_CLONES void find_beyond(const double* row, std::size_t axes,
+                                                             std::size_t axis, std::size_t known,
+                                                             const GroupBounds& bounds, Group<double>& out) {
+  using Number = Group<double>;
+  const Number yes(1);
+  const Number position = group_of<Number>(row, axes, axis);
+  Number beyond = if_less(bounds.highest, position, yes, Number(0));
+  beyond = if_less(bounds.lowest, -1 * position, yes, beyond);
+  for (std::size_t k = 1; k < known; ++k)
+    beyond =
+        if_less(bounds.peaks[k - 1], absolute(group_of<Number>(row + k * axes, axes, axis)), yes, beyond);
+  out = beyond;
 }
 
 template <std::size_t Degree>
@@ -202,18 +217,61 @@ template <std::size_t Degree>
   });
 }
 
-/// Cuts a share off the begin of what is left (de Casteljau), and bounds it.
-[[gnu::flatten]] INBETWEEN_PROCESSOR_CLONES void bound_share(GroupDerivatives& rest, double share,
-                                                             GroupMagnitudes& out) {
+/// Raises the suprema of two cells (or of one, twice) by what `most` may be, where that is near enough to
+/// what is `found`. The other lanes get a 1 in `far`.
+inline void raise_in_lanes(const Group<double>& most, const Group<double>& found, const Group<double>& room,
+                           Group<double>& one, Group<double>& other, Group<double>& far) {
   using Number = Group<double>;
-  for (std::size_t k = 0; k < out.size(); ++k) {
-    std::array<Number, 8>& c = rest.c[k];
+  const Number zero(0);
+  const Number enough = found + greatest(close_in_cell * found, room);
+  const Number is_more = if_less(least(one, other), most, Number(1), zero);
+  far = if_less(enough, most, is_more, zero);
+  one = if_less(zero, far, one, greatest(one, most));
+  other = if_less(zero, far, other, greatest(other, most));
+}
+
+/// Raises them by a whole piece.
+template <std::size_t Degree>
+[[gnu::flatten]] INBETWEEN_PROCESSOR_CLONES void raise_by_piece(const PieceRows& rows, double seconds,
+                                                                std::size_t axis, const GroupMagnitudes& room,
+                                                                GroupMagnitudes& one, GroupMagnitudes& other,
+                                                                GroupMagnitudes& far) {
+  using Number = Group<double>;
+  visit_derivatives<Degree>(rows, seconds, axis, [&](std::size_t k, const auto& c, std::size_t n) {
+    if (k == 0) return;
     Number most = absolute(c[0]);
-    for (std::size_t round = 1; round <= rest.degree[k]; ++round) {
-      for (std::size_t i = 0; i + round <= rest.degree[k]; ++i) c[i] = (1 - share) * c[i] + share * c[i + 1];
-      most = greatest(most, absolute(c[0]));
+    for (std::size_t i = 1; i <= n; ++i) most = greatest(most, absolute(c[i]));
+    Number found(0);  // where the rows do not say it
+    if (k < known_of(Degree)) {
+      found = greatest(absolute(group_of<Number>(rows.begin + k * rows.axes, rows.axes, axis)),
+                       absolute(group_of<Number>(rows.end + k * rows.axes, rows.axes, axis)));
     }
-    out[k] = most;
+    raise_in_lanes(most, found, room[k - 1], one[k - 1], other[k - 1], far[k - 1]);
+  });
+}
+
+/// Cuts a share off the begin of what is left (de Casteljau).
+INBETWEEN_PART_OF_CLONES void cut_share(GroupDerivatives& rest, double share, std::size_t k,
+                                        Group<double>& most) {
+  std::array<Group<double>, 8>& c = rest.c[k];
+  most = absolute(c[0]);
+  for (std::size_t round = 1; round <= rest.degree[k]; ++round) {
+    for (std::size_t i = 0; i + round <= rest.degree[k]; ++i) c[i] = (1 - share) * c[i] + share * c[i + 1];
+    most = greatest(most, absolute(c[0]));
+  }
+}
+[[gnu::flatten]] INBETWEEN_PROCESSOR_CLONES void drop_share(GroupDerivatives& rest, double share) {
+  Group<double> most(0);
+  for (std::size_t k = 0; k < rest.c.size(); ++k) cut_share(rest, share, k, most);
+}
+/// Raises a cell by what is cut off: what is left begins where that has ended.
+[[gnu::flatten]] INBETWEEN_PROCESSOR_CLONES void raise_by_share(GroupDerivatives& rest, double share,
+                                                                const GroupMagnitudes& room,
+                                                                GroupMagnitudes& cell, GroupMagnitudes& far) {
+  for (std::size_t k = 0; k < rest.c.size(); ++k) {
+    Group<double> most(0);
+    cut_share(rest, share, k, most);
+    raise_in_lanes(most, absolute(rest.c[k][0]), room[k], cell[k], cell[k], far[k]);
   }
 }
 
@@ -306,13 +364,14 @@ class AxisBounds {
   AxisBounds() = default;
   AxisBounds(const Trajectory& trajectory, std::size_t axis) : trajectory_(&trajectory), axis_(axis) {}
 
-  /// The rows at both ends of a part say what is reached. What is not beyond that needs no search.
-  void reach_rows(const PiecePart& part) {
-    const TrajectoryPiece& piece = *part.piece;
-    if (part.begin == 0) reach_row(&trajectory_->values()[piece.begin_row], piece, 0);
-    if (part.end == 1) reach_row(&trajectory_->values()[piece.end_row], piece, 1);
+  void reach_row(const double* row, const TrajectoryPiece& piece, double u) {
+    const std::size_t axes = trajectory_->axis_count();
+    highest_.reach(row[axis_], u, piece);
+    lowest_.reach(-row[axis_], u, piece);
+    for (std::size_t q = 0; q < peaks_.size() && q + 1 < known_of(piece.degree); ++q)
+      peaks_[q].reach(std::fabs(row[(q + 1) * axes + axis_]), u, piece);
   }
-  /// Behind the last of them.
+  /// Behind the last row.
   void begin_search() {
     const double range = highest_.reached() + lowest_.reached();
     if (range > 0 && std::isfinite(range)) {
@@ -321,15 +380,11 @@ class AxisBounds {
     }
   }
 
-  /// Whether nothing on a piece is beyond what is proven already. `k` is the axis' place in its group.
-  [[nodiscard]] bool holds(const GroupReach& reach, std::size_t k) const {
-    bool is_within =
-        lane_of(reach.highest[0], k) <= highest_.bound() && -lane_of(reach.lowest[0], k) <= lowest_.bound();
-    for (std::size_t q = 0; q < peaks_.size(); ++q) {
-      is_within = is_within && lane_of(reach.highest[q + 1], k) <= peaks_[q].bound() &&
-                  -lane_of(reach.lowest[q + 1], k) <= peaks_[q].bound();
-    }
-    return is_within;
+  /// As lane k of the bounds of its group.
+  void write_to(GroupBounds& group, std::size_t k) const {
+    set_lane(group.highest, k, highest_.bound());
+    set_lane(group.lowest, k, lowest_.bound());
+    for (std::size_t q = 0; q < peaks_.size(); ++q) set_lane(group.peaks[q], k, peaks_[q].bound());
   }
   void take(const PiecePart& part) {
     const TrajectoryPiece& piece = *part.piece;
@@ -352,13 +407,6 @@ class AxisBounds {
   }
 
  private:
-  void reach_row(const double* row, const TrajectoryPiece& piece, double u) {
-    const std::size_t axes = trajectory_->axis_count();
-    highest_.reach(row[axis_], u, piece);
-    lowest_.reach(-row[axis_], u, piece);
-    for (std::size_t q = 0; q < peaks_.size() && q + 1 < known_of(piece.degree); ++q)
-      peaks_[q].reach(std::fabs(row[(q + 1) * axes + axis_]), u, piece);
-  }
   void take_position(const Bernstein& position, const TrajectoryPiece& piece) {
     if (trajectory_->keeps_to_joints()) {  // what the ends of the piece are not, no moment of it is
       Bernstein ends;
@@ -379,27 +427,69 @@ class AxisBounds {
   std::array<Search, 3> peaks_{Search(close_share, 0), Search(close_share, 0), Search(close_share, 0)};
 };
 
-/// The bounds of a group of axes, or of what is left of one.
+/// The bounds of a group of axes, or of what is left of one. Nearly everything is within what is proven
+/// already, which is seen in lanes.
+class BoundedGroup {
+ public:
+  BoundedGroup(const Trajectory& trajectory, std::size_t first, std::size_t count)
+      : trajectory_(trajectory), first_(first), count_(count) {
+    for (std::size_t k = 0; k < count_; ++k) bounds_[k] = AxisBounds(trajectory, first + k);
+    write_lanes();
+  }
+
+  /// The rows at both ends of a part say what is reached. What is not beyond that needs no search.
+  void reach_rows(const PiecePart& part) {
+    const TrajectoryPiece& piece = *part.piece;
+    if (part.begin == 0) reach_row(piece.begin_row, piece, 0);
+    if (part.end == 1) reach_row(piece.end_row, piece, 1);
+  }
+  void begin_search() {
+    for (std::size_t k = 0; k < count_; ++k) bounds_[k].begin_search();
+    write_lanes();
+  }
+  void take(const PiecePart& part) {
+    const TrajectoryPiece& piece = *part.piece;
+    Group<double> beyond(0);
+    with_degree(piece.degree, [&](auto degree) {
+      find_beyond<degree>(rows_of(piece, trajectory_.values(), trajectory_.axis_count()), piece.seconds,
+                          first_, lanes_, beyond);
+    });
+    for (std::size_t k = 0; k < count_; ++k) {
+      if (!(lane_of(beyond, k) > 0)) continue;
+      bounds_[k].take(part);
+      bounds_[k].write_to(lanes_, k);
+    }
+  }
+  [[nodiscard]] AxisPeaks<double> peaks(std::size_t k) const { return bounds_[k].peaks(); }
+
+ private:
+  void write_lanes() {
+    for (std::size_t k = 0; k < count_; ++k) bounds_[k].write_to(lanes_, k);
+  }
+  void reach_row(std::uint32_t offset, const TrajectoryPiece& piece, double u) {
+    const double* row = &trajectory_.values()[offset];
+    Group<double> beyond(0);
+    find_beyond(row, trajectory_.axis_count(), first_, known_of(piece.degree), lanes_, beyond);
+    for (std::size_t k = 0; k < count_; ++k) {
+      if (!(lane_of(beyond, k) > 0)) continue;
+      bounds_[k].reach_row(row, piece, u);
+      bounds_[k].write_to(lanes_, k);
+    }
+  }
+
+  const Trajectory& trajectory_;
+  std::size_t first_, count_;
+  std::array<AxisBounds, group_size> bounds_;
+  GroupBounds lanes_{};
+};
+
 void bound_group(const Trajectory& trajectory, const FrameTime<double>& from, const FrameTime<double>& to,
                  std::size_t first, std::span<AxisPeaks<double>> out) {
-  std::array<AxisBounds, group_size> bounds;
-  for (std::size_t k = 0; k < out.size(); ++k) bounds[k] = AxisBounds(trajectory, first + k);
-  for_each_part(trajectory, from, to, [&](const PiecePart& part) {
-    for (std::size_t k = 0; k < out.size(); ++k) bounds[k].reach_rows(part);
-  });
-  for (std::size_t k = 0; k < out.size(); ++k) bounds[k].begin_search();
-  GroupReach reach;
-  for_each_part(trajectory, from, to, [&](const PiecePart& part) {
-    const TrajectoryPiece& piece = *part.piece;
-    with_degree(piece.degree, [&](auto degree) {
-      write_hulls<degree>(rows_of(piece, trajectory.values(), trajectory.axis_count()), piece.seconds, first,
-                          reach);
-    });
-    for (std::size_t k = 0; k < out.size(); ++k) {
-      if (!bounds[k].holds(reach, k)) bounds[k].take(part);
-    }
-  });
-  for (std::size_t k = 0; k < out.size(); ++k) out[k] = bounds[k].peaks();
+  BoundedGroup group(trajectory, first, out.size());
+  for_each_part(trajectory, from, to, [&](const PiecePart& part) { group.reach_rows(part); });
+  group.begin_search();
+  for_each_part(trajectory, from, to, [&](const PiecePart& part) { group.take(part); });
+  for (std::size_t k = 0; k < out.size(); ++k) out[k] = group.peaks(k);
 }
 
 /// This raises the suprema of a group of axes in cells.
@@ -416,17 +506,26 @@ class GroupCells {
         stride_(stride) {}
 
   void run(const FrameTime<double>& from, const FrameTime<double>& to, std::size_t first, std::size_t count) {
+    first_ = first;
+    count_ = count;
+    for (std::size_t k = 0; k < count; ++k) {
+      for (std::size_t q = 0; q < 3; ++q) set_lane(room_lanes_[q], k, room_[first + k][q]);
+    }
+    open_ = cell_at(frame_of(from));
+    lanes_ = {};
     for_each_part(trajectory_, from, to, [&](const PiecePart& part) {
       const Cells cells = cells_of(part);
       const bool is_whole = part.begin == 0 && part.end == 1;
       with_degree(part.piece->degree, [&](auto degree) {
         if (is_whole && cells.last - cells.first <= 1) {
-          take_whole<degree>(part, cells, first, count);
+          take_whole<degree>(part, cells);
         } else {
-          take_cell_by_cell<degree>(part, cells, first, count);
+          take_cell_by_cell<degree>(part, cells);
         }
       });
     });
+    close(0);
+    close(1);
   }
   void raise(const FrameTime<double>& time, std::size_t axis, std::size_t derivative) {
     const std::size_t cell = cell_at(frame_of(time));
@@ -450,80 +549,85 @@ class GroupCells {
     return {cell_at(begin + part.begin / part.piece->inverse_frames),
             cell_at(begin + part.end / part.piece->inverse_frames)};
   }
-  /// The larger magnitude of a derivative at both ends of a piece. It is 0 where the rows do not say it.
-  [[nodiscard]] double known_at_ends(const TrajectoryPiece& piece, std::size_t axis, std::size_t q) const {
-    if (q + 1 >= known_of(piece.degree)) return 0;
-    const std::size_t number = (q + 1) * trajectory_.axis_count() + axis;
-    return std::max(std::fabs(trajectory_.values()[piece.begin_row + number]),
-                    std::fabs(trajectory_.values()[piece.end_row + number]));
-  }
-
   [[nodiscard]] double border(const PiecePart& part, std::size_t cell) const {
     const double frame = line_.first_frame + cell_frames_ * static_cast<double>(cell);
     const double u = (frame - frame_of(part.piece->begin)) * part.piece->inverse_frames;
     return std::clamp(u, part.begin, part.end);
   }
 
-  /// A piece of up to two cells counts as a whole in both.
-  template <std::size_t Degree>
-  void take_whole(const PiecePart& part, const Cells& cells, std::size_t first, std::size_t count) {
-    const TrajectoryPiece& piece = *part.piece;
-    GroupReach reach;
-    write_hulls<Degree>(rows(piece), piece.seconds, first, reach);
-    for (std::size_t k = 0; k < count; ++k) {
+  /// Time goes on: two neighbouring cells are open in lanes, and pieces need no others.
+  void open(std::size_t cell) {
+    if (cell == open_) return;
+    close(0);
+    if (cell == open_ + 1) {
+      lanes_[0] = lanes_[1];
+    } else {
+      close(1);
+      lanes_[0] = {};
+    }
+    lanes_[1] = {};
+    open_ = cell;
+  }
+  void close(std::size_t i) {
+    if (open_ + i >= line_.cells) return;
+    for (std::size_t k = 0; k < count_; ++k) {
       for (std::size_t q = 0; q < 3; ++q) {
-        const double hull = std::max(lane_of(reach.highest[q + 1], k), -lane_of(reach.lowest[q + 1], k));
-        if (hull <= std::min(at(cells.first, first + k, q), at(cells.last, first + k, q))) continue;
-        const double found = known_at_ends(piece, first + k, q);
-        const double room = room_[first + k][q];
-        const bool is_close = hull <= found + std::max(close_in_cell * found, room);
-        for (std::size_t cell = cells.first; cell <= cells.last; ++cell) {
-          double& supremum = at(cell, first + k, q);
-          if (is_close) {
-            supremum = std::max(supremum, hull);
-          } else {
-            search_part(part, cells, cell, first + k, q);
-          }
-        }
+        double& supremum = at(open_ + i, first_ + k, q);
+        supremum = std::max(supremum, lane_of(lanes_[i][q], k));
       }
     }
   }
+
+  /// A piece of up to two cells counts as a whole in both.
   template <std::size_t Degree>
-  void take_cell_by_cell(const PiecePart& part, const Cells& cells, std::size_t first, std::size_t count) {
+  void take_whole(const PiecePart& part, const Cells& cells) {
+    open(cells.first);
+    const TrajectoryPiece& piece = *part.piece;
+    GroupMagnitudes far;
+    raise_by_piece<Degree>(rows(piece), piece.seconds, first_, room_lanes_, lanes_[0],
+                           lanes_[cells.last - cells.first], far);
+    search_far(part, cells, cells.first, cells.last, far);
+  }
+  template <std::size_t Degree>
+  void take_cell_by_cell(const PiecePart& part, const Cells& cells) {
     GroupDerivatives rest;
-    write_derivatives<Degree>(rows(*part.piece), part.piece->seconds, first, rest);
-    GroupMagnitudes most;
-    if (part.begin > 0) bound_share(rest, part.begin, most);  // what lies before it
+    write_derivatives<Degree>(rows(*part.piece), part.piece->seconds, first_, rest);
+    if (part.begin > 0) drop_share(rest, part.begin);
     double begin = part.begin;
     for (std::size_t cell = cells.first; cell <= cells.last; ++cell) {
       const double end = cell < cells.last ? border(part, cell + 1) : part.end;
       if (!(begin < end)) continue;
-      bound_share(rest, (end - begin) / (1 - begin), most);
+      open(cell);
+      GroupMagnitudes far;
+      raise_by_share(rest, (end - begin) / (1 - begin), room_lanes_, lanes_[0], far);
       begin = end;
-      for (std::size_t k = 0; k < count; ++k) {
-        for (std::size_t q = 0; q < 3; ++q) {
-          const double hull = lane_of(most[q], k);
-          double& supremum = at(cell, first + k, q);
-          if (hull <= supremum) continue;
-          // The rest of the piece begins where this part has ended.
-          const double found = std::fabs(lane_of(rest.c[q][0], k));
-          if (hull <= found + std::max(close_in_cell * found, room_[first + k][q])) {
-            supremum = hull;
-          } else {
-            search_part(part, cells, cell, first + k, q);
-          }
+      search_far(part, cells, cell, cell, far);
+    }
+  }
+  void search_far(const PiecePart& part, const Cells& cells, std::size_t first_cell, std::size_t last_cell,
+                  const GroupMagnitudes& far) {
+    const Group<double> any = far[0] + far[1] + far[2];
+    for (std::size_t k = 0; k < count_; ++k) {
+      if (!(lane_of(any, k) > 0)) continue;
+      for (std::size_t q = 0; q < 3; ++q) {
+        if (!(lane_of(far[q], k) > 0)) continue;
+        for (std::size_t cell = first_cell; cell <= last_cell; ++cell) {
+          Group<double>& lanes = lanes_[cell - open_][q];
+          double supremum = lane_of(lanes, k);
+          search_part(part, cells, cell, first_ + k, q, supremum);
+          set_lane(lanes, k, supremum);
         }
       }
     }
   }
   void search_part(const PiecePart& whole, const Cells& cells, std::size_t cell, std::size_t axis,
-                   std::size_t q) {
+                   std::size_t q, double& supremum) {
     Bernstein polynomial = position_of(trajectory_, *whole.piece, axis);
     for (std::size_t k = 0; k <= q; ++k) polynomial = polynomial.derivative(whole.piece->seconds);
     PiecePart part = whole;
     if (cell > cells.first) part.begin = border(whole, cell);
     if (cell < cells.last) part.end = border(whole, cell + 1);
-    if (part.begin < part.end) search(part.of(polynomial), room_[axis][q], at(cell, axis, q));
+    if (part.begin < part.end) search(part.of(polynomial), room_[axis][q], supremum);
   }
   static void search(const Bernstein& whole, double room, double& supremum) {
     std::array<Bernstein, max_depth + 1> stack;
@@ -551,6 +655,10 @@ class GroupCells {
   std::span<const MotionTriple> room_;
   std::span<MotionTriple> out_;
   std::size_t stride_;
+  std::size_t first_ = 0, count_ = 0;  ///< axes
+  GroupMagnitudes room_lanes_{};
+  std::array<GroupMagnitudes, 2> lanes_{};  ///< of the cell open_ and the next
+  std::size_t open_ = 0;
 };
 
 }  // namespace

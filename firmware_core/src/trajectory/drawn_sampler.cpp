@@ -138,15 +138,19 @@ class JointList {
     if (count_ < memory_.size()) memory_[count_] = joint;
     ++count_;
   }
-  /// At one moment, or nearer to each other along the path than the time of a place is known.
-  [[nodiscard]] bool are_one(const SampledJoint& a, const SampledJoint& b) const {
-    if (frames_between(a.time, b.time) <= same_moment) return true;
-    if (a.point_after.segment == nowhere || b.point_before.segment == nowhere) return false;
+  static bool has_points(const SampledJoint& a, const SampledJoint& b) {
+    return a.point_after.segment != nowhere && b.point_before.segment != nowhere;
+  }
+  [[nodiscard]] double way_between(const SampledJoint& a, const SampledJoint& b) const {
     const auto distance = [&](const PathPoint<double>& point) {
       return track_.arc_length().distance(track_.path(), point);
     };
-    const double way = distance(b.point_before).minus(distance(a.point_after));
-    return way <= 4 * lock_share<double> * track_.arc_length().total();
+    return distance(b.point_before).minus(distance(a.point_after));
+  }
+  /// At one moment, or nearer to each other along the path than the time of a place is known.
+  [[nodiscard]] bool are_one(const SampledJoint& a, const SampledJoint& b) const {
+    if (frames_between(a.time, b.time) <= same_moment) return true;
+    return has_points(a, b) && way_between(a, b) <= 4 * lock_share<double> * track_.arc_length().total();
   }
   /// In time; of one moment knots of the curve, breaks, and passings in the order of the path: whatever the
   /// library sorts with, the order is the same.
@@ -164,7 +168,9 @@ class JointList {
     into.curve_after = other.curve_after;
   }
   /// A knot of the curve knows the time and its spans, a knot of the path its points, a break its constants.
-  static void join(SampledJoint& into, const SampledJoint& other) {
+  void join(SampledJoint& into, const SampledJoint& other) const {
+    if (has_points(into, other) && (into.key < 0 || other.key < 0))
+      into.passed_by = std::max(into.passed_by, 2 * std::fabs(way_between(into, other)));
     if (is_inside(into.curve_after) && !is_inside(other.curve_after)) take_time(into, other);
     if (other.point_after.segment != nowhere) {
       const bool is_alone = into.point_before.segment == nowhere;

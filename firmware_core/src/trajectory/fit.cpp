@@ -5,15 +5,12 @@
 #include <cmath>
 #include <limits>
 
-#include "trajectory/drawn_sampler.hpp"
-#include "trajectory/hermite.hpp"
+#include "trajectory/piece_judge.hpp"
+#include "trajectory/sampled_rows.hpp"
 
 namespace inbetween {
 namespace {
 
-/// Where a piece is compared with what is asked: where the derivative of the error of a septic,
-/// u^4 (1 - u)^4, is largest, and nearer to its ends, where the speed may be that of a rest.
-constexpr std::array<double, 4> compared_at{0.31, 0.69, 0.88, 0.12};
 /// No piece is shorter, in frames: there the rounding of positions would be a velocity.
 constexpr double min_frames = 0x1p-36;
 /// Nor one from or to a moment at which the velocity of an axis has no bound: it would follow that axis down
@@ -26,16 +23,6 @@ constexpr double line_frames = 0x1p-20;
 constexpr std::size_t usual_pieces = 2048;
 /// A shorter piece is made from velocities, so that the rounding of positions at its ends is no jerk.
 constexpr double by_velocity_frames = 0x1p-8;
-constexpr double min_speed_share = 1e-6;
-/// Between the places at which a piece is compared it may be further off: in the middle 1.9 times, beside the
-/// others its velocity.
-constexpr double margin = 0.4;
-/// Where the first two looks find less than this share, the other two are for the ends of a stretch.
-constexpr double sure_share = 0.25;
-/// A piece twice as long is off 2^7 times as far: it is only tried where this share of the tolerances is
-/// enough.
-constexpr double easy_share = 1.0 / 64;
-
 Error no_room(const char* what, std::size_t needed) {
   return {.code = ErrorCode::capacity,
           .what = what,
@@ -51,33 +38,21 @@ class TrajectoryBuilder {
   TrajectoryBuilder(const TrackSampler& sampler, const FitTolerances& tolerances,
                     const TrajectoryMemory& memory)
       : sampler_(sampler),
-        tolerances_(tolerances),
         memory_(memory),
         axes_(sampler.axis_count()),
         here_(memory.samples.first(axes_)),
         there_(memory.samples.subspan(axes_, axes_)),
-        between_(memory.samples.subspan(2 * axes_, axes_)),
-        travel_(memory.numbers.first(axes_)),
-        min_speeds_(memory.numbers.subspan(axes_, axes_)),
-        inverse_weights_(memory.numbers.subspan(2 * axes_, axes_)),
-        off_at_begin_(memory.numbers.subspan(3 * axes_, axes_)),
-        off_at_end_(memory.numbers.subspan(4 * axes_, axes_)),
+        here_row_(memory.numbers.first(row_numbers * axes_)),
+        rows_(sampler, there_, memory.numbers.subspan(row_numbers * axes_, SampledRows::numbers * axes_)),
+        judge_(sampler, tolerances, memory.samples.subspan(2 * axes_, axes_),
+               memory.numbers.subspan((row_numbers + SampledRows::numbers) * axes_,
+                                      PieceJudge::numbers * axes_)),
         seconds_per_frame_(static_cast<double>(sampler.frame_rate().denominator) /
                            static_cast<double>(sampler.frame_rate().numerator)),
         is_cubic_(sampler.is_cubic()) {}
 
   Result<Trajectory> build() {
     const std::span<const SampledJoint> joints = sampler_.joints();
-    if (tolerances_.travel.empty()) {
-      measure_travel(sampler_, there_, travel_);
-    } else {
-      std::copy_n(tolerances_.travel.begin(), axes_, travel_.begin());
-    }
-    for (std::size_t d = 0; d < axes_; ++d) {
-      min_speeds_[d] = min_speed_share * travel_[d] / seconds_per_frame_;
-      inverse_weights_[d] = sampler_.weight(d) > 0 ? 1 / sampler_.weight(d) : 0;
-    }
-    whole_seconds_ = seconds_per_frame_ * frames_between(joints.front().time, joints.back().time);
     for (std::size_t i = 0; i < joints.size(); ++i) {
       if (i > 0) arrive_at(joints[i]);
       if (i + 1 < joints.size()) leave(joints[i]);
@@ -107,32 +82,17 @@ class TrajectoryBuilder {
   struct Row {
     std::uint32_t offset = 0;    ///< in the values
     std::uint8_t order = 3;      ///< of its highest derivative
-    bool is_off = false;         ///< SampledSpeed::off is not 0: off_at_begin_ or off_at_end_
+    double speed = 0;            ///< SampledSpeed::speed
     bool has_velocities = true;  ///< with bounds
   };
 
-  Row stored(std::span<const AxisMotion<double>> row, const SampledSpeed& known) {
-    const Row result{static_cast<std::uint32_t>(values_), known.order, known.off > 0, has_velocities(known)};
-    if (known.off > 0) sampler_.write_reach(known.point, known.off, off_at_end_);
-    const std::size_t needed = (known.order + std::size_t{1}) * axes_;
-    if (values_ + needed <= memory_.values.size()) {
-      double* out = &memory_.values[values_];
-      for (std::size_t d = 0; d < axes_; ++d) {
-        out[d] = row[d].position;
-        if (known.order >= 1) out[axes_ + d] = row[d].velocity;
-        if (known.order >= 3) {
-          out[2 * axes_ + d] = row[d].acceleration;
-          out[3 * axes_ + d] = row[d].jerk;
-        }
-      }
-    }
+  [[nodiscard]] std::size_t numbers_of(std::uint8_t order) const { return (order + std::size_t{1}) * axes_; }
+  /// The next piece begins with this row, which goes to the values.
+  void begin_with(const SampledSpeed& known, const double* row) {
+    row_ = {static_cast<std::uint32_t>(values_), known.order, known.speed, has_velocities(known)};
+    const std::size_t needed = numbers_of(known.order);
+    if (values_ + needed <= memory_.values.size()) std::copy_n(row, needed, &memory_.values[values_]);
     values_ += needed;
-    return result;
-  }
-  /// The next piece begins with this row.
-  void take(const Row& row) {
-    row_ = row;
-    if (row.is_off) std::ranges::copy(off_at_end_, off_at_begin_.begin());
   }
   static bool has_velocities(const SampledSpeed& known) { return known.order > 0 || known.speed == 0; }
   [[nodiscard]] bool is_full() const {
@@ -160,8 +120,11 @@ class TrajectoryBuilder {
       for (std::size_t d = 0; d < axes_; ++d) here_[d].position = memory_.values[row_.offset + d];
     }
     is_behind_rest_ = false;
+    write_row(here_, here_row_.data());
+    judge_.end_at(known);
+    judge_.go_on();
     if (is_first || known.order != row_.order || !is_same()) {
-      take(stored(here_, known));
+      begin_with(known, here_row_.data());
       note_unbounded(joint, known);
     } else if (!is_cubic_ || !acceleration_steps()) {
       return;
@@ -180,73 +143,65 @@ class TrajectoryBuilder {
   }
   [[nodiscard]] bool is_same() const {
     if (is_full()) return false;
-    const double* last = &memory_.values[row_.offset];
-    for (std::size_t d = 0; d < axes_; ++d) {
-      if (last[d] != here_[d].position) return false;
-      if (row_.order >= 1 && last[axes_ + d] != here_[d].velocity) return false;
-      if (row_.order < 3) continue;
-      if (last[2 * axes_ + d] != here_[d].acceleration || last[3 * axes_ + d] != here_[d].jerk) return false;
-    }
-    return true;
+    const std::size_t numbers = numbers_of(row_.order);
+    return std::ranges::equal(here_row_.first(numbers), memory_.values.subspan(row_.offset, numbers));
   }
 
   /// A stretch at rest, as one piece with one row at both ends.
   bool rest(const SampledJoint& from, const SampledJoint& to) {
     if (!sampler_.rests_behind(from)) return false;
-    TrajectoryPiece piece = piece_between(from.time, to.time, row_, row_);
+    TrajectoryPiece piece = piece_between(from.time, to.time, row_.order);
+    piece.end_row = piece.begin_row;
     piece.degree = 1;
     piece.is_exact = true;
     add(piece);
     is_behind_rest_ = true;
     return true;
   }
-  /// Halves the stretch from one joint to the next: the pieces are those of a binary tree, from left to
+  /// Halves the stretch from one joint to the next: the pieces are the leaves of a binary tree, from left to
   /// right.
   void fill(const SampledJoint& from, const SampledJoint& to) {
     const std::size_t pieces_before = pieces_;
     double loosened = 1;
-    const double frames = frames_between(from.time, to.time);
-    const bool is_bounded = row_.has_velocities && has_velocities(sampler_.arriving(to, there_));
+    rows_.begin(from, to);
+    const bool is_bounded = row_.has_velocities && has_velocities(rows_.end(0, 1).known);
     const double min = is_bounded ? min_frames : min_unbounded_frames;
     std::array<bool, max_trajectory_axes> is_sharp{};
     std::uint64_t index = 0;
     int level = 0;
     while (!is_full()) {
-      const double share = std::ldexp(1.0, -level);
-      const FrameTime<double> begin =
-          index == 0 ? from.time : moved_by(from.time, frames * share * static_cast<double>(index));
-      const bool is_last = index + 1 == std::uint64_t{1} << level;
-      const FrameTime<double> end =
-          is_last ? to.time : moved_by(from.time, frames * share * static_cast<double>(index + 1));
-      const SampledSpeed known =
-          is_last ? sampler_.arriving(to, there_) : sampler_.sample(end, known_, there_);
-      const std::size_t values_before = values_;
-      const Row end_row = stored(there_, known);
-      if (is_full()) return;
-      TrajectoryPiece piece = piece_between(begin, end, row_, end_row);
-      if (level == 0 && is_as_good_as_a_line(piece, end_row)) piece.degree = 1;
-      if (!is_cubic_ && !is_near(piece, end_row, loosened, index == 0 || is_last)) {
-        if (frames * share >= 2 * min) {
-          values_ = values_before;
+      const SampledRow& last = rows_.end(level, index + 1);
+      judge_.end_at(last.known);
+      TrajectoryPiece piece =
+          piece_between(rows_.time(level, index), rows_.time(level, index + 1), last.known.order);
+      const JudgedPiece judged{.piece = &piece,
+                               .rows = {&memory_.values[row_.offset], last.values, axes_},
+                               .loosened = loosened,
+                               .begin_speed = row_.speed,
+                               .end_speed = last.known.speed,
+                               .is_first = index == 0,
+                               .is_last = index + 1 == std::uint64_t{1} << level};
+      if (level == 0 && is_as_good_as_a_line(judged)) piece.degree = 1;
+      if (!is_cubic_ && piece.degree > 1 && !is_near(judged, level, index)) {
+        if (piece.inverse_frames * (2 * min) <= 1) {
           index *= 2;
           ++level;
           continue;
         }
         piece.degree = 1;
-        note_sharp(piece, end_row, loosened, is_sharp);
+        note_sharp(judged, is_sharp);
       }
+      piece.end_row = static_cast<std::uint32_t>(values_);
       add(piece);
       if (pieces_ - pieces_before >= usual_pieces * static_cast<std::size_t>(loosened)) {
         loosened *= 2;
         loosened_ = std::max(loosened_, loosened);
       }
-      take(end_row);
-      if (is_last) return;
-      ++index;
-      if (is_easy_ && index % 2 == 0) {
-        index /= 2;
-        --level;
-      }
+      begin_with(last.known, last.values);
+      judge_.go_on();
+      if (judged.is_last) return;
+      // On with the second half of the smallest part whose first half is done.
+      for (++index; index % 2 == 0; index /= 2) --level;
     }
     ++pieces_;  // so that a memory that is too small is told
   }
@@ -262,115 +217,63 @@ class TrajectoryBuilder {
     if (pieces_ < memory_.pieces.size()) memory_.pieces[pieces_] = piece;
     ++pieces_;
   }
+  /// It begins with `row_`, and its end is known so well.
   [[nodiscard]] TrajectoryPiece piece_between(const FrameTime<double>& begin, const FrameTime<double>& end,
-                                              const Row& first, const Row& last) const {
+                                              std::uint8_t end_order) const {
     const double frames = frames_between(begin, end);
     return {.begin = begin,
             .inverse_frames = 1 / frames,
             .seconds = frames * seconds_per_frame_,
-            .begin_row = first.offset,
-            .end_row = last.offset,
-            .degree = degree_of(std::min(first.order, last.order), frames),
+            .begin_row = row_.offset,
+            .degree = degree_of(std::min(row_.order, end_order), frames),
             .is_exact = is_cubic_};
   }
 
+  bool is_near(const JudgedPiece& judged, int level, std::uint64_t index) {
+    if (judged.piece->degree != 7) return judge_.is_near(judged);
+    const SampledRow& middle = rows_.middle(level, index);
+    if (middle.known.order < 3) return judge_.is_near(judged);
+    const bool near = judge_.is_near(judged, middle);
+    if (!near) rows_.keep_middle();
+    return near;
+  }
   /// Two joints may be so near to each other that the rounding of the velocities would be a jerk between
   /// them.
-  [[nodiscard]] bool is_as_good_as_a_line(TrajectoryPiece piece, const Row& end_row) {
-    if (is_cubic_ || piece.inverse_frames < 1 / line_frames) return false;
-    piece.degree = 1;
-    return is_near(piece, end_row, 1, true);
-  }
-  /// Whether a piece is within the tolerances in all axes: `row_` is its first row.
-  [[nodiscard]] bool is_near(const TrajectoryPiece& piece, const Row& end_row, double loosened,
-                             bool touches_joint) {
-    return compare(piece, end_row, loosened, touches_joint, [](std::size_t) { return false; });
+  bool is_as_good_as_a_line(JudgedPiece judged) {
+    if (is_cubic_ || judged.piece->inverse_frames < 1 / line_frames) return false;
+    TrajectoryPiece line = *judged.piece;
+    line.degree = 1;
+    judged.piece = &line;
+    return judge_.is_near(judged);
   }
   /// What turns more sharply than the shortest piece can is played as a line, and its acceleration has no
   /// bound.
-  void note_sharp(const TrajectoryPiece& piece, const Row& end_row, double loosened,
-                  std::span<bool> is_noted) {
-    compare(piece, end_row, loosened, true, [&](std::size_t axis) {
-      if (!is_noted[axis]) add(UnboundedSide{piece.begin, static_cast<std::int32_t>(axis), -1, 2});
-      return is_noted[axis] = true;
-    });
-  }
-  /// Goes on after an axis that is off if `off` says so. Returns whether none was.
-  template <class Off>
-  bool compare(const TrajectoryPiece& piece, const Row& end_row, double loosened, bool touches_joint,
-               const Off& off) {
-    const double frames = 1 / piece.inverse_frames;
-    const double per_second = 1 / piece.seconds;
-    const double share = margin * loosened;
-    bool near = true;
-    bool goes_on = true;
-    is_easy_ = true;
-    bool is_sure = !touches_joint;
-    for (const double u : compared_at) {
-      if (is_sure && u == compared_at[2]) break;
-      const SampledSpeed asked = sampler_.sample(moved_by(piece.begin, u * frames), known_, between_);
-      with_degree(piece.degree, [&](auto degree) {
-        const HermiteWeights at = position_weights<degree>(u, piece.seconds);
-        const HermiteWeights rate = hermite_weights<degree, 1>(u, piece.seconds);
-        const PieceRows rows = rows_of(piece, memory_.values, axes_);
-        const double per_speed = asked.speed > std::numeric_limits<double>::min() ? 1 / asked.speed : 0;
-        for (std::size_t d = 0; d < axes_ && goes_on; ++d) {
-          const double position = rows.begin[d] + sum_of<known_of(degree)>(at, rows, d);
-          const double velocity = sum_of<known_of(degree)>(rate, rows, d);
-          const double near_by = share * tolerances_.position_share * travel_[d];
-          const double near_speed = share * tolerances_.speed_share * counted_speed(d, asked.speed);
-          const double noise = noise_of(d, per_speed, end_row);
-          const double off_by = std::fabs(position - between_[d].position) - noise;
-          const double off_speed =
-              asked.order == 0 ? 0 : std::fabs(velocity - between_[d].velocity) - noise * per_second;
-          is_sure = is_sure && off_by <= sure_share * near_by && off_speed <= sure_share * near_speed;
-          is_easy_ = is_easy_ && off_by <= easy_share * near_by && off_speed <= easy_share * near_speed;
-          if (off_by <= near_by && off_speed <= near_speed) continue;
-          near = false;
-          goes_on = off(d);
-        }
-      });
-      if (!goes_on) break;
+  void note_sharp(const JudgedPiece& judged, std::span<bool> is_noted) {
+    std::array<bool, max_trajectory_axes> is_off{};
+    judge_.mark_off(judged, is_off);
+    for (std::size_t d = 0; d < axes_; ++d) {
+      if (!is_off[d] || is_noted[d]) continue;
+      add(UnboundedSide{judged.piece->begin, static_cast<std::int32_t>(d), -1, 2});
+      is_noted[d] = true;
     }
-    return near;
-  }
-  /// What the tolerance of an axis' velocity is a share of: the drawn speed; of an axis that does not count
-  /// along the path its own velocity, and its share of the way, so that it may stand still. A way of less
-  /// than a millionth in a frame is as good as a rest.
-  [[nodiscard]] double counted_speed(std::size_t d, double speed) const {
-    const double min_speed = min_speeds_[d];
-    if (const double inverse = inverse_weights_[d]; inverse > 0) return std::max(speed * inverse, min_speed);
-    const double length = sampler_.length();
-    const double rate = length > 0 ? speed / length : 1 / whole_seconds_;
-    return std::max(std::fabs(between_[d].velocity) + travel_[d] * rate, min_speed);
-  }
-  /// What rounding leaves open of a position: of the number itself, of the distance along the path, and at
-  /// rest at either end of how near the curve comes to that place. No piece is so short that this were a
-  /// speed.
-  [[nodiscard]] double noise_of(std::size_t d, double per_speed, const Row& end_row) const {
-    constexpr double rounding = distance_roundings * std::numeric_limits<double>::epsilon();
-    const AxisMotion<double>& axis = between_[d];
-    const double share = std::fabs(axis.velocity) * per_speed;
-    return rounding * (std::fabs(axis.position) + share * sampler_.length()) +
-           (row_.is_off ? off_at_begin_[d] : 0) + (end_row.is_off ? off_at_end_[d] : 0);
   }
 
   const TrackSampler& sampler_;
-  FitTolerances tolerances_;
   TrajectoryMemory memory_;
   std::size_t axes_;
-  std::span<AxisMotion<double>> here_, there_, between_;
-  std::span<double> travel_, min_speeds_, inverse_weights_, off_at_begin_, off_at_end_;
+  std::span<AxisMotion<double>> here_, there_;
+  std::span<double> here_row_;
+  SampledRows rows_;
+  PieceJudge judge_;
   double seconds_per_frame_;
   bool is_cubic_;
   bool is_behind_rest_ = false;
-  bool is_easy_ = false;  ///< what was compared last is far within the tolerances
   double loosened_ = 1;
-  double whole_seconds_ = 0;
   Row row_;
-  SampledSegment known_;
   std::size_t pieces_ = 0, values_ = 0, breaks_ = 0, unbounded_ = 0;
 };
+
+static_assert(fit_numbers == row_numbers + SampledRows::numbers + PieceJudge::numbers);
 
 void measure_travel(const TrackSampler& sampler, std::span<AxisMotion<double>> samples,
                     std::span<double> out) {
@@ -396,8 +299,9 @@ void measure_travel(const TrackSampler& sampler, std::span<AxisMotion<double>> s
 Result<Trajectory> fit_trajectory(const TrackSampler& sampler, const FitTolerances& tolerances,
                                   const TrajectoryMemory& memory) {
   const std::size_t axes = sampler.axis_count();
-  if (memory.buckets.empty() || memory.samples.size() < 3 * axes || memory.numbers.size() < 5 * axes)
-    return no_room("the memory of a trajectory has no buckets, samples or numbers", 5 * axes);
+  if (memory.buckets.empty() || memory.samples.size() < 3 * axes ||
+      memory.numbers.size() < fit_numbers * axes)
+    return no_room("the memory of a trajectory has no buckets, samples or numbers", fit_numbers * axes);
   if (axes > max_trajectory_axes) return no_room("the trajectory has more axes than it may", axes);
   return TrajectoryBuilder(sampler, tolerances, memory).build();
 }

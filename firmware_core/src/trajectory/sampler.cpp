@@ -28,6 +28,14 @@ std::span<const SampledJoint> ends_of(const Track<double>& track, std::span<Samp
   return memory.first(2);
 }
 
+SampledSpeed at_joint(const Track<double>& track, const SampledJoint& joint, const DrawnPlace& place,
+                      bool arriving, std::span<AxisMotion<double>> out) {
+  SampledSegment known;
+  SampledSpeed result = sample_drawn(track, joint.time, place, arriving, known, out);
+  result.off = std::max(result.off, joint.passed_by);
+  return result;
+}
+
 bool is_constant(std::span<const Cubic<double>> cubics) {
   return std::all_of(cubics.begin(), cubics.end(), [](const Cubic<double>& cubic) {
     return cubic.c1 == 0 && cubic.c2 == 0 && cubic.c3 == 0;
@@ -84,16 +92,14 @@ SampledSpeed TrackSampler::arriving(const SampledJoint& joint, std::span<AxisMot
   if (!track_->has_profile()) return sample_framed(*track_, joint.point_before.segment, 1, out);
   if (stands(*track_)) return sample_standing(*track_, out);
   const DrawnPlace place{joint.curve_before, joint.constant_before, joint.point_before};
-  SampledSegment known;
-  return sample_drawn(*track_, joint.time, place, true, known, out);
+  return at_joint(*track_, joint, place, true, out);
 }
 
 SampledSpeed TrackSampler::leaving(const SampledJoint& joint, std::span<AxisMotion<double>> out) const {
   if (!track_->has_profile()) return sample_framed(*track_, joint.point_after.segment, 0, out);
   if (stands(*track_)) return sample_standing(*track_, out);
   const DrawnPlace place{joint.curve_after, joint.constant_after, joint.point_after};
-  SampledSegment known;
-  return sample_drawn(*track_, joint.time, place, false, known, out);
+  return at_joint(*track_, joint, place, false, out);
 }
 
 void TrackSampler::write_reach(const PathPoint<double>& point, double way, std::span<double> out) const {

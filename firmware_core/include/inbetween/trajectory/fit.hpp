@@ -34,7 +34,7 @@ struct TrajectoryStorage {
   std::array<TrajectoryBreak, Breaks> breaks;
   std::array<UnboundedSide, 3 * Breaks * Axes> unbounded;
   std::array<AxisMotion<double>, 3 * Axes> samples;
-  std::array<double, 5 * Axes> numbers;
+  std::array<double, fit_numbers * Axes> numbers;
 
   [[nodiscard]] TrajectoryMemory memory() {
     return {pieces, values, buckets, breaks, unbounded, samples, numbers};

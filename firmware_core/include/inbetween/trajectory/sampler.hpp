@@ -18,7 +18,7 @@ inline constexpr double distance_roundings = 8;
 struct SampledSpeed {
   double speed = 0;        ///< along the path, unit/s, as the weights of the axes count
   std::uint8_t order = 3;  ///< the highest derivative that has a value on this side: 0, 1 or 3
-  double off = 0;  ///< at rest: how far along the path the place is from where the curve has brought it
+  double off = 0;  ///< how far along the path the place may be from where the curve has brought it
   PathPoint<double> point = {};  ///< the place on the path
 };
 
@@ -29,6 +29,9 @@ struct SampledJoint {
   CurvePlace<double> curve_before, curve_after;    ///< of a drawn curve
   PathPoint<double> point_before, point_after;     ///< of the path
   double constant_before = 0, constant_after = 0;  ///< of a drawn curve
+  /// So far along the path the motion may be from what is smooth here: the way to a turn so near to a key
+  /// that no time lies between both, and back.
+  double passed_by = 0;
 };
 
 struct SampledSegment;  // inside the core

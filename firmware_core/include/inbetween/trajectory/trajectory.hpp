@@ -41,6 +41,9 @@ struct UnboundedSide {
   std::uint8_t order = 2;  ///< this derivative and those above: 1 velocity, 2 acceleration
 };
 
+/// What a fit works in, for each axis: ten rows of four, and what it knows of the axis.
+inline constexpr std::size_t fit_numbers = 46;
+
 /// The memory of a trajectory, owned by the caller. Sizes: see fit_trajectory.
 struct TrajectoryMemory {
   std::span<TrajectoryPiece> pieces;
@@ -49,7 +52,7 @@ struct TrajectoryMemory {
   std::span<TrajectoryBreak> breaks;
   std::span<UnboundedSide> unbounded;
   std::span<AxisMotion<double>> samples;  ///< 3 for each axis, while it is made
-  std::span<double> numbers;              ///< 5 for each axis, while it is made
+  std::span<double> numbers;              ///< fit_numbers for each axis, while it is made
 };
 
 /// A trajectory whose pieces are known.
