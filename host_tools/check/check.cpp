@@ -8,7 +8,6 @@
 #include "host_tools/check/check_refusals.hpp"
 #include "host_tools/check/planned_stops.hpp"
 #include "host_tools/files/rig_motors.hpp"
-#include "host_tools/plan/bounded_move.hpp"
 
 namespace inbetween {
 namespace {
@@ -130,9 +129,7 @@ bool CheckedPeak::is_exceeded() const {
   return limit && !(value <= *limit);
 }
 
-namespace {
-
-CheckReport report_of(const Plan& plan, const BoundedMove& bounded) {
+CheckReport check_motion(const Plan& plan, const BoundedMove& bounded) {
   CheckReport report;
   for (const RigAxis& axis : plan.rig()->axes) report.axes.push_back(axis_at_rest(axis));
   const std::size_t axes = plan.played().axis_count();
@@ -150,21 +147,23 @@ CheckReport report_of(const Plan& plan, const BoundedMove& bounded) {
   return report;
 }
 
-}  // namespace
-
 CheckReport check_motion(const Plan& plan) {
-  return report_of(plan, bounded_move(plan, 1, BoundedFor::motion));
+  return check_motion(plan, bounded_move(plan, 1, BoundedFor::motion));
 }
 
 CheckReport check_until_refused(const Plan& plan) {
-  CheckReport report = check_motion(plan);
-  if (report.fits()) prove_stops(plan, bounded_move(plan, 1, BoundedFor::stops), report);
+  return check_until_refused(plan, bounded_move(plan, 1, BoundedFor::stops));
+}
+
+CheckReport check_until_refused(const Plan& plan, const BoundedMove& bounded) {
+  CheckReport report = check_motion(plan, bounded);
+  if (report.fits()) prove_stops(plan, bounded, report);
   return report;
 }
 
 CheckReport check(const Plan& plan) {
   const BoundedMove bounded = bounded_move(plan, 1, BoundedFor::stops);
-  CheckReport report = report_of(plan, bounded);
+  CheckReport report = check_motion(plan, bounded);
   prove_stops(plan, bounded, report);
   find_highest_rate(plan, report);
   return report;

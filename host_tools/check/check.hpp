@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "host_tools/files/diagnostics.hpp"
+#include "host_tools/plan/bounded_move.hpp"
 #include "host_tools/plan/plan.hpp"
 #include "inbetween/limits/stop_bounds.hpp"
 
@@ -126,6 +127,9 @@ CheckReport check(const Plan& plan);
 CheckReport check_motion(const Plan& plan);
 /// The same, for who only asks whether the move fits: stops are not proven where it is refused already.
 CheckReport check_until_refused(const Plan& plan);
+/// Both from what has been proven already at the drawn speed, of the second for stops.
+CheckReport check_motion(const Plan& plan, const BoundedMove& bounded);
+CheckReport check_until_refused(const Plan& plan, const BoundedMove& bounded);
 
 /// Throws LimitError with the first refusal, if there is one.
 void refuse_beyond_limits(const CheckReport& report);

@@ -87,7 +87,8 @@ class FrameSearch {
   /// stops are proven of the answer alone, and of every number that fits where the answer does not keep them.
   SmallestFrames run() {
     SmallestFrames found = search();
-    if (!found.frames || !fitting_plan_ || !PlannedStops(*fitting_plan_).obstacle()) return found;
+    if (!found.frames || !fitting_ || !PlannedStops(fitting_->plan, fitting_->bounded).obstacle())
+      return found;
     proves_stops_ = true;
     return search();
   }
@@ -157,7 +158,7 @@ class FrameSearch {
     if (frames == plan_.move().frames) {
       guess_ = frames_for(needed_slowing(plan_, report_), frames);
       if (!report_.fits()) return false;
-      fitting_plan_.reset();
+      fitting_.reset();
       proven_ = frames;
       return true;
     }
@@ -172,13 +173,14 @@ class FrameSearch {
         return false;
       }
       if (believes && slowing > 0 && slowing * bounds_over_moments_ * misleading < 1) return true;
-      nearest_ = proves_stops_ ? check_until_refused(plan) : check_motion(plan);
+      BoundedMove bounded = bounded_move(plan, 1, BoundedFor::stops);
+      nearest_ = proves_stops_ ? check_until_refused(plan, bounded) : check_motion(plan, bounded);
       nearest_frames_ = frames;
       const double needed = needed_slowing(plan, *nearest_);
       guess_ = frames_for(needed, frames);
       bounds_over_moments_ = needed / slowing_at_peaks_of(*nearest_, 1, plan);
       if (nearest_->fits()) {
-        fitting_plan_ = std::move(plan);
+        fitting_.emplace(Fitting{std::move(plan), std::move(bounded)});
         proven_ = frames;
       } else {
         last_refusal_ = nearest_->refusals.front().message();
@@ -194,6 +196,12 @@ class FrameSearch {
                        last_refusal_);
   }
 
+  /// Stops are proven of it in the end, from the same fit.
+  struct Fitting {
+    Plan plan;
+    BoundedMove bounded;
+  };
+
   const Plan& plan_;
   const CheckReport& report_;
   const std::function<void(double, std::int32_t)>& progress_;
@@ -205,7 +213,7 @@ class FrameSearch {
   /// believed.
   bool believes_moments_ = true;
   std::int32_t proven_ = 0;             ///< the last number that was checked as a whole and fits
-  std::optional<Plan> fitting_plan_;    ///< of the last number that fits, unless it is that of the move
+  std::optional<Fitting> fitting_;      ///< of the last number that fits, unless it is that of the move
   std::optional<CheckReport> nearest_;  ///< of the last number that was checked as a whole
   std::int32_t nearest_frames_ = 0;
   double bounds_over_moments_ = 0;  ///< the slowing that its bounds need, over that of its peaks as moments

@@ -250,28 +250,31 @@ template <std::size_t Degree>
   });
 }
 
-/// Cuts a share off the begin of what is left (de Casteljau).
+/// Cuts a share off the begin of what is left (de Casteljau). `most` is its hull, `found` what it has at its
+/// ends: what is left begins where it has ended.
 INBETWEEN_PART_OF_CLONES void cut_share(GroupDerivatives& rest, double share, std::size_t k,
-                                        Group<double>& most) {
+                                        Group<double>& most, Group<double>& found) {
   std::array<Group<double>, 8>& c = rest.c[k];
-  most = absolute(c[0]);
+  const Group<double> begin = absolute(c[0]);
+  most = begin;
   for (std::size_t round = 1; round <= rest.degree[k]; ++round) {
     for (std::size_t i = 0; i + round <= rest.degree[k]; ++i) c[i] = (1 - share) * c[i] + share * c[i + 1];
     most = greatest(most, absolute(c[0]));
   }
+  found = greatest(begin, absolute(c[0]));
 }
 [[gnu::flatten]] INBETWEEN_PROCESSOR_CLONES void drop_share(GroupDerivatives& rest, double share) {
-  Group<double> most(0);
-  for (std::size_t k = 0; k < rest.c.size(); ++k) cut_share(rest, share, k, most);
+  Group<double> most(0), found(0);
+  for (std::size_t k = 0; k < rest.c.size(); ++k) cut_share(rest, share, k, most, found);
 }
-/// Raises a cell by what is cut off: what is left begins where that has ended.
+/// Raises a cell by what is cut off.
 [[gnu::flatten]] INBETWEEN_PROCESSOR_CLONES void raise_by_share(GroupDerivatives& rest, double share,
                                                                 const GroupMagnitudes& room,
                                                                 GroupMagnitudes& cell, GroupMagnitudes& far) {
   for (std::size_t k = 0; k < rest.c.size(); ++k) {
-    Group<double> most(0);
-    cut_share(rest, share, k, most);
-    raise_in_lanes(most, absolute(rest.c[k][0]), room[k], cell[k], cell[k], far[k]);
+    Group<double> most(0), found(0);
+    cut_share(rest, share, k, most, found);
+    raise_in_lanes(most, found, room[k], cell[k], cell[k], far[k]);
   }
 }
 
