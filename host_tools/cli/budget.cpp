@@ -120,7 +120,7 @@ constexpr std::array<FunctionBudget, 21> stack{{
     {"StopBounds::make", {672, 480}, {864, 512}},
     {"Track::positions", {192, 144}, {480, 144}},
     {"Track::motion", {704, 480}, {960, 480}},
-    {"fit_trajectory", {2944, 0}, {3488, 0}},
+    {"fit_trajectory", {3776, 0}, {4336, 0}},
     {"Trajectory::positions", {448, 0}, {672, 0}},
     {"CountTrajectory::make", {0, 1120}, {0, 1408}},
     {"CountTrajectory::counts", {0, 48}, {0, 48}},
@@ -137,7 +137,7 @@ constexpr std::array<FunctionBudget, 21> stack{{
 
 // CountTrajectory::counts is asked for in 140 on a Cortex-M7 and 130 on a Cortex-M4F.
 constexpr std::array<FunctionBudget, 14> instructions{{
-    {"fit_trajectory", {1'800'000, 0}, {51'000'000, 0}},
+    {"fit_trajectory", {1'200'000, 0}, {29'500'000, 0}},
     {"CountTrajectory::make", {0, 890'000}, {0, 14'700'000}},
     {"Trajectory::positions", {310, 0}, {7450, 0}},
     {"CountTrajectory::counts", {0, 76}, {0, 76}},
@@ -149,7 +149,7 @@ constexpr std::array<FunctionBudget, 14> instructions{{
     {"Move::positions", {210, 230}, {4050, 230}},
     {"Playhead::tick", {210, 180}, {1500, 210}},
     {"Playhead::tick(ramps)", {1150, 1200}, {16'000, 1250}},
-    {"bound_move", {3'900'000, 0}, {84'000'000, 0}},
+    {"bound_move", {3'000'000, 0}, {60'500'000, 0}},
     {"StopBounds::make", {225'000, 275'000}, {5'000'000, 1'260'000}},
 }};
 

@@ -71,7 +71,7 @@ std::vector<GoTarget> away_from_start(const Plan& plan, std::span<const double> 
                                       const std::string& as_arguments) {
   const RigFile& rig = *plan.rig();
   std::vector<double> first(plan.played().axis_count());
-  plan.played().positions(start.value_or(FrameTime<double>{plan.played().first_frame(), 0}), first);
+  plan.motion().positions(start.value_or(FrameTime<double>{plan.played().first_frame(), 0}), first);
   std::vector<GoTarget> away;
   for (std::size_t a = 0; a < plan.axes().size(); ++a) {
     if (!plan.axes()[a].track) continue;

@@ -46,12 +46,14 @@ void measure_travel(const TrackSampler& sampler, std::span<AxisMotion<double>> s
                     std::span<double> out);
 
 /// The trajectory of a sampled motion. Each stretch between two joints is halved until the Hermite polynomial
-/// of its ends is within the tolerances at four places inside, or well within at two; one that is a cubic is
-/// taken as it is, and one at rest is a constant. What turns too sharply for the shortest piece is a line
-/// there, and the acceleration of that axis is noted as unbounded.
+/// of its ends is within the tolerances: so says the error of a septic and its three derivatives in the
+/// middle, from which it follows elsewhere (Hermite's remainder), and where the speed changes much, and of
+/// other degrees, a look at up to four places inside. A stretch that is a cubic is taken as it is, and one at
+/// rest is a constant. What turns too sharply for the shortest piece is a line there, and the acceleration of
+/// that axis is noted as unbounded.
 ///
 /// Errors: capacity (pieces, values, breaks, unbounded, samples, numbers, axes); of pieces and values what it
-/// needed when it gave up, which may not be enough. Cost: about five samples a piece.
+/// needed when it gave up, which may not be enough. Cost: about two samples a piece.
 Result<Trajectory> fit_trajectory(const TrackSampler& sampler, const FitTolerances& tolerances,
                                   const TrajectoryMemory& memory);
 
