@@ -18,7 +18,7 @@ inline constexpr double distance_roundings = 8;
 struct SampledSpeed {
   double speed = 0;        ///< along the path, unit/s, as the weights of the axes count
   std::uint8_t order = 3;  ///< the highest derivative that has a value on this side: 0, 1 or 3
-  double off = 0;  ///< how far along the path the place may be from where the curve has brought it
+  double off = 0;          ///< how far along the path the place may be from where the curve has brought it
   PathPoint<double> point = {};  ///< the place on the path
 };
 
