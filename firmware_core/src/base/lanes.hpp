@@ -185,7 +185,7 @@ void set_lane(Lanes<Real, bytes>& numbers, std::size_t i, Real value) {
   numbers.set(i, value);
 }
 
-/// Of a row of so many numbers a group from number `first` on; 0 behind the last.
+/// Takes a group from a row of `count` numbers, from number `first` on. Lanes behind the last one are 0.
 template <class Number>
 Number group_of(const double* row, std::size_t count, std::size_t first) {
   if constexpr (!std::is_same_v<Number, double>) {

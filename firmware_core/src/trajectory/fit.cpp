@@ -80,21 +80,21 @@ class TrajectoryBuilder {
 
  private:
   struct Row {
-    std::uint32_t offset = 0;    ///< in the values
-    std::uint8_t order = 3;      ///< of its highest derivative
-    double speed = 0;            ///< SampledSpeed::speed
-    bool has_velocities = true;  ///< with bounds
+    std::uint32_t offset = 0;  ///< in the values
+    std::uint8_t order = 3;    ///< of its highest derivative
+    double speed = 0;          ///< SampledSpeed::speed
   };
 
   [[nodiscard]] std::size_t numbers_of(std::uint8_t order) const { return (order + std::size_t{1}) * axes_; }
   /// The next piece begins with this row, which goes to the values.
   void begin_with(const SampledSpeed& known, const double* row) {
-    row_ = {static_cast<std::uint32_t>(values_), known.order, known.speed, has_velocities(known)};
+    row_ = {static_cast<std::uint32_t>(values_), known.order, known.speed};
     const std::size_t needed = numbers_of(known.order);
     if (values_ + needed <= memory_.values.size()) std::copy_n(row, needed, &memory_.values[values_]);
     values_ += needed;
   }
-  static bool has_velocities(const SampledSpeed& known) { return known.order > 0 || known.speed == 0; }
+  /// Of a row or of what is known of a moment: its velocities have bounds.
+  static bool has_velocities(const auto& known) { return known.order > 0 || known.speed == 0; }
   [[nodiscard]] bool is_full() const {
     return values_ > memory_.values.size() || pieces_ > memory_.pieces.size();
   }
@@ -164,7 +164,7 @@ class TrajectoryBuilder {
     const std::size_t pieces_before = pieces_;
     double loosened = 1;
     rows_.begin(from, to);
-    const bool is_bounded = row_.has_velocities && has_velocities(rows_.end(0, 1).known);
+    const bool is_bounded = has_velocities(row_) && has_velocities(rows_.end(0, 1).known);
     const double min = is_bounded ? min_frames : min_unbounded_frames;
     std::array<bool, max_trajectory_axes> is_sharp{};
     std::uint64_t index = 0;
@@ -177,8 +177,7 @@ class TrajectoryBuilder {
       const JudgedPiece judged{.piece = &piece,
                                .rows = {&memory_.values[row_.offset], last.values, axes_},
                                .loosened = loosened,
-                               .begin_speed = row_.speed,
-                               .end_speed = last.known.speed,
+                               .slowest = std::min(row_.speed, last.known.speed),
                                .is_first = index == 0,
                                .is_last = index + 1 == std::uint64_t{1} << level};
       if (level == 0 && is_as_good_as_a_line(judged)) piece.degree = 1;

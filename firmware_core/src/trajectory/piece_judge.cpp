@@ -10,18 +10,19 @@
 namespace inbetween {
 namespace {
 
-/// Where a piece is compared with what is asked: where the derivative of the error of a septic,
-/// u^4 (1 - u)^4, is largest, and nearer to its ends, where the speed may be that of a rest.
+/// A piece is compared with what is asked at these places: the derivative of the error of a septic,
+/// u^4 (1 - u)^4, is largest at the first two, and the speed may be that of a rest near the others.
 constexpr std::array<double, 4> compared_at{0.31, 0.69, 0.88, 0.12};
 /// Between the places at which a piece is compared it may be further off: in the middle 1.9 times, beside the
 /// others its velocity.
 constexpr double margin = 0.4;
-/// Where the first two looks find less than this share, the other two are for the ends of a stretch.
+/// If the first two looks find no more than this share, the other two are left out, but not at the ends of a
+/// stretch.
 constexpr double sure_share = 0.25;
-/// What is estimated from the middle is nearer to the truth.
+/// The estimate from the middle may take this share of a tolerance: it knows more than single looks do.
 constexpr double margin_of_middle = 0.7;
-/// Where the speed at an end is a smaller share of that in the middle, the tolerance is so much smaller
-/// there.
+/// The speed is even if both ends have this share of that in the middle; otherwise a tolerance is much
+/// smaller at an end.
 constexpr double even_share = 0.5;
 constexpr double min_speed_share = 1e-6;
 constexpr double rounding = distance_roundings * std::numeric_limits<double>::epsilon();
@@ -34,7 +35,7 @@ double share_of(double off, double tolerance) {
   return share <= std::numeric_limits<double>::max() ? share : std::numeric_limits<double>::infinity();
 }
 
-/// What is known of all axes at the middle of a septic.
+/// This is known of all axes at the middle of a septic.
 struct MiddleLook {
   PieceRows rows;
   const double* middle;
@@ -49,12 +50,29 @@ struct MiddleLook {
 
 /// The error of a septic is e = u^4 (1 - u)^4 g(u), where g is as smooth as what is asked: with x = u - 1/2
 ///   256 e = (1 - 4 x^2)^4 (g0 + g1 x + g2 x^2 + g3 x^3 + ...),
-/// and e with its first three derivatives in the middle gives g0 to g3 (in e', the factor is expanded to
-/// 1 - 16 x^2). The largest (1 - 4 x^2)^4 x^k on the piece is reach[k], that of its derivative rate[k].
+/// and e with its first three derivatives in the middle gives g0 to g3, as (1 - 4 x^2)^4 begins with
+/// 1 - 16 x^2. On the piece (1 - 4 x^2)^4 x^k is reach<k> at most, and its derivative slope<k>.
 template <std::size_t k>
 constexpr double reach = std::array<double, 4>{1, 0.10405, 0.02048, 0.00499}[k];
 template <std::size_t k>
 constexpr double slope = std::array<double, 4>{3.8083, 1, 0.1438, 0.0392}[k];
+
+/// The tolerance of an axis' velocity is a share of this: the drawn speed; of an axis that does not count
+/// along the path its own velocity, and its share of the way, so that it may stand still. A way of less than
+/// a millionth in a frame is as good as a rest. Of one axis or of a group.
+template <class Number>
+Number counted_speed(const Number& velocity, const Number& travel, const Number& inverse_weight,
+                     const Number& min_speed, double speed, double way_rate) {
+  const Number by_weight = speed * inverse_weight;
+  const Number by_way = absolute(velocity) + way_rate * travel;
+  return greatest(if_less(Number(0), inverse_weight, by_weight, by_way), min_speed);
+}
+/// Rounding leaves this open of a position: that of the number itself, and of the distance along the path. No
+/// piece is so short that this were a speed. Of one axis or of a group.
+template <class Number>
+Number noise_of(const Number& position, const Number& velocity, double way_seconds) {
+  return rounding * (absolute(position) + way_seconds * absolute(velocity));
+}
 
 [[gnu::flatten]] INBETWEEN_PROCESSOR_CLONES bool is_near_by_middle(const MiddleLook& look) {
   using Number = Group<double>;
@@ -92,17 +110,13 @@ constexpr double slope = std::array<double, 4>{3.8083, 1, 0.1438, 0.0392}[k];
     const Number off_velocity = slope<0> * absolute(e0) + g1 + slope<2> * g2 + slope<3> * g3;
 
     const Number travel = group(look.travel.data());
-    const Number inverse_weight = group(look.inverse_weights.data());
-    const Number by_weight = look.speed * inverse_weight;
-    const Number by_way = absolute(velocity) + look.way_rate * travel;
-    const Number zero(0);
-    const Number counted =
-        greatest(if_less(zero, inverse_weight, by_weight, by_way), group(look.min_speeds.data()));
-    const Number noise =
-        rounding * (absolute(position) + look.way_seconds * absolute(velocity)) + group(look.off.data());
+    const Number counted = counted_speed(velocity, travel, group(look.inverse_weights.data()),
+                                         group(look.min_speeds.data()), look.speed, look.way_rate);
+    const Number noise = noise_of(position, velocity, look.way_seconds) + group(look.off.data());
     // What rounds the positions of both ends and of the middle rounds the estimate of the velocity, too.
     const Number near_position = look.position_share * travel + noise + Number(tiny);
     const Number near_velocity = (h * look.speed_share) * counted + 4 * noise + Number(tiny);
+    const Number zero(0);
     const Number one(1);
     // A number that is none is not less.
     const Number bad =
@@ -171,8 +185,7 @@ bool PieceJudge::is_near(const JudgedPiece& judged, const SampledRow& middle) {
                           .inverse_weights = inverse_weights_,
                           .off = off_}))
     return false;
-  const bool is_even = std::min(judged.begin_speed, judged.end_speed) >= even_share * speed;
-  if (!is_even) return is_near(judged);
+  if (!(judged.slowest >= even_share * speed)) return is_near(judged);
   // Beside a joint the path may turn sharply.
   return !(judged.is_first && worst_share(judged, compared_at[3]) > 1) &&
          !(judged.is_last && worst_share(judged, compared_at[2]) > 1);
@@ -205,43 +218,38 @@ template <class Visit>
 void PieceJudge::visit_shares(const JudgedPiece& judged, double u, const Visit& visit) {
   const TrajectoryPiece& piece = *judged.piece;
   const SampledSpeed known = sampler_.sample(moved_by(piece.begin, u / piece.inverse_frames), known_, asked_);
-  const double share = margin * judged.loosened;
   with_degree(piece.degree, [&](auto degree) {
     const HermiteWeights at = position_weights<degree>(u, piece.seconds);
     const HermiteWeights rate = hermite_weights<degree, 1>(u, piece.seconds);
     for (std::size_t d = 0; d < asked_.size(); ++d) {
-      const AxisMotion<double>& asked = asked_[d];
       const double position = judged.rows.begin[d] + sum_of<known_of(degree)>(at, judged.rows, d);
       const double velocity = sum_of<known_of(degree)>(rate, judged.rows, d);
-      const double noise = noise_of(asked, known.speed) + off_[d];
-      const double off_position = std::fabs(position - asked.position) - noise;
-      const double off_speed = std::fabs(velocity - asked.velocity) - noise / piece.seconds;
-      const double near_position = share * tolerances_.position_share * travel_[d];
-      const double near_speed = share * tolerances_.speed_share * counted_speed(d, asked, known.speed);
-      visit(d, std::max(share_of(off_position, near_position),
-                        known.order == 0 ? 0 : share_of(off_speed, near_speed)));
+      visit(d, share_of_axis(judged, known, d, position, velocity));
     }
   });
 }
 
-/// What the tolerance of an axis' velocity is a share of: the drawn speed; of an axis that does not count
-/// along the path its own velocity, and its share of the way, so that it may stand still. A way of less
-/// than a millionth in a frame is as good as a rest.
-double PieceJudge::counted_speed(std::size_t d, const AxisMotion<double>& asked, double speed) const {
-  if (const double inverse = inverse_weights_[d]; inverse > 0)
-    return std::max(speed * inverse, min_speeds_[d]);
-  return std::max(std::fabs(asked.velocity) + travel_[d] * way_rate(speed), min_speeds_[d]);
+/// How far a position and a velocity are off what was asked last, as a share of what they may be.
+double PieceJudge::share_of_axis(const JudgedPiece& judged, const SampledSpeed& known, std::size_t d,
+                                 double position, double velocity) const {
+  const AxisMotion<double>& asked = asked_[d];
+  const double share = margin * judged.loosened;
+  const double noise = noise_of(asked.position, asked.velocity, way_seconds(known.speed)) + off_[d];
+  const double of_position =
+      share_of(std::fabs(position - asked.position) - noise, share * tolerances_.position_share * travel_[d]);
+  if (known.order == 0) return of_position;
+  const double counted = counted_speed(asked.velocity, travel_[d], inverse_weights_[d], min_speeds_[d],
+                                       known.speed, way_rate(known.speed));
+  return std::max(of_position, share_of(std::fabs(velocity - asked.velocity) - noise / judged.piece->seconds,
+                                        share * tolerances_.speed_share * counted));
 }
+
 /// The share of the whole way that is passed in a second.
 double PieceJudge::way_rate(double speed) const {
   const double length = sampler_.length();
   return length > 0 ? speed / length : 1 / whole_seconds_;
 }
-/// What rounding leaves open of a position: of the number itself, and of the distance along the path. No
-/// piece is so short that this were a speed.
-double PieceJudge::noise_of(const AxisMotion<double>& asked, double speed) const {
-  return rounding * (std::fabs(asked.position) + std::fabs(asked.velocity) * way_seconds(speed));
-}
+/// The seconds that the whole way takes at a speed; 0 at rest.
 double PieceJudge::way_seconds(double speed) const {
   return speed > tiny ? sampler_.length() / speed : 0;
 }

@@ -17,7 +17,7 @@ struct JudgedPiece {
   const TrajectoryPiece* piece;
   PieceRows rows;
   double loosened = 1;                     ///< so many times the tolerances
-  double begin_speed = 0, end_speed = 0;   ///< SampledSpeed::speed
+  double slowest = 0;                      ///< the lower SampledSpeed::speed of both ends
   bool is_first = false, is_last = false;  ///< between two joints
 };
 
@@ -45,10 +45,10 @@ class PieceJudge {
  private:
   template <class Visit>
   void visit_shares(const JudgedPiece& judged, double u, const Visit& visit);
+  [[nodiscard]] double share_of_axis(const JudgedPiece& judged, const SampledSpeed& known, std::size_t d,
+                                     double position, double velocity) const;
   [[nodiscard]] double worst_share(const JudgedPiece& judged, double u);
-  [[nodiscard]] double counted_speed(std::size_t d, const AxisMotion<double>& asked, double speed) const;
   [[nodiscard]] double way_rate(double speed) const;
-  [[nodiscard]] double noise_of(const AxisMotion<double>& asked, double speed) const;
   [[nodiscard]] double way_seconds(double speed) const;
 
   const TrackSampler& sampler_;

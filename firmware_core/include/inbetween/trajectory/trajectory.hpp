@@ -41,7 +41,7 @@ struct UnboundedSide {
   std::uint8_t order = 2;  ///< this derivative and those above: 1 velocity, 2 acceleration
 };
 
-/// What a fit works in, for each axis: ten rows of four, and what it knows of the axis.
+/// A fit works in so many numbers for each axis: ten rows of four, and six that it knows of the axis.
 inline constexpr std::size_t fit_numbers = 46;
 
 /// The memory of a trajectory, owned by the caller. Sizes: see fit_trajectory.
