@@ -239,7 +239,7 @@ std::int32_t ib_certificate() {
       write_peak(out, peak);
     }
   }
-  for (std::size_t t = 0; t < found.move().tracks().size(); ++t) {
+  for (std::size_t t = 0; t < found.tracks().size(); ++t) {
     for (const CellCeiling& cell : found.cells(t)) {
       out.number(cell.rate);
       out.integer(cell.axis);
@@ -261,9 +261,9 @@ std::int32_t ib_certificate() {
 /// `first` in steps of `step` frames.
 std::int32_t ib_motion(double first, double step, std::int32_t samples) {
   if (!session.is_assembled()) return 0;
-  const Move<double>& move = session.certificate().move();
+  const Certificate& move = session.certificate();
   std::array<AxisMotion<double>, max_move_axes> motion;
-  const std::span<AxisMotion<double>> axes = std::span(motion).first(move.axis_count());
+  const std::span<AxisMotion<double>> axes = std::span(motion).first(move.move().axis_count());
   Writer out(exchange);
   for (std::int32_t i = 0; i < samples; ++i) {
     move.motion(time_at(first + step * i), axes);

@@ -20,6 +20,7 @@ std::size_t cells_for(const Move<double>& move, double tick_seconds) {
 
 Status Certificate::make(std::span<const Track<double>> tracks, std::span<const AxisLimits<double>> limits,
                          double tick_seconds) {
+  tracks_ = tracks;
   limits_ = limits;
   cells_ = step_count_ = 0;
   highest_rate_ = 0;
@@ -39,6 +40,19 @@ Status Certificate::make(std::span<const Track<double>> tracks, std::span<const 
   if (const Status bounded = bound(tick_seconds); !bounded) return bounded;
   find_highest_rate();
   return Done{};
+}
+
+void Certificate::motion(const FrameTime<double>& time, std::span<AxisMotion<double>> out) const {
+  const std::span<const RollAxis<double>> rolls = move_->rolls_at(time);
+  for (std::size_t d = 0; d < rolls.size(); ++d) out[d] = rolls[d].motion(time);
+  if (!rolls.empty()) return;
+  for (const Track<double>& track : tracks_) {
+    const std::span<AxisMotion<double>> axes = out.first(static_cast<std::size_t>(track.path().axis_count()));
+    out = out.subspan(axes.size());
+    static_cast<void>(track.motion(move_->within_part(time), axes));
+    if (!move_->rests_at(time)) continue;
+    for (AxisMotion<double>& axis : axes) axis = {.position = axis.position};
+  }
 }
 
 Status Certificate::make_rolls(std::span<const Track<double>> tracks, MoveRolls<double>& rolls) {
@@ -75,7 +89,7 @@ Status Certificate::bound(double tick_seconds) {
   cells_ = cells_for(*move_, tick_seconds);
   write_room<double>(limits_, 1, tick_seconds, storage_.room);
   MoveBounds bounds = storage_.bounds(*move_, cells_);
-  const Status bounded = bound_move(*move_, limits_, {}, storage_.memory(), bounds);
+  const Status bounded = bound_move(*move_, tracks_, limits_, {}, storage_.memory(), bounds);
   if (!bounded) return bounded;
   step_count_ = bounds.step_count;
   find_ceiling(bounds.cells);
@@ -96,8 +110,8 @@ Status Certificate::bound_stops(const MotionCells& motion, double tick_seconds) 
 
 void Certificate::find_ceiling(const MotionCells& motion) {
   std::size_t first = 0;
-  for (std::size_t t = 0; t < move_->tracks().size(); ++t) {
-    const std::size_t end = first + static_cast<std::size_t>(move_->tracks()[t].path().axis_count());
+  for (std::size_t t = 0; t < tracks_.size(); ++t) {
+    const std::size_t end = first + static_cast<std::size_t>(tracks_[t].path().axis_count());
     for (std::size_t cell = 0; cell < cells_; ++cell) {
       CellCeiling ceiling{.rate = std::numeric_limits<double>::infinity()};
       for (std::size_t d = first; d < end; ++d) lower(ceiling, motion.of_cell(cell)[d], d);

@@ -46,6 +46,9 @@ class Certificate {
               double tick_seconds);
 
   [[nodiscard]] const Move<double>& move() const { return *move_; }
+  [[nodiscard]] std::span<const Track<double>> tracks() const { return tracks_; }
+  /// What every axis of the move is asked to do at a time.
+  void motion(const FrameTime<double>& time, std::span<AxisMotion<double>> out) const;
   [[nodiscard]] bool has_limits() const { return !limits_.empty(); }
   /// Every axis has an entry; the rolls count.
   [[nodiscard]] std::span<const AxisPeaks<double>> peaks() const {
@@ -76,6 +79,7 @@ class Certificate {
   void lower(CellCeiling& ceiling, const MotionTriple& suprema, std::size_t axis) const;
   void find_highest_rate();
 
+  std::span<const Track<double>> tracks_;
   std::span<const AxisLimits<double>> limits_;
   std::size_t axes_ = 0;
   std::size_t cells_ = 0;

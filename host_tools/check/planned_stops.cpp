@@ -76,7 +76,7 @@ BoundedMove bounded_in(const Plan& plan, std::size_t cells, std::span<const Axis
   std::vector<MotionTriple> room(limits.size());
   write_room<double>(limits, rate, 1.0 / plan.rig()->rate_hz, room);
   return BoundedMove(
-      plan.played(),
+      plan.played(), plan.track_views(),
       {.limits = plan.limits(), .motors = planned.motors, .cells = cells, .room = std::move(room)});
 }
 

@@ -111,7 +111,7 @@ constexpr std::array<std::string_view, budget_object_count> object_names{
     "  their CAN bus, with its frames"};
 
 // These solve a move, or every tick calls them: the stack of another function is in neither of these.
-constexpr std::array<FunctionBudget, 21> stack{{
+constexpr std::array<FunctionBudget, 19> stack{{
     {"ArcLength::make", {2880, 1600}, {3200, 1600}},
     {"adjust_to_locks", {832, 640}, {1408, 640}},
     {"Track::make", {640, 512}, {672, 512}},
@@ -124,8 +124,6 @@ constexpr std::array<FunctionBudget, 21> stack{{
     {"Trajectory::positions", {448, 0}, {672, 0}},
     {"CountTrajectory::make", {0, 1120}, {0, 1408}},
     {"CountTrajectory::counts", {0, 48}, {0, 48}},
-    {"Move::positions", {384, 224}, {640, 224}},
-    {"Move::motion", {832, 576}, {1088, 576}},
     {"Playhead::tick", {768, 576}, {864, 576}},
     {"supervise", {32, 32}, {32, 32}},
     {"StepGenerator::advance", {1344, 960}, {1472, 960}},
@@ -136,7 +134,7 @@ constexpr std::array<FunctionBudget, 21> stack{{
 }};
 
 // CountTrajectory::counts is asked for in 140 on a Cortex-M7 and 130 on a Cortex-M4F.
-constexpr std::array<FunctionBudget, 14> instructions{{
+constexpr std::array<FunctionBudget, 13> instructions{{
     {"fit_trajectory", {1'200'000, 0}, {29'500'000, 0}},
     {"CountTrajectory::make", {0, 890'000}, {0, 14'700'000}},
     {"Trajectory::positions", {310, 0}, {7450, 0}},
@@ -146,7 +144,6 @@ constexpr std::array<FunctionBudget, 14> instructions{{
     {"Track::motion", {520, 520}, {15'700, 530}},
     {"frame_time_of_tick", {74, 74}, {820, 74}},
     {"solve", {180'000, 210'000}, {6'900'000, 212'000}},
-    {"Move::positions", {210, 230}, {4050, 230}},
     {"Playhead::tick", {210, 180}, {1500, 210}},
     {"Playhead::tick(ramps)", {1150, 1200}, {16'000, 1250}},
     {"bound_move", {3'000'000, 0}, {60'500'000, 0}},

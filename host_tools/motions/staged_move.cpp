@@ -90,8 +90,8 @@ LoopSpec<double> StagedMove::loop_spec() {
 }
 
 void StagedMove::set_repeat(Repeat repeat) {
-  const Status status = playhead_.set_repeat(repeat);
-  if (status) return;
+  const Status status = repeat == Repeat::loop ? can_loop(plan_.motion()) : Done{};
+  if (status) return playhead_.set_repeat(repeat);
   const std::size_t axis = plan_.axis_of(static_cast<std::size_t>(std::max(status.error().axis, 0)));
   throw LimitError(plan_.place_of(axis), fmt::format("axis {}: {}; {}", in_quotes(plan_.axes()[axis].name),
                                                      status.error().what, status.error().remedy));

@@ -19,10 +19,10 @@ constexpr std::size_t usual_steps = 64;
 /// What bound_move works in.
 class WorkingMemory {
  public:
-  explicit WorkingMemory(const Move<double>& move) {
+  WorkingMemory(const Move<double>& move, std::span<const Track<double>> tracks) {
     std::size_t joints = 0;
     std::size_t axes = 0;
-    for (const Track<double>& track : move.tracks()) {
+    for (const Track<double>& track : tracks) {
       joints = std::max(joints, max_joints(track));
       axes = std::max(axes, static_cast<std::size_t>(track.path().axis_count()));
     }
@@ -57,9 +57,10 @@ class WorkingMemory {
 
 }  // namespace
 
-BoundedMove::BoundedMove(const Move<double>& move, BoundRequest request)
+BoundedMove::BoundedMove(const Move<double>& move, std::span<const Track<double>> tracks,
+                         BoundRequest request)
     : peaks_(move.axis_count() + request.motors.size()), steps_(usual_steps), room_(std::move(request.room)) {
-  WorkingMemory memory(move);
+  WorkingMemory memory(move, tracks);
   const std::size_t axes = move.axis_count();
   if (request.cells > 0) {
     room_.resize(axes);
@@ -74,7 +75,7 @@ BoundedMove::BoundedMove(const Move<double>& move, BoundRequest request)
   bounds_.peaks = peaks_;
   while (true) {
     bounds_.steps = steps_;
-    const Status bounded = bound_move(move, request.limits, request.motors, memory.memory(), bounds_);
+    const Status bounded = bound_move(move, tracks, request.limits, request.motors, memory.memory(), bounds_);
     if (bounded && bounds_.step_count <= steps_.size()) return;
     if (bounded) {
       steps_.resize(bounds_.step_count);
@@ -83,7 +84,7 @@ BoundedMove::BoundedMove(const Move<double>& move, BoundRequest request)
     // Between two joints there may be more pieces than anybody would have expected.
     const bool may_grow =
         bounded.error().code == ErrorCode::capacity &&
-        std::ranges::all_of(move.tracks(), [](const Track<double>& track) {
+        std::ranges::all_of(tracks, [](const Track<double>& track) {
           return track.path().axis_count() <= static_cast<std::int32_t>(max_trajectory_axes);
         });
     if (!may_grow) throw SolverError(bounded.error());

@@ -21,7 +21,7 @@ struct BoundRequest {
 class BoundedMove {
  public:
   /// Throws SolverError where a track has more axes than the core can bound.
-  explicit BoundedMove(const Move<double>& move, BoundRequest request = {});
+  BoundedMove(const Move<double>& move, std::span<const Track<double>> tracks, BoundRequest request = {});
   BoundedMove(BoundedMove&&) noexcept = default;
   BoundedMove& operator=(BoundedMove&&) noexcept = default;
 

@@ -26,7 +26,8 @@ bool steps_between_ends(const BoundedMove& bounded, std::int32_t frames) {
 }  // namespace
 
 TrackBounds bounds_of(const Track<double>& track) {
-  const BoundedMove bounded(value_or_throw(Move<double>::make({&track, 1}, {})));
+  const std::span<const Track<double>> alone(&track, 1);
+  const BoundedMove bounded(value_or_throw(Move<double>::make(alone, {})), alone);
   TrackBounds bounds{.peaks = bounded.peaks(), .steps = steps_between_ends(bounded, track.frames())};
   for (const AxisPeaks<double>& peak : bounds.peaks) {
     bounds.steps = bounds.steps || !std::isfinite(peak.jerk.value);

@@ -14,9 +14,8 @@ std::span<const Trajectory> PlanMotion::trajectories(std::span<const Track<doubl
   return trajectories_;
 }
 
-const PlayedMotion& PlanMotion::of(const Move<double>& move) {
-  std::call_once(is_made_,
-                 [&] { motion_ = value_or_throw(PlayedMotion::make(move, trajectories(move.tracks()))); });
+const PlayedMotion& PlanMotion::of(const Move<double>& move, std::span<const Track<double>> tracks) {
+  std::call_once(is_made_, [&] { motion_ = value_or_throw(PlayedMotion::make(move, trajectories(tracks))); });
   return *motion_;
 }
 

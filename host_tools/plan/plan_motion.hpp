@@ -18,7 +18,7 @@ class PlanMotion {
   /// Of whole tracks. Throws SolverError.
   std::span<const Trajectory> trajectories(std::span<const Track<double>> tracks);
   /// Throws SolverError.
-  const PlayedMotion& of(const Move<double>& move);
+  const PlayedMotion& of(const Move<double>& move, std::span<const Track<double>> tracks);
 
  private:
   std::once_flag is_fitted_, is_made_;

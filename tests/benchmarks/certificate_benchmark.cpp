@@ -19,7 +19,7 @@ void prove(benchmark::State& state, const MoveSize& size) {
   const SolvedTrack<double> solution = solved_track(size);
   const Move<double> move = Move<double>::make({&solution.track(), 1}, {}).value();
   for (auto _ : state) {
-    const BoundedMove bounded(move);
+    const BoundedMove bounded(move, {&solution.track(), 1});
     benchmark::DoNotOptimize(bounded.peaks().data());
   }
 }
@@ -31,7 +31,7 @@ BENCHMARK_CAPTURE(prove, large, large)->Name("certificate/100x16")->Unit(benchma
 void bound_stops(benchmark::State& state, const MoveSize& size) {
   const SolvedTrack<double> solution = solved_track(size);
   const Move<double> move = Move<double>::make({&solution.track(), 1}, {}).value();
-  const std::vector<AxisPeaks<double>> peaks = BoundedMove(move).peaks();
+  const std::vector<AxisPeaks<double>> peaks = BoundedMove(move, {&solution.track(), 1}).peaks();
   std::vector<AxisLimits<double>> limits;
   for (const AxisPeaks<double>& axis : peaks) {
     limits.push_back(AxisLimits<double>::make({.min = -1e4,
@@ -46,7 +46,7 @@ void bound_stops(benchmark::State& state, const MoveSize& size) {
   for (auto _ : state) {
     std::vector<MotionTriple> room(size.axes);
     write_room<double>(limits, 1, 1.0 / 250, room);
-    const BoundedMove bounded(move,
+    const BoundedMove bounded(move, {&solution.track(), 1},
                               {.limits = limits, .motors = {}, .cells = cells, .room = std::move(room)});
     const auto bounds = StopBounds<double>::make({.motion = bounded.cells(), .limits = limits}, kept, {});
     if (!bounds) throw std::runtime_error(bounds.error().what);

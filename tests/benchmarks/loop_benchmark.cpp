@@ -115,7 +115,8 @@ class Rig {
       throw std::runtime_error("not armed");
     }
     for (int i = 0; i < 5000 && loop_->state() != SupervisorState::ready; ++i) tick();
-    if (!playhead_.set_repeat(Repeat::ping_pong) || !loop_->start(Direction::forward)) {
+    playhead_.set_repeat(Repeat::ping_pong);
+    if (!loop_->start(Direction::forward)) {
       throw std::runtime_error("not started");
     }
     std::vector<can::Frame> told;

@@ -31,7 +31,7 @@ class Subject {
         fitted_(solution_.track()),
         trajectory_(*fitted_),
         motion_(PlayedMotion::make(move_, {&trajectory_, 1}).value()) {
-    const std::vector<AxisPeaks<double>> peaks = BoundedMove(move_).peaks();
+    const std::vector<AxisPeaks<double>> peaks = BoundedMove(move_, {&solution_.track(), 1}).peaks();
     for (const AxisPeaks<double>& axis : peaks) {
       limits_.push_back(AxisLimits<double>::make({.min = -1e4,
                                                   .max = 1e4,
@@ -44,7 +44,7 @@ class Subject {
     cells_.resize(cells + 1);
     std::vector<MotionTriple> room(axes);
     write_room<double>(limits_, 1, 1.0 / rate_hz, room);
-    const BoundedMove bounded(move_,
+    const BoundedMove bounded(move_, {&solution_.track(), 1},
                               {.limits = limits_, .motors = {}, .cells = cells, .room = std::move(room)});
     const auto bounds = StopBounds<double>::make(
         {.motion = bounded.cells(), .limits = limits_, .tick_seconds = 1.0 / rate_hz}, cells_, {});
@@ -97,7 +97,8 @@ Subject subject_of(benchmark::State& state) {
 void playhead_tick(benchmark::State& state) {
   const Subject subject = subject_of(state);
   Playhead<double> playhead(subject.move(), subject.bounds(), rate_hz);
-  if (!playhead.set_repeat(Repeat::ping_pong) || !playhead.play(Direction::forward)) {
+  playhead.set_repeat(Repeat::ping_pong);
+  if (!playhead.play(Direction::forward)) {
     throw std::runtime_error("not played");
   }
   std::vector<double> positions(subject.axes());

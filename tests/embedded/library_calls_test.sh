@@ -13,11 +13,10 @@ scaling='(frexp|ldexp|scalbn|copysign|finite)f|__errno'
 integers='__aeabi_([fd]2u?lz|l2[fd]|ldivmod|idiv0)|__udivmoddi4|mem(set|cpy)'
 
 "$check" "$objdump" "$m4f" '' tick_trajectory_counts
-"$check" "$objdump" "$m4f" "$scaling" tick_positions_float tick_move_float
+"$check" "$objdump" "$m4f" "$scaling" tick_positions_float
 "$check" "$objdump" "$m4f" "$scaling|$integers|floorf" tick_playhead_float
 "$check" "$objdump" "$m7" '' tick_trajectory_counts
-"$check" "$objdump" "$m7" "${scaling/)f/)f?}" tick_positions_float tick_positions_double tick_move_float \
-  tick_move_double
+"$check" "$objdump" "$m7" "${scaling/)f/)f?}" tick_positions_float tick_positions_double
 "$check" "$objdump" "$m7" "${scaling/)f/)f?}|$integers|__adddf3" tick_playhead_float tick_playhead_double
 for function in tick_positions_double tick_playhead_double; do
   calls=$("$check" "$objdump" "$m4f" '' "$function") && {

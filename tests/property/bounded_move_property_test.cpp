@@ -47,7 +47,7 @@ struct Counts {
 class Comparison {
  public:
   Comparison(const Plan& plan, std::string text, Counts& counts)
-      : plan_(plan), text_(std::move(text)), counts_(counts), bounded_(plan.played()) {}
+      : plan_(plan), text_(std::move(text)), counts_(counts), bounded_(plan.played(), plan.track_views()) {}
 
   void compare() {
     ++counts_.planned;
@@ -141,7 +141,7 @@ bool compare(int number, Counts& counts) {
 
 AxisPeaks<double> peaks_of_axis(const std::string& text, std::size_t axis) {
   const Plan plan(parse_move(text, "move.toml"), std::nullopt, {});
-  return BoundedMove(plan.played()).peaks()[axis];
+  return BoundedMove(plan.played(), plan.track_views()).peaks()[axis];
 }
 
 /// 1263, 6967: the path stands still at a knot of the speed curve that is no place of the path's own; 26212,

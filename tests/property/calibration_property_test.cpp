@@ -141,7 +141,7 @@ std::array<double, 3> motor_at(const Plan& plan, std::size_t d, const oracle::Ma
 /// Suprema of the motor, cell by cell of the time line.
 std::vector<MotionTriple> cells_of_motor(const Plan& plan, std::size_t cells) {
   const PlannedMotors planned = planned_motors(plan);
-  const BoundedMove bounded(plan.played(),
+  const BoundedMove bounded(plan.played(), plan.track_views(),
                             {.limits = {}, .motors = planned.motors, .cells = cells, .room = {}});
   const MotionCells& found = bounded.cells();
   std::vector<MotionTriple> of_motor;

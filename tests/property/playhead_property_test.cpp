@@ -25,7 +25,9 @@ constexpr int many_sequences = 1500;
 constexpr int ticks = 1000;
 
 /// `wanted` is an exposure that is made as soon as the playhead rests and has gone to its run-up.
-void command(Playhead<double>& playhead, const Move<double>& move, std::optional<Exposure<double>>& wanted) {
+void command(Playhead<double>& playhead, const PlayedMotion& played,
+             std::optional<Exposure<double>>& wanted) {
+  const Move<double>& move = played.move();
   const auto frame = [&] { return *rc::gen::inRange(move.first_frame(), move.last_frame() + 1); };
   const auto direction = [] {
     return *rc::gen::arbitrary<bool>() ? Direction::forward : Direction::backward;
@@ -64,8 +66,9 @@ void command(Playhead<double>& playhead, const Move<double>& move, std::optional
       playhead.stop();
       break;
     default:
-      static_cast<void>(
-          playhead.set_repeat(*rc::gen::element(Repeat::none, Repeat::loop, Repeat::ping_pong)));
+      if (const Repeat repeat = *rc::gen::element(Repeat::none, Repeat::loop, Repeat::ping_pong);
+          repeat != Repeat::loop || can_loop(played))
+        playhead.set_repeat(repeat);
   }
 }
 
@@ -91,7 +94,7 @@ void play_at_random(const Plan& plan, const PlannedStops& stops, const CheckRepo
   std::optional<Exposure<double>> wanted;
   RC_ASSERT(playhead.play(Direction::forward).has_value());
   for (int tick = 0; tick < ticks; ++tick) {
-    if (*rc::gen::inRange(0, 40) == 0) command(playhead, plan.played(), wanted);
+    if (*rc::gen::inRange(0, 40) == 0) command(playhead, plan.motion(), wanted);
     if (wanted && playhead.is_resting()) {
       if (playhead.expose(*wanted)) {
         ++tried.exposures;

@@ -243,7 +243,8 @@ TEST(StopBoundsProperty, EveryStopKeepsTheStopLimitsAndEndsWherePredicted) {
     const auto cells = static_cast<std::size_t>(any_int(1, 300));
     std::vector<StopCell<double>> stop_cells(cells + 1);
     std::vector<AxisPeaks<double>> stop_peaks(limits.size());
-    const BoundedMove bounded = bounded_cells<double>(*played.move, limits, cells, rate, 1.0 / 250);
+    const BoundedMove bounded =
+        bounded_cells<double>(*played.move, {&played.track(), 1}, limits, cells, rate, 1.0 / 250);
     const auto bounds = StopBounds<double>::make({bounded.cells(), limits, rate}, stop_cells, stop_peaks);
     ++counts.moves;
     if (played.part.last - played.part.first < random.frames) ++counts.parts;

@@ -102,7 +102,7 @@ class Watched final : public LoopTask {
       : loop_(loop), transport_(loop, staged, false), last_tick_(ticks) {
     const Move<double>& move = staged.plan().played();
     end_.resize(move.axis_count());
-    move.positions({frames, 0}, end_);
+    staged.plan().motion().positions({frames, 0}, end_);
     memory_.reserve(64);
   }
   Status begin() override { return transport_.begin(); }

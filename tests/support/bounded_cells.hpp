@@ -16,16 +16,18 @@ namespace inbetween {
 /// Of one track, or a part of it, without rolls.
 inline BoundedMove bounds_of_track(const Track<double>& track,
                                    const std::optional<WholeFrames>& part = std::nullopt) {
-  return BoundedMove(value_or_throw(Move<double>::make({&track, 1}, {}, part)));
+  const std::span<const Track<double>> alone(&track, 1);
+  return {value_or_throw(Move<double>::make(alone, {}, part)), alone};
 }
 
 /// Its motion in cells, as stop bounds for these limits need it.
 template <Precise Real>
-BoundedMove bounded_cells(const Move<double>& move, std::span<const AxisLimits<Real>> limits,
-                          std::size_t cells, Real rate, Real tick_seconds) {
+BoundedMove bounded_cells(const Move<double>& move, std::span<const Track<double>> tracks,
+                          std::span<const AxisLimits<Real>> limits, std::size_t cells, Real rate,
+                          Real tick_seconds) {
   std::vector<MotionTriple> room(limits.size());
   write_room<Real>(limits, rate, tick_seconds, room);
-  return BoundedMove(move, {.limits = {}, .motors = {}, .cells = cells, .room = room});
+  return BoundedMove(move, tracks, {.limits = {}, .motors = {}, .cells = cells, .room = room});
 }
 
 }  // namespace inbetween

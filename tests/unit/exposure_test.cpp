@@ -165,7 +165,7 @@ TEST(Exposure, PlayedFromBeyondAnEndTheMoveBeginsOnThatEnd) {
   for (const Repeat repeat : {Repeat::none, Repeat::ping_pong}) {
     for (const Direction direction : {Direction::forward, Direction::backward}) {
       Playhead<double> playhead = bench.playhead();
-      ASSERT_TRUE(playhead.set_repeat(repeat));
+      playhead.set_repeat(repeat);
       RecordedPlay record(bench.plan, *bench.stops.bounds(), tick_s);
       ASSERT_TRUE(playhead.go_to_run_up(exposure));
       for (bool is_exposed = false; !is_exposed || !playhead.is_resting();) {

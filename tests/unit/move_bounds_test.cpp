@@ -73,7 +73,7 @@ TEST(MoveBounds, TheCellsOfAPartKnowNothingOfTheRest) {
   const auto part = Move<double>::make(tracks, {}, WholeFrames{12, 36});
   ASSERT_TRUE(part);
   constexpr std::size_t cells = 8;
-  const BoundedMove bounded(*part, {.limits = {}, .motors = {}, .cells = cells, .room = {}});
+  const BoundedMove bounded(*part, tracks, {.limits = {}, .motors = {}, .cells = cells, .room = {}});
   const std::span<const MotionTriple> suprema = bounded.cells().suprema;
   for (std::size_t cell = 0; cell < cells; ++cell) {
     const double fastest = 37.5 + 25.0 * static_cast<double>(cell + 1) / cells;
@@ -106,7 +106,7 @@ TEST(MoveBounds, TheCellsOfAMoveAreAsCloseToTheTruthAsTheyPromise) {
       }
     }
   }
-  const BoundedMove bounded(Move<double>::make(tracks, {}).value(),
+  const BoundedMove bounded(Move<double>::make(tracks, {}).value(), tracks,
                             {.limits = {}, .motors = {}, .cells = cells, .room = {}});
   const std::span<const MotionTriple> suprema = bounded.cells().suprema;
   // The samples miss next to nothing of a peak, and a border is off by as little.
@@ -273,7 +273,7 @@ TEST(MoveBounds, TooLittleMemorySaysHowMuchIsNeeded) {
   const Move<double> move = Move<double>::make({&solution.track(), 1}, {}).value();
   MoveBoundsStorage<2, 20, 200, 20, 4> storage;
   const auto code = [&](const MoveBoundsMemory& memory, MoveBounds bounds) {
-    const Status status = bound_move(move, {}, {}, memory, bounds);
+    const Status status = bound_move(move, {&solution.track(), 1}, {}, {}, memory, bounds);
     return status ? ErrorCode{} : status.error().code;
   };
   const MoveBounds bounds = storage.bounds(move, 4);
@@ -303,8 +303,8 @@ TEST(MoveBounds, AStretchThatHasNoRoomIsFittedInShorterOnesWithTheSameBounds) {
   MoveBoundsStorage<2, 40, 60, 40, 30> narrow;
   MoveBounds at_once = wide.bounds(move, 30);
   MoveBounds in_stretches = narrow.bounds(move, 30);
-  ASSERT_TRUE(bound_move(move, {}, {}, wide.memory(), at_once));
-  ASSERT_TRUE(bound_move(move, {}, {}, narrow.memory(), in_stretches));
+  ASSERT_TRUE(bound_move(move, {&solution.track(), 1}, {}, {}, wide.memory(), at_once));
+  ASSERT_TRUE(bound_move(move, {&solution.track(), 1}, {}, {}, narrow.memory(), in_stretches));
   for (std::size_t d = 0; d < 2; ++d) {
     EXPECT_NEAR(in_stretches.peaks[d].jerk.value, at_once.peaks[d].jerk.value,
                 2e-5 * at_once.peaks[d].jerk.value);

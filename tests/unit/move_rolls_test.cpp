@@ -101,7 +101,7 @@ TEST(Rolls, AMoveThatStartsAndEndsMovingIsBroughtUpAndDownInsideItsLimits) {
 TEST(Rolls, OneFrameLessWouldBreakALimit) {
   const Plan plan = plan_of(move_of("5, 10, 5"));
   std::vector<AxisMotion<double>> joints(1);
-  ASSERT_TRUE(joints_of(plan.played().tracks(), RollEnd::before, std::span(joints)));
+  ASSERT_TRUE(joints_of(plan.track_views(), RollEnd::before, std::span(joints)));
   const RollRequest<double> request{RollEnd::before, 0, {24, 1}, joints, plan.limits()};
   const std::int32_t frames = -plan.played().first_frame();
   EXPECT_FALSE((*roll_breach(request, frames)).has_value());

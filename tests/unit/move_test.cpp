@@ -45,7 +45,7 @@ class MoveIn : public testing::Test {};
 using Precisions = testing::Types<double, float>;
 TYPED_TEST_SUITE(MoveIn, Precisions);
 
-TYPED_TEST(MoveIn, RestsBeforeItsPreRollAndAfterItsPostRollAndIsTheTracksInBetween) {
+TYPED_TEST(MoveIn, LastsFromItsPreRollToItsPostRoll) {
   using Real = TypeParam;
   const auto moving = track_of<Real>({0, 30, 100}, {5, 10, 7});
   const auto resting = track_of<Real>({-1, 2}, {0, 0, 10, 0, 0});
@@ -59,35 +59,10 @@ TYPED_TEST(MoveIn, RestsBeforeItsPreRollAndAfterItsPostRollAndIsTheTracksInBetwe
   EXPECT_EQ(move->frames(), 48);
   EXPECT_EQ(move->first_frame(), -12);
   EXPECT_EQ(move->last_frame(), 56);
-
-  std::array<AxisMotion<Real>, 2> at;
-  for (const std::int32_t frame : {-1000, -13, -12, 56, 57, 1000}) {
-    move->motion({frame, 0}, at);
-    EXPECT_EQ(at[0].velocity, 0) << frame;
-    EXPECT_EQ(at[0].acceleration, 0) << frame;
-    EXPECT_EQ(at[0].position, (frame < 0 ? before : after)[0].rest_position()) << frame;
-    EXPECT_EQ(at[1].position, frame < 0 ? -1 : 2) << "an axis at rest stays where it is";
-  }
-  std::array<AxisMotion<Real>, 1> alone;
-  std::array<Real, 2> positions;
-  for (const FrameTime<Real>& time : {FrameTime<Real>{0, 0}, {0, Real(0.25)}, {20, Real(0.5)}, {48, 0}}) {
-    move->motion(time, at);
-    move->positions(time, positions);
-    moving.track().motion(time, alone);
-    EXPECT_EQ(at[0].position, alone[0].position);
-    EXPECT_EQ(at[0].velocity, alone[0].velocity);
-    EXPECT_EQ(positions[0], alone[0].position);
-  }
-  // On either side of a joint nothing but the jerk jumps.
-  for (const std::int32_t joint : {0, 48}) {
-    std::array<AxisMotion<Real>, 2> inside;
-    const Real step = Real(1) / 1024;
-    move->motion(joint == 0 ? FrameTime<Real>{-1, 1 - step} : FrameTime<Real>{48, step}, at);
-    move->motion({joint, 0}, inside);
-    EXPECT_NEAR(at[0].position, inside[0].position, 0.01);
-    EXPECT_NEAR(at[0].velocity, inside[0].velocity, 0.05);
-    EXPECT_NEAR(at[0].acceleration, inside[0].acceleration, 2);
-    EXPECT_GT(std::abs(inside[0].velocity), 10);
+  for (const std::int32_t frame : {-1000, -12, -1, 0, 20, 48, 49, 1000}) {
+    const std::span<const RollAxis<Real>> rolls = move->rolls_at({frame, 0});
+    const RollAxis<Real>* const expected = frame < 0 ? before.data() : frame > 48 ? after.data() : nullptr;
+    EXPECT_EQ(rolls.data(), expected) << frame;
   }
 }
 
@@ -104,18 +79,18 @@ TEST(Move, RefusesAPartThatIsNone) {
       << "a roll that joins frame 0";
 }
 
-TEST(Move, WithoutRollsHoldsItsEnds) {
+TEST(Move, WithoutRollsRestsBeforeAndBehindItsFrames) {
   const auto solved = track_of<double>({0, 100}, {5, 10, 7});
   const std::array tracks{solved.track()};
   const auto move = Move<double>::make(std::span<const Track<double>>(tracks), {});
   ASSERT_TRUE(move);
   EXPECT_EQ(move->first_frame(), 0);
   EXPECT_EQ(move->last_frame(), 48);
-  std::array<double, 1> position;
-  move->positions({-1, 0.5}, position);
-  EXPECT_EQ(position[0], 0);
-  move->positions({48, 0.5}, position);
-  EXPECT_EQ(position[0], 100);
+  EXPECT_TRUE(move->rests_at({-1, 0.5}));
+  EXPECT_FALSE(move->rests_at({48, 0}));
+  EXPECT_TRUE(move->rests_at({48, 0.5}));
+  EXPECT_EQ(move->within_part({-1, 0.5}).frame, 0);
+  EXPECT_EQ(move->within_part({48, 0.5}).fraction, 0);
 }
 
 TEST(Move, IsMovingWhereTheSpeedIsNotZeroAndNotWhereOnlyTheAccelerationIs) {
@@ -142,7 +117,7 @@ TEST(Move, RefusesTracksOfDifferentTimesAndRollsThatDoNotJoin) {
   EXPECT_EQ(code_of(Move<double>::make(unequal, {})), ErrorCode::out_of_range);
   const std::array rates{one.track(), slower.track()};
   EXPECT_EQ(code_of(Move<double>::make(rates, {})), ErrorCode::out_of_range);
-  EXPECT_EQ(code_of(Move<double>::make({}, {})), ErrorCode::wrong_count);
+  EXPECT_EQ(code_of(Move<double>::make(std::span<const Track<double>>(), {})), ErrorCode::wrong_count);
 
   const std::array pair{one.track(), one.track()};
   const std::span<const Track<double>> tracks(pair);

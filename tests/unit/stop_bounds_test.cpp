@@ -38,6 +38,17 @@ AxisLimits<Real> stop_limits(Real acceleration, std::optional<Real> jerk = std::
   return *AxisLimits<Real>::make(spec);
 }
 
+/// A move with its track.
+struct TrackedMove {
+  Move<double> move;
+  std::span<const Track<double>> tracks;
+};
+
+TrackedMove move_of(const SolvedTrack<double>& solution, const MoveRolls<double>& rolls = {}) {
+  const std::span<const Track<double>> tracks(&solution.track(), 1);
+  return {*Move<double>::make(tracks, rolls), tracks};
+}
+
 /// Bounds with the memory that they live in.
 template <Precise Real>
 struct Stops {
@@ -46,19 +57,16 @@ struct Stops {
   std::optional<StopObstacle<Real>> obstacle;
   Result<StopBounds<Real>> bounds;
 
-  Stops(const Move<double>& move, const std::vector<AxisLimits<Real>>& limits, Real rate = 1)
+  Stops(const TrackedMove& move, const std::vector<AxisLimits<Real>>& limits, Real rate = 1)
       : stop_cells(cells + 1),
         peaks(limits.size()),
         bounds(StopBounds<Real>::make(
-            {bounded_cells<Real>(move, limits, cells, rate, Real(tick)).cells(), limits, rate, Real(tick)},
+            {bounded_cells<Real>(move.move, move.tracks, limits, cells, rate, Real(tick)).cells(), limits,
+             rate, Real(tick)},
             stop_cells, peaks, &obstacle)) {}
   Stops(const Stops&) = delete;
   Stops& operator=(const Stops&) = delete;
 };
-
-Move<double> move_of(const SolvedTrack<double>& solution) {
-  return *Move<double>::make({&solution.track(), 1}, {});
-}
 
 const std::vector<double> line{0, 1000};
 const std::vector<double> bend{0, 0, 300, 50, 400, 400, 900, 500};
@@ -117,7 +125,7 @@ TEST(StopBounds, AHigherRateLeavesLessAndStopsLater) {
 TEST(StopBounds, AMotionThatTakesAllOfAStopLimitIsRefusedWithItsAxisAndPlace) {
   const auto solution = solved({.axis_count = 2, .keys = bend}, calm, 240);
   const std::vector<AxisPeaks<double>> peaks = bounds_of_track(solution.track()).peaks();
-  const Move<double> move = move_of(solution);
+  const TrackedMove move = move_of(solution);
   for (const bool by_jerk : {false, true}) {
     const Peak<double> peak = by_jerk ? peaks[1].jerk : peaks[1].acceleration;
     const AxisLimits<double> tight =
@@ -175,7 +183,7 @@ TEST(StopBounds, PreRollAndPostRollAreWithinThem) {
   const auto before = *RollAxis<double>::make({RollEnd::before, 0, 12, {24, 1}}, joint[0]);
   joint[0].position = 1000;
   const auto after = *RollAxis<double>::make({RollEnd::after, 240, 12, {24, 1}}, joint[0]);
-  const auto move = *Move<double>::make({&solution.track(), 1}, {{&before, 1}, {&after, 1}});
+  const TrackedMove move = move_of(solution, {{&before, 1}, {&after, 1}});
   const double most = before.peaks().acceleration.value;
   const Stops<double> refused(move, {stop_limits(0.99 * most)});
   ASSERT_FALSE(refused.bounds.has_value());
@@ -372,7 +380,8 @@ TEST(StopBounds, TheJerkBoundHoldsWithinACellOfItsPlaceAndNoFurther) {
 TEST(StopBounds, WhatIsAskedWronglyIsRefused) {
   const auto solution = solved({.axis_count = 2, .keys = bend}, calm, 240);
   const std::vector<AxisLimits<double>> limits(2, stop_limits(3000.0));
-  const BoundedMove bounded = bounded_cells<double>(move_of(solution), limits, 10, 1, tick);
+  const BoundedMove bounded =
+      bounded_cells<double>(move_of(solution).move, move_of(solution).tracks, limits, 10, 1, tick);
   const MotionCells& motion = bounded.cells();
   std::vector<StopCell<double>> stop_cells(11);
   std::vector<AxisPeaks<double>> peaks(2);

@@ -70,72 +70,53 @@ bool joints_of(std::span<const Track<Real>> tracks, RollEnd end, std::span<AxisM
 }
 
 template <Precise Real>
-Result<Move<Real>> Move<Real>::make(std::span<const Track<Real>> tracks, const MoveRolls<Real>& rolls,
-                                    const std::optional<WholeFrames>& part) {
-  if (tracks.empty()) {
+Result<MoveLength> length_of(std::span<const Track<Real>> tracks) {
+  if (tracks.empty())
     return Error{.code = ErrorCode::wrong_count, .what = "a move has no track", .remedy = "give it one"};
-  }
-  const std::int32_t frames = tracks.front().frames();
-  Move move(tracks, rolls, part.value_or(WholeFrames{0, frames}));
-  if (move.part_.first < 0 || move.part_.first >= move.part_.last || move.part_.last > frames) {
-    return Error{.code = ErrorCode::out_of_range,
-                 .what = "a part of a move is not one of its frames to a later one",
-                 .remedy = "give it a first and a later last frame of 0..N",
-                 .needed = frames};
-  }
+  MoveLength whole{.frames = tracks.front().frames(), .fps = tracks.front().frame_rate()};
   for (const Track<Real>& track : tracks) {
-    if (track.frames() != move.frames() || track.frame_rate() != move.frame_rate()) {
+    if (track.frames() != whole.frames || track.frame_rate() != whole.fps) {
       return Error{.code = ErrorCode::out_of_range,
                    .what = "the tracks of a move differ in frames or frame rate",
                    .remedy = "solve all of them in the same"};
     }
-    move.axis_count_ += static_cast<std::size_t>(track.path().axis_count());
+    whole.axes += static_cast<std::size_t>(track.path().axis_count());
+  }
+  return whole;
+}
+
+template <Precise Real>
+Result<Move<Real>> Move<Real>::make(std::span<const Track<Real>> tracks, const MoveRolls<Real>& rolls,
+                                    const std::optional<WholeFrames>& part) {
+  const Result<MoveLength> whole = length_of(tracks);
+  if (!whole) return whole.error();
+  return make(*whole, rolls, part);
+}
+
+template <Precise Real>
+Result<Move<Real>> Move<Real>::make(const MoveLength& whole, const MoveRolls<Real>& rolls,
+                                    const std::optional<WholeFrames>& part) {
+  Move move(whole, rolls, part.value_or(WholeFrames{0, whole.frames}));
+  if (move.part_.first < 0 || move.part_.first >= move.part_.last || move.part_.last > whole.frames) {
+    return Error{.code = ErrorCode::out_of_range,
+                 .what = "a part of a move is not one of its frames to a later one",
+                 .remedy = "give it a first and a later last frame of 0..N",
+                 .needed = whole.frames};
   }
   for (const RollEnd end : {RollEnd::before, RollEnd::after}) {
     const std::span<const RollAxis<Real>> of_end = end == RollEnd::before ? rolls.before : rolls.after;
-    const Status valid = check_rolls(of_end, end, move.part_, move.frame_rate(), move.axis_count_);
+    const Status valid = check_rolls(of_end, end, move.part_, whole.fps, whole.axes);
     if (!valid) return valid.error();
   }
   return move;
-}
-
-template <Precise Real>
-void Move<Real>::positions(const FrameTime<Real>& time, std::span<Real> out) const {
-  const std::span<const RollAxis<Real>> rolls = rolls_at(time);
-  for (std::size_t d = 0; d < rolls.size(); ++d) out[d] = rolls[d].motion(time).position;
-  if (!rolls.empty()) return;
-  for (const Track<Real>& track : tracks_) {
-    const auto axes = static_cast<std::size_t>(track.path().axis_count());
-    track.positions(within_part(time), out.first(axes));
-    out = out.subspan(axes);
-  }
-}
-
-template <Precise Real>
-Derivatives Move<Real>::motion(const FrameTime<Real>& time, std::span<AxisMotion<Real>> out) const {
-  const std::span<const RollAxis<Real>> rolls = rolls_at(time);
-  for (std::size_t d = 0; d < rolls.size(); ++d) out[d] = rolls[d].motion(time);
-  Derivatives worst = Derivatives::exact;
-  if (!rolls.empty()) return worst;
-  const bool rests = rests_at(time);
-  for (const Track<Real>& track : tracks_) {
-    const auto axes = static_cast<std::size_t>(track.path().axis_count());
-    const std::span<AxisMotion<Real>> axes_of_track = out.first(axes);
-    const Derivatives told = track.motion(within_part(time), axes_of_track);
-    if (rests) {
-      for (AxisMotion<Real>& axis : axes_of_track) axis = {.position = axis.position};
-    } else {
-      worst = std::max(worst, told);
-    }
-    out = out.subspan(axes);
-  }
-  return worst;
 }
 
 template bool is_moving(const Track<double>&, RollEnd);
 template bool is_moving(const Track<float>&, RollEnd);
 template bool joints_of(std::span<const Track<double>>, RollEnd, std::span<AxisMotion<double>>);
 template bool joints_of(std::span<const Track<float>>, RollEnd, std::span<AxisMotion<float>>);
+template Result<MoveLength> length_of(std::span<const Track<double>>);
+template Result<MoveLength> length_of(std::span<const Track<float>>);
 template class Move<double>;
 template class Move<float>;
 

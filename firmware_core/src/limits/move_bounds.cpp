@@ -27,10 +27,11 @@ bool is_step(MoveStep& step, const AxisPeaks<double>& peaks, std::span<const Axi
 /// One track of a move.
 class TrackBounding {
  public:
-  TrackBounding(const Move<double>& move, std::size_t index, std::size_t first_axis,
-                std::span<const AxisLimits<double>> limits, const MoveBoundsMemory& memory, MoveBounds& out)
+  TrackBounding(const Move<double>& move, const Track<double>& track, std::size_t index,
+                std::size_t first_axis, std::span<const AxisLimits<double>> limits,
+                const MoveBoundsMemory& memory, MoveBounds& out)
       : move_(move),
-        track_(move.tracks()[index]),
+        track_(track),
         index_(index),
         first_axis_(first_axis),
         axes_(static_cast<std::size_t>(track_.path().axis_count())),
@@ -148,9 +149,18 @@ class TrackBounding {
   MoveBounds& out_;
 };
 
-Status check(const Move<double>& move, std::span<const AxisLimits<double>> limits,
-             std::span<const CalibratedMotor> motors, const MoveBounds& out) {
+Status check(const Move<double>& move, std::span<const Track<double>> tracks,
+             std::span<const AxisLimits<double>> limits, std::span<const CalibratedMotor> motors,
+             const MoveBounds& out) {
   const std::size_t axes = move.axis_count();
+  const Result<MoveLength> length = length_of(tracks);
+  if (!length) return length.error();
+  if (length->axes != axes || length->frames != move.frames() || length->fps != move.frame_rate()) {
+    return Error{.code = ErrorCode::wrong_count,
+                 .what = "these are not the tracks of the move",
+                 .remedy = "give those that it was made of",
+                 .needed = static_cast<std::int64_t>(axes)};
+  }
   const MotionCells& cells = out.cells;
   const bool has_cells = cells.line.cells > 0;
   const bool is_complete =
@@ -181,12 +191,25 @@ Status take_rolls(std::span<const RollAxis<double>> rolls, const MoveBoundsMemor
   return Done{};
 }
 
-void take_motors(const Move<double>& move, std::span<const CalibratedMotor> motors, std::span<double> places,
-                 MoveBounds& out) {
+/// The place of every axis.
+void write_places(const Move<double>& move, std::span<const Track<double>> tracks,
+                  const FrameTime<double>& time, std::span<double> out) {
+  const std::span<const RollAxis<double>> rolls = move.rolls_at(time);
+  for (std::size_t d = 0; d < rolls.size(); ++d) out[d] = rolls[d].motion(time).position;
+  if (!rolls.empty()) return;
+  for (const Track<double>& track : tracks) {
+    const auto axes = static_cast<std::size_t>(track.path().axis_count());
+    track.positions(move.within_part(time), out.first(axes));
+    out = out.subspan(axes);
+  }
+}
+
+void take_motors(const Move<double>& move, std::span<const Track<double>> tracks,
+                 std::span<const CalibratedMotor> motors, std::span<double> places, MoveBounds& out) {
   const MotionCells& cells = out.cells;
   for (std::size_t cell = 0; !motors.empty() && cell < cells.line.cells; ++cell) {
     const double frame = cells.middle_frame(cell);
-    move.positions(moved_by<double>({}, frame), places);
+    write_places(move, tracks, moved_by<double>({}, frame), places);
     for (std::size_t m = 0; m < motors.size(); ++m) {
       bound_motor(cells, cell, m, motors[m], places[motors[m].axis]);
       const auto [velocity, acceleration, jerk] = cells.of_cell(cell)[cells.axes + m];
@@ -211,9 +234,10 @@ void drop_rounding(std::span<const AxisLimits<double>> limits, MoveBounds& out) 
 
 }  // namespace
 
-Status bound_move(const Move<double>& move, std::span<const AxisLimits<double>> limits,
-                  std::span<const CalibratedMotor> motors, const MoveBoundsMemory& memory, MoveBounds& out) {
-  if (const Status checked = check(move, limits, motors, out); !checked) return checked;
+Status bound_move(const Move<double>& move, std::span<const Track<double>> tracks,
+                  std::span<const AxisLimits<double>> limits, std::span<const CalibratedMotor> motors,
+                  const MoveBoundsMemory& memory, MoveBounds& out) {
+  if (const Status checked = check(move, tracks, limits, motors, out); !checked) return checked;
   if (!motors.empty() && memory.places.size() < move.axis_count()) {
     return Error{.code = ErrorCode::capacity,
                  .what = "the memory of bounds has no place for every axis beside a motor",
@@ -228,16 +252,16 @@ Status bound_move(const Move<double>& move, std::span<const AxisLimits<double>> 
   std::ranges::fill(out.cells.suprema, MotionTriple{});
   out.step_count = 0;
   std::size_t first_axis = 0;
-  for (std::size_t t = 0; t < move.tracks().size(); ++t) {
-    const Status bounded = TrackBounding(move, t, first_axis, limits, memory, out).run();
+  for (std::size_t t = 0; t < tracks.size(); ++t) {
+    const Status bounded = TrackBounding(move, tracks[t], t, first_axis, limits, memory, out).run();
     if (!bounded) return bounded;
-    first_axis += static_cast<std::size_t>(move.tracks()[t].path().axis_count());
+    first_axis += static_cast<std::size_t>(tracks[t].path().axis_count());
   }
   for (const std::span<const RollAxis<double>> rolls : {move.rolls().before, move.rolls().after}) {
     const Status rolled = take_rolls(rolls, memory, out);
     if (!rolled) return rolled;
   }
-  take_motors(move, motors, memory.places.first(motors.empty() ? 0 : move.axis_count()), out);
+  take_motors(move, tracks, motors, memory.places.first(motors.empty() ? 0 : move.axis_count()), out);
   drop_rounding(limits, out);
   return Done{};
 }

@@ -13,6 +13,20 @@ double without_rounding(double value, double size) {
   return std::fabs(value) > rest_share * size ? value : 0;
 }
 
+/// The ends of a loop are in one place where they are within this share of the position.
+constexpr double loop_rounding = 1e-12;
+
+double position_of(const PlayedMotion& motion, std::size_t axis, const FrameTime<double>& time) {
+  const Move<double>& move = motion.move();
+  const std::span<const RollAxis<double>> rolls = move.rolls_at(time);
+  if (!rolls.empty()) return rolls[axis].motion(time).position;
+  for (const Trajectory& trajectory : motion.trajectories()) {
+    if (axis < trajectory.axis_count()) return trajectory.motion_of(axis, move.within_part(time)).position;
+    axis -= trajectory.axis_count();
+  }
+  return 0;
+}
+
 /// The piece that a motion arrives with on a frame, or leaves it with.
 std::size_t piece_beside(const Trajectory& trajectory, const FrameTime<double>& at, bool arriving) {
   for (const TrajectoryBreak& one : trajectory.breaks()) {
@@ -68,15 +82,13 @@ bool joints_of_part(std::span<const Track<double>> tracks, std::span<const Traje
 }
 
 Result<PlayedMotion> PlayedMotion::make(const Move<double>& move, std::span<const Trajectory> trajectories) {
-  const std::span<const Track<double>> tracks = move.tracks();
-  bool is_complete = trajectories.size() == tracks.size();
-  for (std::size_t t = 0; is_complete && t < tracks.size(); ++t)
-    is_complete = trajectories[t].axis_count() == static_cast<std::size_t>(tracks[t].path().axis_count());
-  if (!is_complete) {
+  std::size_t axes = 0;
+  for (const Trajectory& trajectory : trajectories) axes += trajectory.axis_count();
+  if (axes != move.axis_count()) {
     return Error{.code = ErrorCode::wrong_count,
-                 .what = "a move has not a trajectory for each of its tracks",
-                 .remedy = "fit one to each",
-                 .needed = static_cast<std::int64_t>(tracks.size())};
+                 .what = "the trajectories of a move have not as many axes as the move",
+                 .remedy = "fit one to each of its tracks",
+                 .needed = static_cast<std::int64_t>(move.axis_count())};
   }
   for (const Trajectory& trajectory : trajectories) {
     const bool is_whole = trajectory.begin() == FrameTime<double>{0, 0} &&
@@ -84,8 +96,8 @@ Result<PlayedMotion> PlayedMotion::make(const Move<double>& move, std::span<cons
                           trajectory.frame_rate() == move.frame_rate();
     if (is_whole) continue;
     return Error{.code = ErrorCode::out_of_range,
-                 .what = "a trajectory of a move does not last as long as its tracks",
-                 .remedy = "fit it to the whole track"};
+                 .what = "a trajectory of a move does not last as long as the move",
+                 .remedy = "fit it to a whole track"};
   }
   return PlayedMotion(move, trajectories);
 }
@@ -115,6 +127,21 @@ void PlayedMotion::motion(const FrameTime<double>& time, std::span<AxisMotion<do
     }
     out = out.subspan(trajectory.axis_count());
   }
+}
+
+Status can_loop(const PlayedMotion& motion) {
+  const Move<double>& move = motion.move();
+  for (std::size_t d = 0; d < move.axis_count(); ++d) {
+    const double first = position_of(motion, d, {move.first_frame(), 0});
+    const double last = position_of(motion, d, {move.last_frame(), 0});
+    const double size = std::max(std::fabs(first), std::fabs(last));
+    if (std::fabs(first - last) <= loop_rounding * size) continue;
+    return Error{.code = ErrorCode::no_solution,
+                 .what = "a loop would step: the axis rests elsewhere at the end than at the start",
+                 .remedy = "end the move where it starts, at rest, or play it to and fro",
+                 .axis = static_cast<std::int32_t>(d)};
+  }
+  return Done{};
 }
 
 }  // namespace inbetween

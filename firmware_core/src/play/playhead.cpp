@@ -11,10 +11,6 @@ namespace {
 /// Rounding may make the last jerk phase steeper than it began by this share.
 template <Precise Real>
 inline constexpr Real jerk_rounding = std::numeric_limits<Real>::digits > 30 ? Real(1e-9) : Real(1e-4);
-/// The ends of a loop are in one place where they are within this share of the position.
-template <Precise Real>
-inline constexpr Real loop_rounding = std::numeric_limits<Real>::digits > 30 ? Real(1e-12) : Real(1e-6);
-constexpr std::size_t max_loop_axes = 64;
 /// The seconds of an exposure are a whole number of ticks within this share of a tick.
 template <Precise Real>
 inline constexpr Real tick_rounding = std::numeric_limits<Real>::digits > 30 ? Real(1e-9) : Real(1e-4);
@@ -140,33 +136,6 @@ Status Playhead<Real>::set_override(Real rate) {
                  .remedy = "use a lower rate"};
   }
   override_ = rate;
-  return Done{};
-}
-
-template <Precise Real>
-Status Playhead<Real>::set_repeat(Repeat repeat) {
-  if (repeat == Repeat::loop) {
-    std::array<Real, max_loop_axes> first;
-    std::array<Real, max_loop_axes> last;
-    const std::size_t axes = move_->axis_count();
-    if (axes > max_loop_axes) {
-      return Error{.code = ErrorCode::capacity,
-                   .what = "the move has more axes than a loop can compare",
-                   .remedy = "use 64 at most",
-                   .needed = static_cast<std::int64_t>(axes)};
-    }
-    move_->positions({move_->first_frame(), 0}, first);
-    move_->positions({move_->last_frame(), 0}, last);
-    for (std::size_t d = 0; d < axes; ++d) {
-      const Real size = std::max(std::fabs(first[d]), std::fabs(last[d]));
-      if (std::fabs(first[d] - last[d]) <= loop_rounding<Real> * size) continue;
-      return Error{.code = ErrorCode::no_solution,
-                   .what = "a loop would step: the axis rests elsewhere at the end than at the start",
-                   .remedy = "end the move where it starts, at rest, or play it to and fro",
-                   .axis = static_cast<std::int32_t>(d)};
-    }
-  }
-  repeat_ = repeat;
   return Done{};
 }
 

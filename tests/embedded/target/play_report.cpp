@@ -60,8 +60,9 @@ class PlaySession {
     is_well = is_well && playhead_.scrub_to({middle + middle / 2, Real(0.375)});
     ticks(move_.rate_hz);
     playhead_.stop();
-    is_well = is_well && ticks_until_rest() && playhead_.set_repeat(Repeat::ping_pong) &&
-              playhead_.play(Direction::backward);
+    is_well = is_well && ticks_until_rest();
+    playhead_.set_repeat(Repeat::ping_pong);
+    is_well = is_well && playhead_.play(Direction::backward);
     // There and back, once and a little more.
     const std::int32_t line = played_.move().last_frame() - played_.move().first_frame();
     const std::int64_t turns = repeats_;
@@ -90,7 +91,7 @@ class PlaySession {
     places_.add(playhead_.rate());
     places_.add(playhead_.rate_change());
     std::array<Real, max_axes> at{};
-    played_.move().positions(playhead_.time(), std::span(at).first(played_.move().axis_count()));
+    played_.positions(playhead_.time(), std::span(at).first(played_.move().axis_count()));
     for (const Real position : at) positions_.add(position);
   }
   [[nodiscard]] bool is_on(std::int32_t frame) const {

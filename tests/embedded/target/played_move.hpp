@@ -40,10 +40,10 @@ class ProvenMove {
 
  private:
   Status bound(const MoveRolls<double>& rolls, std::size_t count) {
-    const auto move = inbetween::Move<double>::make({&*track_, 1}, rolls);
+    const auto move = inbetween::Move<double>::make(std::span<const Track<double>>(&*track_, 1), rolls);
     if (!move) return move.error();
     bounds_ = storage_.bounds(*move, count);
-    return bound_move(*move, {}, {}, storage_.memory(), bounds_);
+    return bound_move(*move, {&*track_, 1}, {}, {}, storage_.memory(), bounds_);
   }
   Status make_roll(RollEnd end, std::int32_t frames, std::span<RollAxis<double>> memory,
                    std::span<const RollAxis<double>>& out) {
@@ -81,7 +81,7 @@ class PlayedMove {
     for (const RollEnd end : {RollEnd::before, RollEnd::after}) {
       if (const Status rolled = make_rolls(end, rolls); !rolled) return rolled;
     }
-    const auto move = inbetween::Move<Real>::make({&*track_, 1}, rolls);
+    const auto move = inbetween::Move<Real>::make(std::span<const Track<Real>>(&*track_, 1), rolls);
     if (!move) return move.error();
     move_ = *move;
     if (const Status proven = prove(); !proven) return proven;
@@ -107,6 +107,11 @@ class PlayedMove {
   }
 
   [[nodiscard]] const inbetween::Move<Real>& move() const { return *move_; }
+  void positions(const FrameTime<Real>& time, std::span<Real> out) const {
+    const std::span<const RollAxis<Real>> rolls = move_->rolls_at(time);
+    for (std::size_t d = 0; d < rolls.size(); ++d) out[d] = rolls[d].motion(time).position;
+    if (rolls.empty()) track_->positions(move_->within_part(time), out);
+  }
   [[nodiscard]] const StopBounds<Real>& bounds() const { return *bounds_; }
   [[nodiscard]] std::span<const StopCell<Real>> cells() const { return stops_; }
   /// Of the move itself, and of its stops.

@@ -27,8 +27,6 @@ void tick_positions_float(const Track<float>& track, const FrameTime<float>& tim
 void tick_positions_double(const Track<double>& track, const FrameTime<double>& time, double* out);
 void tick_motion_float(const Track<float>& track, const FrameTime<float>& time, AxisMotion<float>* out);
 void tick_motion_double(const Track<double>& track, const FrameTime<double>& time, AxisMotion<double>* out);
-void tick_move_float(const Move<float>& move, const FrameTime<float>& time, float* out);
-void tick_move_double(const Move<double>& move, const FrameTime<double>& time, double* out);
 void tick_playhead_float(Playhead<float>& playhead);
 void tick_playhead_double(Playhead<double>& playhead);
 void tick_trajectory(const Trajectory& trajectory, const FrameTime<double>& time, double* out);
@@ -49,12 +47,6 @@ TICK tick_motion_float(const Track<float>& track, const FrameTime<float>& time, 
 }
 TICK tick_motion_double(const Track<double>& track, const FrameTime<double>& time, AxisMotion<double>* out) {
   track.motion(time, std::span(out, 3));
-}
-TICK tick_move_float(const Move<float>& move, const FrameTime<float>& time, float* out) {
-  move.positions(time, std::span(out, 3));
-}
-TICK tick_move_double(const Move<double>& move, const FrameTime<double>& time, double* out) {
-  move.positions(time, std::span(out, 3));
 }
 TICK tick_playhead_float(Playhead<float>& playhead) {
   playhead.tick();
@@ -223,23 +215,19 @@ void measure_frame_time(std::string_view name) {
 }
 
 struct PlayNames {
-  std::string_view proof, bounds, even, ramps, positions;
+  std::string_view proof, bounds, even, ramps;
 };
 /// Playing the subject. False where it does not go as it should.
-template <Precise Real, class PlayheadTick, class MoveTick>
+template <Precise Real, class PlayheadTick>
 bool measure_play(const PlayNames& names, const Track<Real>& track, const Track<double>& wide,
-                  PlayedMove<Real>& played, PlayheadTick playhead_tick, MoveTick move_tick) {
+                  PlayedMove<Real>& played, PlayheadTick playhead_tick) {
   Status made = played.make(track, wide, subject.rate_hz);
   if (!names.proof.empty())
     print_line(names.proof, instructions_of([&] { made = made ? played.prove() : made; }));
   made = made ? played.prove() : made;
   print_line(names.bounds, instructions_of([&] { made = made ? played.make_bounds() : made; }));
-  bool is_well = made.has_value();
-  if (is_well) {
-    is_well = measure_playing<Real>(names.even, names.ramps, playhead_tick, played);
-    std::array<Real, 3> out{};
-    measure<Real>(names.positions, move_tick, played.move(), out.data());
-  }
+  const bool is_well =
+      made.has_value() && measure_playing<Real>(names.even, names.ramps, playhead_tick, played);
   if (!is_well) print("FAILED: the subject is not played as it should be\n");
   return is_well;
 }
@@ -305,12 +293,12 @@ bool run() {
     print("FAILED: the subject has no trajectory\n");
     return false;
   }
-  return measure_play<float>({"", "StopBounds::make/float", "Playhead::tick/float",
-                              "Playhead::tick(ramps)/float", "Move::positions/float"},
-                             *single, *track, single_play, tick_playhead_float, tick_move_float) &&
+  return measure_play<float>(
+             {"", "StopBounds::make/float", "Playhead::tick/float", "Playhead::tick(ramps)/float"}, *single,
+             *track, single_play, tick_playhead_float) &&
          measure_play<double>({"bound_move/double", "StopBounds::make/double", "Playhead::tick/double",
-                               "Playhead::tick(ramps)/double", "Move::positions/double"},
-                              *track, *track, double_play, tick_playhead_double, tick_move_double);
+                               "Playhead::tick(ramps)/double"},
+                              *track, *track, double_play, tick_playhead_double);
 }
 
 }  // namespace inbetween::embedded

@@ -11,8 +11,8 @@
 #include "inbetween/timing/frame_time.hpp"
 #include "inbetween/timing/track.hpp"
 
-/// A move, or a part of it, as it is played: its tracks side by side on one time line, with a pre-roll where
-/// it starts moving and a post-roll where it ends moving.
+/// The time line on which a move, or a part of it, is played, with a pre-roll where it starts moving and a
+/// post-roll where it ends moving.
 
 namespace inbetween {
 
@@ -35,28 +35,40 @@ struct MoveRolls {
   std::span<const RollAxis<Real>> after = {};
 };
 
-/// The axes of all tracks, track after track, on the time line first_frame()..last_frame(): the frames part()
-/// of the tracks, and the rolls that join them. A part of a move is a move of its own, with the frame numbers
-/// of the whole: on its frames the positions are those of the whole, bit for bit. Refers to the caller's
-/// memory.
+/// How long a whole move lasts, and how many axes it has.
+struct MoveLength {
+  std::int32_t frames = 0;  ///< 0..N
+  FrameRate fps;
+  std::size_t axes = 0;  ///< of all its tracks
+};
+
+/// Of tracks side by side. Errors: wrong_count (no track), out_of_range (tracks of different frames or frame
+/// rate). O(tracks).
+template <Precise Real>
+Result<MoveLength> length_of(std::span<const Track<Real>> tracks);
+
+/// The time line first_frame()..last_frame() of the axes of all tracks, track after track: the frames part()
+/// of the whole move, and the rolls that join them. A part of a move is a move of its own, with the frame
+/// numbers of the whole. What the axes do on it is PlayedMotion. Refers to the caller's memory.
 template <Precise Real>
 class Move {
  public:
-  /// The whole move where no part is given. Errors: wrong_count (no track; rolls that are neither none nor
-  /// one for each axis), out_of_range (tracks of different frames or frame rate; a part that is not
-  /// 0 <= first < last <= N; rolls at the wrong end, at another frame than its first or last, of different
-  /// frames or frame rate). O(axes).
+  /// The whole move where no part is given. Errors: wrong_count (rolls that are neither none nor one for each
+  /// axis), out_of_range (a part that is not 0 <= first < last <= N; rolls at the wrong end, at another frame
+  /// than its first or last, of different frames or frame rate). O(axes).
+  static Result<Move> make(const MoveLength& whole, const MoveRolls<Real>& rolls,
+                           const std::optional<WholeFrames>& part = std::nullopt);
+  /// The same of tracks side by side. Errors also: those of length_of.
   static Result<Move> make(std::span<const Track<Real>> tracks, const MoveRolls<Real>& rolls,
                            const std::optional<WholeFrames>& part = std::nullopt);
 
-  [[nodiscard]] std::span<const Track<Real>> tracks() const { return tracks_; }
   [[nodiscard]] const MoveRolls<Real>& rolls() const { return rolls_; }
-  [[nodiscard]] std::size_t axis_count() const { return axis_count_; }
-  /// N of the tracks.
-  [[nodiscard]] std::int32_t frames() const { return tracks_.front().frames(); }
-  /// The frames of the tracks that are played: 0..N, or a part of them.
+  [[nodiscard]] std::size_t axis_count() const { return whole_.axes; }
+  /// N of the whole.
+  [[nodiscard]] std::int32_t frames() const { return whole_.frames; }
+  /// The frames of the whole that are played: 0..N, or a part of them.
   [[nodiscard]] const WholeFrames& part() const { return part_; }
-  [[nodiscard]] FrameRate frame_rate() const { return tracks_.front().frame_rate(); }
+  [[nodiscard]] FrameRate frame_rate() const { return whole_.fps; }
   /// part().first less the frames of the pre-roll.
   [[nodiscard]] std::int32_t first_frame() const { return first_frame_; }
   /// part().last and the frames of the post-roll.
@@ -89,16 +101,9 @@ class Move {
     return is_behind(time) ? FrameTime<Real>{part_.last, 0} : time;
   }
 
-  /// The position of every axis. Before first_frame() and after last_frame() the axes rest where they are on
-  /// it; on the frames part() the tracks decide, to the last bit. `out` has axis_count() entries. O(axes).
-  void positions(const FrameTime<Real>& time, std::span<Real> out) const;
-  /// Position, velocity, acceleration and jerk of every axis, the worst of what the tracks say of their
-  /// derivatives. Resting outside the time line: derivatives 0. O(axes).
-  Derivatives motion(const FrameTime<Real>& time, std::span<AxisMotion<Real>> out) const;
-
  private:
-  Move(std::span<const Track<Real>> tracks, const MoveRolls<Real>& rolls, const WholeFrames& part)
-      : tracks_(tracks), rolls_(rolls), part_(part), first_frame_(part.first), last_frame_(part.last) {
+  Move(const MoveLength& whole, const MoveRolls<Real>& rolls, const WholeFrames& part)
+      : whole_(whole), rolls_(rolls), part_(part), first_frame_(part.first), last_frame_(part.last) {
     if (!rolls.before.empty()) first_frame_ -= rolls.before.front().span().frames;
     if (!rolls.after.empty()) last_frame_ += rolls.after.front().span().frames;
   }
@@ -109,10 +114,9 @@ class Move {
            (time.frame == part_.last && (time.fraction > 0 || part_.last < frames()));
   }
 
-  std::span<const Track<Real>> tracks_;
+  MoveLength whole_;
   MoveRolls<Real> rolls_;
   WholeFrames part_;
-  std::size_t axis_count_ = 0;
   std::int32_t first_frame_ = 0;
   std::int32_t last_frame_ = 0;
 };

@@ -91,9 +91,10 @@ struct MoveBoundsStorage {
 /// 0.5 % of the peak of an axis are room as well); of motors what bound_motor makes of a cell. `limits`, one
 /// for every axis or none, say what a step is compared with, beside the peak.
 ///
-/// Errors: wrong_count (limits, peaks, cells), capacity (memory), those of fit_trajectory. No allocation.
-/// Cost: the fit, and O((pieces + cells) * axes).
-Status bound_move(const Move<double>& move, std::span<const AxisLimits<double>> limits,
-                  std::span<const CalibratedMotor> motors, const MoveBoundsMemory& memory, MoveBounds& out);
+/// Errors: wrong_count (tracks, limits, peaks, cells), capacity (memory), those of fit_trajectory. No
+/// allocation. Cost: the fit, and O((pieces + cells) * axes).
+Status bound_move(const Move<double>& move, std::span<const Track<double>> tracks,
+                  std::span<const AxisLimits<double>> limits, std::span<const CalibratedMotor> motors,
+                  const MoveBoundsMemory& memory, MoveBounds& out);
 
 }  // namespace inbetween

@@ -25,8 +25,8 @@ bool joints_of_part(std::span<const Track<double>> tracks, std::span<const Traje
 /// the last bit; a part of a move is on its frames the whole, bit for bit. Refers to the caller's memory.
 class PlayedMotion {
  public:
-  /// Trajectories of whole tracks, one for each. Errors: wrong_count (there are not as many, or of other
-  /// axes), out_of_range (they do not last from frame 0 to the last of the tracks). O(tracks).
+  /// Trajectories of the whole move. Errors: wrong_count (they have not as many axes as the move together),
+  /// out_of_range (they do not last from frame 0 to the last of the whole). O(trajectories).
   static Result<PlayedMotion> make(const Move<double>& move, std::span<const Trajectory> trajectories);
 
   [[nodiscard]] const Move<double>& move() const { return move_; }
@@ -47,5 +47,9 @@ class PlayedMotion {
   Move<double> move_;
   std::span<const Trajectory> trajectories_;
 };
+
+/// Whether a move may be played again and again from its start. Errors: no_solution, with axis, if it would
+/// step because an axis has different positions at the two ends of the time line. O(axes).
+Status can_loop(const PlayedMotion& motion);
 
 }  // namespace inbetween

@@ -122,9 +122,8 @@ class Playhead {
   /// Sets the rate of playing, as a share of the drawn speed. A running playhead changes to it. Errors:
   /// out_of_range (not in 0 < rate <= StopBounds::rate()).
   Status set_override(Real rate);
-  /// Errors: no_solution, with axis, if a loop would step because an axis has different positions at the two
-  /// ends of the time line.
-  Status set_repeat(Repeat repeat);
+  /// Domain: a loop only of what can_loop().
+  void set_repeat(Repeat repeat) { repeat_ = repeat; }
   /// Puts a playhead at rest on a frame without a travel, for a rig that was moved otherwise. Errors:
   /// out_of_range (not on the time line; not resting).
   Status place_on(std::int32_t frame);
