@@ -126,17 +126,17 @@ inline SlopeProducts<Real> write_slopes(std::span<const Cubic<Real>> cubics, std
   return products;
 }
 
-/// A derivative beyond the range of Real is given as 0 and reported.
+/// A derivative beyond the range of Real is given as 0, and then none is known.
 template <Precise Real>
-Derivatives without_overflow(std::span<AxisMotion<Real>> motion, Derivatives derivatives) {
+std::uint8_t without_overflow(std::span<AxisMotion<Real>> motion, std::uint8_t order) {
   for (AxisMotion<Real>& axis : motion) {
     for (Real* derivative : {&axis.velocity, &axis.acceleration, &axis.jerk}) {
       if (std::isfinite(*derivative)) continue;
       *derivative = 0;
-      derivatives = Derivatives::unbounded;
+      order = 0;
     }
   }
-  return derivatives;
+  return order;
 }
 
 /// Derivatives of t below this overflow in no axis: the coefficients of a path are at most 1000 times
@@ -147,7 +147,7 @@ constexpr Real safe_rate = std::numeric_limits<Real>::digits > 30 ? Real(1e60) :
 
 /// The chain rule for p(t(time)), axis by axis: derivatives by t become derivatives in time.
 template <Precise Real>
-inline Derivatives pass_in_time(const ParameterRates<Real>& s, std::span<AxisMotion<Real>> axes) {
+inline std::uint8_t pass_in_time(const ParameterRates<Real>& s, std::span<AxisMotion<Real>> axes) {
   const Real square = s.first * s.first;
   const Real cube = square * s.first;
   const Real cross = 3 * s.first * s.second;
@@ -157,8 +157,8 @@ inline Derivatives pass_in_time(const ParameterRates<Real>& s, std::span<AxisMot
   }
   const Real most = safe_rate<Real>;
   if (std::fabs(s.first) < most && std::fabs(s.second) < most && std::fabs(s.third) < most) [[likely]]
-    return Derivatives::exact;
-  return without_overflow(axes, Derivatives::exact);
+    return 3;
+  return without_overflow(axes, 3);
 }
 
 /// How far the distance at which a path is found to stand still may be from the true one, in roundings of
@@ -230,20 +230,20 @@ inline void keep_positions(const Path<Real>& path, std::int32_t segment, std::sp
 }
 
 template <Precise Real>
-Derivatives write_standstill(const Path<Real>& path, const AlongPath<Real>& along,
-                             const Standstill<Real>& standstill, std::span<AxisMotion<Real>> out) {
+std::uint8_t write_standstill(const Path<Real>& path, const AlongPath<Real>& along,
+                              const Standstill<Real>& standstill, std::span<AxisMotion<Real>> out) {
   const std::span<const Cubic<Real>> cubics = path.segment(along.point.segment);
   const Real t = along.point.t;
   const bool stays = along.speed == 0 && along.acceleration == 0 && along.jerk == 0;
   // The direction is the limit of P' / |P'|, +-P'' on either side, and where P'' = 0 too, P'''.
   const Real side = along.point.segment == path.segment_count() ? Real(-1) : Real(1);
-  Derivatives derivatives = stays ? Derivatives::exact : Derivatives::one_sided;
+  std::uint8_t order = stays ? 3 : 1;
   for (std::size_t d = 0; d < out.size(); ++d) {
     const bool measured = path.weights()[d] > 0 && !standstill.is_here();
     out[d] = {.position = cubics[d].value(t)};
     if (stays) continue;
     if (!measured && !standstill.holds(cubics[d], t)) {
-      derivatives = Derivatives::unbounded;
+      order = 0;
       continue;
     }
     Real direction = 0;
@@ -257,7 +257,7 @@ Derivatives write_standstill(const Path<Real>& path, const AlongPath<Real>& alon
     out[d].velocity = direction * along.speed;
     out[d].acceleration = direction * along.acceleration;
   }
-  return without_overflow(out, derivatives);
+  return without_overflow(out, order);
 }
 
 }  // namespace
@@ -340,8 +340,8 @@ AlongPath<Real> Track<Real>::along(const FrameTime<Real>& time) const {
 
 /// A part of both, so that a tick has no frame for it.
 template <Precise Real>
-inline Derivatives Track<Real>::write_motion(const AlongPath<Real>& where,
-                                             std::span<AxisMotion<Real>> axes) const {
+inline std::uint8_t Track<Real>::write_motion(const AlongPath<Real>& where,
+                                              std::span<AxisMotion<Real>> axes) const {
   const std::span<const Cubic<Real>> cubics = path_.segment(where.point.segment);
   const SlopeProducts<Real> products = write_slopes(cubics, path_.weights(), where.point.t, axes);
   keep_positions(path_, where.point.segment, axes);
@@ -351,7 +351,7 @@ inline Derivatives Track<Real>::write_motion(const AlongPath<Real>& where,
 }
 
 template <Precise Real>
-Derivatives Track<Real>::motion(const FrameTime<Real>& time, std::span<AxisMotion<Real>> out) const {
+std::uint8_t Track<Real>::motion(const FrameTime<Real>& time, std::span<AxisMotion<Real>> out) const {
   const std::span<AxisMotion<Real>> axes = out.first(static_cast<std::size_t>(path_.axis_count()));
   if (!has_profile()) {
     const PathPoint<Real> point = locate(time);
@@ -364,7 +364,7 @@ Derivatives Track<Real>::motion(const FrameTime<Real>& time, std::span<AxisMotio
 }
 
 template <Precise Real>
-Derivatives Track<Real>::motion_at(const AlongPath<Real>& where, std::span<AxisMotion<Real>> out) const {
+std::uint8_t Track<Real>::motion_at(const AlongPath<Real>& where, std::span<AxisMotion<Real>> out) const {
   return write_motion(where, out.first(static_cast<std::size_t>(path_.axis_count())));
 }
 
@@ -376,7 +376,7 @@ Real Track<Real>::distance_rounding() const {
 
 /// Position and derivatives where the path may stand still, or where a plain sum of squares overflows.
 template <Precise Real>
-Derivatives Track<Real>::write_slow(AlongPath<Real> where, std::span<AxisMotion<Real>> axes) const {
+std::uint8_t Track<Real>::write_slow(AlongPath<Real> where, std::span<AxisMotion<Real>> axes) const {
   const PathPoint<Real> here = where.point;
   where.point = moving_side(path_, here);
   const std::span<const Cubic<Real>> cubics = path_.segment(where.point.segment);
@@ -386,18 +386,18 @@ Derivatives Track<Real>::write_slow(AlongPath<Real> where, std::span<AxisMotion<
       path_.parametric_speed(where.point),
       scaled_norm<Real>(cubics.size(), [&](std::size_t d) { return weights[d] * cubics[d].second(t); }),
       scaled_norm<Real>(cubics.size(), [&](std::size_t d) { return weights[d] * cubics[d].third(); })};
-  Derivatives derivatives = Derivatives::exact;
+  std::uint8_t order = 3;
   if (standstill.distance() <= distance_rounding()) {
-    derivatives = write_standstill(path_, where, standstill, axes);
+    order = write_standstill(path_, where, standstill, axes);
   } else {
     const ScaledSpeed<Real> scaled(cubics, weights, t, standstill.sigma);
     write_slopes(cubics, weights, t, axes);
-    derivatives = pass_in_time(parameter_rates(where, scaled.speed, scaled.scale), axes);
+    order = pass_in_time(parameter_rates(where, scaled.speed, scaled.scale), axes);
   }
   for (std::size_t d = 0; d < axes.size(); ++d) {
     axes[d].position = path_.position(here, static_cast<std::int32_t>(d));  // from either side
   }
-  return derivatives;
+  return order;
 }
 
 template class Track<double>;

@@ -403,7 +403,7 @@ SampledSpeed sample_drawn(const Track<double>& track, const FrameTime<double>& t
     along.point =
         along.speed == 0 ? resting_point(track, distance, arriving, known) : point_at(track, distance, known);
   }
-  const Derivatives derivatives = track.motion_at(along, out);
+  const std::uint8_t order = track.motion_at(along, out);
   if (along.point.t == 1) {  // the key itself, and not what the cubic before it is rounded to
     const std::span<const Cubic<double>> next = track.path().segment(along.point.segment + 1);
     for (std::size_t d = 0; d < out.size(); ++d) out[d].position = next[d].c0;
@@ -419,18 +419,13 @@ SampledSpeed sample_drawn(const Track<double>& track, const FrameTime<double>& t
       Line(track, segment).write(along, place.point.segment != nowhere, arriving, out);
     return {along.speed, 3, off, along.point};
   }
-  switch (derivatives) {
-    case Derivatives::exact:
-      return {along.speed, 3, off, along.point};
-    case Derivatives::one_sided:
-      if (const Standing standing(track, along.point); standing.turns_back())
-        standing.write_velocity(arriving ? -along.speed : along.speed, out);
-      return {along.speed, 1, off, along.point};
-    case Derivatives::unbounded:
-      break;
+  if (order == 1) {
+    if (const Standing standing(track, along.point); standing.turns_back())
+      standing.write_velocity(arriving ? -along.speed : along.speed, out);
+  } else if (order == 0 && place.point.segment == nowhere) {
+    write_mean_velocities(track, along, out);
   }
-  if (place.point.segment == nowhere) write_mean_velocities(track, along, out);
-  return {along.speed, 0, off, along.point};
+  return {along.speed, order, off, along.point};
 }
 
 SampledSpeed sample_drawn(const Track<double>& track, const FrameTime<double>& time, SampledSegment& known,

@@ -48,17 +48,6 @@ struct BreakKey {
   std::int32_t frame = 0;
 };
 
-/// Whether the derivatives that `Track::motion` returns are those of the motion. Positions always are.
-enum class Derivatives : std::uint8_t {
-  exact,      ///< yes
-  one_sided,  ///< within two roundings of the length from a point where P' = 0 (tension 1, a cusp, a line
-              ///< that turns back): the velocity is that of one side, the acceleration is that along the
-              ///< path only (across it there may be no bound), the jerk is given as 0
-  unbounded,  ///< a derivative that has no bound, or is beyond the range of Real, is given as 0. A velocity
-              ///< has none where the weighted path stands still (P' = 0) and is passed at a speed, while
-              ///< an axis of weight 0 moves on
-};
-
 /// A stretch of the move between two breaks, where the speed may jump: the drawn curve with a K of its own.
 template <Precise Real>
 struct Portion {
@@ -241,9 +230,16 @@ class Track {
   /// Position, velocity, acceleration and jerk of every axis, analytically at (segment, t), not from
   /// the fitted inverse. On a key: the derivatives with which the motion leaves it, of keys in one place the
   /// last; at the end of the path, those with which it arrives. O(axes), no allocation.
-  Derivatives motion(const FrameTime<Real>& time, std::span<AxisMotion<Real>> out) const;
+  ///
+  /// Returns the order of the highest derivative that is that of the motion. Positions always are. 3: all
+  /// are. 1: within two roundings of the length from a point where P' = 0 (tension 1, a cusp, a line that
+  /// turns back) the velocity is that of one side, the acceleration is that along the path only (across it
+  /// there may be no bound), and the jerk is given as 0. 0: a derivative that has no bound, or is beyond the
+  /// range of Real, is given as 0; a velocity has none where the weighted path stands still and is passed at
+  /// a speed, while an axis of weight 0 moves on.
+  std::uint8_t motion(const FrameTime<Real>& time, std::span<AxisMotion<Real>> out) const;
   /// The same of a track with a drawn speed at a place and a pace along the path.
-  Derivatives motion_at(const AlongPath<Real>& where, std::span<AxisMotion<Real>> out) const;
+  std::uint8_t motion_at(const AlongPath<Real>& where, std::span<AxisMotion<Real>> out) const;
 
  private:
   Track(const Path<Real>& path, const ArcLength<Real>& arc_length, const SpeedProfile<Real>& profile,
@@ -272,9 +268,9 @@ class Track {
   [[nodiscard]] AlongPath<Real> along_profile(const FrameTime<Real>& time) const;
   [[nodiscard]] AlongPath<Real> along_key_frames(const FrameTime<Real>& time) const;
   [[nodiscard]] Real distance_rounding() const;
-  [[gnu::always_inline]] inline Derivatives write_motion(const AlongPath<Real>& where,
-                                                         std::span<AxisMotion<Real>> axes) const;
-  Derivatives write_slow(AlongPath<Real> where, std::span<AxisMotion<Real>> axes) const;
+  [[gnu::always_inline]] inline std::uint8_t write_motion(const AlongPath<Real>& where,
+                                                          std::span<AxisMotion<Real>> axes) const;
+  std::uint8_t write_slow(AlongPath<Real> where, std::span<AxisMotion<Real>> axes) const;
   [[nodiscard]] TwoSum<Real> special_distance(const FrameTime<Real>& time) const;
   /// distance() of a drawn curve with breaks.
   [[nodiscard]] TwoSum<Real> broken_distance(const FrameTime<Real>& time) const;
