@@ -261,12 +261,12 @@ std::int32_t ib_certificate() {
 /// `first` in steps of `step` frames.
 std::int32_t ib_motion(double first, double step, std::int32_t samples) {
   if (!session.is_assembled()) return 0;
-  const Certificate& move = session.certificate();
+  const Certificate& certificate = session.certificate();
   std::array<AxisMotion<double>, max_move_axes> motion;
-  const std::span<AxisMotion<double>> axes = std::span(motion).first(move.move().axis_count());
+  const std::span<AxisMotion<double>> axes = std::span(motion).first(certificate.move().axis_count());
   Writer out(exchange);
   for (std::int32_t i = 0; i < samples; ++i) {
-    move.motion(time_at(first + step * i), axes);
+    certificate.motion(time_at(first + step * i), axes);
     for (const AxisMotion<double>& axis : axes) {
       for (const double number : {axis.position, axis.velocity, axis.acceleration, axis.jerk})
         out.number(number);

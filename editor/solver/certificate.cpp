@@ -30,7 +30,7 @@ Status Certificate::make(std::span<const Track<double>> tracks, std::span<const 
   roll_obstacle_.reset();
   MoveRolls<double> rolls;
   if (has_limits()) {
-    if (const Status rolled = make_rolls(tracks, rolls); !rolled) return rolled;
+    if (const Status rolled = make_rolls(rolls); !rolled) return rolled;
   }
   const auto move = Move<double>::make(tracks, rolls);
   if (!move) return move.error();
@@ -55,14 +55,14 @@ void Certificate::motion(const FrameTime<double>& time, std::span<AxisMotion<dou
   }
 }
 
-Status Certificate::make_rolls(std::span<const Track<double>> tracks, MoveRolls<double>& rolls) {
+Status Certificate::make_rolls(MoveRolls<double>& rolls) {
   const std::span<AxisMotion<double>> joints = std::span(joints_).first(limits_.size());
   for (const RollEnd end : {RollEnd::before, RollEnd::after}) {
-    if (!joints_of(tracks, end, joints)) continue;
+    if (!joints_of(tracks_, end, joints)) continue;
     const bool is_before = end == RollEnd::before;
     const RollRequest<double> request{.end = end,
-                                      .joint_frame = is_before ? 0 : tracks.front().frames(),
-                                      .fps = tracks.front().frame_rate(),
+                                      .joint_frame = is_before ? 0 : tracks_.front().frames(),
+                                      .fps = tracks_.front().frame_rate(),
                                       .joints = joints,
                                       .limits = limits_};
     const auto obstacle = inbetween::roll_obstacle(request);

@@ -47,7 +47,7 @@ class Certificate {
 
   [[nodiscard]] const Move<double>& move() const { return *move_; }
   [[nodiscard]] std::span<const Track<double>> tracks() const { return tracks_; }
-  /// What every axis of the move is asked to do at a time.
+  /// Writes what the tracks and the rolls ask every axis to do at a time; before and behind them it rests.
   void motion(const FrameTime<double>& time, std::span<AxisMotion<double>> out) const;
   [[nodiscard]] bool has_limits() const { return !limits_.empty(); }
   /// Every axis has an entry; the rolls count.
@@ -72,7 +72,7 @@ class Certificate {
   [[nodiscard]] double highest_rate() const { return highest_rate_; }
 
  private:
-  Status make_rolls(std::span<const Track<double>> tracks, MoveRolls<double>& rolls);
+  Status make_rolls(MoveRolls<double>& rolls);
   Status bound(double tick_seconds);
   Status bound_stops(const MotionCells& motion, double tick_seconds);
   void find_ceiling(const MotionCells& motion);

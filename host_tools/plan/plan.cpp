@@ -517,8 +517,8 @@ void Plan::put_together() {
         is_whole() ? std::span<const Trajectory>() : motion_->trajectories(track_views_);
     rolls_ = plan_rolls(track_views_, fitted, limits_, part_);
   }
-  played_ = value_or_throw(Move<double>::make(std::span<const Track<double>>(track_views_),
-                                              {.before = rolls_.before, .after = rolls_.after}, part_));
+  played_ = value_or_throw(
+      Move<double>::make(track_views_, {.before = rolls_.before, .after = rolls_.after}, part_));
 }
 
 bool Plan::is_moving(std::size_t track, RollEnd end) const {

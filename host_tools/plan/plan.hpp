@@ -67,7 +67,7 @@ class Plan {
   /// These frames on their time line, the axes track after track. On a rig it has a pre-roll where it starts
   /// moving and a post-roll where it ends moving, unless there is an obstacle.
   [[nodiscard]] const Move<double>& played() const { return *played_; }
-  /// Whole, those of tracks() one after another.
+  /// The whole tracks(), one after another.
   [[nodiscard]] std::span<const Track<double>> track_views() const { return track_views_; }
   /// What plays of them. The first call fits the trajectories: about 64 bytes for each piece and axis, and
   /// 3 to 16 pieces for each key. Threads may call it at once.

@@ -88,14 +88,9 @@ Result<MoveLength> length_of(std::span<const Track<Real>> tracks) {
 template <Precise Real>
 Result<Move<Real>> Move<Real>::make(std::span<const Track<Real>> tracks, const MoveRolls<Real>& rolls,
                                     const std::optional<WholeFrames>& part) {
-  const Result<MoveLength> whole = length_of(tracks);
-  if (!whole) return whole.error();
-  return make(*whole, rolls, part);
-}
-
-template <Precise Real>
-Result<Move<Real>> Move<Real>::make(const MoveLength& whole, const MoveRolls<Real>& rolls,
-                                    const std::optional<WholeFrames>& part) {
+  const Result<MoveLength> length = length_of(tracks);
+  if (!length) return length.error();
+  const MoveLength& whole = *length;
   Move move(whole, rolls, part.value_or(WholeFrames{0, whole.frames}));
   if (move.part_.first < 0 || move.part_.first >= move.part_.last || move.part_.last > whole.frames) {
     return Error{.code = ErrorCode::out_of_range,

@@ -37,13 +37,13 @@ struct MoveRolls {
 
 /// How long a whole move lasts, and how many axes it has.
 struct MoveLength {
-  std::int32_t frames = 0;  ///< 0..N
+  std::int32_t frames = 0;  ///< N: its frames are 0..N
   FrameRate fps;
   std::size_t axes = 0;  ///< of all its tracks
 };
 
-/// Of tracks side by side. Errors: wrong_count (no track), out_of_range (tracks of different frames or frame
-/// rate). O(tracks).
+/// Tells it of tracks that play side by side. Errors: wrong_count (no track), out_of_range (tracks of
+/// different frames or frame rate). O(tracks).
 template <Precise Real>
 Result<MoveLength> length_of(std::span<const Track<Real>> tracks);
 
@@ -53,12 +53,10 @@ Result<MoveLength> length_of(std::span<const Track<Real>> tracks);
 template <Precise Real>
 class Move {
  public:
-  /// The whole move where no part is given. Errors: wrong_count (rolls that are neither none nor one for each
-  /// axis), out_of_range (a part that is not 0 <= first < last <= N; rolls at the wrong end, at another frame
-  /// than its first or last, of different frames or frame rate). O(axes).
-  static Result<Move> make(const MoveLength& whole, const MoveRolls<Real>& rolls,
-                           const std::optional<WholeFrames>& part = std::nullopt);
-  /// The same of tracks side by side. Errors also: those of length_of.
+  /// The whole move of tracks side by side where no part is given. Errors: those of length_of; wrong_count
+  /// (rolls that are neither none nor one for each axis), out_of_range (a part that is not
+  /// 0 <= first < last <= N; rolls at the wrong end, at another frame than its first or last, of different
+  /// frames or frame rate). O(axes).
   static Result<Move> make(std::span<const Track<Real>> tracks, const MoveRolls<Real>& rolls,
                            const std::optional<WholeFrames>& part = std::nullopt);
 
