@@ -49,11 +49,12 @@ void list_steps(const Plan& plan, const BoundedMove& bounded, CheckReport& repor
   }
 }
 
-void take_motors(const Plan& plan, const PlannedMotors& planned, std::span<const AxisPeaks<double>> peaks,
-                 CheckReport& report) {
+void take_motors(const Plan& plan, std::span<const AxisPeaks<double>> peaks, CheckReport& report) {
+  const std::vector<CalibratedMotor> motors = plan.calibrated_motors();
+  const std::vector<AxisLimits<double>> limits_of_motors = motor_limits(plan);
   for (std::size_t m = 0; m < peaks.size(); ++m) {
-    const std::size_t a = plan.axis_of(planned.motors[m].axis);
-    const AxisLimits<double>& limits = planned.limits[m];
+    const std::size_t a = plan.axis_of(motors[m].axis);
+    const AxisLimits<double>& limits = limits_of_motors[m];
     report.motors.push_back({.axis = a,
                              .unit = std::string(to_string(plan.rig()->axes[a].calibration->unit)),
                              .velocity = {.limit = limits.max_velocity()},
@@ -142,7 +143,7 @@ CheckReport check_motion(const Plan& plan, const BoundedMove& bounded) {
   for (std::size_t a = 0; a < report.axes.size(); ++a) {
     if (report.axes[a].range) refuse_axis(plan, a, report);
   }
-  take_motors(plan, planned_motors(plan), std::span(bounded.peaks()).subspan(axes), report);
+  take_motors(plan, std::span(bounded.peaks()).subspan(axes), report);
   for (const RollObstacle& obstacle : plan.roll_obstacles()) refuse_roll(plan, obstacle, report);
   return report;
 }

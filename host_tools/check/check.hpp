@@ -48,7 +48,7 @@ struct CheckedAxis {
 };
 
 /// The motor of an axis with a calibration, in its unit and seconds; the limits are what the take-up of its
-/// backlash leaves. Proven by bound_motor: above the truth by more than 1 % where the curve bends.
+/// backlash leaves. Proven as that of an axis is.
 struct CheckedMotor {
   std::size_t axis = 0;  ///< in CheckReport::axes
   std::string unit;

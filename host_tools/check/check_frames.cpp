@@ -18,8 +18,6 @@ constexpr double clearly_beyond = 1 + 1e-6;
 /// Where locked frames are rounded anew the peak is elsewhere, and so much higher: moments that are nearer to
 /// a limit are not believed.
 constexpr double misleading = 1.01;
-/// A bound near its limit is at most 1 % above what is found: one further above it is loose.
-constexpr double loose = 1.01;
 /// The search follows the guesses so often that a number which was tried gives for the next.
 constexpr int max_guesses = 4;
 
@@ -135,13 +133,10 @@ class FrameSearch {
     return {fitting, ""};
   }
 
-  /// Where the bounds of the peaks lie far above what moments show, far from a limit nobody has refined them:
-  /// near it they will be as the moments are.
   [[nodiscard]] std::int32_t first_guess() {
-    const double bounds = needed_slowing(plan_, report_);
-    const double moments = slowing_at_peaks_of(report_, 1, plan_);
-    bounds_over_moments_ = bounds / moments;
-    return frames_for(moments > 0 && bounds > loose * moments ? moments : bounds, plan_.move().frames);
+    const double needed = needed_slowing(plan_, report_);
+    bounds_over_moments_ = needed / slowing_at_peaks_of(report_, 1, plan_);
+    return frames_for(needed, plan_.move().frames);
   }
   [[nodiscard]] static std::int32_t frames_for(double slowing, std::int32_t frames) {
     return static_cast<std::int32_t>(

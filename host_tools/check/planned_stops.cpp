@@ -12,16 +12,12 @@ namespace {
 constexpr std::int64_t max_cells = 4096;
 constexpr std::int64_t min_cells = 64;
 
-/// The slopes of a calibration are those of the worst place in a cell: shorter ones are nearer to the truth.
-constexpr std::int64_t cells_per_calibrated_frame = 8;
-
-std::size_t cell_count(const Plan& plan, double rate, bool has_motors) {
+std::size_t cell_count(const Plan& plan, double rate) {
   const std::int64_t frames = plan.played().last_frame() - plan.played().first_frame();
   const std::int64_t ticks =
       last_tick(static_cast<std::int32_t>(frames), plan.played().frame_rate(), plan.rig()->rate_hz);
   const auto longest = static_cast<std::int64_t>(static_cast<double>(ticks) / (2 * std::max(rate, 1.0)));
-  const std::int64_t per_frame = has_motors ? cells_per_calibrated_frame : 1;
-  const std::int64_t wanted = std::clamp(per_frame * frames, min_cells, max_cells);
+  const std::int64_t wanted = std::clamp(frames, min_cells, max_cells);
   return static_cast<std::size_t>(std::max<std::int64_t>(std::min(wanted, longest), 1));
 }
 
@@ -49,15 +45,11 @@ std::vector<AxisLimits<double>> motion_limits_of(const Plan& plan) {
 
 }  // namespace
 
-PlannedMotors planned_motors(const Plan& plan) {
-  PlannedMotors planned;
-  for (std::size_t d = 0; d < plan.played().axis_count(); ++d) {
-    const RigAxis& axis = plan.rig()->axes[plan.axis_of(d)];
-    if (!axis.calibration) continue;
-    planned.motors.push_back({.axis = d, .calibration = &axis.calibration->motor()});
-    planned.limits.push_back(limits_beside_take_up(axis));
-  }
-  return planned;
+std::vector<AxisLimits<double>> motor_limits(const Plan& plan) {
+  std::vector<AxisLimits<double>> limits;
+  for (const CalibratedMotor& motor : plan.calibrated_motors())
+    limits.push_back(limits_beside_take_up(plan.rig()->axes[plan.axis_of(motor.axis)]));
+  return limits;
 }
 
 namespace {
@@ -65,27 +57,25 @@ namespace {
 /// Those of every axis and motor: of a stop, or of the motion in place of those of a stop.
 std::vector<AxisLimits<double>> limits_of(const Plan& plan, bool of_stops) {
   std::vector<AxisLimits<double>> limits = of_stops ? plan.limits() : motion_limits_of(plan);
-  for (const AxisLimits<double>& motor : planned_motors(plan).limits)
+  for (const AxisLimits<double>& motor : motor_limits(plan))
     limits.push_back(of_stops ? motor : without_stops(motor));
   return limits;
 }
 
 BoundedMove bounded_in(const Plan& plan, std::size_t cells, std::span<const AxisLimits<double>> limits,
                        double rate) {
-  const PlannedMotors planned = planned_motors(plan);
+  const std::vector<CalibratedMotor> motors = plan.calibrated_motors();
   std::vector<MotionTriple> room(limits.size());
   write_room<double>(limits, rate, 1.0 / plan.rig()->rate_hz, room);
-  return BoundedMove(
-      plan.played(), plan.track_views(),
-      {.limits = plan.limits(), .motors = planned.motors, .cells = cells, .room = std::move(room)});
+  return BoundedMove(plan.played(), plan.track_views(),
+                     {.limits = plan.limits(), .motors = motors, .cells = cells, .room = std::move(room)});
 }
 
 }  // namespace
 
 BoundedMove bounded_move(const Plan& plan, double rate, BoundedFor use) {
-  const bool has_motors = !planned_motors(plan).motors.empty();
-  const bool has_cells = use == BoundedFor::stops || has_motors;
-  return bounded_in(plan, has_cells ? cell_count(plan, rate, has_motors) : 0, limits_of(plan, true), rate);
+  const std::size_t cells = use == BoundedFor::stops ? cell_count(plan, rate) : 0;
+  return bounded_in(plan, cells, limits_of(plan, true), rate);
 }
 
 PlannedStops::PlannedStops(const Plan& plan, double rate) {
@@ -120,7 +110,7 @@ void PlannedStops::make(const Plan& plan, StopRequest<double> request) {
   const auto found = static_cast<std::size_t>(obstacle_->axis);
   obstacle_is_of_motor_ = found >= motion.axes;
   if (obstacle_is_of_motor_) {
-    const std::vector<CalibratedMotor> motors = planned_motors(plan).motors;
+    const std::vector<CalibratedMotor> motors = plan.calibrated_motors();
     obstacle_->axis = static_cast<std::int32_t>(motors[found - motion.axes].axis);
   }
 }

@@ -13,16 +13,10 @@
 
 namespace inbetween {
 
-/// The motors that follow an axis of Plan::played() through a calibration, with the limits that the take-up
-/// of their backlash leaves them.
-struct PlannedMotors {
-  std::vector<CalibratedMotor> motors;
-  std::vector<AxisLimits<double>> limits;  ///< one for each
-};
-/// Refers to the rig of the plan.
-PlannedMotors planned_motors(const Plan& plan);
+/// What the take-up of the backlash leaves of the limits of each of Plan::calibrated_motors().
+std::vector<AxisLimits<double>> motor_limits(const Plan& plan);
 
-/// What bounds are asked for. Those of a motor take cells in any case.
+/// What bounds are asked for.
 enum class BoundedFor : std::uint8_t { motion, stops };
 /// What is proven of the plan's motion, for rates up to `rate` times the drawn speed. A cell of the time line
 /// is about a frame, never shorter than two ticks, and never less than a 4096th of the move. Throws
@@ -50,7 +44,7 @@ class PlannedStops {
   /// ... whose motor it is, if it is not the axis itself.
   [[nodiscard]] bool is_of_motor() const { return obstacle_is_of_motor_; }
   /// The most that any playing and stopping asks of each axis of Plan::played(), and behind them of each of
-  /// planned_motors().
+  /// Plan::calibrated_motors().
   [[nodiscard]] const std::vector<AxisPeaks<double>>& peaks() const { return peaks_; }
 
  private:

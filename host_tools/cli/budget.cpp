@@ -120,7 +120,7 @@ constexpr std::array<FunctionBudget, 19> stack{{
     {"StopBounds::make", {672, 480}, {864, 512}},
     {"Track::positions", {192, 144}, {480, 144}},
     {"Track::motion", {704, 480}, {960, 480}},
-    {"fit_trajectory", {3488, 0}, {3880, 0}},
+    {"fit_trajectory", {3680, 0}, {4072, 0}},
     {"Trajectory::positions", {448, 0}, {672, 0}},
     {"CountTrajectory::make", {0, 1120}, {0, 1408}},
     {"CountTrajectory::counts", {0, 48}, {0, 48}},

@@ -1,6 +1,7 @@
 #include "host_tools/plan/bounded_move.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "host_tools/plan/fitted_trajectory.hpp"
@@ -19,7 +20,7 @@ constexpr std::size_t usual_steps = 64;
 /// What bound_move works in.
 class WorkingMemory {
  public:
-  WorkingMemory(const Move<double>& move, std::span<const Track<double>> tracks) {
+  explicit WorkingMemory(std::span<const Track<double>> tracks) {
     std::size_t joints = 0;
     std::size_t axes = 0;
     for (const Track<double>& track : tracks) {
@@ -28,31 +29,36 @@ class WorkingMemory {
     }
     // The joints at both ends of a stretch, and the one behind it.
     const std::size_t stretch = std::min(joints, max_joints_at_a_time + 2);
-    room_.reserve(stretch, axes, std::max(pieces_per_joint * stretch, min_pieces));
+    const std::size_t pieces = std::max(pieces_per_joint * stretch, min_pieces);
+    room_.reserve(stretch, axes, pieces);
+    motor_.emplace(pieces);
     joints_.resize(joints);
     travel_.resize(axes);
     peaks_.resize(axes);
     steps_.resize(axes);
-    places_.resize(move.axis_count());
   }
 
-  void grow() { room_.grow(); }
+  void grow() {
+    room_.grow();
+    motor_->grow();
+  }
   [[nodiscard]] MoveBoundsMemory memory() {
     return {.joints = joints_,
             .trajectory = room_.memory(),
             .travel = travel_,
             .peaks = peaks_,
             .steps = steps_,
-            .places = places_};
+            .motor_joints = motor_->joints(),
+            .motor = motor_->memory()};
   }
 
  private:
   TrajectoryRoom room_;
+  std::optional<MotorRoom> motor_;
   std::vector<SampledJoint> joints_;
   std::vector<double> travel_;
   std::vector<AxisPeaks<double>> peaks_;
   std::vector<TrajectoryStep> steps_;
-  std::vector<double> places_;
 };
 
 }  // namespace
@@ -60,10 +66,10 @@ class WorkingMemory {
 BoundedMove::BoundedMove(const Move<double>& move, std::span<const Track<double>> tracks,
                          BoundRequest request)
     : peaks_(move.axis_count() + request.motors.size()), steps_(usual_steps), room_(std::move(request.room)) {
-  WorkingMemory memory(move, tracks);
+  WorkingMemory memory(tracks);
   const std::size_t axes = move.axis_count();
   if (request.cells > 0) {
-    room_.resize(axes);
+    room_.resize(peaks_.size());
     suprema_.resize(request.cells * peaks_.size());
     bounds_.cells = {.line = {move.first_frame(), move.last_frame(), request.cells},
                      .fps = move.frame_rate(),

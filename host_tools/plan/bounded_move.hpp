@@ -12,9 +12,9 @@ namespace inbetween {
 /// What is asked of the bounds beside peaks and steps.
 struct BoundRequest {
   std::span<const AxisLimits<double>> limits = {};  ///< one for every axis, or none (bound_move)
-  std::span<const CalibratedMotor> motors = {};     ///< they need cells
-  std::size_t cells = 0;                            ///< of the time line
-  std::vector<MotionTriple> room = {};              ///< of every axis in the cells; MotionCells::room
+  std::span<const CalibratedMotor> motors = {};
+  std::size_t cells = 0;                ///< of the time line
+  std::vector<MotionTriple> room = {};  ///< of every axis and motor in the cells; MotionCells::room
 };
 
 /// It refers to nothing when it is made.

@@ -9,6 +9,17 @@ namespace {
 
 /// Pieces between two joints at first: most stretches take less.
 constexpr std::size_t usual_pieces = 8;
+/// Joints of a motor beside the pieces of its axis at first: most marks are passed a few times.
+constexpr std::size_t usual_passings = 64;
+
+Trajectory fitted(MotorRoom& room, const auto& fit) {
+  while (true) {
+    const Result<Trajectory> result = fit();
+    if (result) return *result;
+    if (result.error().code != ErrorCode::capacity) throw SolverError(result.error());
+    room.grow();
+  }
+}
 
 }  // namespace
 
@@ -50,8 +61,34 @@ Trajectory TrajectoryFitter::fit(const TrackSampler& sampler, const FitTolerance
   }
 }
 
+MotorRoom::MotorRoom(std::size_t pieces) : joints_(pieces + usual_passings) {
+  room_.reserve(joints_.size(), 1, 2 * joints_.size());
+}
+
+void MotorRoom::grow() {
+  joints_.resize(2 * joints_.size());
+  room_.reserve(joints_.size(), 1, 2 * joints_.size());
+}
+
+FittedMotor::FittedMotor(const MotorSource& source)
+    : room_(source.trajectory->pieces().size()),
+      trajectory_(fitted(room_, [&] { return fit_motor(source, room_.joints(), room_.memory()); })) {}
+
+FittedMotor::FittedMotor(const RollAxis<double>& roll, const Calibration<double>& calibration)
+    : room_(1),
+      trajectory_(
+          fitted(room_, [&] { return fit_motor(roll, calibration, room_.joints(), room_.memory()); })) {}
+
 SampledTrack::SampledTrack(const Track<double>& track)
     : joints_(max_joints(track)), sampler_(value_or_throw(TrackSampler::make(track, joints_))) {}
+
+double FittedTrajectory::travel(std::size_t axis) const {
+  const std::size_t axes = sampled_->axis_count();
+  std::vector<AxisMotion<double>> samples(axes);
+  std::vector<double> travel(axes);
+  measure_travel(*sampled_, samples, travel);
+  return travel[axis];
+}
 
 std::size_t FittedTrajectory::bytes() const {
   return trajectory_.pieces().size_bytes() + trajectory_.values().size_bytes() +

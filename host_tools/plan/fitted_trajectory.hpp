@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "inbetween/limits/motor_trajectory.hpp"
 #include "inbetween/trajectory/fit.hpp"
 
 /// The core's trajectory with memory from the heap, as large as it needs to be.
@@ -69,12 +70,45 @@ class FittedTrajectory {
   [[nodiscard]] const Trajectory& operator*() const { return trajectory_; }
   [[nodiscard]] const Trajectory* operator->() const { return &trajectory_; }
   [[nodiscard]] const TrackSampler& sampler() const { return *sampled_; }
+  /// How far an axis goes, as the fit saw it. O(joints).
+  [[nodiscard]] double travel(std::size_t axis) const;
   /// What it refers to, without what is only used while it is made.
   [[nodiscard]] std::size_t bytes() const;
 
  private:
   SampledTrack sampled_;
   TrajectoryFitter fitter_;
+  Trajectory trajectory_;
+};
+
+/// Room for the trajectory of one motor at a time.
+class MotorRoom {
+ public:
+  /// For an axis of so many pieces, of which few pass a mark.
+  explicit MotorRoom(std::size_t pieces);
+  /// Twice as much of everything.
+  void grow();
+  [[nodiscard]] std::span<MotorJoint> joints() { return joints_; }
+  [[nodiscard]] TrajectoryMemory memory() { return room_.memory(); }
+
+ private:
+  TrajectoryRoom room_;
+  std::vector<MotorJoint> joints_;
+};
+
+/// The trajectory of a motor behind a calibration (fit_motor). Its memory lives as long as this.
+class FittedMotor {
+ public:
+  /// Throws SolverError.
+  explicit FittedMotor(const MotorSource& source);
+  FittedMotor(const RollAxis<double>& roll, const Calibration<double>& calibration);
+  FittedMotor(const FittedMotor&) = delete;
+  FittedMotor& operator=(const FittedMotor&) = delete;
+
+  [[nodiscard]] const Trajectory& operator*() const { return trajectory_; }
+
+ private:
+  MotorRoom room_;
   Trajectory trajectory_;
 };
 

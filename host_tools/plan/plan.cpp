@@ -533,7 +533,16 @@ bool Plan::is_moving(std::size_t track, RollEnd end) const {
 }
 
 const PlayedMotion& Plan::motion() const {
-  return motion_->of(*played_, track_views_);
+  return motion_->of(*played_, track_views_, calibrated_motors());
+}
+
+std::vector<CalibratedMotor> Plan::calibrated_motors() const {
+  std::vector<CalibratedMotor> motors;
+  for (std::size_t d = 0; d < limits_.size(); ++d) {
+    const RigAxis& axis = rig_->axes[axis_of(d)];
+    if (axis.calibration) motors.push_back({.axis = d, .calibration = &axis.calibration->motor()});
+  }
+  return motors;
 }
 
 const Place& Plan::place_of(std::size_t axis) const {

@@ -72,6 +72,8 @@ class Plan {
   /// What plays of them. The first call fits the trajectories: about 64 bytes for each piece and axis, and
   /// 3 to 16 pieces for each key. Threads may call it at once.
   [[nodiscard]] const PlayedMotion& motion() const;
+  /// The motors of motion(): of every axis of played() with a calibration on the rig, to which they refer.
+  [[nodiscard]] std::vector<CalibratedMotor> calibrated_motors() const;
   /// The limits of the axes of played(); empty without a rig.
   [[nodiscard]] const std::vector<AxisLimits<double>>& limits() const { return limits_; }
   [[nodiscard]] const std::vector<RollObstacle>& roll_obstacles() const { return rolls_.obstacles; }

@@ -14,8 +14,32 @@ std::span<const Trajectory> PlanMotion::trajectories(std::span<const Track<doubl
   return trajectories_;
 }
 
-const PlayedMotion& PlanMotion::of(const Move<double>& move, std::span<const Track<double>> tracks) {
-  std::call_once(is_made_, [&] { motion_ = value_or_throw(PlayedMotion::make(move, trajectories(tracks))); });
+void PlanMotion::fit_motor_of(const CalibratedMotor& motor, const Move<double>& move) {
+  const auto keep = [&](std::unique_ptr<FittedMotor> fitted) {
+    fitted_motors_.push_back(std::move(fitted));
+    return &**fitted_motors_.back();
+  };
+  std::size_t track = 0;
+  std::size_t axis = motor.axis;
+  for (; axis >= trajectories_[track].axis_count(); ++track) axis -= trajectories_[track].axis_count();
+  const MotorSource source{&trajectories_[track], axis, motor.calibration, fitted_[track]->travel(axis)};
+  PlayedMotor played{.axis = motor.axis, .whole = keep(std::make_unique<FittedMotor>(source))};
+  const auto on = [&](std::span<const RollAxis<double>> rolls) -> const Trajectory* {
+    if (rolls.empty()) return nullptr;
+    return keep(std::make_unique<FittedMotor>(rolls[motor.axis], *motor.calibration));
+  };
+  played.pre_roll = on(move.rolls().before);
+  played.post_roll = on(move.rolls().after);
+  motors_.push_back(played);
+}
+
+const PlayedMotion& PlanMotion::of(const Move<double>& move, std::span<const Track<double>> tracks,
+                                   std::span<const CalibratedMotor> motors) {
+  std::call_once(is_made_, [&] {
+    trajectories(tracks);
+    for (const CalibratedMotor& motor : motors) fit_motor_of(motor, move);
+    motion_ = value_or_throw(PlayedMotion::make(move, trajectories_, motors_));
+  });
   return *motion_;
 }
 

@@ -17,13 +17,18 @@ class PlanMotion {
  public:
   /// Of whole tracks. Throws SolverError.
   std::span<const Trajectory> trajectories(std::span<const Track<double>> tracks);
-  /// Throws SolverError.
-  const PlayedMotion& of(const Move<double>& move, std::span<const Track<double>> tracks);
+  /// With motors that follow axes of the move. Throws SolverError.
+  const PlayedMotion& of(const Move<double>& move, std::span<const Track<double>> tracks,
+                         std::span<const CalibratedMotor> motors);
 
  private:
+  void fit_motor_of(const CalibratedMotor& motor, const Move<double>& move);
+
   std::once_flag is_fitted_, is_made_;
   std::vector<std::unique_ptr<FittedTrajectory>> fitted_;
   std::vector<Trajectory> trajectories_;
+  std::vector<std::unique_ptr<FittedMotor>> fitted_motors_;
+  std::vector<PlayedMotor> motors_;
   std::optional<PlayedMotion> motion_;
 };
 

@@ -119,6 +119,10 @@ void RigDrives::quick_stop() {
   motors_.quick_stop();
 }
 
+void RigDrives::plan_motor(std::size_t axis, const Setpoint<double>& told, const Setpoint<double>& motor) {
+  if (axes_) axes_->plan_motor(axis, told, motor);
+}
+
 void RigDrives::place(std::size_t axis, double position) {
   for (std::size_t m = 0; m < motors_.of.size(); ++m) {
     if (rig_.of[m].axis != axis) continue;

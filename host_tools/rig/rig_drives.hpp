@@ -37,6 +37,8 @@ class RigDrives {
   void enable();
   void disable();
   void quick_stop();
+  /// MotorPort::plan_motor.
+  void plan_motor(std::size_t axis, const Setpoint<double>& told, const Setpoint<double>& motor);
 
   /// Axis `axis` of the rig stands at `position`, whatever its drive says. Only before the drives are
   /// switched on, or while nothing is sent to them. Throws InputError at an axis whose drive cannot count so

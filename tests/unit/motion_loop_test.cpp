@@ -13,6 +13,7 @@
 #include "host_tools/loop/loop_storage.hpp"
 #include "host_tools/motions/free_axes.hpp"
 #include "host_tools/plan/plan.hpp"
+#include "inbetween/loop/motor_port.hpp"
 #include "sim/simulated_rig.hpp"
 #include "tests/support/rig_text.hpp"
 #include "tests/support/simulated_lines.hpp"
@@ -317,6 +318,73 @@ TEST(MotionLoop, ItsSetpointsTellHowTheAxesMove) {
   EXPECT_GT(fastest, 100);
   EXPECT_EQ(crane.loop.state(), SupervisorState::latched);
   EXPECT_EQ(crane.moving()[2].velocity, 0);
+}
+
+/// The crane with a calibration on its track, over a MotorPort.
+struct GearedCrane {
+  static RigFile geared() {
+    std::string text = crane_rig;
+    const std::string jerk = "max_jerk = 20000";
+    text.replace(text.find(jerk), jerk.size(),
+                 jerk +
+                     "\ncalibration = { unit = \"deg\", marks = [[0, 0], [150, 100], [500, 400]], "
+                     "max_velocity = 900, max_acceleration = 9000 }");
+    return parse_rig(text, "rig.toml");
+  }
+  Plan plan{parse_move(glide, "move.toml"), geared(), {}};
+  PlannedStops stops{plan};
+  Playhead<double> playhead{plan.played(), *stops.bounds(), 250};
+  std::vector<std::size_t> drive_of{2, 0};
+  const Calibration<double>& curve = plan.rig()->axes[0].calibration->motor();
+  SimulatedRig rig{std::vector<double>{curve.motor_at(100), 0.25, 10}};
+  SimulatedLines lines;
+  LoopStorage room{3, 2};
+  std::array<AxisGear<double>, 3> gears{{{.calibration = &curve}, {}, {}}};
+  std::array<AxisMotor<double>, 3> motors{{{.axis = 0}, {.axis = 1}, {.axis = 2}}};
+  std::array<DriveState<double>, 3> states;
+  std::array<Setpoint<double>, 3> told;
+  MotorPort<double, SimulatedRig> port{rig, {gears, motors, states, told}};
+  MotionLoop<double, MotorPort<double, SimulatedRig>, SimulatedLines> loop{port, lines, room.memory()};
+};
+
+TEST(MotionLoop, AMotorBehindACalibrationIsToldWhatWasFittedToItAlsoWhileTheRigSlowsDown) {
+  GearedCrane crane;
+  ASSERT_EQ(crane.plan.motion().motors().size(), 1U);
+  const PlayedMotor& motor = crane.plan.motion().motors()[0];
+  ASSERT_TRUE(
+      crane.loop.load({&crane.plan.motion(), &crane.playhead, crane.drive_of, crane.plan.limits(), tick_s}));
+  ASSERT_TRUE(crane.loop.post(SupervisorEvent::arm));
+  crane.loop.tick(1, 0);
+  crane.loop.tick(1, 0);
+  ASSERT_TRUE(crane.loop.post(SupervisorEvent::start));
+  int slowed = 0;
+  for (int i = 0; i < 2000; ++i) {
+    if (i == 200) {
+      ASSERT_TRUE(crane.loop.post(SupervisorEvent::stop));
+    }
+    crane.loop.tick(1, 0);
+    const double rate = crane.playhead.rate();
+    const AxisMotion<double> fitted = crane.plan.motion().motion_of(motor, crane.playhead.time());
+    ASSERT_EQ(crane.told[0].position, fitted.position) << i;
+    ASSERT_EQ(crane.told[0].velocity, fitted.velocity * rate) << i;
+    ASSERT_EQ(crane.told[0].acceleration,
+              fitted.acceleration * rate * rate + fitted.velocity * crane.playhead.rate_change())
+        << i;
+    const double of_axis = crane.curve.motor_at(crane.loop.setpoints()[0].position);
+    ASSERT_NEAR(fitted.position, of_axis, 1e-6);
+    slowed += rate > 0 && rate < 1 ? 1 : 0;
+  }
+  EXPECT_GT(slowed, 5);
+  EXPECT_EQ(crane.loop.state(), SupervisorState::latched) << "it holds what it was told last";
+}
+
+TEST(MotionLoop, DrivesThatCannotPlayAMotorAreNotLoadedWithOne) {
+  const GearedCrane geared;
+  Crane crane;
+  const Status loaded =
+      crane.loop.load({&geared.plan.motion(), &crane.playhead, crane.drive_of, geared.plan.limits(), tick_s});
+  ASSERT_FALSE(loaded);
+  EXPECT_EQ(loaded.error().code, ErrorCode::out_of_range);
 }
 
 TEST(MotionLoop, DisarmingStopsFirst) {

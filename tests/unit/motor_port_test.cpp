@@ -152,6 +152,31 @@ TEST(MotorPort, AMotorFollowsThroughItsCalibrationByTheChainRule) {
   EXPECT_NEAR(here.acceleration, bend * 4 - 3 * slope, 1e-4);
 }
 
+TEST(MotorPort, WhatIsPlannedOfAMotorHoldsWhileItsAxisIsToldTheSame) {
+  std::array<CalibrationPiece<double>, 3> pieces;
+  const std::array<CalibrationMark<double>, 2> marks{{{0, 0}, {1, 90}}};
+  const auto curve = Calibration<double>::make(marks, pieces);
+  ASSERT_TRUE(curve);
+  std::array<AxisGear<double>, 1> gears{{{.calibration = &*curve}}};
+  std::array<AxisMotor<double>, 1> of{{{.axis = 0, .offset = 10}}};
+  ToldMotors motors{.states = {{.actual = 10, .is_on = true}}};
+  std::array<DriveState<double>, 1> states, axes;
+  std::array<Setpoint<double>, 1> setpoints;
+  MotorPort<double, ToldMotors> port(motors, {gears, of, states, setpoints});
+  port.read(axes, 0);
+  const auto tell = [&](const Setpoint<double>& axis) {
+    port.write(std::span(&axis, 1), 0);
+    return motors.told[0];
+  };
+  const Setpoint<double> axis{0.5, 1, 2};
+  port.plan_motor(0, axis, {45.001, 90.5, 181});
+  for (int tick = 0; tick < 3; ++tick) {
+    EXPECT_EQ(tell(axis), (Setpoint<double>{55.001, 90.5, 181})) << "with its offset, as long as it holds";
+  }
+  EXPECT_EQ(tell({0.5, 0, 0}), (Setpoint<double>{55, 0, 0})) << "another motion through the same place";
+  EXPECT_EQ(tell(axis), (Setpoint<double>{55.001, 90.5, 181}));
+}
+
 TEST(MotorPort, ThePlayIsCrossedWhenTheAxisTurnsAndNotWhenSetpointsCease) {
   std::array<AxisGear<double>, 1> gears{{{.take_up = TakeUp<double>({.way = -0.5, .ticks = 10}, 0.004)}}};
   std::array<AxisMotor<double>, 1> of{{{.axis = 0}}};

@@ -24,18 +24,42 @@ bool is_step(MoveStep& step, const AxisPeaks<double>& peaks, std::span<const Axi
   return step.velocity > 0 || step.acceleration > 0;
 }
 
+/// Of an axis or a motor, by its number in the peaks.
+void raise_room(std::size_t index, MoveBounds& out) {
+  const AxisPeaks<double>& peaks = out.peaks[index];
+  MotionTriple& room = out.cells.room[index];
+  const auto raise = [](double& value, double peak) {
+    if (std::isfinite(peak)) value = std::max(value, cell_room * peak);
+  };
+  raise(room[0], peaks.velocity.value);
+  raise(room[1], peaks.acceleration.value);
+  raise(room[2], peaks.jerk.value);
+}
+
+/// What a motor does on a part of what it plays, for its number in the peaks.
+void take_motor(const Trajectory& motor, const FrameTime<double>& from, const FrameTime<double>& to,
+                std::size_t index, MoveBounds& out) {
+  AxisPeaks<double> peaks;
+  bound_trajectory(motor, from, to, std::span(&peaks, 1));
+  out.peaks[index].raise(peaks);
+  if (out.cells.line.cells == 0) return;
+  raise_room(index, out);
+  raise_cells(motor, from, to, index, out.cells);
+}
+
 /// One track of a move.
 class TrackBounding {
  public:
   TrackBounding(const Move<double>& move, const Track<double>& track, std::size_t index,
                 std::size_t first_axis, std::span<const AxisLimits<double>> limits,
-                const MoveBoundsMemory& memory, MoveBounds& out)
+                std::span<const CalibratedMotor> motors, const MoveBoundsMemory& memory, MoveBounds& out)
       : move_(move),
         track_(track),
         index_(index),
         first_axis_(first_axis),
         axes_(static_cast<std::size_t>(track_.path().axis_count())),
         limits_(limits),
+        motors_(motors),
         memory_(memory),
         out_(out) {}
 
@@ -77,13 +101,28 @@ class TrackBounding {
       const FitTolerances tolerances{.travel = memory_.travel.first(axes_)};
       const Result<Trajectory> fitted =
           fit_trajectory(sampler.between(joint, behind), tolerances, memory_.trajectory);
-      if (fitted) {
+      const Status taken = fitted ? take_motors(*fitted, from, to) : Status(fitted.error());
+      if (taken) {
         take(*fitted, from, to, joint + count < behind);
         return count;
       }
-      if (fitted.error().code != ErrorCode::capacity || count == 1) return fitted.error();
+      if (taken.error().code != ErrorCode::capacity || count == 1) return taken.error();
       count /= 2;
     }
+  }
+  /// It may be called again for a part of the stretch.
+  Status take_motors(const Trajectory& trajectory, const FrameTime<double>& from,
+                     const FrameTime<double>& to) {
+    for (std::size_t m = 0; m < motors_.size(); ++m) {
+      const CalibratedMotor& motor = motors_[m];
+      if (motor.axis < first_axis_ || motor.axis - first_axis_ >= axes_) continue;
+      const std::size_t d = motor.axis - first_axis_;
+      const MotorSource source{&trajectory, d, motor.calibration, memory_.travel[d]};
+      const Result<Trajectory> fitted = fit_motor(source, memory_.motor_joints, memory_.motor);
+      if (!fitted) return fitted.error();
+      take_motor(*fitted, from, to, move_.axis_count() + m, out_);
+    }
+    return Done{};
   }
   void take(const Trajectory& trajectory, const FrameTime<double>& from, const FrameTime<double>& to,
             bool has_more) {
@@ -99,18 +138,8 @@ class TrackBounding {
       for (std::size_t d = 0; d < axes_; ++d) add(at.time, at.key, d, memory_.steps[d]);
     }
     if (out_.cells.line.cells == 0) return;
-    for (std::size_t d = 0; d < axes_; ++d) raise_room(d);
+    for (std::size_t d = 0; d < axes_; ++d) raise_room(first_axis_ + d, out_);
     raise_cells(trajectory, from, to, first_axis_, out_.cells);
-  }
-  void raise_room(std::size_t d) {
-    const AxisPeaks<double>& peaks = out_.peaks[first_axis_ + d];
-    MotionTriple& room = out_.cells.room[first_axis_ + d];
-    const auto raise = [](double& value, double peak) {
-      if (std::isfinite(peak)) value = std::max(value, cell_room * peak);
-    };
-    raise(room[0], peaks.velocity.value);
-    raise(room[1], peaks.acceleration.value);
-    raise(room[2], peaks.jerk.value);
   }
 
   /// The whole move begins or ends with a step where it has no roll. Inside the whole a part rests, or a roll
@@ -145,6 +174,7 @@ class TrackBounding {
   std::size_t first_axis_;
   std::size_t axes_;
   std::span<const AxisLimits<double>> limits_;
+  std::span<const CalibratedMotor> motors_;
   const MoveBoundsMemory& memory_;
   MoveBounds& out_;
 };
@@ -163,11 +193,11 @@ Status check(const Move<double>& move, std::span<const Track<double>> tracks,
   }
   const MotionCells& cells = out.cells;
   const bool has_cells = cells.line.cells > 0;
-  const bool is_complete =
-      (limits.empty() || limits.size() >= axes) && out.peaks.size() == axes + motors.size() &&
-      (has_cells || motors.empty()) &&
-      (!has_cells || (cells.axes == axes && cells.motors == motors.size() && cells.room.size() >= axes &&
-                      cells.suprema.size() == cells.line.cells * cells.stride()));
+  const bool is_complete = (limits.empty() || limits.size() >= axes) &&
+                           out.peaks.size() == axes + motors.size() &&
+                           (!has_cells || (cells.axes == axes && cells.motors == motors.size() &&
+                                           cells.room.size() >= cells.stride() &&
+                                           cells.suprema.size() == cells.line.cells * cells.stride()));
   if (is_complete) return Done{};
   return Error{
       .code = ErrorCode::wrong_count,
@@ -191,34 +221,15 @@ Status take_rolls(std::span<const RollAxis<double>> rolls, const MoveBoundsMemor
   return Done{};
 }
 
-/// The place of every axis.
-void write_places(const Move<double>& move, std::span<const Track<double>> tracks,
-                  const FrameTime<double>& time, std::span<double> out) {
-  const std::span<const RollAxis<double>> rolls = move.rolls_at(time);
-  for (std::size_t d = 0; d < rolls.size(); ++d) out[d] = rolls[d].motion(time).position;
-  if (!rolls.empty()) return;
-  for (const Track<double>& track : tracks) {
-    const auto axes = static_cast<std::size_t>(track.path().axis_count());
-    track.positions(move.within_part(time), out.first(axes));
-    out = out.subspan(axes);
+Status take_rolls_of_motors(std::span<const RollAxis<double>> rolls, std::span<const CalibratedMotor> motors,
+                            const MoveBoundsMemory& memory, MoveBounds& out) {
+  for (std::size_t m = 0; m < motors.size() && !rolls.empty(); ++m) {
+    const Result<Trajectory> fitted =
+        fit_motor(rolls[motors[m].axis], *motors[m].calibration, memory.motor_joints, memory.motor);
+    if (!fitted) return fitted.error();
+    take_motor(*fitted, fitted->begin(), fitted->end(), rolls.size() + m, out);
   }
-}
-
-void take_motors(const Move<double>& move, std::span<const Track<double>> tracks,
-                 std::span<const CalibratedMotor> motors, std::span<double> places, MoveBounds& out) {
-  const MotionCells& cells = out.cells;
-  for (std::size_t cell = 0; !motors.empty() && cell < cells.line.cells; ++cell) {
-    const double frame = cells.middle_frame(cell);
-    write_places(move, tracks, moved_by<double>({}, frame), places);
-    for (std::size_t m = 0; m < motors.size(); ++m) {
-      bound_motor(cells, cell, m, motors[m], places[motors[m].axis]);
-      const auto [velocity, acceleration, jerk] = cells.of_cell(cell)[cells.axes + m];
-      AxisPeaks<double>& peaks = out.peaks[cells.axes + m];
-      peaks.velocity.raise(velocity, frame);
-      peaks.acceleration.raise(acceleration, frame);
-      peaks.jerk.raise(jerk, frame);
-    }
-  }
+  return Done{};
 }
 
 /// A peak that was found later may be one beside which an earlier step is rounding.
@@ -238,30 +249,24 @@ Status bound_move(const Move<double>& move, std::span<const Track<double>> track
                   std::span<const AxisLimits<double>> limits, std::span<const CalibratedMotor> motors,
                   const MoveBoundsMemory& memory, MoveBounds& out) {
   if (const Status checked = check(move, tracks, limits, motors, out); !checked) return checked;
-  if (!motors.empty() && memory.places.size() < move.axis_count()) {
-    return Error{.code = ErrorCode::capacity,
-                 .what = "the memory of bounds has no place for every axis beside a motor",
-                 .remedy = "give it one for each axis of all tracks",
-                 .needed = static_cast<std::int64_t>(move.axis_count())};
-  }
   constexpr double infinity = std::numeric_limits<double>::infinity();
-  std::ranges::fill(out.peaks, AxisPeaks<double>{});
-  for (AxisPeaks<double>& axis : out.peaks.first(move.axis_count()))
+  for (AxisPeaks<double>& axis : out.peaks)
     axis = {
         .lowest = {infinity, 0}, .highest = {-infinity, 0}, .velocity = {}, .acceleration = {}, .jerk = {}};
   std::ranges::fill(out.cells.suprema, MotionTriple{});
   out.step_count = 0;
   std::size_t first_axis = 0;
   for (std::size_t t = 0; t < tracks.size(); ++t) {
-    const Status bounded = TrackBounding(move, tracks[t], t, first_axis, limits, memory, out).run();
+    const Status bounded = TrackBounding(move, tracks[t], t, first_axis, limits, motors, memory, out).run();
     if (!bounded) return bounded;
     first_axis += static_cast<std::size_t>(tracks[t].path().axis_count());
   }
   for (const std::span<const RollAxis<double>> rolls : {move.rolls().before, move.rolls().after}) {
     const Status rolled = take_rolls(rolls, memory, out);
     if (!rolled) return rolled;
+    const Status moved = take_rolls_of_motors(rolls, motors, memory, out);
+    if (!moved) return moved;
   }
-  take_motors(move, tracks, motors, memory.places.first(motors.empty() ? 0 : move.axis_count()), out);
   drop_rounding(limits, out);
   return Done{};
 }

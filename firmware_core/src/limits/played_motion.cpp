@@ -63,6 +63,37 @@ void write_joint(const Trajectory& trajectory, const FrameTime<double>& at, bool
   }
 }
 
+Error wrong_length() {
+  return {.code = ErrorCode::out_of_range,
+          .what = "a trajectory of a move does not last as long as the move",
+          .remedy = "fit it to a whole track"};
+}
+
+bool lasts(const Trajectory& trajectory, const Move<double>& move, std::int32_t first, std::int32_t last) {
+  return trajectory.begin() == FrameTime<double>{first, 0} &&
+         trajectory.end() == FrameTime<double>{last, 0} && trajectory.frame_rate() == move.frame_rate();
+}
+
+Status check_motor(const PlayedMotor& motor, const Move<double>& move) {
+  const auto is_there = [](const Trajectory* one, bool needed) {
+    return needed ? one != nullptr && one->axis_count() == 1 : one == nullptr;
+  };
+  const bool is_complete = motor.axis < move.axis_count() && is_there(motor.whole, true) &&
+                           is_there(motor.pre_roll, !move.rolls().before.empty()) &&
+                           is_there(motor.post_roll, !move.rolls().after.empty());
+  if (!is_complete) {
+    return Error{.code = ErrorCode::wrong_count,
+                 .what = "a motor has not a trajectory for the move and for each of its rolls",
+                 .remedy = "fit one to each, and none where there is no roll",
+                 .needed = 1};
+  }
+  const bool is_whole =
+      lasts(*motor.whole, move, 0, move.frames()) &&
+      (motor.pre_roll == nullptr || lasts(*motor.pre_roll, move, move.first_frame(), move.part().first)) &&
+      (motor.post_roll == nullptr || lasts(*motor.post_roll, move, move.part().last, move.last_frame()));
+  return is_whole ? Status(Done{}) : Status(wrong_length());
+}
+
 }  // namespace
 
 bool joints_of_part(std::span<const Track<double>> tracks, std::span<const Trajectory> trajectories,
@@ -81,7 +112,8 @@ bool joints_of_part(std::span<const Track<double>> tracks, std::span<const Traje
   return moves;
 }
 
-Result<PlayedMotion> PlayedMotion::make(const Move<double>& move, std::span<const Trajectory> trajectories) {
+Result<PlayedMotion> PlayedMotion::make(const Move<double>& move, std::span<const Trajectory> trajectories,
+                                        std::span<const PlayedMotor> motors) {
   std::size_t axes = 0;
   for (const Trajectory& trajectory : trajectories) axes += trajectory.axis_count();
   if (axes != move.axis_count()) {
@@ -91,15 +123,13 @@ Result<PlayedMotion> PlayedMotion::make(const Move<double>& move, std::span<cons
                  .needed = static_cast<std::int64_t>(move.axis_count())};
   }
   for (const Trajectory& trajectory : trajectories) {
-    const bool is_whole = trajectory.begin() == FrameTime<double>{0, 0} &&
-                          trajectory.end() == FrameTime<double>{move.frames(), 0} &&
-                          trajectory.frame_rate() == move.frame_rate();
-    if (is_whole) continue;
-    return Error{.code = ErrorCode::out_of_range,
-                 .what = "a trajectory of a move does not last as long as the move",
-                 .remedy = "fit it to a whole track"};
+    if (!lasts(trajectory, move, 0, move.frames())) return wrong_length();
   }
-  return PlayedMotion(move, trajectories);
+  for (const PlayedMotor& motor : motors) {
+    const Status checked = check_motor(motor, move);
+    if (!checked) return checked.error();
+  }
+  return PlayedMotion(move, trajectories, motors);
 }
 
 void PlayedMotion::positions(const FrameTime<double>& time, std::span<double> out) const {
@@ -127,6 +157,14 @@ void PlayedMotion::motion(const FrameTime<double>& time, std::span<AxisMotion<do
     }
     out = out.subspan(trajectory.axis_count());
   }
+}
+
+AxisMotion<double> PlayedMotion::motion_of(const PlayedMotor& motor, const FrameTime<double>& time) const {
+  const bool is_rolled = !move_.rolls_at(time).empty();
+  if (is_rolled)
+    return (time.frame < move_.part().first ? motor.pre_roll : motor.post_roll)->motion_of(0, time);
+  const AxisMotion<double> motion = motor.whole->motion_of(0, move_.within_part(time));
+  return move_.rests_at(time) ? AxisMotion<double>{.position = motion.position} : motion;
 }
 
 Status can_loop(const PlayedMotion& motion) {

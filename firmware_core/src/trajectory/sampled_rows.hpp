@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "inbetween/trajectory/sampler.hpp"
-#include "trajectory/drawn_sampler.hpp"
 
 /// What a sampler says, in the layout of a trajectory's values.
 
@@ -36,21 +35,24 @@ inline void write_row(std::span<const AxisMotion<double>> motion, double* out) {
 /// The rows at the ends of halves of halves of a stretch between two joints. The middle of one that is too
 /// long is the end of its first half: it is asked for once. Of each level one row is kept, up to `kept`
 /// levels; what was forgotten is asked for again.
+template <class Sampler>
 class SampledRows {
+  using Joint = typename Sampler::Joint;
+
  public:
   static constexpr std::size_t kept = 8;
   /// Memory, in numbers for each axis.
   static constexpr std::size_t numbers = (kept + 1) * row_numbers;
 
   /// `samples` has an entry for each axis, and `memory` `numbers` for each.
-  SampledRows(const TrackSampler& sampler, std::span<AxisMotion<double>> samples, std::span<double> memory)
+  SampledRows(const Sampler& sampler, std::span<AxisMotion<double>> samples, std::span<double> memory)
       : sampler_(&sampler), samples_(samples) {
     const std::size_t row = row_numbers * samples.size();
     for (std::size_t i = 0; i < kept; ++i) slots_[i].row.values = &memory[i * row];
     middle_.row.values = &memory[kept * row];
   }
 
-  void begin(const SampledJoint& from, const SampledJoint& to) {
+  void begin(const Joint& from, const Joint& to) {
     from_ = from.time;
     to_ = &to;
     frames_ = frames_between(from.time, to.time);
@@ -93,13 +95,13 @@ class SampledRows {
     write_row(samples_, slot.row.values);
   }
 
-  const TrackSampler* sampler_;
+  const Sampler* sampler_;
   std::span<AxisMotion<double>> samples_;
   std::array<Slot, kept> slots_;
   Slot middle_;
-  SampledSegment known_;
+  typename Sampler::Known known_;
   FrameTime<double> from_;
-  const SampledJoint* to_ = nullptr;
+  const Joint* to_ = nullptr;
   double frames_ = 0;
 };
 

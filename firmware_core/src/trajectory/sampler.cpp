@@ -106,8 +106,13 @@ void TrackSampler::write_reach(const PathPoint<double>& point, double way, std::
   write_reach_along(*track_, point, way, out);
 }
 
-bool TrackSampler::is_unbounded(const PathPoint<double>& point, std::size_t axis) const {
-  return track_->has_profile() && has_unbounded_turn(*track_, point, axis);
+std::uint8_t TrackSampler::unbounded_order(const SampledJoint&, const SampledSpeed& known,
+                                           std::size_t axis) const {
+  // At rest what comes to a standstill has bounds.
+  if (known.order >= 3 || known.speed == 0) return 0;
+  // Where the path stands still, an axis that does not count along it may have a way to go.
+  if (known.order == 0 && !(weight(axis) > 0)) return 1;
+  return track_->has_profile() && has_unbounded_turn(*track_, known.point, axis) ? 2 : 0;
 }
 
 }  // namespace inbetween

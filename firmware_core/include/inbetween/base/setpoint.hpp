@@ -13,6 +13,8 @@ struct Setpoint {
   Real position = 0;
   Real velocity = 0;
   Real acceleration = 0;
+
+  friend constexpr bool operator==(const Setpoint&, const Setpoint&) = default;
 };
 
 }  // namespace inbetween

@@ -50,6 +50,9 @@ class Calibration {
   static Result<Calibration> make(std::span<const CalibrationMark<Real>> marks,
                                   std::span<CalibrationPiece<Real>> pieces);
 
+  /// One more than there are marks: the first and the last are straight. A mark begins the piece of its
+  /// number, counted from 1.
+  [[nodiscard]] std::span<const CalibrationPiece<Real>> pieces() const { return pieces_; }
   /// T(axis). O(log marks).
   [[nodiscard]] Real motor_at(Real axis) const { return value_at(piece_at(axis), axis); }
   /// T', T'', T'''. On a mark those of the piece behind it. O(log marks).
@@ -71,7 +74,7 @@ class Calibration {
   }
   [[nodiscard]] bool rises() const { return pieces_.front().cubic.c1 > 0; }
 
-  std::span<const CalibrationPiece<Real>> pieces_;  ///< the first and the last are the straight ones
+  std::span<const CalibrationPiece<Real>> pieces_;
 };
 
 /// How hard a motor moves, at most, where its axis moves with at most these magnitudes of velocity,

@@ -3,7 +3,6 @@
 #include <cstddef>
 #include <span>
 
-#include "inbetween/limits/calibration.hpp"
 #include "inbetween/limits/roll.hpp"
 #include "inbetween/trajectory/bounds.hpp"
 
@@ -19,7 +18,7 @@ struct MotionCells {
   FrameRate fps;
   std::size_t axes = 0;    ///< of all tracks
   std::size_t motors = 0;  ///< behind them
-  /// A bound of an axis that is at most this much above the truth needs no work. There is one for each axis,
+  /// A bound that is at most this much above the truth needs no work. There is one for each axis and motor,
   /// and bound_move() raises it to a share of the peak.
   std::span<MotionTriple> room;
   std::span<MotionTriple> suprema;  ///< of |p1|, |p2|, |p3|, cell by cell, in axis units and seconds
@@ -42,20 +41,6 @@ void raise_cells(const Trajectory& trajectory, const FrameTime<double>& from, co
 /// Errors: those of roll_trajectory.
 Status raise_cells(std::span<const RollAxis<double>> rolls, std::size_t first_axis, const MotionCells& cells,
                    const TrajectoryMemory& memory);
-
-/// A motor that follows an axis of the move through a calibration.
-struct CalibratedMotor {
-  std::size_t axis = 0;  ///< counted through the tracks
-  const Calibration<double>* calibration = nullptr;
-};
-
-/// Writes what a motor does in a cell, from what its axis does there and where that is in its middle. T being
-/// the calibration, its slopes are those of the worst place that the axis can have in the cell: the one in
-/// its middle, and |p1| times half a cell on either side. Then |T'| |p1|, |T''| |p1|^2 + |T'| |p2| and
-/// |T'''| |p1|^3 + 3 |T''| |p1| |p2| + |T'| |p3|. Never below the truth. Above it where T'' p1^2 and T' p2
-/// have opposite signs, by at most twice the smaller of them, and where T bends within a cell.
-void bound_motor(const MotionCells& cells, std::size_t cell, std::size_t motor, const CalibratedMotor& by,
-                 double middle);
 
 /// Every cell takes in its neighbours.
 void widen(const MotionCells& cells);

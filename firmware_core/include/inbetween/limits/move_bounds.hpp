@@ -7,6 +7,7 @@
 
 #include "inbetween/limits/limits.hpp"
 #include "inbetween/limits/motion_cells.hpp"
+#include "inbetween/limits/motor_trajectory.hpp"
 #include "inbetween/limits/move.hpp"
 #include "inbetween/trajectory/fit.hpp"
 
@@ -31,11 +32,11 @@ inline constexpr double step_rounding = 1e-9;
 
 /// This holds what is proven of a move, in the caller's memory.
 struct MoveBounds {
-  /// One for every axis, and behind them one for every motor: of a motor velocity, acceleration and jerk.
+  /// One for every axis, and behind them one for every motor, in its unit.
   std::span<AxisPeaks<double>> peaks;
   std::span<MoveStep> steps;
   std::size_t step_count = 0;  ///< of all steps; those for which `steps` has no room are left out
-  MotionCells cells = {};      ///< none where CellLine::cells is 0; motors need them
+  MotionCells cells = {};      ///< none where CellLine::cells is 0
 };
 
 /// So many stretches from joint to joint are fitted at a time, if there is room: more need memory, and fewer
@@ -51,7 +52,9 @@ struct MoveBoundsMemory {
   std::span<double> travel;            ///< axes of the track that has most
   std::span<AxisPeaks<double>> peaks;  ///< the same
   std::span<TrajectoryStep> steps;     ///< the same
-  std::span<double> places;            ///< axes of all tracks, where there are motors
+  /// Of motors, one at a time: for as many joints and pieces as those of its axis and its passings of marks.
+  std::span<MotorJoint> motor_joints = {};
+  TrajectoryMemory motor = {};
 };
 
 /// Both for tracks of up to `Axes` axes and `Joints` joints, a move of as many axes in all, without motors,
@@ -71,7 +74,7 @@ struct MoveBoundsStorage {
   std::array<MotionTriple, Axes * Cells> suprema;
 
   [[nodiscard]] MoveBoundsMemory memory() {
-    return {joints, trajectory.memory(), travel, stretch_peaks, stretch_steps, {}};
+    return {joints, trajectory.memory(), travel, stretch_peaks, stretch_steps};
   }
   /// bound_move puts what it finds here. The caller writes `room` where there are cells (write_room).
   [[nodiscard]] MoveBounds bounds(const Move<double>& move, std::size_t cells) {
@@ -88,8 +91,8 @@ struct MoveBoundsStorage {
 
 /// Bounds of the frames Move::part() and of the rolls: true <= peak <= 1.00001 true, lowest and highest
 /// within 1e-9 of the way (bound_trajectory); steps beyond rounding; the suprema of the cells (bound_cells;
-/// 0.5 % of the peak of an axis are room as well); of motors what bound_motor makes of a cell. `limits`, one
-/// for every axis or none, say what a step is compared with, beside the peak.
+/// 0.5 % of the peak are room as well). Motors are bounded as axes are, by what they play (fit_motor).
+/// `limits`, one for every axis or none, say what a step is compared with, beside the peak.
 ///
 /// Errors: wrong_count (tracks, limits, peaks, cells), capacity (memory), those of fit_trajectory. No
 /// allocation. Cost: the fit, and O((pieces + cells) * axes).

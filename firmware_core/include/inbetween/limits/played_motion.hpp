@@ -21,17 +21,29 @@ inline constexpr double frame_rounding = 1e-9;
 bool joints_of_part(std::span<const Track<double>> tracks, std::span<const Trajectory> trajectories,
                     const WholeFrames& part, RollEnd end, std::span<AxisMotion<double>> out);
 
-/// This is what plays: a move with the trajectories of its tracks. They decide on the frames Move::part(), to
-/// the last bit; a part of a move is on its frames the whole, bit for bit. Refers to the caller's memory.
+/// The motor of an axis behind a calibration plays trajectories of its own (fit_motor).
+struct PlayedMotor {
+  std::size_t axis = 0;                  ///< counted through the tracks
+  const Trajectory* whole = nullptr;     ///< of the whole move
+  const Trajectory* pre_roll = nullptr;  ///< of the move's rolls, where it has them
+  const Trajectory* post_roll = nullptr;
+};
+
+/// This is what plays: a move with the trajectories of its tracks, and of motors behind a calibration. They
+/// decide on the frames Move::part(), to the last bit; a part of a move is on its frames the whole, bit for
+/// bit. Refers to the caller's memory.
 class PlayedMotion {
  public:
-  /// Trajectories of the whole move. Errors: wrong_count (they have not as many axes as the move together),
-  /// out_of_range (they do not last from frame 0 to the last of the whole). O(trajectories).
-  static Result<PlayedMotion> make(const Move<double>& move, std::span<const Trajectory> trajectories);
+  /// Trajectories of the whole move. Errors: wrong_count (they have not as many axes as the move together; a
+  /// motor without a trajectory of the move or of each of its rolls, or of another axis), out_of_range (they
+  /// do not last from frame 0 to the last of the whole, or as long as the roll). O(trajectories + motors).
+  static Result<PlayedMotion> make(const Move<double>& move, std::span<const Trajectory> trajectories,
+                                   std::span<const PlayedMotor> motors = {});
 
   [[nodiscard]] const Move<double>& move() const { return move_; }
   [[nodiscard]] std::span<const Trajectory> trajectories() const { return trajectories_; }
   [[nodiscard]] std::size_t axis_count() const { return move_.axis_count(); }
+  [[nodiscard]] std::span<const PlayedMotor> motors() const { return motors_; }
 
   /// The position of every axis. Before Move::first_frame() and after Move::last_frame() the axes rest where
   /// they are on it. `out` has axis_count() entries. O(axes), no allocation.
@@ -39,13 +51,17 @@ class PlayedMotion {
   /// Position, velocity, acceleration and jerk of every axis; at a joint those with which the motion leaves
   /// it. Resting outside the time line: derivatives 0. O(axes), no allocation.
   void motion(const FrameTime<double>& time, std::span<AxisMotion<double>> out) const;
+  /// The same of one of the motors, in units of the motor. O(log pieces).
+  [[nodiscard]] AxisMotion<double> motion_of(const PlayedMotor& motor, const FrameTime<double>& time) const;
 
  private:
-  PlayedMotion(const Move<double>& move, std::span<const Trajectory> trajectories)
-      : move_(move), trajectories_(trajectories) {}
+  PlayedMotion(const Move<double>& move, std::span<const Trajectory> trajectories,
+               std::span<const PlayedMotor> motors)
+      : move_(move), trajectories_(trajectories), motors_(motors) {}
 
   Move<double> move_;
   std::span<const Trajectory> trajectories_;
+  std::span<const PlayedMotor> motors_;
 };
 
 /// Whether a move may be played again and again from its start. Errors: no_solution, with axis, if it would

@@ -46,6 +46,12 @@ struct FreeSpec {
   Real tick_seconds = Real(1) / 250;
 };
 
+/// Drives that can be told what the motor behind the calibration of an axis does (MotorPort::plan_motor).
+template <class Drives, class Real>
+concept PlansMotors = requires(Drives& drives, std::size_t drive, const Setpoint<Real>& setpoint) {
+  drives.plan_motor(drive, setpoint, setpoint);
+};
+
 /// The memory of a motion loop, owned by the caller.
 template <Precise Real>
 struct LoopMemory {
@@ -83,8 +89,9 @@ class MotionLoop {
   MotionLoop(Drives& drives, Lines& lines, const LoopMemory<Real>& memory)
       : drives_(&drives), lines_(&lines), memory_(memory) {}
 
-  /// The move that `start` will begin. Errors: out_of_range (a move is running), wrong_count (drive_of,
-  /// limits or memory are not as many as the axes).
+  /// The move that `start` will begin. Errors: out_of_range (a move is running; it has motors behind a
+  /// calibration, and the drives cannot play them), wrong_count (drive_of, limits or memory are not as many
+  /// as the axes).
   Status load(const LoopSpec<Real>& spec) {
     const std::size_t axes = spec.move->axis_count();
     const std::size_t still = spec.still != nullptr ? axes : 0;
@@ -94,6 +101,13 @@ class MotionLoop {
     const bool counts = spec.counts.empty() || spec.counts.size() == axes;
     if (spec.is_still.size() != still || !counts || memory_.motions.size() < axes) {
       return too_few(axes);
+    }
+    if constexpr (!PlansMotors<Drives, Real>) {
+      if (!spec.move->motors().empty()) {
+        return Error{.code = ErrorCode::out_of_range,
+                     .what = "the drives cannot play the motors of the move",
+                     .remedy = "give the loop drives with a MotorPort"};
+      }
     }
     free_ = {};
     spec_ = spec;
@@ -273,6 +287,7 @@ class MotionLoop {
       advance_by_one(result);
     }
     for (std::size_t d = 0; d < spec_.move->axis_count(); ++d) setpoint(d) = memory_.next[d];
+    plan_motors();
     if (result.event == PlayheadEvent::finished) apply(SupervisorEvent::finished);
     if (state_ == SupervisorState::stopping && is_resting()) apply(SupervisorEvent::rested);
   }
@@ -298,6 +313,23 @@ class MotionLoop {
     if (still_ahead) *spec_.still = *still_ahead;
     return true;
   }
+  void plan_motors() {
+    if constexpr (PlansMotors<Drives, Real>) {
+      for (const PlayedMotor& motor : spec_.move->motors()) {
+        const bool is_still = spec_.still != nullptr && spec_.is_still[motor.axis];
+        const Playhead<Real>& playhead = is_still ? *spec_.still : *spec_.playhead;
+        drives_->plan_motor(spec_.drive_of[motor.axis], setpoint(motor.axis),
+                            played_by(playhead, spec_.move->motion_of(motor, playhead.time())));
+      }
+    }
+  }
+  /// The rate at which the playhead plays may change (chain rule).
+  static Setpoint<Real> played_by(const Playhead<Real>& playhead, const AxisMotion<Real>& motion) {
+    const Real rate = playhead.rate();
+    return {.position = motion.position,
+            .velocity = motion.velocity * rate,
+            .acceleration = motion.acceleration * rate * rate + motion.velocity * playhead.rate_change()};
+  }
   /// The setpoints where the playheads are: the axes that stand still are where they have a time of their
   /// own.
   void look_ahead(const Playhead<Real>& playhead, const Playhead<Real>* still) {
@@ -307,14 +339,9 @@ class MotionLoop {
   /// For all axes, or for those that are still or are not.
   void look_at(const Playhead<Real>& playhead, std::span<const bool> is_still, bool wanted) {
     spec_.move->motion(playhead.time(), memory_.motions);
-    const Real rate = playhead.rate();
     for (std::size_t d = 0; d < spec_.move->axis_count(); ++d) {
       if (!is_still.empty() && is_still[d] != wanted) continue;
-      const AxisMotion<Real>& motion = memory_.motions[d];
-      memory_.next[d] = {
-          .position = motion.position,
-          .velocity = motion.velocity * rate,
-          .acceleration = motion.acceleration * rate * rate + motion.velocity * playhead.rate_change()};
+      memory_.next[d] = played_by(playhead, memory_.motions[d]);
     }
   }
   /// Whether an axis would go further in this tick than its max_velocity allows.

@@ -27,6 +27,11 @@ struct AxisGear {
   /// their offsets. A gantry racks beyond it.
   std::optional<Real> max_skew = {};
   bool is_skewed = false;  ///< kept by the port, for whoever wants to know what is wrong
+  /// What the motor is told, without take-up and offset, while the axis is told this; kept by the port.
+  struct Planned {
+    Setpoint<Real> axis, motor;
+  };
+  std::optional<Planned> planned = {};
 
   /// The position of the motor for one of the axis, without its offset; and back.
   [[nodiscard]] Real motor_at(Real axis) const {
@@ -116,6 +121,12 @@ class MotorPort {
     motors_->write(memory_.setpoints, now_ns);
   }
 
+  /// While axis `axis` is told `told`, its motor is told this, in units of the motor: what was proven of a
+  /// move (fit_motor), in place of what the calibration makes of the axis at this moment.
+  void plan_motor(std::size_t axis, const Setpoint<Real>& told, const Setpoint<Real>& motor) {
+    memory_.axes[axis].planned = {told, motor};
+  }
+
   void enable() {
     for (AxisGear<Real>& gear : memory_.axes) gear.is_skewed = false;
     motors_->enable();
@@ -147,6 +158,7 @@ class MotorPort {
   }
   static Setpoint<Real> through(AxisGear<Real>& gear, const Setpoint<Real>& axis) {
     Setpoint<Real> motor = gear.calibration == nullptr ? axis : gear.calibration->motor_of(axis);
+    if (gear.planned && gear.planned->axis == axis) motor = gear.planned->motor;
     if (!gear.take_up) return motor;
     const Setpoint<Real> more = gear.take_up->follow(axis.position);
     motor.position += more.position;

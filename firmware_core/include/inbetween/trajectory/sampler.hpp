@@ -40,6 +40,9 @@ struct SampledSegment;  // inside the core
 /// caller's.
 class TrackSampler {
  public:
+  using Joint = SampledJoint;
+  using Known = SampledSegment;
+
   /// `joints` is the memory for the joints, in the end in their order. At a drawn speed: knots of the speed
   /// curve, breaks, passings of knots of the path, and places where the path (nearly) stands still. Timed by
   /// frames: the knots of the path. Of a path without length: both ends. Errors: capacity, with what would
@@ -77,9 +80,11 @@ class TrackSampler {
   [[nodiscard]] SampledSpeed leaving(const SampledJoint& joint, std::span<AxisMotion<double>> out) const;
   /// How far from its position at a point every axis is within so much of the distance along the path.
   void write_reach(const PathPoint<double>& point, double way, std::span<double> out) const;
-  /// Whether the acceleration of an axis has no bound beside a place (SampledSpeed::point) at which the path
-  /// stands still, if it is passed at a drawn speed.
-  [[nodiscard]] bool is_unbounded(const PathPoint<double>& point, std::size_t axis) const;
+  /// The lowest derivative of an axis that has no bound beside a joint at which the path stands still, if it
+  /// is passed at a drawn speed: 1 velocity, 2 acceleration; 0 where all have one. `known` is what is known
+  /// of the side that is meant.
+  [[nodiscard]] std::uint8_t unbounded_order(const SampledJoint& joint, const SampledSpeed& known,
+                                             std::size_t axis) const;
 
  private:
   TrackSampler(const Track<double>& track, std::span<const SampledJoint> joints)

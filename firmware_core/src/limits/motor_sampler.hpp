@@ -1,0 +1,100 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+
+#include "inbetween/limits/motor_trajectory.hpp"
+#include "inbetween/trajectory/sampler.hpp"
+
+/// A motor behind a calibration as a motion that can be asked on either side of its joints.
+
+namespace inbetween {
+
+class MotorSampler {
+ public:
+  using Joint = MotorJoint;
+  struct Known {};
+
+  MotorSampler(const MotorSource& source, std::span<const MotorJoint> joints)
+      : axes_(source.trajectory), axis_(source.axis), calibration_(source.calibration), joints_(joints) {}
+
+  [[nodiscard]] static std::size_t axis_count() { return 1; }
+  [[nodiscard]] FrameRate frame_rate() const { return axes_->frame_rate(); }
+  [[nodiscard]] std::span<const MotorJoint> joints() const { return joints_; }
+  /// No path is drawn for it: its tolerance is that of an axis beside one.
+  [[nodiscard]] static double weight(std::size_t) { return 0; }
+  [[nodiscard]] static double length() { return 0; }
+  [[nodiscard]] static bool is_cubic() { return false; }
+  [[nodiscard]] bool keeps_to_joints() const { return axes_->keeps_to_joints(); }
+  [[nodiscard]] bool rests_behind(const MotorJoint& joint) const {
+    const TrajectoryPiece& piece = axes_->pieces()[joint.piece_after];
+    return piece.degree == 1 && piece.begin_row == piece.end_row;
+  }
+
+  SampledSpeed sample(const FrameTime<double>& time, Known&, std::span<AxisMotion<double>> out) const {
+    return sample(time, out);
+  }
+  SampledSpeed sample(const FrameTime<double>& time, std::span<AxisMotion<double>> out) const {
+    const AxisMotion<double> axis = axes_->motion_of(axis_, time);
+    const CalibrationSlope<double> slope = calibration_->slope_at(axis.position);
+    out[0] = motor_of(axis, calibration_->motor_at(axis.position), slope, slope.third);
+    return known_of(out[0], slope.first * axis.position);
+  }
+  SampledSpeed arriving(const MotorJoint& joint, std::span<AxisMotion<double>> out) const {
+    return at_joint(joint, axis_at(joint, joint.piece_before, true), joint.curve_before, out[0]);
+  }
+  SampledSpeed leaving(const MotorJoint& joint, std::span<AxisMotion<double>> out) const {
+    return at_joint(joint, axis_at(joint, joint.piece_after, false), joint.curve_after, out[0]);
+  }
+  static void write_reach(const PathPoint<double>&, double way, std::span<double> out) {
+    std::ranges::fill(out, way);
+  }
+  [[nodiscard]] static std::uint8_t unbounded_order(const MotorJoint& joint, const SampledSpeed&,
+                                                    std::size_t) {
+    return joint.unbounded;
+  }
+
+ private:
+  /// T p, T' v, T'' v^2 + T' a, T''' v^3 + 3 T'' v a + T' j.
+  static AxisMotion<double> motor_of(const AxisMotion<double>& axis, double position,
+                                     const CalibrationSlope<double>& slope, double third) {
+    const double v = axis.velocity;
+    const double a = axis.acceleration;
+    return {position, slope.first * v, slope.second * v * v + slope.first * a,
+            third * v * v * v + 3 * slope.second * v * a + slope.first * axis.jerk};
+  }
+  /// An axis far from 0 is known within its rounding, and so is its motor where the curve is as steep as
+  /// this: `place` is its slope times the position.
+  static SampledSpeed known_of(const AxisMotion<double>& motor, double place) {
+    constexpr double rounding = distance_roundings * std::numeric_limits<double>::epsilon();
+    return {.speed = std::fabs(motor.velocity), .off = rounding * std::fabs(place)};
+  }
+  /// The curve has two continuous derivatives: of the two pieces at a mark one says all but the third, so
+  /// that neither side is beside the other by a rounding.
+  SampledSpeed at_joint(const MotorJoint& joint, const AxisMotion<double>& axis, std::uint8_t curve,
+                        AxisMotion<double>& out) const {
+    const std::span<const CalibrationPiece<double>> pieces = calibration_->pieces();
+    const CalibrationPiece<double>& piece = pieces[joint.curve_before];
+    const double t = axis.position - piece.from;
+    const CalibrationSlope<double> slope{piece.cubic.derivative(t), piece.cubic.second(t), 0};
+    out = motor_of(axis, piece.cubic.value(t), slope, pieces[curve].cubic.third());
+    return known_of(out, slope.first * axis.position);
+  }
+  [[nodiscard]] AxisMotion<double> axis_at(const MotorJoint& joint, std::uint32_t piece, bool is_end) const {
+    const TrajectoryPiece& of = axes_->pieces()[piece];
+    if (joint.time != (is_end ? axes_->end_of(piece) : of.begin)) return axes_->motion_of(axis_, joint.time);
+    const auto value = [&](std::size_t k) { return at_end_of_piece(*axes_, of, axis_, k, is_end); };
+    return {value(0), value(1), value(2), value(3)};
+  }
+
+  const Trajectory* axes_;
+  std::size_t axis_;
+  const Calibration<double>* calibration_;
+  std::span<const MotorJoint> joints_;
+};
+
+}  // namespace inbetween
