@@ -83,9 +83,10 @@ std::int32_t ib_solve(std::int32_t track) {
   return answer(session.solve_track(track, exchange));
 }
 
-/// Integers: tracks, axes with limits (0: no rig). Numbers: seconds of a tick; eight for each axis (min, max,
+/// Integers: tracks, axes with limits (0: no rig), motors behind a calibration, ticks a second; for each
+/// motor its axis and how many marks it has. Numbers: eight for each axis, and then for each motor (min, max,
 /// max_velocity, max_acceleration, max_jerk, max_acceleration_step, stop_acceleration, stop_jerk), not a
-/// number where the rig does not say.
+/// number where the rig does not say; for each motor its marks, the place of the axis and that of the motor.
 std::int32_t ib_assemble() {
   return answer(session.assemble(exchange));
 }
@@ -199,21 +200,23 @@ std::int32_t ib_at(std::int32_t index, double s) {
   return 1;
 }
 
-/// Integers: first frame, last frame (the rolls included), axes, cells of the ceiling, steps, steps left out,
-/// whether stops are proven, whether a roll is in the way; the axis of the stop's obstacle, its quantity (0
-/// acceleration, 1 jerk); the axis of the roll's, its quantity (0 position .. 3 jerk); then for each cell the
-/// axis and the quantity of its ceiling, and for each step track, key, axis. Numbers: the highest rate;
-/// seconds and frames of the longest stop and from which frame; frame of the stop's obstacle, its value and
-/// limit; the same of the roll's; for each axis lowest, highest, velocity, acceleration and jerk, each a
-/// value and its frame; for each track and cell the rate at which it keeps the limits; for each step frame,
-/// velocity and acceleration.
+/// Integers: first frame, last frame (the rolls included), axes, motors (behind the axes wherever one is
+/// named), cells of the ceiling, steps, steps left out, whether stops are proven, whether a roll is in the
+/// way; the axis of the stop's obstacle, its quantity (0 acceleration, 1 jerk); the axis of the roll's, its
+/// quantity (0 position .. 3 jerk); then for each cell the axis and the quantity of its ceiling, and for each
+/// step track, key, axis. Numbers: the highest rate; seconds and frames of the longest stop and from which
+/// frame; frame of the stop's obstacle, its value and limit; the same of the roll's; for each axis and motor
+/// lowest, highest, velocity, acceleration and jerk, each a value and its frame; for each track and cell the
+/// rate at which it keeps the limits; for each step frame, velocity and acceleration.
 std::int32_t ib_certificate() {
   if (!session.is_assembled()) return 0;
   const Certificate& found = session.certificate();
   Writer out(exchange);
   out.integer(found.move().first_frame());
   out.integer(found.move().last_frame());
-  out.integer(found.has_limits() ? static_cast<std::int32_t>(found.peaks().size()) : 0);
+  const auto motors = static_cast<std::int32_t>(found.motor_count());
+  out.integer(found.has_limits() ? static_cast<std::int32_t>(found.peaks().size()) - motors : 0);
+  out.integer(motors);
   if (!found.has_limits()) return 1;
   out.integer(static_cast<std::int32_t>(found.cell_count()));
   out.integer(static_cast<std::int32_t>(found.steps().size()));

@@ -5,23 +5,15 @@
 #include <limits>
 
 namespace inbetween::editor {
-namespace {
-
-/// `check` takes as many cells, up to max_cells: one for a frame, and none shorter than two ticks.
-std::size_t cells_for(const Move<double>& move, double tick_seconds) {
-  constexpr double min_cells = 64;
-  const double frames = move.last_frame() - move.first_frame();
-  const double ticks = std::ceil(frames / move.frame_rate().frames_per_second() / tick_seconds);
-  const double wanted = std::clamp(frames, min_cells, static_cast<double>(max_cells));
-  return static_cast<std::size_t>(std::max(std::floor(std::min(wanted, ticks / 2)), 1.0));
-}
-
-}  // namespace
-
 Status Certificate::make(std::span<const Track<double>> tracks, std::span<const AxisLimits<double>> limits,
-                         double tick_seconds) {
+                         std::span<const CalibratedMotor> motors, std::int32_t rate_hz) {
   tracks_ = tracks;
   limits_ = limits;
+  motors_ = motors;
+  rate_hz_ = rate_hz;
+  tick_seconds_ = 1.0 / rate_hz;
+  axes_ = 0;
+  for (const Track<double>& track : tracks) axes_ += static_cast<std::size_t>(track.path().axis_count());
   cells_ = step_count_ = 0;
   highest_rate_ = 0;
   move_.reset();
@@ -35,9 +27,8 @@ Status Certificate::make(std::span<const Track<double>> tracks, std::span<const 
   const auto move = Move<double>::make(tracks, rolls);
   if (!move) return move.error();
   move_ = *move;
-  axes_ = move->axis_count();
   if (!has_limits()) return Done{};
-  if (const Status bounded = bound(tick_seconds); !bounded) return bounded;
+  if (const Status bounded = bound(); !bounded) return bounded;
   find_highest_rate();
   return Done{};
 }
@@ -56,7 +47,7 @@ void Certificate::motion(const FrameTime<double>& time, std::span<AxisMotion<dou
 }
 
 Status Certificate::make_rolls(MoveRolls<double>& rolls) {
-  const std::span<AxisMotion<double>> joints = std::span(joints_).first(limits_.size());
+  const std::span<AxisMotion<double>> joints = std::span(joints_).first(axes_);
   for (const RollEnd end : {RollEnd::before, RollEnd::after}) {
     if (!joints_of(tracks_, end, joints)) continue;
     const bool is_before = end == RollEnd::before;
@@ -64,7 +55,7 @@ Status Certificate::make_rolls(MoveRolls<double>& rolls) {
                                       .joint_frame = is_before ? 0 : tracks_.front().frames(),
                                       .fps = tracks_.front().frame_rate(),
                                       .joints = joints,
-                                      .limits = limits_};
+                                      .limits = axis_limits()};
     const auto obstacle = inbetween::roll_obstacle(request);
     if (!obstacle) return obstacle.error();
     if (*obstacle) {
@@ -85,19 +76,22 @@ Status Certificate::make_rolls(MoveRolls<double>& rolls) {
   return Done{};
 }
 
-Status Certificate::bound(double tick_seconds) {
-  cells_ = cells_for(*move_, tick_seconds);
-  write_room<double>(limits_, 1, tick_seconds, storage_.room);
-  MoveBounds bounds = storage_.bounds(*move_, cells_);
-  const Status bounded = bound_move(*move_, tracks_, limits_, {}, storage_.memory(), bounds);
+Status Certificate::bound() {
+  cells_ = stop_cells(*move_, rate_hz_, 1);
+  write_room<double>(limits_, 1, tick_seconds_, storage_.room);
+  MoveBounds bounds = storage_.bounds(*move_, cells_, motors_.size());
+  MoveBoundsMemory memory = storage_.memory();
+  memory.motor_joints = motor_joints_;
+  memory.motor = motor_.memory();
+  const Status bounded = bound_move(*move_, tracks_, axis_limits(), motors_, memory, bounds);
   if (!bounded) return bounded;
   step_count_ = bounds.step_count;
   find_ceiling(bounds.cells);
-  return bound_stops(bounds.cells, tick_seconds);  // it widens the cells
+  return bound_stops(bounds.cells);  // it widens the cells
 }
 
-Status Certificate::bound_stops(const MotionCells& motion, double tick_seconds) {
-  const StopRequest<double> request{.motion = motion, .limits = limits_, .tick_seconds = tick_seconds};
+Status Certificate::bound_stops(const MotionCells& motion) {
+  const StopRequest<double> request{.motion = motion, .limits = limits_, .tick_seconds = tick_seconds_};
   const auto bounds =
       StopBounds<double>::make(request, std::span(stop_cells_).first(cells_ + 1), {}, &stop_obstacle_);
   if (bounds) {
@@ -115,6 +109,10 @@ void Certificate::find_ceiling(const MotionCells& motion) {
     for (std::size_t cell = 0; cell < cells_; ++cell) {
       CellCeiling ceiling{.rate = std::numeric_limits<double>::infinity()};
       for (std::size_t d = first; d < end; ++d) lower(ceiling, motion.of_cell(cell)[d], d);
+      for (std::size_t m = 0; m < motors_.size(); ++m) {
+        const bool is_of_track = motors_[m].axis >= first && motors_[m].axis < end;
+        if (is_of_track) lower(ceiling, motion.of_cell(cell)[axes_ + m], axes_ + m);
+      }
       ceilings_[t * cells_ + cell] = ceiling;
     }
     first = end;
@@ -134,15 +132,16 @@ void Certificate::lower(CellCeiling& ceiling, const MotionTriple& suprema, std::
 }
 
 void Certificate::find_highest_rate() {
-  std::array<PlayedAxis<double>, max_move_axes> played;
-  for (std::size_t d = 0; d < axes_; ++d) played[d] = {.peaks = peaks()[d]};
+  std::array<PlayedAxis<double>, max_moved> played;
+  for (std::size_t d = 0; d < peaks().size(); ++d) played[d] = {.peaks = peaks()[d]};
   bool steps = false;
   for (const MoveStep& step : this->steps()) {
     double& largest = played[step.axis].acceleration_step;
     largest = std::max(largest, step.acceleration);
     steps = steps || step.velocity > 0;
   }
-  highest_rate_ = steps ? 0 : inbetween::highest_rate<double>(std::span(played).first(axes_), limits_);
+  highest_rate_ =
+      steps ? 0 : inbetween::highest_rate<double>(std::span(played).first(peaks().size()), limits_);
 }
 
 }  // namespace inbetween::editor

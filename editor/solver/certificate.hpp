@@ -18,20 +18,20 @@
 namespace inbetween::editor {
 
 inline constexpr std::size_t max_move_axes = 64;  ///< of all tracks
-inline constexpr std::size_t max_cells = 512;
+/// Of axes and of motors behind a calibration, of which an axis has one at most.
+inline constexpr std::size_t max_moved = 2 * max_move_axes;
+inline constexpr std::size_t max_cells = max_stop_cells;
 
 /// How a track stands to the limits of its axes in one cell of the time line.
 struct CellCeiling {
   /// So many times faster than drawn the cell may be passed with every limit kept; below 1 where it breaks
   /// one. Infinity where nothing moves.
   double rate = 0;
-  std::int32_t axis = -1;     ///< whose limit that is, through all tracks; -1: none
+  std::int32_t axis = -1;  ///< whose limit that is, through all tracks, and behind them the motors; -1: none
   std::int32_t quantity = 0;  ///< 0 velocity, 1 acceleration, 2 jerk
 };
 
-inline constexpr std::size_t max_steps = 256;
-/// So much of a track is fitted at a time; bound_move takes shorter stretches where one has more.
-inline constexpr std::size_t max_trajectory_pieces = 8192;
+inline constexpr std::size_t max_steps = 4096;
 inline constexpr std::size_t max_trajectory_breaks = 512;
 /// Knots of the curve, passings of knots of the path, and standstills between them.
 inline constexpr std::size_t max_track_joints = max_values + 3 * max_segments + max_locks + 2;
@@ -39,21 +39,23 @@ inline constexpr std::size_t max_track_joints = max_values + 3 * max_segments + 
 /// It proves what the move keeps of its limits, in memory of its own. It refers to the tracks and the limits.
 class Certificate {
  public:
-  /// `limits` has an entry for every axis of all tracks, or is empty: then there is a move without rolls, and
-  /// nothing is proven. The tracks stay where they are as long as the certificate is used.
-  /// Errors: those of Move::make, bound_move and StopBounds::make other than no_solution.
+  /// `limits` has an entry for every axis of all tracks, and behind them one for every motor, or is empty:
+  /// then there is a move without rolls, and nothing is proven. All stay where they are as long as the
+  /// certificate is used. Errors: those of Move::make, bound_move and StopBounds::make other than
+  /// no_solution.
   Status make(std::span<const Track<double>> tracks, std::span<const AxisLimits<double>> limits,
-              double tick_seconds);
+              std::span<const CalibratedMotor> motors, std::int32_t rate_hz);
 
   [[nodiscard]] const Move<double>& move() const { return *move_; }
   [[nodiscard]] std::span<const Track<double>> tracks() const { return tracks_; }
   /// Writes what the tracks and the rolls ask every axis to do at a time; before and behind them it rests.
   void motion(const FrameTime<double>& time, std::span<AxisMotion<double>> out) const;
   [[nodiscard]] bool has_limits() const { return !limits_.empty(); }
-  /// Every axis has an entry; the rolls count.
+  /// Every axis has an entry, and behind them every motor; the rolls count.
   [[nodiscard]] std::span<const AxisPeaks<double>> peaks() const {
-    return std::span(storage_.peaks).first(axes_);
+    return std::span(storage_.peaks).first(axes_ + motors_.size());
   }
+  [[nodiscard]] std::size_t motor_count() const { return motors_.size(); }
   [[nodiscard]] std::size_t cell_count() const { return cells_; }
   /// Of one track, cell by cell.
   [[nodiscard]] std::span<const CellCeiling> cells(std::size_t track) const {
@@ -64,7 +66,7 @@ class Certificate {
   }
   /// Steps that max_steps left out.
   [[nodiscard]] std::size_t steps_left_out() const { return step_count_ - steps().size(); }
-  /// Nothing where there is a place from which no stop keeps the stop limits.
+  /// Nothing where there is a place from which no stop keeps the stop limits; of its axis or motor.
   [[nodiscard]] const std::optional<StopBounds<double>>& stops() const { return stops_; }
   [[nodiscard]] const std::optional<StopObstacle<double>>& stop_obstacle() const { return stop_obstacle_; }
   /// Of the pre-roll, or where there is none of the post-roll, if one is needed and none keeps the limits.
@@ -73,14 +75,18 @@ class Certificate {
 
  private:
   Status make_rolls(MoveRolls<double>& rolls);
-  Status bound(double tick_seconds);
-  Status bound_stops(const MotionCells& motion, double tick_seconds);
+  Status bound();
+  Status bound_stops(const MotionCells& motion);
+  [[nodiscard]] std::span<const AxisLimits<double>> axis_limits() const { return limits_.first(axes_); }
   void find_ceiling(const MotionCells& motion);
   void lower(CellCeiling& ceiling, const MotionTriple& suprema, std::size_t axis) const;
   void find_highest_rate();
 
   std::span<const Track<double>> tracks_;
   std::span<const AxisLimits<double>> limits_;
+  std::span<const CalibratedMotor> motors_;
+  double tick_seconds_ = 0;
+  std::int32_t rate_hz_ = 0;
   std::size_t axes_ = 0;
   std::size_t cells_ = 0;
   std::size_t step_count_ = 0;
@@ -93,7 +99,9 @@ class Certificate {
   std::array<AxisMotion<double>, max_move_axes> joints_;
   std::array<CellCeiling, max_tracks * max_cells> ceilings_;
   std::array<StopCell<double>, max_cells + 1> stop_cells_;
-  MoveBoundsStorage<max_move_axes, max_track_joints, max_trajectory_pieces, max_trajectory_breaks, max_cells,
+  TrajectoryStorage<1, 2 * max_motor_joints_at_a_time, max_motor_joints_at_a_time> motor_;
+  std::array<MotorJoint, max_motor_joints_at_a_time> motor_joints_;
+  MoveBoundsStorage<max_moved, max_track_joints, max_pieces_at_a_time, max_trajectory_breaks, max_cells,
                     max_steps, max_axes>
       storage_;
 };

@@ -11,7 +11,7 @@
 namespace inbetween::editor {
 
 inline constexpr std::size_t max_numbers = 1U << 19U;
-inline constexpr std::size_t max_integers = 1U << 16U;
+inline constexpr std::size_t max_integers = 1U << 17U;
 
 /// A call reads its arguments from the beginning of both arrays and leaves its answer there.
 struct Exchange {

@@ -100,13 +100,16 @@ Status Session::assemble(const Exchange& arguments) {
   Reader reader(arguments);
   const std::int32_t count = reader.integer();
   const std::int32_t axes = reader.integer();
-  const double tick_seconds = reader.number();
-  if (count < 1 || count > static_cast<std::int32_t>(max_tracks) || axes < 0 ||
-      axes > static_cast<std::int32_t>(max_move_axes)) {
+  const std::int32_t motors = reader.integer();
+  const std::int32_t rate_hz = reader.integer();
+  const auto most = static_cast<std::int32_t>(max_move_axes);
+  if (count < 1 || count > static_cast<std::int32_t>(max_tracks) || axes < 0 || axes > most || motors < 0 ||
+      motors > most) {
     return Error{.code = ErrorCode::capacity,
                  .what = "the move has more tracks or axes than this page solves",
                  .remedy = "edit the file as text; the command line plans it"};
   }
+  if (rate_hz < 1) return incomplete;
   track_count_ = 0;
   auto* const tracks = reinterpret_cast<Track<double>*>(tracks_.data());
   for (std::int32_t i = 0; i < count; ++i) {
@@ -114,8 +117,23 @@ Status Session::assemble(const Exchange& arguments) {
     if (slot == nullptr) return incomplete;
     std::construct_at(tracks + track_count_++, slot->track());
   }
+  const auto limit_count = static_cast<std::size_t>(axes + motors);
+  if (const Status read = read_limits(limit_count, reader); !read) return read;
+  const auto motor_count = static_cast<std::size_t>(motors);
+  for (std::size_t m = 0; m < motor_count; ++m) {
+    if (const Status read = read_motor(m, reader); !read) return read;
+  }
+  if (!reader.is_complete()) return incomplete;
+  const std::span limits(reinterpret_cast<const AxisLimits<double>*>(limits_.data()), limit_count);
+  const Status certified =
+      certificate_.make(this->tracks(), limits, std::span(motors_).first(motor_count), rate_hz);
+  assembled_ = certified.has_value();
+  return certified;
+}
+
+Status Session::read_limits(std::size_t count, Reader& reader) {
   auto* const limits = reinterpret_cast<AxisLimits<double>*>(limits_.data());
-  for (std::int32_t d = 0; d < axes; ++d) {
+  for (std::size_t d = 0; d < count; ++d) {
     AxisLimitsSpec<double> spec{.min = reader.number(),
                                 .max = reader.number(),
                                 .max_velocity = reader.number(),
@@ -127,16 +145,28 @@ Status Session::assemble(const Exchange& arguments) {
     const auto made = AxisLimits<double>::make(spec);
     if (!made) {
       Error error = made.error();
-      error.axis = d;
+      error.axis = static_cast<std::int32_t>(d);
       return error;
     }
     std::construct_at(limits + d, *made);
   }
-  if (!reader.is_complete()) return incomplete;
-  const Status certified =
-      certificate_.make(this->tracks(), {limits, static_cast<std::size_t>(axes)}, tick_seconds);
-  assembled_ = certified.has_value();
-  return certified;
+  return Done{};
+}
+
+Status Session::read_motor(std::size_t number, Reader& reader) {
+  constexpr std::size_t max_marks = Calibration<double>::max_marks;
+  std::array<CalibrationMark<double>, max_marks> marks;
+  const std::int32_t axis = reader.integer();
+  const std::int32_t count = reader.integer();
+  if (axis < 0 || count < 0 || static_cast<std::size_t>(count) > max_marks) return incomplete;
+  const std::span<CalibrationMark<double>> of_motor = std::span(marks).first(static_cast<std::size_t>(count));
+  for (CalibrationMark<double>& mark : of_motor) mark = {reader.number(), reader.number()};
+  const auto curve = Calibration<double>::make(
+      of_motor, std::span(curve_pieces_).subspan(number * (max_marks + 1), max_marks + 1));
+  if (!curve) return curve.error();
+  auto* const curves = reinterpret_cast<Calibration<double>*>(curves_.data());
+  motors_[number] = {static_cast<std::size_t>(axis), std::construct_at(curves + number, *curve)};
+  return Done{};
 }
 
 const TrackSlot* Session::solved(std::int32_t index) const {

@@ -25,6 +25,8 @@ class Session {
 
  private:
   [[nodiscard]] std::span<const Track<double>> tracks() const;
+  Status read_limits(std::size_t count, Reader& reader);
+  Status read_motor(std::size_t number, Reader& reader);
 
   std::array<TrackSlot, max_tracks> slots_;
   std::array<KeyLock, max_locks> locks_;
@@ -34,7 +36,10 @@ class Session {
   /// Tracks one after the other, as Move wants them; a Track has no value without a path.
   alignas(Track<double>) std::array<std::byte, max_tracks * sizeof(Track<double>)> tracks_;
   std::size_t track_count_ = 0;
-  alignas(AxisLimits<double>) std::array<std::byte, max_move_axes * sizeof(AxisLimits<double>)> limits_;
+  alignas(AxisLimits<double>) std::array<std::byte, max_moved * sizeof(AxisLimits<double>)> limits_;
+  alignas(Calibration<double>) std::array<std::byte, max_move_axes * sizeof(Calibration<double>)> curves_;
+  std::array<CalibrationPiece<double>, max_move_axes*(Calibration<double>::max_marks + 1)> curve_pieces_;
+  std::array<CalibratedMotor, max_move_axes> motors_;
   Certificate certificate_;
   bool assembled_ = false;
 };

@@ -9,18 +9,6 @@
 namespace inbetween {
 namespace {
 
-constexpr std::int64_t max_cells = 4096;
-constexpr std::int64_t min_cells = 64;
-
-std::size_t cell_count(const Plan& plan, double rate) {
-  const std::int64_t frames = plan.played().last_frame() - plan.played().first_frame();
-  const std::int64_t ticks =
-      last_tick(static_cast<std::int32_t>(frames), plan.played().frame_rate(), plan.rig()->rate_hz);
-  const auto longest = static_cast<std::int64_t>(static_cast<double>(ticks) / (2 * std::max(rate, 1.0)));
-  const std::int64_t wanted = std::clamp(frames, min_cells, max_cells);
-  return static_cast<std::size_t>(std::max<std::int64_t>(std::min(wanted, longest), 1));
-}
-
 /// Those of the motion in place of those of a stop.
 AxisLimits<double> without_stops(const AxisLimits<double>& limits) {
   return value_or_throw(AxisLimits<double>::make({.min = limits.min(),
@@ -74,7 +62,8 @@ BoundedMove bounded_in(const Plan& plan, std::size_t cells, std::span<const Axis
 }  // namespace
 
 BoundedMove bounded_move(const Plan& plan, double rate, BoundedFor use) {
-  const std::size_t cells = use == BoundedFor::stops ? cell_count(plan, rate) : 0;
+  const std::size_t cells =
+      use == BoundedFor::stops ? stop_cells(plan.played(), plan.rig()->rate_hz, rate) : 0;
   return bounded_in(plan, cells, limits_of(plan, true), rate);
 }
 

@@ -4,10 +4,12 @@
 #include <array>
 #include <cstdlib>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 
 #include "host_tools/files/json_writer.hpp"
 #include "host_tools/files/move_rewrite.hpp"
+#include "host_tools/files/rig_motors.hpp"
 #include "host_tools/plan/drawn_curve.hpp"
 #include "host_tools/plan/plan_rows.hpp"
 
@@ -108,6 +110,36 @@ void write_track(JsonWriter& json, const Plan& plan, std::size_t index, std::str
   json.end_object();
 }
 
+void write_limits(JsonWriter& json, const AxisLimits<double>& limits) {
+  json.begin_object();
+  json.member("min", limits.min());
+  json.member("max", limits.max());
+  json.member("max_velocity", limits.max_velocity());
+  json.member("max_acceleration", limits.max_acceleration());
+  json.member("max_jerk", limits.max_jerk());
+  const double step = limits.max_acceleration_step();
+  json.member("max_acceleration_step", step > 0 ? std::optional(step) : std::nullopt);
+  json.member("stop_acceleration", limits.stop_acceleration());
+  json.member("stop_jerk", limits.stop_jerk());
+  json.end_object();
+}
+
+/// With what the take-up of its backlash leaves of its limits.
+void write_motor(JsonWriter& json, const RigAxis& axis) {
+  json.begin_object();
+  json.member("unit", to_string(axis.calibration->unit));
+  json.key("marks");
+  json.begin_array();
+  for (const CalibrationMark<double>& mark : axis.calibration->marks) {
+    json.value(mark.axis);
+    json.value(mark.motor);
+  }
+  json.end_array();
+  json.key("limits");
+  write_limits(json, limits_beside_take_up(axis));
+  json.end_object();
+}
+
 void write_axis(JsonWriter& json, const Plan& plan, std::size_t move_axis) {
   const PlanAxis& axis = plan.axes()[plan.axis_of(move_axis)];
   json.line();
@@ -119,16 +151,9 @@ void write_axis(JsonWriter& json, const Plan& plan, std::size_t move_axis) {
     json.null();
   } else {
     const RigAxis& rig = plan.rig()->axes[plan.axis_of(move_axis)];
-    json.begin_object();
-    json.member("min", rig.min);
-    json.member("max", rig.max);
-    json.member("max_velocity", rig.max_velocity);
-    json.member("max_acceleration", rig.max_acceleration);
-    json.member("max_jerk", rig.max_jerk);
-    json.member("max_acceleration_step", rig.max_acceleration_step);
-    json.member("stop_acceleration", rig.stop_acceleration);
-    json.member("stop_jerk", rig.stop_jerk);
-    json.end_object();
+    write_limits(json, limits_of(rig));
+    json.key("motor");
+    rig.calibration ? write_motor(json, rig) : json.null();
   }
   json.end_object();
 }

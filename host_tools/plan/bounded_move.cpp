@@ -10,17 +10,12 @@
 namespace inbetween {
 namespace {
 
-/// More than most take.
-constexpr std::size_t pieces_per_joint = 16;
-/// Between two joints, which must fit.
-constexpr std::size_t min_pieces = 64;
-
 constexpr std::size_t usual_steps = 64;
 
 /// What bound_move works in.
 class WorkingMemory {
  public:
-  explicit WorkingMemory(std::span<const Track<double>> tracks) {
+  WorkingMemory(std::span<const Track<double>> tracks, bool has_motors) {
     std::size_t joints = 0;
     std::size_t axes = 0;
     for (const Track<double>& track : tracks) {
@@ -29,9 +24,8 @@ class WorkingMemory {
     }
     // The joints at both ends of a stretch, and the one behind it.
     const std::size_t stretch = std::min(joints, max_joints_at_a_time + 2);
-    const std::size_t pieces = std::max(pieces_per_joint * stretch, min_pieces);
-    room_.reserve(stretch, axes, pieces);
-    motor_.emplace(pieces);
+    room_.reserve(stretch, axes, max_pieces_at_a_time);
+    if (has_motors) motor_.emplace(max_motor_joints_at_a_time);
     joints_.resize(joints);
     travel_.resize(axes);
     peaks_.resize(axes);
@@ -40,7 +34,7 @@ class WorkingMemory {
 
   void grow() {
     room_.grow();
-    motor_->grow();
+    if (motor_) motor_->grow();
   }
   [[nodiscard]] MoveBoundsMemory memory() {
     return {.joints = joints_,
@@ -48,8 +42,8 @@ class WorkingMemory {
             .travel = travel_,
             .peaks = peaks_,
             .steps = steps_,
-            .motor_joints = motor_->joints(),
-            .motor = motor_->memory()};
+            .motor_joints = motor_ ? motor_->joints() : std::span<MotorJoint>(),
+            .motor = motor_ ? motor_->memory() : TrajectoryMemory{}};
   }
 
  private:
@@ -66,7 +60,7 @@ class WorkingMemory {
 BoundedMove::BoundedMove(const Move<double>& move, std::span<const Track<double>> tracks,
                          BoundRequest request)
     : peaks_(move.axis_count() + request.motors.size()), steps_(usual_steps), room_(std::move(request.room)) {
-  WorkingMemory memory(tracks);
+  WorkingMemory memory(tracks, !request.motors.empty());
   const std::size_t axes = move.axis_count();
   if (request.cells > 0) {
     room_.resize(peaks_.size());

@@ -61,7 +61,7 @@ Trajectory TrajectoryFitter::fit(const TrackSampler& sampler, const FitTolerance
   }
 }
 
-MotorRoom::MotorRoom(std::size_t pieces) : joints_(pieces + usual_passings) {
+MotorRoom::MotorRoom(std::size_t joints) : joints_(joints) {
   room_.reserve(joints_.size(), 1, 2 * joints_.size());
 }
 
@@ -71,11 +71,11 @@ void MotorRoom::grow() {
 }
 
 FittedMotor::FittedMotor(const MotorSource& source)
-    : room_(source.trajectory->pieces().size()),
+    : room_(source.trajectory->pieces().size() + usual_passings),
       trajectory_(fitted(room_, [&] { return fit_motor(source, room_.joints(), room_.memory()); })) {}
 
 FittedMotor::FittedMotor(const RollAxis<double>& roll, const Calibration<double>& calibration)
-    : room_(1),
+    : room_(usual_passings),
       trajectory_(
           fitted(room_, [&] { return fit_motor(roll, calibration, room_.joints(), room_.memory()); })) {}
 

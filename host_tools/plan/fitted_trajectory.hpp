@@ -84,8 +84,8 @@ class FittedTrajectory {
 /// Room for the trajectory of one motor at a time.
 class MotorRoom {
  public:
-  /// For an axis of so many pieces, of which few pass a mark.
-  explicit MotorRoom(std::size_t pieces);
+  /// For so many joints, and twice as many pieces.
+  explicit MotorRoom(std::size_t joints);
   /// Twice as much of everything.
   void grow();
   [[nodiscard]] std::span<MotorJoint> joints() { return joints_; }

@@ -1,5 +1,5 @@
 // The editor as a person has it: the program, a browser, a move of its own in a folder of its own.
-import { spawn, execFileSync } from "node:child_process";
+import { spawn, execFileSync, spawnSync } from "node:child_process";
 import { cpSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
@@ -60,12 +60,14 @@ export async function pick(page, locator) {
 export const key = (page, k) => page.locator("#plan .key .knob").nth(k);
 export const value = (page, i) => page.locator("#speed .value .knob").nth(i);
 
-/** Starts `inbetween edit` on a copy of the examples, with `text` in place of the move if it is given. */
-export async function edit(move, rig, { text, viewport = { width: 1280, height: 720 }, touch = false } = {}) {
+/** Starts `inbetween edit` on a copy of the examples, with `text` in place of the move if it is given, and
+ * `rigText` in place of the rig. */
+export async function edit(move, rig, { text, rigText, viewport = { width: 1280, height: 720 }, touch = false } = {}) {
   const folder = mkdtempSync(join(tmpdir(), "inbetween-editor-"));
   cpSync(join(root, "examples"), folder, { recursive: true });
   const path = join(folder, move);
   if (text !== undefined) writeFileSync(path, text);
+  if (rigText !== undefined) writeFileSync(join(folder, rig), rigText);
   const words = ["edit", path, "--no-browser", ...(rig ? ["--rig", join(folder, rig)] : [])];
   let running = null;
   let said = "";
@@ -103,6 +105,8 @@ export async function edit(move, rig, { text, viewport = { width: 1280, height: 
   await page.waitForSelector("#frames");
   const plan = () => JSON.parse(execFileSync(program, ["plan", path, ...(rig ? ["--rig", join(folder, rig)] : []), "--json", "-"],
     { stdio: ["ignore", "pipe", "ignore"] }));
+  // Its exit status is 3 where the move does not fit.
+  const check = () => JSON.parse(spawnSync(program, ["check", path, "--rig", join(folder, rig), "--json", "-"]).stdout);
   return {
     page, context, path, folder, address, complaints, launch,
     kill: () => stop("SIGKILL"),
@@ -110,6 +114,7 @@ export async function edit(move, rig, { text, viewport = { width: 1280, height: 
     said: () => said,
     read: () => readFileSync(path, "utf8"),
     plan,
+    check,
     shown: () => shown(page),
     planned: () => plan().tracks.map((track) => track.hash ?? track.provenance?.hash).join(" "),
     settled: () => settled(page),

@@ -335,6 +335,28 @@ test("elevation, space and the axes over time", async () => {
   await editor.end();
 });
 
+test("of axes and of motors behind a calibration the page says what check says, to the last bit", async () => {
+  const withMotor = (most) => readFileSync(example("camera_rig.toml"), "utf8").replace("max_jerk = 8000.0",
+    `max_jerk = 8000.0\ncalibration = { unit = "deg", marks = [[0, 0], [600, 200], [1200, 500], [1800, 700]], max_velocity = ${most}, max_acceleration = 2000, max_jerk = 20000 }`);
+  for (const [most, verdict] of [[300, /within the limits/], [100, /✗ the motor of slide: velocity/]]) {
+    const editor = await edit("reveal.toml", "camera_rig.toml", { rigText: withMotor(most) });
+    const page = await editor.page.evaluate(() => window.inbetween.store.solution.certificate);
+    const program = editor.check();
+    assert.equal(program.motors.length, 1);
+    for (const [d, moved] of [...program.axes, ...program.motors].entries()) {
+      for (const quantity of ["velocity", "acceleration", "jerk"])
+        assert.equal(page.peaks[d][quantity].value, moved[quantity].peak, `${moved.name ?? "motor"}: ${quantity}`);
+    }
+    assert.equal(page.highestRate, program.highest_rate);
+    assert.equal(page.longestStop, program.stop.longest_s);
+    assert.equal(page.fits, program.fits);
+    assert.match(await editor.page.locator("#verdict").textContent(), verdict);
+    await editor.picture(`motor-${most}`);
+    assert.deepEqual(editor.complaints, []);
+    await editor.end();
+  }
+});
+
 test("a rig with joints is shown as it stands, and its tip is where the command line has it", async () => {
   const editor = await edit("crane/over_the_table.toml", "crane/rig.toml");
   const { page } = editor;

@@ -79,11 +79,13 @@ function rigOf(text: string): { rig: Move["rig"]; axes: Map<string, Axis> } {
   for (const table of (file.axis ?? []) as Table[]) {
     const axis = new Members(table, `axis ${String(table.name)}`, null);
     if (table.wrap !== undefined) throw new Error(`${axis.name}: it counts round, which the page alone does not know; open the file with inbetween edit`);
+    for (const name of ["calibration", "backlash"])
+      if (table[name] !== undefined) throw new Error(`${axis.name}: it has a ${name}, which the page alone cannot judge; open the file with inbetween edit, or leave the rig out`);
     axes.set(axis.text("name") ?? "", { name: axis.text("name") ?? "", unit: axis.text("unit") ?? "", limits: {
       min: axis.needed("min"), max: axis.needed("max"), max_velocity: axis.needed("max_velocity"), max_acceleration: axis.needed("max_acceleration"),
       max_jerk: axis.number("max_jerk"), max_acceleration_step: axis.number("max_acceleration_step"),
       stop_acceleration: axis.number("stop_acceleration"), stop_jerk: axis.number("stop_jerk"),
-    } });
+    }, motor: null });
   }
   return { rig: { name: String(file.name ?? "rig"), rate_hz: Number(file.rate_hz ?? 250) }, axes };
 }
@@ -98,7 +100,7 @@ export function moveOf(file: string, text: string, rigText: string | null): Move
   const axes = tracks.flatMap((track) => track.axes).map((name): Axis => {
     const axis = known?.get(name);
     if (known && !axis) throw new Error(`${file}: the rig has no axis ${name}`);
-    return axis ?? { name, unit: "", limits: null };
+    return axis ?? { name, unit: "", limits: null, motor: null };
   });
   let first = 0;
   const withUnits = tracks.map((track): Track => {

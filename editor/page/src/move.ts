@@ -54,10 +54,18 @@ export interface Limits {
   readonly stop_jerk: number | null;
 }
 
+/** What turns an axis through a calibration. */
+export interface Motor {
+  readonly unit: string;
+  readonly marks: readonly number[]; // the place of the axis and that of the motor, mark by mark
+  readonly limits: Limits;
+}
+
 export interface Axis {
   readonly name: string;
   readonly unit: string;
   readonly limits: Limits | null;
+  readonly motor: Motor | null;
 }
 
 export interface FrameRate {

@@ -1,5 +1,5 @@
 // The core, as WebAssembly. editor/solver/abi.cpp is the other side and says what each function reads and writes.
-import { perSecond, type Move, type Rig, type Track } from "./move";
+import { perSecond, type Limits, type Move, type Rig, type Track } from "./move";
 
 interface Abi {
   memory: WebAssembly.Memory;
@@ -167,7 +167,7 @@ export class Solver {
   private view(): { numbers: Float64Array; integers: Int32Array } {
     return {
       numbers: new Float64Array(this.abi.memory.buffer, this.numbers, 1 << 19),
-      integers: new Int32Array(this.abi.memory.buffer, this.integers, 1 << 16),
+      integers: new Int32Array(this.abi.memory.buffer, this.integers, 1 << 17),
     };
   }
   private out(count: number): Float64Array {
@@ -221,17 +221,23 @@ export class Solver {
 
   private assemble(move: Move): void {
     const { numbers, integers } = this.view();
-    const limits = move.rig ? move.axes : [];
-    integers[0] = move.tracks.length;
-    integers[1] = limits.length;
-    numbers[0] = move.rig ? 1 / move.rig.rate_hz : 1;
-    let n = 1;
-    for (const axis of limits) {
-      const l = axis.limits!;
+    const axes = move.rig ? move.axes : [];
+    const moved = movedOf(move);
+    const motors = moved.slice(axes.length);
+    integers.set([move.tracks.length, axes.length, motors.length, move.rig ? move.rig.rate_hz : 1]);
+    let i = 4;
+    let n = 0;
+    for (const { limits: l } of moved) {
       for (const value of [l.min, l.max, l.max_velocity, l.max_acceleration, l.max_jerk, l.max_acceleration_step,
         l.stop_acceleration, l.stop_jerk]) {
         numbers[n++] = value ?? Number.NaN;
       }
+    }
+    for (const { axis, marks } of motors) {
+      integers[i++] = axis;
+      integers[i++] = marks.length / 2;
+      numbers.set(marks, n);
+      n += marks.length;
     }
     if (!this.abi.ib_assemble()) this.fail(-1);
   }
@@ -270,11 +276,12 @@ export class Solver {
     const { numbers, integers } = this.view();
     const axes = integers[2];
     if (axes === 0) return null;
-    const [cells, stepCount, , stops, roll, stopAxis, stopQuantity, rollAxis, rollQuantity] = integers.slice(3, 12);
-    let i = 12;
+    const moved = movedOf(move);
+    const [cells, stepCount, , stops, roll, stopAxis, stopQuantity, rollAxis, rollQuantity] = integers.slice(4, 13);
+    let i = 13;
     let n = 10;
     const peak = (): Peak => ({ value: numbers[n++], frame: numbers[n++] });
-    const peaks = Array.from({ length: axes }, () => ({
+    const peaks = Array.from({ length: moved.length }, () => ({
       lowest: peak(), highest: peak(), velocity: peak(), acceleration: peak(), jerk: peak(),
     }));
     const ceilings = move.tracks.map(() =>
@@ -284,13 +291,13 @@ export class Solver {
       frame: numbers[n++], velocity: numbers[n++], acceleration: numbers[n++],
     }));
     const found = { firstFrame: integers[0], lastFrame: integers[1], highestRate: numbers[0], peaks, ceilings, steps };
-    let reason = whyNot(move, peaks, steps);
+    let reason = whyNot(moved, peaks, steps);
     if (!reason && roll) {
       const names = ["position", "velocity", "acceleration", "jerk"];
       reason = `no roll keeps the ${names[rollQuantity]} of ${move.axes[rollAxis].name}`;
     }
     if (!reason && !stops) {
-      reason = `no stop keeps the ${stopQuantity ? "jerk" : "acceleration"} of ${move.axes[stopAxis].name} near frame ${numbers[4].toFixed(0)}`;
+      reason = `no stop keeps the ${stopQuantity ? "jerk" : "acceleration"} of ${moved[stopAxis].name} near frame ${numbers[4].toFixed(0)}`;
     }
     return { ...found, fits: reason === "", reason, longestStop: stops ? numbers[1] : null };
   }
@@ -311,15 +318,33 @@ export class Solver {
   }
 }
 
+interface Moved {
+  readonly name: string;
+  readonly unit: string;
+  readonly limits: Limits;
+  readonly axis: number; // that a motor follows; otherwise this one
+  readonly marks: readonly number[]; // of a motor
+}
+
+/** All that has limits: every axis, and behind them the motor of every axis with a calibration. */
+export function movedOf(move: Move): Moved[] {
+  if (!move.rig) return [];
+  const axes = move.axes.map((axis, a): Moved => ({ name: axis.name, unit: axis.unit, limits: axis.limits!, axis: a, marks: [] }));
+  const motors = move.axes.flatMap(({ name, motor }, a): Moved[] =>
+    motor ? [{ name: `the motor of ${name}`, unit: motor.unit, limits: motor.limits, axis: a, marks: motor.marks }] : []);
+  return [...axes, ...motors];
+}
+
 /** The first limit that the proven peaks exceed, in words; empty where all hold. */
-function whyNot(move: Move, peaks: Certificate["peaks"], steps: Certificate["steps"]): string {
-  for (const [a, axis] of move.axes.entries()) {
-    const l = axis.limits!;
+function whyNot(moved: readonly Moved[], peaks: Certificate["peaks"], steps: Certificate["steps"]): string {
+  for (const [a, axis] of moved.entries()) {
+    const l = axis.limits;
+    const isMotor = axis.marks.length > 0; // whose range is that of its axis
     const p = peaks[a];
     const over = (name: string, value: number, limit: number, unit: string, frame: number): string =>
       `${axis.name}: ${name} ${Number(value.toPrecision(3))} ${unit} at frame ${frame.toFixed(0)}, and ${limit} is allowed`;
-    if (p.lowest.value < l.min) return over("position", p.lowest.value, l.min, axis.unit, p.lowest.frame);
-    if (p.highest.value > l.max) return over("position", p.highest.value, l.max, axis.unit, p.highest.frame);
+    if (!isMotor && p.lowest.value < l.min) return over("position", p.lowest.value, l.min, axis.unit, p.lowest.frame);
+    if (!isMotor && p.highest.value > l.max) return over("position", p.highest.value, l.max, axis.unit, p.highest.frame);
     if (!(p.velocity.value <= l.max_velocity))
       return over("velocity", p.velocity.value, l.max_velocity, `${axis.unit}/s`, p.velocity.frame);
     if (!(p.acceleration.value <= l.max_acceleration))

@@ -2,7 +2,7 @@
 import { attributes, follow, say, svg, ticks } from "./dom";
 import { insertValue, removeValues, setValues } from "./edits";
 import { fixedSpeed, max_control_value } from "./move";
-import { quantities } from "./solver";
+import { movedOf, quantities } from "./solver";
 import type { Store } from "./store";
 import { type Size, Strokes, watchSize } from "./strokes";
 
@@ -121,7 +121,7 @@ export class SpeedView {
     attributes(this.red, { d: over });
     const shown = worst.axis >= 0;
     attributes(this.overText, { x: Math.min(Math.max(this.x(worst.share), 150), this.size.width - 150), y: margin.top + 12 });
-    const words = shown ? `${this.store.move.axes[worst.axis].name}: ${quantities[worst.quantity]} ${percentOver(worst)} % too high` : "";
+    const words = shown ? `${movedOf(this.store.move)[worst.axis].name}: ${quantities[worst.quantity]} ${percentOver(worst)} % too high` : "";
     if (this.overText.textContent !== words) this.overText.textContent = words;
   }
 

@@ -154,6 +154,15 @@ StopBounds<Real>::StopBounds(const StopRequest<Real>& request, std::span<StopCel
 }
 
 /// Velocity matters where it takes a share of the acceleration at the largest rate change.
+std::size_t stop_cells(const Move<double>& move, std::int32_t rate_hz, double rate) {
+  constexpr std::int64_t min_stop_cells = 64;
+  const std::int32_t frames = move.last_frame() - move.first_frame();
+  const std::int64_t ticks = last_tick(frames, move.frame_rate(), rate_hz);
+  const auto longest = static_cast<std::int64_t>(static_cast<double>(ticks) / (2 * std::max(rate, 1.0)));
+  const std::int64_t wanted = std::clamp<std::int64_t>(frames, min_stop_cells, max_stop_cells);
+  return static_cast<std::size_t>(std::max<std::int64_t>(std::min(wanted, longest), 1));
+}
+
 template <Precise Real>
 void write_room(std::span<const AxisLimits<Real>> limits, Real rate, Real tick_seconds,
                 std::span<MotionTriple> out) {

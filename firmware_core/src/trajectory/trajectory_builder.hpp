@@ -81,7 +81,7 @@ class TrajectoryBuilder {
                              .unbounded = memory_.unbounded.first(unbounded_),
                              .keeps_to_joints = sampler_.keeps_to_joints(),
                              .loosened = loosened_},
-                            memory_.buckets);
+                            memory_.buckets.first(std::min(memory_.buckets.size(), 2 * pieces_)));
   }
 
  private:

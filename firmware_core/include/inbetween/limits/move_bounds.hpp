@@ -42,6 +42,10 @@ struct MoveBounds {
 /// So many stretches from joint to joint are fitted at a time, if there is room: more need memory, and fewer
 /// fit the joints at their ends twice.
 inline constexpr std::size_t max_joints_at_a_time = 256;
+/// And whoever gives room for so many pieces of them, and for so many joints and twice the pieces of a motor,
+/// has the bits of whoever else does: where a stretch ends, the last bits of a bound may depend on it.
+inline constexpr std::size_t max_pieces_at_a_time = 8192;
+inline constexpr std::size_t max_motor_joints_at_a_time = max_pieces_at_a_time + 64;
 
 /// The memory that bound_move works in, owned by the caller. It is free again behind it.
 struct MoveBoundsMemory {
@@ -57,9 +61,9 @@ struct MoveBoundsMemory {
   TrajectoryMemory motor = {};
 };
 
-/// Both for tracks of up to `Axes` axes and `Joints` joints, a move of as many axes in all, without motors,
-/// in up to `Cells` cells. TrajectoryStorage says what Pieces and Breaks are: of a stretch, as long as there
-/// is room for.
+/// Both for tracks of up to `Axes` axes and `Joints` joints, a move of as many axes and motors in all, in up
+/// to `Cells` cells. Where there are motors the caller gives memory for them. TrajectoryStorage says what
+/// Pieces and Breaks are: of a stretch, as long as there is room for.
 template <std::size_t Axes, std::size_t Joints, std::size_t Pieces, std::size_t Breaks, std::size_t Cells,
           std::size_t Steps = 64, std::size_t TrackAxes = Axes>
 struct MoveBoundsStorage {
@@ -77,15 +81,16 @@ struct MoveBoundsStorage {
     return {joints, trajectory.memory(), travel, stretch_peaks, stretch_steps};
   }
   /// bound_move puts what it finds here. The caller writes `room` where there are cells (write_room).
-  [[nodiscard]] MoveBounds bounds(const Move<double>& move, std::size_t cells) {
-    const std::size_t axes = move.axis_count();
-    return {.peaks = std::span(peaks).first(axes),
+  [[nodiscard]] MoveBounds bounds(const Move<double>& move, std::size_t cells, std::size_t motors = 0) {
+    const std::size_t all = move.axis_count() + motors;
+    return {.peaks = std::span(peaks).first(all),
             .steps = steps,
             .cells = {.line = {move.first_frame(), move.last_frame(), cells},
                       .fps = move.frame_rate(),
-                      .axes = axes,
-                      .room = std::span(room).first(axes),
-                      .suprema = std::span(suprema).first(cells * axes)}};
+                      .axes = move.axis_count(),
+                      .motors = motors,
+                      .room = std::span(room).first(all),
+                      .suprema = std::span(suprema).first(cells * all)}};
   }
 };
 

@@ -11,6 +11,7 @@
 #include "inbetween/base/result.hpp"
 #include "inbetween/limits/limits.hpp"
 #include "inbetween/limits/motion_cells.hpp"
+#include "inbetween/limits/move.hpp"
 #include "inbetween/timing/frame_time.hpp"
 
 /// How hard the playhead may brake and speed up at every place of the time line, so that every axis stays
@@ -105,6 +106,11 @@ struct StopRequest {
   [[nodiscard]] Real max_rate_change() const { return caps().max_rate_change; }
   [[nodiscard]] Real max_rate_jerk() const { return caps().max_rate_jerk; }
 };
+
+/// How many cells the time line of a move is proven in for rates up to `rate` times the drawn speed: one for
+/// a frame, 64 to max_stop_cells, and none shorter than two ticks.
+inline constexpr std::int64_t max_stop_cells = 4096;
+std::size_t stop_cells(const Move<double>& move, std::int32_t rate_hz, double rate);
 
 /// How far above the truth the suprema of a cell may be and cost a stop no more than a thousandth: a share of
 /// what the limits leave. `out` has an entry for every limit.

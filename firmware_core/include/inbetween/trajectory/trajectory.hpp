@@ -48,7 +48,8 @@ inline constexpr std::size_t fit_numbers = 46;
 struct TrajectoryMemory {
   std::span<TrajectoryPiece> pieces;
   std::span<double> values;
-  std::span<std::uint32_t> buckets;  ///< any number >= 1; about as many as pieces make looking up quick
+  std::span<std::uint32_t> buckets;  ///< any number >= 1; about as many as pieces make looking up quick, and
+                                     ///< twice as many are used
   std::span<TrajectoryBreak> breaks;
   std::span<UnboundedSide> unbounded;
   std::span<AxisMotion<double>> samples;  ///< 3 for each axis, while it is made
