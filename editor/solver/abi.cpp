@@ -201,13 +201,12 @@ std::int32_t ib_at(std::int32_t index, double s) {
 }
 
 /// Integers: first frame, last frame (the rolls included), axes, motors (behind the axes wherever one is
-/// named), cells of the ceiling, steps, steps left out, whether stops are proven, whether a roll is in the
-/// way; the axis of the stop's obstacle, its quantity (0 acceleration, 1 jerk); the axis of the roll's, its
-/// quantity (0 position .. 3 jerk); then for each cell the axis and the quantity of its ceiling, and for each
-/// step track, key, axis. Numbers: the highest rate; seconds and frames of the longest stop and from which
-/// frame; frame of the stop's obstacle, its value and limit; the same of the roll's; for each axis and motor
-/// lowest, highest, velocity, acceleration and jerk, each a value and its frame; for each track and cell the
-/// rate at which it keeps the limits; for each step frame, velocity and acceleration.
+/// named), cells of the ceiling, steps, steps left out, whether stops are proven; of the first breach its
+/// kind (BreachKind counted from 1; 0: the move fits), its axis and its quantity; then for each cell the axis
+/// and the quantity of its ceiling, and for each step track, key, axis. Numbers: the highest rate; seconds
+/// and frames of the longest stop and from which frame; value, limit and frame of the breach; for each axis
+/// and motor lowest, highest, velocity, acceleration and jerk, each a value and its frame; for each track and
+/// cell the rate at which it keeps the limits; for each step frame, velocity and acceleration.
 std::int32_t ib_certificate() {
   if (!session.is_assembled()) return 0;
   const Certificate& found = session.certificate();
@@ -222,18 +221,16 @@ std::int32_t ib_certificate() {
   out.integer(static_cast<std::int32_t>(found.steps().size()));
   out.integer(static_cast<std::int32_t>(found.steps_left_out()));
   out.integer(found.stops() ? 1 : 0);
-  out.integer(found.roll_obstacle() ? 1 : 0);
-  const StopObstacle<double> stop = found.stop_obstacle().value_or(StopObstacle<double>{});
-  const RollBreach<double> roll = found.roll_obstacle().value_or(RollBreach<double>{});
-  out.integer(stop.axis);
-  out.integer(static_cast<std::int32_t>(stop.quantity));
-  out.integer(roll.axis);
-  out.integer(static_cast<std::int32_t>(roll.quantity));
+  const std::optional<Breach> first = found.first_breach();
+  const Breach breach = first.value_or(Breach{});
+  out.integer(first ? static_cast<std::int32_t>(breach.kind) + 1 : 0);
+  out.integer(breach.axis);
+  out.integer(breach.quantity);
   out.number(found.highest_rate());
   const LongestStop<double> longest =
       found.stops() ? found.stops()->longest_in_time() : LongestStop<double>{};
-  for (const double number : {longest.length.seconds, longest.length.frames, longest.from_frame, stop.frame,
-                              stop.value, stop.limit, roll.frame, roll.value, roll.limit}) {
+  for (const double number : {longest.length.seconds, longest.length.frames, longest.from_frame, breach.value,
+                              breach.limit, breach.frame}) {
     out.number(number);
   }
   for (const AxisPeaks<double>& axis : found.peaks()) {

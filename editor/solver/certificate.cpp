@@ -144,4 +144,52 @@ void Certificate::find_highest_rate() {
       steps ? 0 : inbetween::highest_rate<double>(std::span(played).first(peaks().size()), limits_);
 }
 
+std::optional<Breach> Certificate::first_breach() const {
+  for (std::size_t moved = 0; moved < peaks().size(); ++moved) {
+    if (const std::optional<Breach> found = breach_of(moved)) return found;
+  }
+  if (roll_obstacle_) {
+    const RollBreach<double>& roll = *roll_obstacle_;
+    return Breach{BreachKind::roll, roll.axis,  static_cast<std::int32_t>(roll.quantity),
+                  roll.value,       roll.limit, roll.frame};
+  }
+  if (stop_obstacle_) {
+    const StopObstacle<double>& stop = *stop_obstacle_;
+    return Breach{BreachKind::stop, stop.axis,  static_cast<std::int32_t>(stop.quantity),
+                  stop.value,       stop.limit, stop.frame};
+  }
+  return std::nullopt;
+}
+
+std::optional<Breach> Certificate::breach_of(std::size_t moved) const {
+  const AxisPeaks<double>& peak = peaks()[moved];
+  const AxisLimits<double>& limits = limits_[moved];
+  const auto breach = [&](BreachKind kind, double value, double limit, double frame) {
+    return Breach{kind, static_cast<std::int32_t>(moved), 0, value, limit, frame};
+  };
+  // The range of a motor is that of its axis.
+  if (const double rounding = position_rounding(limits.min(), limits.max()); moved < axes_) {
+    if (peak.lowest.value < limits.min() - rounding)
+      return breach(BreachKind::below_range, peak.lowest.value, limits.min(), peak.lowest.frame);
+    if (peak.highest.value > limits.max() + rounding)
+      return breach(BreachKind::above_range, peak.highest.value, limits.max(), peak.highest.frame);
+  }
+  constexpr double none = std::numeric_limits<double>::infinity();
+  const auto first = static_cast<std::uint8_t>(BreachKind::velocity);
+  const std::array<const Peak<double>*, 3> found{&peak.velocity, &peak.acceleration, &peak.jerk};
+  const std::array most{limits.max_velocity(), limits.max_acceleration(), limits.max_jerk().value_or(none)};
+  for (std::uint8_t q = 0; q < found.size(); ++q) {
+    if (!(found[q]->value <= most[q]))
+      return breach(static_cast<BreachKind>(first + q), found[q]->value, most[q], found[q]->frame);
+  }
+  for (const MoveStep& step : steps()) {
+    if (step.axis != moved) continue;
+    if (step.velocity > 0) return breach(BreachKind::velocity_step, step.velocity, 0, step.frame);
+    const double allowed = limits.max_jerk() ? limits.max_acceleration_step() : none;
+    if (step.acceleration > allowed)
+      return breach(BreachKind::acceleration_step, step.acceleration, allowed, step.frame);
+  }
+  return std::nullopt;
+}
+
 }  // namespace inbetween::editor

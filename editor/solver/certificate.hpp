@@ -31,6 +31,28 @@ struct CellCeiling {
   std::int32_t quantity = 0;  ///< 0 velocity, 1 acceleration, 2 jerk
 };
 
+/// What a move does not keep: in the order in which an axis is judged, then the rolls and the stops.
+enum class BreachKind : std::uint8_t {
+  below_range,
+  above_range,
+  velocity,
+  acceleration,
+  jerk,
+  velocity_step,
+  acceleration_step,
+  roll,
+  stop,
+};
+
+struct Breach {
+  BreachKind kind = BreachKind::below_range;
+  std::int32_t axis = -1;     ///< through all tracks, and behind them the motors
+  std::int32_t quantity = 0;  ///< of a roll RollQuantity, of a stop StopQuantity
+  double value = 0;
+  double limit = 0;
+  double frame = 0;
+};
+
 inline constexpr std::size_t max_steps = 4096;
 inline constexpr std::size_t max_trajectory_breaks = 512;
 /// Knots of the curve, passings of knots of the path, and standstills between them.
@@ -68,12 +90,14 @@ class Certificate {
   [[nodiscard]] std::size_t steps_left_out() const { return step_count_ - steps().size(); }
   /// Nothing where there is a place from which no stop keeps the stop limits; of its axis or motor.
   [[nodiscard]] const std::optional<StopBounds<double>>& stops() const { return stops_; }
-  [[nodiscard]] const std::optional<StopObstacle<double>>& stop_obstacle() const { return stop_obstacle_; }
   /// Of the pre-roll, or where there is none of the post-roll, if one is needed and none keeps the limits.
   [[nodiscard]] const std::optional<RollBreach<double>>& roll_obstacle() const { return roll_obstacle_; }
   [[nodiscard]] double highest_rate() const { return highest_rate_; }
+  /// The first thing that is not kept; nothing where the move fits, which is what `check` says of it too.
+  [[nodiscard]] std::optional<Breach> first_breach() const;
 
  private:
+  [[nodiscard]] std::optional<Breach> breach_of(std::size_t moved) const;
   Status make_rolls(MoveRolls<double>& rolls);
   Status bound();
   Status bound_stops(const MotionCells& motion);

@@ -55,7 +55,7 @@ class AxisRefusals {
     const Peak<double>& highest = axis_.range->highest;
     const double below = limits_.min - lowest.value;
     const double above = highest.value - limits_.max;
-    const double rounding = position_rounding(limits_);
+    const double rounding = position_rounding(limits_.min, limits_.max);
     if (below <= rounding && above <= rounding) return;
     const Peak<double>& worst = below > above ? lowest : highest;
     const double limit = below > above ? limits_.min : limits_.max;

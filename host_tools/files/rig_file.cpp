@@ -504,10 +504,6 @@ double stop_acceleration_of(const RigAxis& axis) {
   return axis.stop_acceleration.value_or(default_stop_ratio * axis.max_acceleration);
 }
 
-double position_rounding(const RigAxis& axis) {
-  return 1e-12 * std::max(std::fabs(axis.min), std::fabs(axis.max));
-}
-
 double rest_way_of(const RigAxis& axis) {
   constexpr double seconds = 0.05;
   constexpr double usual_steps_per_turn = 8'192;

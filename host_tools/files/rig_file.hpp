@@ -231,8 +231,6 @@ struct RigAxis {
 double rest_way_of(const RigAxis& axis);
 /// `stop_acceleration`, or else 1.5 * max_acceleration.
 double stop_acceleration_of(const RigAxis& axis);
-/// By how much a position may be beyond a limit and be at it: what is rounded on the way there.
-double position_rounding(const RigAxis& axis);
 /// How far an axis may be from a place and still be taken to be there: what it covers at max_velocity in half
 /// a millisecond, whatever its scale.
 double place_tolerance(const RigAxis& axis);

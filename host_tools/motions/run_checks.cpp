@@ -39,7 +39,7 @@ void refuse_positions_beyond_limits(const Plan& plan) {
       if (positions[d] >= plan.limits()[d].min() && positions[d] <= plan.limits()[d].max()) continue;
       const std::size_t a = plan.axis_of(d);
       const RigAxis& axis = plan.rig()->axes[a];
-      const double rounding = position_rounding(axis);
+      const double rounding = position_rounding(axis.min, axis.max);
       if (positions[d] >= axis.min - rounding && positions[d] <= axis.max + rounding) continue;
       const double limit = positions[d] < axis.min ? axis.min : axis.max;
       throw LimitError(

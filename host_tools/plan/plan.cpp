@@ -442,7 +442,7 @@ std::vector<Warning> Plan::keys_outside() const {
     const PlanAxis& planned = axes_[a];
     if (!planned.track || move_.tracks[*planned.track].space) continue;
     const RigAxis& axis = rig_->axes[a];
-    const double rounding = position_rounding(axis);
+    const double rounding = position_rounding(axis.min, axis.max);
     const std::vector<MoveKey>& keys = move_.tracks[*planned.track].keys;
     const auto key = std::ranges::find_if(keys, [&](const MoveKey& one) {
       const double at = one.at[planned.track_axis];

@@ -89,6 +89,7 @@ void compare(const editor::Certificate& page, const CheckReport& program, const 
     RC_ASSERT(step.velocity == program.steps[i].velocity);
     RC_ASSERT(step.acceleration == program.steps[i].acceleration);
   }
+  RC_ASSERT(page.first_breach().has_value() == !program.fits());
   RC_ASSERT(page.highest_rate() == program.highest_rate);
   RC_ASSERT(page.roll_obstacle().has_value() == !plan.roll_obstacles().empty());
   RC_ASSERT(page.stops().has_value() == program.stops.has_value());

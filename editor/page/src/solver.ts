@@ -277,9 +277,10 @@ export class Solver {
     const axes = integers[2];
     if (axes === 0) return null;
     const moved = movedOf(move);
-    const [cells, stepCount, , stops, roll, stopAxis, stopQuantity, rollAxis, rollQuantity] = integers.slice(4, 13);
-    let i = 13;
-    let n = 10;
+    const [cells, stepCount, , stops, kind, axis, quantity] = integers.slice(4, 11);
+    const [highestRate, longestStop, , , value, limit, frame] = numbers.slice(0, 7);
+    let i = 11;
+    let n = 7;
     const peak = (): Peak => ({ value: numbers[n++], frame: numbers[n++] });
     const peaks = Array.from({ length: moved.length }, () => ({
       lowest: peak(), highest: peak(), velocity: peak(), acceleration: peak(), jerk: peak(),
@@ -290,16 +291,12 @@ export class Solver {
       track: integers[i++], key: integers[i++], axis: integers[i++],
       frame: numbers[n++], velocity: numbers[n++], acceleration: numbers[n++],
     }));
-    const found = { firstFrame: integers[0], lastFrame: integers[1], highestRate: numbers[0], peaks, ceilings, steps };
-    let reason = whyNot(moved, peaks, steps);
-    if (!reason && roll) {
-      const names = ["position", "velocity", "acceleration", "jerk"];
-      reason = `no roll keeps the ${names[rollQuantity]} of ${move.axes[rollAxis].name}`;
-    }
-    if (!reason && !stops) {
-      reason = `no stop keeps the ${stopQuantity ? "jerk" : "acceleration"} of ${moved[stopAxis].name} near frame ${numbers[4].toFixed(0)}`;
-    }
-    return { ...found, fits: reason === "", reason, longestStop: stops ? numbers[1] : null };
+    return {
+      firstFrame: integers[0], lastFrame: integers[1], highestRate, peaks, ceilings, steps,
+      fits: kind === 0,
+      reason: kind === 0 ? "" : reasonOf(moved[axis], { kind, quantity, value, limit, frame }),
+      longestStop: stops ? longestStop : null,
+    };
   }
 
   private fail(track: number): never {
@@ -335,30 +332,28 @@ export function movedOf(move: Move): Moved[] {
   return [...axes, ...motors];
 }
 
-/** The first limit that the proven peaks exceed, in words; empty where all hold. */
-function whyNot(moved: readonly Moved[], peaks: Certificate["peaks"], steps: Certificate["steps"]): string {
-  for (const [a, axis] of moved.entries()) {
-    const l = axis.limits;
-    const isMotor = axis.marks.length > 0; // whose range is that of its axis
-    const p = peaks[a];
-    const over = (name: string, value: number, limit: number, unit: string, frame: number): string =>
-      `${axis.name}: ${name} ${Number(value.toPrecision(3))} ${unit} at frame ${frame.toFixed(0)}, and ${limit} is allowed`;
-    if (!isMotor && p.lowest.value < l.min) return over("position", p.lowest.value, l.min, axis.unit, p.lowest.frame);
-    if (!isMotor && p.highest.value > l.max) return over("position", p.highest.value, l.max, axis.unit, p.highest.frame);
-    if (!(p.velocity.value <= l.max_velocity))
-      return over("velocity", p.velocity.value, l.max_velocity, `${axis.unit}/s`, p.velocity.frame);
-    if (!(p.acceleration.value <= l.max_acceleration))
-      return over("acceleration", p.acceleration.value, l.max_acceleration, `${axis.unit}/s²`, p.acceleration.frame);
-    if (l.max_jerk !== null && !(p.jerk.value <= l.max_jerk))
-      return over("jerk", p.jerk.value, l.max_jerk, `${axis.unit}/s³`, p.jerk.frame);
-    for (const step of steps) {
-      if (step.axis !== a) continue;
-      if (step.velocity > 0) return `${axis.name}: the velocity jumps at frame ${step.frame.toFixed(0)}`;
-      if (l.max_jerk !== null && step.acceleration > (l.max_acceleration_step ?? 0))
-        return `${axis.name}: the acceleration jumps at frame ${step.frame.toFixed(0)}`;
-    }
+interface Breach {
+  readonly kind: number; // BreachKind of the solver, counted from 1
+  readonly quantity: number;
+  readonly value: number;
+  readonly limit: number;
+  readonly frame: number;
+}
+
+/** What is not kept, in words. */
+function reasonOf({ name, unit }: Moved, { kind, quantity, value, limit, frame }: Breach): string {
+  const at = frame.toFixed(0);
+  const limits = ["position", "position", "velocity", "acceleration", "jerk"];
+  if (kind <= limits.length) {
+    const per = ["", "", "/s", "/s²", "/s³"][kind - 1];
+    return `${name}: ${limits[kind - 1]} ${Number(value.toPrecision(3))} ${unit}${per} at frame ${at}, and ${limit} is allowed`;
   }
-  return "";
+  return [
+    `${name}: the velocity jumps at frame ${at}`,
+    `${name}: the acceleration jumps at frame ${at}`,
+    `no roll keeps the ${["position", ...quantities][quantity]} of ${name}`,
+    `no stop keeps the ${quantity ? "jerk" : "acceleration"} of ${name} near frame ${at}`,
+  ][kind - limits.length - 1];
 }
 
 export const isError = (result: Solution | SolverError): result is SolverError => "what" in result;

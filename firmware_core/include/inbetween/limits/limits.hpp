@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <optional>
 
 #include "inbetween/base/precision.hpp"
@@ -52,6 +53,11 @@ class AxisLimits {
 
   AxisLimitsSpec<Real> limits_;  ///< stop_acceleration is there; stop_jerk, if max_jerk is
 };
+
+/// A position that is beyond its range by no more than this is on its end: the rest is rounding.
+constexpr double position_rounding(double min, double max) {
+  return 1e-12 * std::max({min, -min, max, -max});
+}
 
 extern template class AxisLimits<double>;
 extern template class AxisLimits<float>;
