@@ -175,12 +175,11 @@ std::optional<Breach> Certificate::breach_of(std::size_t moved) const {
       return breach(BreachKind::above_range, peak.highest.value, limits.max(), peak.highest.frame);
   }
   constexpr double none = std::numeric_limits<double>::infinity();
-  const auto first = static_cast<std::uint8_t>(BreachKind::velocity);
+  constexpr std::array kinds{BreachKind::velocity, BreachKind::acceleration, BreachKind::jerk};
   const std::array<const Peak<double>*, 3> found{&peak.velocity, &peak.acceleration, &peak.jerk};
   const std::array most{limits.max_velocity(), limits.max_acceleration(), limits.max_jerk().value_or(none)};
-  for (std::uint8_t q = 0; q < found.size(); ++q) {
-    if (!(found[q]->value <= most[q]))
-      return breach(static_cast<BreachKind>(first + q), found[q]->value, most[q], found[q]->frame);
+  for (std::size_t q = 0; q < found.size(); ++q) {
+    if (!(found[q]->value <= most[q])) return breach(kinds[q], found[q]->value, most[q], found[q]->frame);
   }
   for (const MoveStep& step : steps()) {
     if (step.axis != moved) continue;
