@@ -295,6 +295,22 @@ TEST(MoveBounds, TooLittleMemorySaysHowMuchIsNeeded) {
   EXPECT_EQ(code(small, bounds), ErrorCode::capacity);
 }
 
+TEST(MoveBounds, AMotorOfAnAxisThatTheMoveDoesNotHaveIsAnError) {
+  const std::vector<double> keys{0, 0, 10, 50, 20, 10, 0, 0};
+  const auto solution = solved({.axis_count = 2, .keys = keys}, {10, 10}, 48);
+  const Move<double> move = Move<double>::make({&solution.track(), 1}, {}).value();
+  std::array<CalibrationPiece<double>, 3> pieces;
+  const std::array<CalibrationMark<double>, 2> marks{{{0, 0}, {100, 10}}};
+  const auto curve = Calibration<double>::make(marks, pieces);
+  ASSERT_TRUE(curve);
+  const CalibratedMotor motor{.axis = 2, .calibration = &*curve};
+  MoveBoundsStorage<3, 20, 200, 20, 4, 64, 2> storage;
+  MoveBounds bounds = storage.bounds(move, 4, 1);
+  const Status status = bound_move(move, {&solution.track(), 1}, {}, {&motor, 1}, storage.memory(), bounds);
+  ASSERT_FALSE(status);
+  EXPECT_EQ(status.error().code, ErrorCode::out_of_range);
+}
+
 TEST(MoveBounds, AStretchThatHasNoRoomIsFittedInShorterOnesWithTheSameBounds) {
   const std::vector<double> keys{0, 0, 100, 20, 180, -40, 300, 0, 200, 50, 20, 10};
   const auto solution = solved({.axis_count = 2, .keys = keys}, {0, 0, 10, 10, 4, 10, 0, 0}, 120);

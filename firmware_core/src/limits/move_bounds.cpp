@@ -191,6 +191,12 @@ Status check(const Move<double>& move, std::span<const Track<double>> tracks,
                  .remedy = "give those that it was made of",
                  .needed = static_cast<std::int64_t>(axes)};
   }
+  for (const CalibratedMotor& motor : motors) {
+    if (motor.axis < axes) continue;
+    return Error{.code = ErrorCode::out_of_range,
+                 .what = "a motor follows an axis that the move does not have",
+                 .remedy = "count the axes through the tracks, from 0"};
+  }
   const MotionCells& cells = out.cells;
   const bool has_cells = cells.line.cells > 0;
   const bool is_complete = (limits.empty() || limits.size() >= axes) &&

@@ -56,7 +56,8 @@ struct MoveBoundsMemory {
   std::span<double> travel;            ///< axes of the track that has most
   std::span<AxisPeaks<double>> peaks;  ///< the same
   std::span<TrajectoryStep> steps;     ///< the same
-  /// Of motors, one at a time: for as many joints and pieces as those of its axis and its passings of marks.
+  /// Motors are fitted in here, one after the other: a motor has the joints and pieces of its axis, and those
+  /// that its passings of marks make.
   std::span<MotorJoint> motor_joints = {};
   TrajectoryMemory motor = {};
 };
@@ -99,8 +100,8 @@ struct MoveBoundsStorage {
 /// 0.5 % of the peak are room as well). Motors are bounded as axes are, by what they play (fit_motor).
 /// `limits`, one for every axis or none, say what a step is compared with, beside the peak.
 ///
-/// Errors: wrong_count (tracks, limits, peaks, cells), capacity (memory), those of fit_trajectory. No
-/// allocation. Cost: the fit, and O((pieces + cells) * axes).
+/// Errors: wrong_count (tracks, limits, peaks, cells), out_of_range (a motor of no axis), capacity (memory),
+/// those of fit_trajectory. No allocation. Cost: the fit, and O((pieces + cells) * axes).
 Status bound_move(const Move<double>& move, std::span<const Track<double>> tracks,
                   std::span<const AxisLimits<double>> limits, std::span<const CalibratedMotor> motors,
                   const MoveBoundsMemory& memory, MoveBounds& out);
