@@ -11,7 +11,6 @@ Status Certificate::make(std::span<const Track<double>> tracks, std::span<const 
   limits_ = limits;
   motors_ = motors;
   rate_hz_ = rate_hz;
-  tick_seconds_ = 1.0 / rate_hz;
   axes_ = 0;
   for (const Track<double>& track : tracks) axes_ += static_cast<std::size_t>(track.path().axis_count());
   cells_ = step_count_ = 0;
@@ -78,7 +77,7 @@ Status Certificate::make_rolls(MoveRolls<double>& rolls) {
 
 Status Certificate::bound() {
   cells_ = stop_cells(*move_, rate_hz_, 1);
-  write_room<double>(limits_, 1, tick_seconds_, storage_.room);
+  write_room<double>(limits_, 1, tick_seconds(), storage_.room);
   MoveBounds bounds = storage_.bounds(*move_, cells_, motors_.size());
   MoveBoundsMemory memory = storage_.memory();
   memory.motor_joints = motor_joints_;
@@ -91,7 +90,7 @@ Status Certificate::bound() {
 }
 
 Status Certificate::bound_stops(const MotionCells& motion) {
-  const StopRequest<double> request{.motion = motion, .limits = limits_, .tick_seconds = tick_seconds_};
+  const StopRequest<double> request{.motion = motion, .limits = limits_, .tick_seconds = tick_seconds()};
   const auto bounds =
       StopBounds<double>::make(request, std::span(stop_cells_).first(cells_ + 1), {}, &stop_obstacle_);
   if (bounds) {

@@ -18,7 +18,7 @@
 namespace inbetween::editor {
 
 inline constexpr std::size_t max_move_axes = 64;  ///< of all tracks
-/// Of axes and of motors behind a calibration, of which an axis has one at most.
+/// So many axes and motors there are together: an axis has one motor behind a calibration at most.
 inline constexpr std::size_t max_moved = 2 * max_move_axes;
 inline constexpr std::size_t max_cells = max_stop_cells;
 
@@ -31,7 +31,7 @@ struct CellCeiling {
   std::int32_t quantity = 0;  ///< 0 velocity, 1 acceleration, 2 jerk
 };
 
-/// What a move does not keep: in the order in which an axis is judged, then the rolls and the stops.
+/// It names what a move does not keep. An axis is judged in this order, then come the rolls and the stops.
 enum class BreachKind : std::uint8_t {
   below_range,
   above_range,
@@ -88,7 +88,7 @@ class Certificate {
   }
   /// Steps that max_steps left out.
   [[nodiscard]] std::size_t steps_left_out() const { return step_count_ - steps().size(); }
-  /// Nothing where there is a place from which no stop keeps the stop limits; of its axis or motor.
+  /// There are none where a place has no stop that keeps the stop limits of every axis and motor.
   [[nodiscard]] const std::optional<StopBounds<double>>& stops() const { return stops_; }
   /// Of the pre-roll, or where there is none of the post-roll, if one is needed and none keeps the limits.
   [[nodiscard]] const std::optional<RollBreach<double>>& roll_obstacle() const { return roll_obstacle_; }
@@ -105,11 +105,11 @@ class Certificate {
   void find_ceiling(const MotionCells& motion);
   void lower(CellCeiling& ceiling, const MotionTriple& suprema, std::size_t axis) const;
   void find_highest_rate();
+  [[nodiscard]] double tick_seconds() const { return 1.0 / rate_hz_; }
 
   std::span<const Track<double>> tracks_;
   std::span<const AxisLimits<double>> limits_;
   std::span<const CalibratedMotor> motors_;
-  double tick_seconds_ = 0;
   std::int32_t rate_hz_ = 0;
   std::size_t axes_ = 0;
   std::size_t cells_ = 0;

@@ -7,7 +7,6 @@
 
 #include "host_tools/check/check_refusals.hpp"
 #include "host_tools/check/planned_stops.hpp"
-#include "host_tools/files/rig_motors.hpp"
 
 namespace inbetween {
 namespace {
@@ -109,8 +108,8 @@ void find_highest_rate(const Plan& plan, CheckReport& report) {
                                 .velocity = peak(motor.velocity),
                                 .acceleration = peak(motor.acceleration),
                                 .jerk = peak(motor.jerk)}});
-    limits.push_back(limits_beside_take_up(plan.rig()->axes[motor.axis]));
   }
+  for (const AxisLimits<double>& motor : motor_limits(plan)) limits.push_back(motor);
   report.highest_rate_between_steps = highest_rate<double>(played, limits);
   for (std::size_t d = 0; d < plan.limits().size(); ++d) {
     for (const CheckedStep& step : report.steps) {

@@ -12,11 +12,14 @@ constexpr std::size_t usual_pieces = 8;
 /// Joints of a motor beside the pieces of its axis at first: most marks are passed a few times.
 constexpr std::size_t usual_passings = 64;
 
-Trajectory fitted(MotorRoom& room, const auto& fit) {
+/// The room grows until the fit has enough of it. What a fit needed when it gave up is not yet all: a room
+/// grows to twice as much, so that few tries are made.
+Trajectory fitted(auto& room, std::size_t axes, const auto& fit) {
   while (true) {
     const Result<Trajectory> result = fit();
     if (result) return *result;
-    if (result.error().code != ErrorCode::capacity) throw SolverError(result.error());
+    const bool may_grow = result.error().code == ErrorCode::capacity && axes <= max_trajectory_axes;
+    if (!may_grow) throw SolverError(result.error());
     room.grow();
   }
 }
@@ -50,15 +53,8 @@ TrajectoryMemory TrajectoryRoom::memory() {
 Trajectory TrajectoryFitter::fit(const TrackSampler& sampler, const FitTolerances& tolerances) {
   const std::size_t joints = sampler.joints().size();
   room_.reserve(joints, sampler.axis_count(), usual_pieces * joints);
-  while (true) {
-    const Result<Trajectory> fitted = fit_trajectory(sampler, tolerances, room_.memory());
-    if (fitted) return *fitted;
-    // What it needed when it gave up is not yet all: twice as much, so that few tries are made.
-    const bool may_grow =
-        fitted.error().code == ErrorCode::capacity && sampler.axis_count() <= max_trajectory_axes;
-    if (!may_grow) throw SolverError(fitted.error());
-    room_.grow();
-  }
+  return fitted(room_, sampler.axis_count(),
+                [&] { return fit_trajectory(sampler, tolerances, room_.memory()); });
 }
 
 MotorRoom::MotorRoom(std::size_t joints) : joints_(joints) {
@@ -72,12 +68,12 @@ void MotorRoom::grow() {
 
 FittedMotor::FittedMotor(const MotorSource& source)
     : room_(source.trajectory->pieces().size() + usual_passings),
-      trajectory_(fitted(room_, [&] { return fit_motor(source, room_.joints(), room_.memory()); })) {}
+      trajectory_(fitted(room_, 1, [&] { return fit_motor(source, room_.joints(), room_.memory()); })) {}
 
 FittedMotor::FittedMotor(const RollAxis<double>& roll, const Calibration<double>& calibration)
     : room_(usual_passings),
       trajectory_(
-          fitted(room_, [&] { return fit_motor(roll, calibration, room_.joints(), room_.memory()); })) {}
+          fitted(room_, 1, [&] { return fit_motor(roll, calibration, room_.joints(), room_.memory()); })) {}
 
 SampledTrack::SampledTrack(const Track<double>& track)
     : joints_(max_joints(track)), sampler_(value_or_throw(TrackSampler::make(track, joints_))) {}

@@ -113,11 +113,11 @@ Result<Calibration<Real>> Calibration<Real>::make(std::span<const CalibrationMar
 }
 
 template <Precise Real>
-const CalibrationPiece<Real>& Calibration<Real>::piece_at(Real axis) const {
+std::size_t Calibration<Real>::piece_index(Real axis) const {
   const auto behind =
       std::upper_bound(pieces_.begin() + 1, pieces_.end(), axis,
                        [](Real place, const CalibrationPiece<Real>& piece) { return place < piece.from; });
-  return *(behind - 1);
+  return static_cast<std::size_t>(behind - pieces_.begin()) - 1;
 }
 
 template <Precise Real>

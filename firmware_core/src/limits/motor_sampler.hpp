@@ -25,7 +25,7 @@ class MotorSampler {
   [[nodiscard]] static std::size_t axis_count() { return 1; }
   [[nodiscard]] FrameRate frame_rate() const { return axes_->frame_rate(); }
   [[nodiscard]] std::span<const MotorJoint> joints() const { return joints_; }
-  /// No path is drawn for it: its tolerance is that of an axis beside one.
+  /// Nobody draws a path for a motor, so its tolerance is that of an axis beside a path.
   [[nodiscard]] static double weight(std::size_t) { return 0; }
   [[nodiscard]] static double length() { return 0; }
   [[nodiscard]] static bool is_cubic() { return false; }
@@ -41,7 +41,7 @@ class MotorSampler {
   SampledSpeed sample(const FrameTime<double>& time, std::span<AxisMotion<double>> out) const {
     const AxisMotion<double> axis = axes_->motion_of(axis_, time);
     const CalibrationSlope<double> slope = calibration_->slope_at(axis.position);
-    out[0] = motor_of(axis, calibration_->motor_at(axis.position), slope, slope.third);
+    out[0] = motor_of(axis, calibration_->motor_at(axis.position), slope);
     return known_of(out[0], slope.first * axis.position);
   }
   SampledSpeed arriving(const MotorJoint& joint, std::span<AxisMotion<double>> out) const {
@@ -59,13 +59,11 @@ class MotorSampler {
   }
 
  private:
-  /// T p, T' v, T'' v^2 + T' a, T''' v^3 + 3 T'' v a + T' j.
   static AxisMotion<double> motor_of(const AxisMotion<double>& axis, double position,
-                                     const CalibrationSlope<double>& slope, double third) {
-    const double v = axis.velocity;
-    const double a = axis.acceleration;
-    return {position, slope.first * v, slope.second * v * v + slope.first * a,
-            third * v * v * v + 3 * slope.second * v * a + slope.first * axis.jerk};
+                                     const CalibrationSlope<double>& slope) {
+    const auto [velocity, acceleration, jerk] =
+        motor_motion<double>(slope, {axis.velocity, axis.acceleration, axis.jerk});
+    return {position, velocity, acceleration, jerk};
   }
   /// An axis far from 0 is known within its rounding, and so is its motor where the curve is as steep as
   /// this: `place` is its slope times the position.
@@ -80,8 +78,9 @@ class MotorSampler {
     const std::span<const CalibrationPiece<double>> pieces = calibration_->pieces();
     const CalibrationPiece<double>& piece = pieces[joint.curve_before];
     const double t = axis.position - piece.from;
-    const CalibrationSlope<double> slope{piece.cubic.derivative(t), piece.cubic.second(t), 0};
-    out = motor_of(axis, piece.cubic.value(t), slope, pieces[curve].cubic.third());
+    const CalibrationSlope<double> slope{piece.cubic.derivative(t), piece.cubic.second(t),
+                                         pieces[curve].cubic.third()};
+    out = motor_of(axis, piece.cubic.value(t), slope);
     return known_of(out, slope.first * axis.position);
   }
   [[nodiscard]] AxisMotion<double> axis_at(const MotorJoint& joint, std::uint32_t piece, bool is_end) const {

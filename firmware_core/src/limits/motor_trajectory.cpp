@@ -14,8 +14,8 @@
 namespace inbetween {
 namespace {
 
-/// Where an axis turns at a mark, it passes it twice within less than this share of a piece: what the third
-/// derivative of the curve makes of so short a time is nothing.
+/// An axis that turns beside a mark passes it twice. So many halvings of a piece find both places; in less
+/// time than that the third derivative of the curve makes no difference.
 constexpr int max_halvings = 12;
 constexpr int max_evaluations = 100;
 
@@ -26,7 +26,7 @@ Error no_joints(std::size_t needed) {
           .needed = static_cast<std::int64_t>(needed)};
 }
 
-/// By de Casteljau; u counts from the begin of the whole piece.
+/// It evaluates by de Casteljau's scheme; u counts from the begin of the whole piece.
 double value_at(const Bernstein& polynomial, double u) {
   std::array<double, 8> c = polynomial.c;
   const double t = (u - polynomial.begin) / (polynomial.end - polynomial.begin);
@@ -47,7 +47,7 @@ int direction_of(const Bernstein& polynomial) {
 class JointWriter {
  public:
   JointWriter(const MotorSource& source, std::span<MotorJoint> out)
-      : axes_(*source.trajectory), axis_(source.axis), curve_(source.calibration->pieces()), out_(out) {}
+      : axes_(*source.trajectory), axis_(source.axis), calibration_(*source.calibration), out_(out) {}
 
   Result<std::span<const MotorJoint>> write() {
     const std::span<const TrajectoryPiece> pieces = axes_.pieces();
@@ -72,12 +72,9 @@ class JointWriter {
   /// The places inside a piece at which the axis passes a mark: it is halved until it goes one way.
   void find_passings(std::uint32_t index) {
     const TrajectoryPiece& piece = axes_.pieces()[index];
-    Bernstein whole = position_of(axes_, piece, axis_);
-    const double begin = axes_.values()[piece.begin_row + axis_];
-    for (std::size_t i = 0; i <= whole.degree; ++i) whole.c[i] += begin;
     std::array<Bernstein, max_halvings + 1> stack;
     std::size_t count = 0;
-    stack[count++] = whole;
+    stack[count++] = position_of(axes_, piece, axis_).shifted(axes_.values()[piece.begin_row + axis_]);
     while (count > 0) {
       Bernstein& top = stack[count - 1];
       const auto [first, last] = marks_between(-top.negated().highest(), top.highest());
@@ -91,7 +88,7 @@ class JointWriter {
       }
       for (std::size_t k = first; k < last; ++k) {
         const std::size_t mark = direction < 0 ? first + last - 1 - k : k;
-        pass(top, curve_[mark].from, index);
+        pass(top, calibration_.pieces()[mark].from, index);
       }
       --count;
     }
@@ -99,7 +96,7 @@ class JointWriter {
   /// The marks that lie inside; mark k begins piece k of the curve, from 1 on.
   [[nodiscard]] std::pair<std::size_t, std::size_t> marks_between(double low, double high) const {
     const auto from = [](const CalibrationPiece<double>& piece) { return piece.from; };
-    const auto marks = curve_.subspan(1);
+    const auto marks = calibration_.pieces().subspan(1);
     const auto first = std::ranges::upper_bound(marks, low, {}, from);
     const auto last = std::ranges::lower_bound(marks, high, {}, from);
     const auto index = [&](auto at) { return static_cast<std::size_t>(at - marks.begin()) + 1; };
@@ -140,20 +137,16 @@ class JointWriter {
     for (std::size_t j = 0; j + 1 < count_; ++j) {
       const double frames = frames_between(out_[j].time, out_[j + 1].time);
       const double place = axes_.motion_of(axis_, moved_by(out_[j].time, frames / 2)).position;
-      out_[j].curve_after = out_[j + 1].curve_before = curve_at(place);
+      out_[j].curve_after = out_[j + 1].curve_before =
+          static_cast<std::uint8_t>(calibration_.piece_index(place));
     }
     out_[0].curve_before = out_[0].curve_after;
     out_[count_ - 1].curve_after = out_[count_ - 1].curve_before;
   }
-  [[nodiscard]] std::uint8_t curve_at(double place) const {
-    const auto behind = std::ranges::upper_bound(
-        curve_.subspan(1), place, {}, [](const CalibrationPiece<double>& piece) { return piece.from; });
-    return static_cast<std::uint8_t>(behind - curve_.subspan(1).begin());
-  }
 
   const Trajectory& axes_;
   std::size_t axis_;
-  std::span<const CalibrationPiece<double>> curve_;
+  const Calibration<double>& calibration_;
   std::span<MotorJoint> out_;
   std::size_t count_ = 0;
 };

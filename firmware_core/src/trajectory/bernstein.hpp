@@ -40,6 +40,11 @@ struct Bernstein {
     for (double& one : result.c) one = -one;
     return result;
   }
+  [[nodiscard]] Bernstein shifted(double by) const {
+    Bernstein result = *this;
+    for (std::size_t i = 0; i <= degree; ++i) result.c[i] += by;
+    return result;
+  }
   /// This becomes what lies between two places of it (de Casteljau at either).
   void cut(double from, double to) {
     for (std::size_t round = 1; round <= degree; ++round) {

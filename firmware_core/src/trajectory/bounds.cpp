@@ -107,11 +107,6 @@ class Search {
   double frame_ = 0;
 };
 
-Bernstein shifted(Bernstein polynomial, double by) {
-  for (std::size_t i = 0; i <= polynomial.degree; ++i) polynomial.c[i] += by;
-  return polynomial;
-}
-
 class AxisBounds {
  public:
   AxisBounds() = default;
@@ -143,7 +138,7 @@ class AxisBounds {
     const TrajectoryPiece& piece = *part.piece;
     const double begin = trajectory_->values()[piece.begin_row + axis_];
     Bernstein polynomial = position_of(*trajectory_, piece, axis_);
-    take_position(shifted(part.of(polynomial), begin), piece);
+    take_position(part.of(polynomial).shifted(begin), piece);
     for (Search& peak : peaks_) {
       polynomial = polynomial.derivative(piece.seconds);
       const Bernstein derivative = part.of(polynomial);

@@ -53,6 +53,8 @@ class Calibration {
   /// One more than there are marks: the first and the last are straight. A mark begins the piece of its
   /// number, counted from 1.
   [[nodiscard]] std::span<const CalibrationPiece<Real>> pieces() const { return pieces_; }
+  /// The number of the piece for a position of the axis; on a mark that of the one behind it. O(log marks).
+  [[nodiscard]] std::size_t piece_index(Real axis) const;
   /// T(axis). O(log marks).
   [[nodiscard]] Real motor_at(Real axis) const { return value_at(piece_at(axis), axis); }
   /// T', T'', T'''. On a mark those of the piece behind it. O(log marks).
@@ -68,7 +70,7 @@ class Calibration {
  private:
   explicit Calibration(std::span<const CalibrationPiece<Real>> pieces) : pieces_(pieces) {}
 
-  [[nodiscard]] const CalibrationPiece<Real>& piece_at(Real axis) const;
+  [[nodiscard]] const CalibrationPiece<Real>& piece_at(Real axis) const { return pieces_[piece_index(axis)]; }
   [[nodiscard]] static Real value_at(const CalibrationPiece<Real>& piece, Real axis) {
     return piece.cubic.value(axis - piece.from);
   }
@@ -77,8 +79,8 @@ class Calibration {
   std::span<const CalibrationPiece<Real>> pieces_;
 };
 
-/// How hard a motor moves, at most, where its axis moves with at most these magnitudes of velocity,
-/// acceleration and jerk (chain rule): T' v, T'' v^2 + T' a, T''' v^3 + 3 T'' v a + T' j.
+/// Velocity, acceleration and jerk of a motor from those of its axis (chain rule); of magnitudes, how hard it
+/// moves at most where its axis moves with at most these: T' v, T'' v^2 + T' a, T''' v^3 + 3 T'' v a + T' j.
 template <Precise Real>
 constexpr std::array<Real, 3> motor_motion(const CalibrationSlope<Real>& slope,
                                            const std::array<Real, 3>& axis) {

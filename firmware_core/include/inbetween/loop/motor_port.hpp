@@ -27,12 +27,17 @@ struct AxisGear {
   /// their offsets. A gantry racks beyond it.
   std::optional<Real> max_skew = {};
   bool is_skewed = false;  ///< kept by the port, for whoever wants to know what is wrong
-  /// What the motor is told, without take-up and offset, while the axis is told this; kept by the port.
+  /// The motor is told this, without take-up and offset, while the axis is told that. The port keeps it.
   struct Planned {
     Setpoint<Real> axis, motor;
   };
   std::optional<Planned> planned = {};
 
+  /// What the motor is told for its axis, without take-up and offset.
+  [[nodiscard]] Setpoint<Real> of_motor(const Setpoint<Real>& axis) const {
+    if (planned && planned->axis == axis) return planned->motor;
+    return calibration == nullptr ? axis : calibration->motor_of(axis);
+  }
   /// The position of the motor for one of the axis, without its offset; and back.
   [[nodiscard]] Real motor_at(Real axis) const {
     const Real motor = calibration == nullptr ? axis : calibration->motor_at(axis);
@@ -157,8 +162,7 @@ class MotorPort {
     return told;
   }
   static Setpoint<Real> through(AxisGear<Real>& gear, const Setpoint<Real>& axis) {
-    Setpoint<Real> motor = gear.calibration == nullptr ? axis : gear.calibration->motor_of(axis);
-    if (gear.planned && gear.planned->axis == axis) motor = gear.planned->motor;
+    Setpoint<Real> motor = gear.of_motor(axis);
     if (!gear.take_up) return motor;
     const Setpoint<Real> more = gear.take_up->follow(axis.position);
     motor.position += more.position;
