@@ -256,6 +256,20 @@ TYPED_TEST(FuzzFindsIn, APortionWhoseSpeedIsTooNearZeroForItsConstantIsRefused) 
   expect_sound(solved(broken_at_key_1(1)));
 }
 
+TYPED_TEST(FuzzFindsIn, ABreakBehindWhichNextToNothingOfTheCurveIsLeftIsOnItsKey) {
+  using Real = TypeParam;
+  // K of the second portion is 340 000: its distances are small differences of large numbers, which were
+  // looked up by the high half of a sum and ended in another piece of the path.
+  const auto solution = solved<Real>({.keys = {0, 127, Real(127.1), Real(127.15), 254, 381},
+                                      .speed = {43, 43, 0, 0, 0, 0},
+                                      .frames = 14,
+                                      .locks = {{.key = 1, .frame = 8, .breaks = true}}});
+  expect_sound(solution);
+  EXPECT_EQ(solution.track().distance({8, 0}), solution.track().arc_length().segment_begin(1));
+  EXPECT_NEAR(motion_at<Real>(solution, {8, 0}).axes[0].position, 127,
+              512 * std::numeric_limits<Real>::epsilon());
+}
+
 TYPED_TEST(FuzzFindsIn, InADwellAtTheEndTheMoveIsAtItsEndToTheLastBit) {
   using Real = TypeParam;
   // K Phi(f) was an ulp below the length, and the rig stood at t = 1 of the last segment, not on the key.

@@ -286,12 +286,15 @@ template <Precise Real>
 TwoSum<Real> Track<Real>::broken_distance(const FrameTime<Real>& time) const {
   const CurvePlace<Real> where = place(time);
   const Portion<Real>& portion = portion_at(time.frame);
-  const TwoSum<Real>& integral = profile_.integral_before(where.span);
-  const TwoSum<Real> spans = two_product(portion.constant, integral.high);
+  TwoSum<Real> integral = profile_.integral_before(where.span);
+  integral.add(profile_.span(where.span).integral(where.t));
+  // The very numbers that made the offset: at the break nothing is left of them, however large they are.
+  const TwoSum<Real> covered = two_product(portion.constant, integral.high);
   TwoSum<Real> sum = portion.offset;
-  sum.add(spans.high);
-  sum.low += spans.low + portion.constant * integral.low;
-  sum.add(portion.constant * profile_.span(where.span).integral(where.t));
+  sum.add(covered.high);
+  sum.low += covered.low + portion.constant * integral.low;
+  sum.renormalize();  // what two large numbers leave may lie in the low half, and is looked up by the high
+                      // one
   return sum;
 }
 
