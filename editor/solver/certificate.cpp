@@ -28,7 +28,7 @@ Status Certificate::make(std::span<const Track<double>> tracks, std::span<const 
   move_ = *move;
   if (!has_limits()) return Done{};
   if (const Status bounded = bound(); !bounded) return bounded;
-  find_highest_rate();
+  highest_rate_ = inbetween::highest_rate(judged()).whole;
   return Done{};
 }
 
@@ -46,31 +46,14 @@ void Certificate::motion(const FrameTime<double>& time, std::span<AxisMotion<dou
 }
 
 Status Certificate::make_rolls(MoveRolls<double>& rolls) {
-  const std::span<AxisMotion<double>> joints = std::span(joints_).first(axes_);
-  for (const RollEnd end : {RollEnd::before, RollEnd::after}) {
-    if (!joints_of(tracks_, end, joints)) continue;
-    const bool is_before = end == RollEnd::before;
-    const RollRequest<double> request{.end = end,
-                                      .joint_frame = is_before ? 0 : tracks_.front().frames(),
-                                      .fps = tracks_.front().frame_rate(),
-                                      .joints = joints,
-                                      .limits = axis_limits()};
-    const auto obstacle = inbetween::roll_obstacle(request);
-    if (!obstacle) return obstacle.error();
-    if (*obstacle) {
-      if (!roll_obstacle_) roll_obstacle_ = **obstacle;
-      continue;
-    }
-    const auto frames = roll_frames(request);
-    if (!frames) return frames.error();
-    const RollSpan span{end, request.joint_frame, *frames, request.fps};
-    const std::span<RollAxis<double>> axes = std::span(is_before ? before_ : after_).first(joints.size());
-    for (std::size_t d = 0; d < joints.size(); ++d) {
-      const auto roll = RollAxis<double>::make(span, joints[d]);
-      if (!roll) return roll.error();
-      axes[d] = *roll;
-    }
-    (is_before ? rolls.before : rolls.after) = axes;
+  const auto of_axes = [&](auto& memory) { return std::span(memory).first(axes_); };
+  const WholeFrames whole{0, tracks_.front().frames()};
+  const auto joined =
+      join_rolls(tracks_, {}, axis_limits(), whole, {of_axes(joints_), of_axes(before_), of_axes(after_)});
+  if (!joined) return joined.error();
+  rolls = joined->rolls;
+  for (const std::optional<RollObstacle>& obstacle : joined->obstacles) {
+    if (obstacle && !roll_obstacle_) roll_obstacle_ = obstacle->breach;
   }
   return Done{};
 }
@@ -130,23 +113,8 @@ void Certificate::lower(CellCeiling& ceiling, const MotionTriple& suprema, std::
   }
 }
 
-void Certificate::find_highest_rate() {
-  std::array<PlayedAxis<double>, max_moved> played;
-  for (std::size_t d = 0; d < peaks().size(); ++d) played[d] = {.peaks = peaks()[d]};
-  bool steps = false;
-  for (const MoveStep& step : this->steps()) {
-    double& largest = played[step.axis].acceleration_step;
-    largest = std::max(largest, step.acceleration);
-    steps = steps || step.velocity > 0;
-  }
-  highest_rate_ =
-      steps ? 0 : inbetween::highest_rate<double>(std::span(played).first(peaks().size()), limits_);
-}
-
 std::optional<Breach> Certificate::first_breach() const {
-  for (std::size_t moved = 0; moved < peaks().size(); ++moved) {
-    if (const std::optional<Breach> found = breach_of(moved)) return found;
-  }
+  if (const std::optional<Breach> found = inbetween::first_breach(judged())) return found;
   if (roll_obstacle_) {
     const RollBreach<double>& roll = *roll_obstacle_;
     return Breach{BreachKind::roll, roll.axis,  static_cast<std::int32_t>(roll.quantity),
@@ -156,36 +124,6 @@ std::optional<Breach> Certificate::first_breach() const {
     const StopObstacle<double>& stop = *stop_obstacle_;
     return Breach{BreachKind::stop, stop.axis,  static_cast<std::int32_t>(stop.quantity),
                   stop.value,       stop.limit, stop.frame};
-  }
-  return std::nullopt;
-}
-
-std::optional<Breach> Certificate::breach_of(std::size_t moved) const {
-  const AxisPeaks<double>& peak = peaks()[moved];
-  const AxisLimits<double>& limits = limits_[moved];
-  const auto breach = [&](BreachKind kind, double value, double limit, double frame) {
-    return Breach{kind, static_cast<std::int32_t>(moved), 0, value, limit, frame};
-  };
-  // The range of a motor is that of its axis.
-  if (const double rounding = position_rounding(limits.min(), limits.max()); moved < axes_) {
-    if (peak.lowest.value < limits.min() - rounding)
-      return breach(BreachKind::below_range, peak.lowest.value, limits.min(), peak.lowest.frame);
-    if (peak.highest.value > limits.max() + rounding)
-      return breach(BreachKind::above_range, peak.highest.value, limits.max(), peak.highest.frame);
-  }
-  constexpr double none = std::numeric_limits<double>::infinity();
-  constexpr std::array kinds{BreachKind::velocity, BreachKind::acceleration, BreachKind::jerk};
-  const std::array<const Peak<double>*, 3> found{&peak.velocity, &peak.acceleration, &peak.jerk};
-  const std::array most{limits.max_velocity(), limits.max_acceleration(), limits.max_jerk().value_or(none)};
-  for (std::size_t q = 0; q < found.size(); ++q) {
-    if (!(found[q]->value <= most[q])) return breach(kinds[q], found[q]->value, most[q], found[q]->frame);
-  }
-  for (const MoveStep& step : steps()) {
-    if (step.axis != moved) continue;
-    if (step.velocity > 0) return breach(BreachKind::velocity_step, step.velocity, 0, step.frame);
-    const double allowed = limits.max_jerk() ? limits.max_acceleration_step() : none;
-    if (step.acceleration > allowed)
-      return breach(BreachKind::acceleration_step, step.acceleration, allowed, step.frame);
   }
   return std::nullopt;
 }

@@ -12,8 +12,9 @@
 #include "inbetween/limits/limits.hpp"
 #include "inbetween/limits/move.hpp"
 #include "inbetween/limits/move_bounds.hpp"
-#include "inbetween/limits/roll.hpp"
+#include "inbetween/limits/played_motion.hpp"
 #include "inbetween/limits/stop_bounds.hpp"
+#include "inbetween/limits/verdict.hpp"
 
 namespace inbetween::editor {
 
@@ -29,28 +30,6 @@ struct CellCeiling {
   double rate = 0;
   std::int32_t axis = -1;  ///< whose limit that is, through all tracks, and behind them the motors; -1: none
   std::int32_t quantity = 0;  ///< 0 velocity, 1 acceleration, 2 jerk
-};
-
-/// It names what a move does not keep. An axis is judged in this order, then come the rolls and the stops.
-enum class BreachKind : std::uint8_t {
-  below_range,
-  above_range,
-  velocity,
-  acceleration,
-  jerk,
-  velocity_step,
-  acceleration_step,
-  roll,
-  stop,
-};
-
-struct Breach {
-  BreachKind kind = BreachKind::below_range;
-  std::int32_t axis = -1;     ///< through all tracks, and behind them the motors
-  std::int32_t quantity = 0;  ///< of a roll RollQuantity, of a stop StopQuantity
-  double value = 0;
-  double limit = 0;
-  double frame = 0;
 };
 
 inline constexpr std::size_t max_steps = 4096;
@@ -97,14 +76,13 @@ class Certificate {
   [[nodiscard]] std::optional<Breach> first_breach() const;
 
  private:
-  [[nodiscard]] std::optional<Breach> breach_of(std::size_t moved) const;
+  [[nodiscard]] JudgedMove judged() const { return {peaks(), steps(), limits_, axes_}; }
   Status make_rolls(MoveRolls<double>& rolls);
   Status bound();
   Status bound_stops(const MotionCells& motion);
   [[nodiscard]] std::span<const AxisLimits<double>> axis_limits() const { return limits_.first(axes_); }
   void find_ceiling(const MotionCells& motion);
   void lower(CellCeiling& ceiling, const MotionTriple& suprema, std::size_t axis) const;
-  void find_highest_rate();
   [[nodiscard]] double tick_seconds() const { return 1.0 / rate_hz_; }
 
   std::span<const Track<double>> tracks_;

@@ -7,6 +7,7 @@
 
 #include "host_tools/check/check_refusals.hpp"
 #include "host_tools/check/planned_stops.hpp"
+#include "inbetween/limits/verdict.hpp"
 
 namespace inbetween {
 namespace {
@@ -90,43 +91,19 @@ void prove_stops(const Plan& plan, const BoundedMove& bounded, CheckReport& repo
   report.stops = std::move(stops);
 }
 
-void find_highest_rate(const Plan& plan, CheckReport& report) {
-  std::vector<PlayedAxis<double>> played(plan.limits().size());
+void find_highest_rate(const Plan& plan, const BoundedMove& bounded, CheckReport& report) {
   std::vector<AxisLimits<double>> limits = plan.limits();
-  const auto peak = [](const CheckedPeak& found) { return Peak<double>{found.value, found.frame}; };
-  for (std::size_t d = 0; d < played.size(); ++d) {
-    const CheckedAxis& axis = report.axes[plan.axis_of(d)];
-    played[d].peaks = {.lowest = axis.range->lowest,
-                       .highest = axis.range->highest,
-                       .velocity = peak(axis.velocity),
-                       .acceleration = peak(axis.acceleration),
-                       .jerk = peak(axis.jerk)};
-  }
-  for (const CheckedMotor& motor : report.motors) {
-    played.push_back({.peaks = {.lowest = {},
-                                .highest = {},
-                                .velocity = peak(motor.velocity),
-                                .acceleration = peak(motor.acceleration),
-                                .jerk = peak(motor.jerk)}});
-  }
   for (const AxisLimits<double>& motor : motor_limits(plan)) limits.push_back(motor);
-  report.highest_rate_between_steps = highest_rate<double>(played, limits);
-  for (std::size_t d = 0; d < plan.limits().size(); ++d) {
-    for (const CheckedStep& step : report.steps) {
-      if (step.axis != plan.axis_of(d)) continue;
-      played[d].acceleration_step = std::max(played[d].acceleration_step, step.acceleration);
-    }
-  }
-  report.highest_rate = highest_rate<double>(played, limits);
-  const bool steps =
-      std::ranges::any_of(report.steps, [](const CheckedStep& step) { return step.velocity > 0; });
-  if (steps) report.highest_rate = 0;
+  const HighestRate rate =
+      highest_rate({bounded.peaks(), bounded.steps(), limits, plan.played().axis_count()});
+  report.highest_rate = rate.whole;
+  report.highest_rate_between_steps = rate.between_steps;
 }
 
 }  // namespace
 
 bool CheckedPeak::is_exceeded() const {
-  return limit && !(value <= *limit);
+  return inbetween::is_exceeded(value, limit);
 }
 
 CheckReport check_motion(const Plan& plan, const BoundedMove& bounded) {
@@ -165,7 +142,7 @@ CheckReport check(const Plan& plan) {
   const BoundedMove bounded = bounded_move(plan, 1, BoundedFor::stops);
   CheckReport report = check_motion(plan, bounded);
   prove_stops(plan, bounded, report);
-  find_highest_rate(plan, report);
+  find_highest_rate(plan, bounded, report);
   return report;
 }
 

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "host_tools/plan/rest_keys.hpp"
+#include "inbetween/limits/verdict.hpp"
 
 namespace inbetween {
 namespace {
@@ -53,10 +54,10 @@ class AxisRefusals {
   void add_position() {
     const Peak<double>& lowest = axis_.range->lowest;
     const Peak<double>& highest = axis_.range->highest;
+    const RangeVerdict range = judge_range(lowest.value, highest.value, limits_of(limits_));
+    if (!range.below && !range.above) return;
     const double below = limits_.min - lowest.value;
     const double above = highest.value - limits_.max;
-    const double rounding = position_rounding(limits_.min, limits_.max);
-    if (below <= rounding && above <= rounding) return;
     const Peak<double>& worst = below > above ? lowest : highest;
     const double limit = below > above ? limits_.min : limits_.max;
     const std::string value = told_apart(worst.value, limit, Digits::significant, 6).first;
@@ -318,7 +319,7 @@ bool has_room(const Plan& plan, const RollObstacle& obstacle) {
 }  // namespace
 
 bool breaks_jerk_limit(const CheckedStep& step, const RigAxis& limits) {
-  return limits.max_jerk && step.acceleration > limits.max_acceleration_step.value_or(0);
+  return breaks_jerk_limit(step.acceleration, limits_of(limits));
 }
 
 void refuse_axis(const Plan& plan, std::size_t axis, CheckReport& report) {

@@ -1,7 +1,6 @@
 #include "host_tools/plan/move_rolls.hpp"
 
-#include <array>
-#include <utility>
+#include <optional>
 
 #include "host_tools/plan/solved_track.hpp"
 
@@ -19,27 +18,18 @@ AxisLimits<double> limits_of(const RigAxis& axis) {
 
 PlannedRolls plan_rolls(std::span<const Track<double>> tracks, std::span<const Trajectory> trajectories,
                         std::span<const AxisLimits<double>> limits, const WholeFrames& part) {
-  PlannedRolls rolls;
   std::vector<AxisMotion<double>> joints(limits.size());
-  for (const auto& [end, axes] :
-       {std::pair(RollEnd::before, &rolls.before), std::pair(RollEnd::after, &rolls.after)}) {
-    if (!joints_of_part(tracks, trajectories, part, end, joints)) continue;
-    const RollRequest<double> request{.end = end,
-                                      .joint_frame = end == RollEnd::before ? part.first : part.last,
-                                      .fps = tracks.front().frame_rate(),
-                                      .joints = joints,
-                                      .limits = limits};
-    if (const auto obstacle = value_or_throw(roll_obstacle(request))) {
-      const double position = joints[static_cast<std::size_t>(obstacle->axis)].position;
-      rolls.obstacles.push_back({end, *obstacle, position});
-      continue;
-    }
-    const RollSpan span{end, request.joint_frame, value_or_throw(roll_frames(request)), request.fps};
-    for (const AxisMotion<double>& joint : joints) {
-      axes->push_back(value_or_throw(RollAxis<double>::make(span, joint)));
-    }
+  PlannedRolls planned{.before = std::vector<RollAxis<double>>(limits.size()),
+                       .after = std::vector<RollAxis<double>>(limits.size()),
+                       .obstacles = {}};
+  const JoinedRolls joined =
+      value_or_throw(join_rolls(tracks, trajectories, limits, part, {joints, planned.before, planned.after}));
+  if (joined.rolls.before.empty()) planned.before.clear();
+  if (joined.rolls.after.empty()) planned.after.clear();
+  for (const std::optional<RollObstacle>& obstacle : joined.obstacles) {
+    if (obstacle) planned.obstacles.push_back(*obstacle);
   }
-  return rolls;
+  return planned;
 }
 
 }  // namespace inbetween

@@ -13,13 +13,6 @@ namespace inbetween {
 /// The limits that a rig file gives an axis, as the core takes them.
 AxisLimits<double> limits_of(const RigAxis& axis);
 
-/// A move that is moving at one end and has no roll there, and the limit in the way.
-struct RollObstacle {
-  RollEnd end = RollEnd::before;
-  RollBreach<double> breach;  ///< its axis counts through the tracks
-  double joint_position = 0;  ///< of that axis, where the roll would join the move
-};
-
 /// The rolls of every axis of all tracks, track after track. Empty if the move is at rest there, or if there
 /// is an obstacle.
 struct PlannedRolls {
@@ -27,8 +20,7 @@ struct PlannedRolls {
   std::vector<RollObstacle> obstacles;
 };
 
-/// The shortest rolls that keep the limits, `limits` track after track, of the frames `part`; trajectories as
-/// for joints_of_part(). Each end has its own number of frames.
+/// join_rolls() with memory from the heap. Throws SolverError.
 PlannedRolls plan_rolls(std::span<const Track<double>> tracks, std::span<const Trajectory> trajectories,
                         std::span<const AxisLimits<double>> limits, const WholeFrames& part);
 

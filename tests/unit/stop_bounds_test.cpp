@@ -407,58 +407,5 @@ TEST(StopBounds, WhatIsAskedWronglyIsRefused) {
             std::pair(ErrorCode::wrong_count, std::int64_t{11}));
 }
 
-// --- how fast a move may be played
-
-AxisLimits<double> motion_limits(double velocity, double acceleration, std::optional<double> jerk,
-                                 std::optional<double> step = std::nullopt) {
-  return *AxisLimits<double>::make({.min = -1,
-                                    .max = 1,
-                                    .max_velocity = velocity,
-                                    .max_acceleration = acceleration,
-                                    .max_jerk = jerk,
-                                    .max_acceleration_step = step});
-}
-
-PlayedAxis<double> played(double velocity, double acceleration, double jerk, double step = 0) {
-  PlayedAxis<double> axis;
-  axis.peaks.velocity.value = velocity;
-  axis.peaks.acceleration.value = acceleration;
-  axis.peaks.jerk.value = jerk;
-  axis.acceleration_step = step;
-  return axis;
-}
-
-double highest(const PlayedAxis<double>& axis, const AxisLimits<double>& limits) {
-  return highest_rate<double>({&axis, 1}, {&limits, 1});
-}
-
-TEST(HighestRate, IsTheLeastThatVelocityAccelerationJerkAndStepAllow) {
-  EXPECT_NEAR(highest(played(10, 1, 1), motion_limits(30, 1e6, 1e9)), 3, 1e-12);
-  EXPECT_NEAR(highest(played(1, 10, 1), motion_limits(1e6, 40, 1e9)), 2, 1e-12);
-  EXPECT_NEAR(highest(played(1, 1, 2), motion_limits(1e6, 1e6, 250)), 5, 1e-12);
-  EXPECT_NEAR(highest(played(1, 1, 1, 10), motion_limits(1e6, 1e6, 1e9, 90)), 3, 1e-12);
-  for (double jerk = 1e-30; jerk < 1e30; jerk *= 7.3) {
-    const double rate = highest(played(0, 0, jerk), motion_limits(1, 1, 1));
-    EXPECT_NEAR(rate * rate * rate * jerk, 1, 1e-13);
-    EXPECT_LE(rate * rate * rate * jerk, 1);
-  }
-}
-
-TEST(HighestRate, AStepCountsOnlyBesideAJerkLimit) {
-  EXPECT_EQ(highest(played(1, 1, 1, 10), motion_limits(1, 1e6, 1e9)), 0);
-  EXPECT_NEAR(highest(played(1, 1, 1, 10), motion_limits(2, 1e6, std::nullopt)), 2, 1e-12);
-}
-
-TEST(HighestRate, NothingThatMovesMayBePlayedAsFastAsYouLike) {
-  EXPECT_EQ(highest(played(0, 0, 0), motion_limits(1, 1, 1)), std::numeric_limits<double>::infinity());
-  EXPECT_EQ(highest(played(1, std::numeric_limits<double>::infinity(), 1), motion_limits(1, 1, 1)), 0);
-}
-
-TEST(HighestRate, OfSeveralAxesIsThatOfTheOneNearestItsLimit) {
-  const std::vector<PlayedAxis<double>> axes{played(10, 1, 1), played(10, 1, 1)};
-  const std::vector<AxisLimits<double>> limits{motion_limits(30, 1e6, 1e9), motion_limits(20, 1e6, 1e9)};
-  EXPECT_NEAR(highest_rate<double>(axes, limits), 2, 1e-12);
-}
-
 }  // namespace stop_bounds_test
 }  // namespace inbetween

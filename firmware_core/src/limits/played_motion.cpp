@@ -63,6 +63,22 @@ void write_joint(const Trajectory& trajectory, const FrameTime<double>& at, bool
   }
 }
 
+/// The roll that begins or ends with the motion at `joints`, written to `out`, or what is in the way.
+Result<std::optional<RollBreach<double>>> make_roll(const RollRequest<double>& request,
+                                                    std::span<RollAxis<double>> out) {
+  const auto obstacle = roll_obstacle(request);
+  if (!obstacle || *obstacle) return obstacle;
+  const auto frames = roll_frames(request);
+  if (!frames) return frames.error();
+  const RollSpan span{request.end, request.joint_frame, *frames, request.fps};
+  for (std::size_t d = 0; d < request.joints.size(); ++d) {
+    const auto axis = RollAxis<double>::make(span, request.joints[d]);
+    if (!axis) return axis.error();
+    out[d] = *axis;
+  }
+  return obstacle;
+}
+
 Error wrong_length() {
   return {.code = ErrorCode::out_of_range,
           .what = "a trajectory of a move does not last as long as the move",
@@ -110,6 +126,42 @@ bool joints_of_part(std::span<const Track<double>> tracks, std::span<const Traje
       moves = moves || joint.velocity != 0 || joint.acceleration != 0;
   }
   return moves;
+}
+
+Result<JoinedRolls> join_rolls(std::span<const Track<double>> tracks,
+                               std::span<const Trajectory> trajectories,
+                               std::span<const AxisLimits<double>> limits, const WholeFrames& part,
+                               const RollMemory& memory) {
+  const Result<MoveLength> length = length_of(tracks);
+  if (!length) return length.error();
+  const std::size_t axes = length->axes;
+  if (limits.size() != axes || memory.joints.size() != axes || memory.before.size() != axes ||
+      memory.after.size() != axes) {
+    return Error{.code = ErrorCode::wrong_count,
+                 .what = "there are not as many limits or rolls as axes",
+                 .remedy = "give one of each for every axis of all tracks",
+                 .needed = static_cast<std::int64_t>(axes)};
+  }
+  JoinedRolls joined;
+  for (const RollEnd end : {RollEnd::before, RollEnd::after}) {
+    if (!joints_of_part(tracks, trajectories, part, end, memory.joints)) continue;
+    const bool is_before = end == RollEnd::before;
+    const std::span<RollAxis<double>> rolls = is_before ? memory.before : memory.after;
+    const auto breach = make_roll({.end = end,
+                                   .joint_frame = is_before ? part.first : part.last,
+                                   .fps = length->fps,
+                                   .joints = memory.joints,
+                                   .limits = limits},
+                                  rolls);
+    if (!breach) return breach.error();
+    if (*breach) {
+      const double position = memory.joints[static_cast<std::size_t>((*breach)->axis)].position;
+      joined.obstacles[is_before ? 0 : 1] = {end, **breach, position};
+    } else {
+      (is_before ? joined.rolls.before : joined.rolls.after) = rolls;
+    }
+  }
+  return joined;
 }
 
 Result<PlayedMotion> PlayedMotion::make(const Move<double>& move, std::span<const Trajectory> trajectories,

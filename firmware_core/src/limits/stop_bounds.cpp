@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "base/cube_root.hpp"
 #include "stop_pairs.hpp"
 
 namespace inbetween {
@@ -353,29 +352,9 @@ void StopBounds<Real>::find_longest() {
   }
 }
 
-template <Precise Real>
-Real highest_rate(std::span<const PlayedAxis<Real>> axes, std::span<const AxisLimits<Real>> limits) {
-  Real rate = std::numeric_limits<Real>::infinity();
-  for (std::size_t d = 0; d < axes.size(); ++d) {
-    const AxisPeaks<Real>& peaks = axes[d].peaks;
-    const Real step = axes[d].acceleration_step;
-    const AxisLimits<Real>& limit = limits[d];
-    if (peaks.velocity.value > 0) rate = std::min(rate, limit.max_velocity() / peaks.velocity.value);
-    if (peaks.acceleration.value > 0) {
-      rate = std::min(rate, std::sqrt(limit.max_acceleration() / peaks.acceleration.value));
-    }
-    if (!limit.max_jerk()) continue;
-    if (peaks.jerk.value > 0) rate = std::min(rate, cube_root(*limit.max_jerk() / peaks.jerk.value));
-    if (step > 0) rate = std::min(rate, std::sqrt(limit.max_acceleration_step() / step));
-  }
-  return rate * (1 - 8 * std::numeric_limits<Real>::epsilon());
-}
-
 template class StopBounds<double>;
 template class StopBounds<float>;
 template void write_room(std::span<const AxisLimits<double>>, double, double, std::span<MotionTriple>);
 template void write_room(std::span<const AxisLimits<float>>, float, float, std::span<MotionTriple>);
-template double highest_rate(std::span<const PlayedAxis<double>>, std::span<const AxisLimits<double>>);
-template float highest_rate(std::span<const PlayedAxis<float>>, std::span<const AxisLimits<float>>);
 
 }  // namespace inbetween

@@ -32,7 +32,6 @@ void print_bounds(const PlayedMove<Real>& played) {
       longest.add(peak.frame);
     }
   }
-  longest.add(highest_rate<Real>(played.played(), played.limits()));
   print_hash("longest", longest.value());
 }
 

@@ -114,33 +114,23 @@ class PlayedMove {
   }
   [[nodiscard]] const StopBounds<Real>& bounds() const { return *bounds_; }
   [[nodiscard]] std::span<const StopCell<Real>> cells() const { return stops_; }
-  /// Of the move itself, and of its stops.
-  [[nodiscard]] std::span<const PlayedAxis<Real>> played() const { return std::span(played_).first(axes_); }
   [[nodiscard]] std::span<const AxisPeaks<Real>> stop_peaks() const {
     return std::span(stop_peaks_).first(axes_);
   }
   [[nodiscard]] std::span<const AxisLimits<Real>> limits() const { return std::span(limits_).first(axes_); }
 
  private:
-  static Peak<Real> in_precision(const Peak<double>& peak) {
-    return {static_cast<Real>(peak.value), static_cast<Real>(peak.frame)};
-  }
   Status make_limits() {
     constexpr auto room = Real(1.25);
     constexpr auto anywhere = Real(1e4);
     for (std::size_t d = 0; d < axes_; ++d) {
       const AxisPeaks<double>& peaks = proven_.peaks()[d];
-      played_[d].peaks = {.lowest = in_precision(peaks.lowest),
-                          .highest = in_precision(peaks.highest),
-                          .velocity = in_precision(peaks.velocity),
-                          .acceleration = in_precision(peaks.acceleration),
-                          .jerk = in_precision(peaks.jerk)};
-      const auto axis =
-          AxisLimits<Real>::make({.min = -anywhere,
-                                  .max = anywhere,
-                                  .max_velocity = room * played_[d].peaks.velocity.value,
-                                  .max_acceleration = room * played_[d].peaks.acceleration.value,
-                                  .max_jerk = room * played_[d].peaks.jerk.value});
+      const auto above = [&](const Peak<double>& peak) { return room * static_cast<Real>(peak.value); };
+      const auto axis = AxisLimits<Real>::make({.min = -anywhere,
+                                                .max = anywhere,
+                                                .max_velocity = above(peaks.velocity),
+                                                .max_acceleration = above(peaks.acceleration),
+                                                .max_jerk = above(peaks.jerk)});
       if (!axis) return axis.error();
       limits_[d] = *axis;
     }
@@ -171,7 +161,6 @@ class PlayedMove {
   std::optional<StopBounds<Real>> bounds_;
   std::size_t axes_ = 0;
   std::array<AxisLimits<Real>, max_axes> limits_{no_limits(), no_limits(), no_limits()};
-  std::array<PlayedAxis<Real>, max_axes> played_;
   std::array<AxisPeaks<Real>, max_axes> stop_peaks_;
   std::array<AxisMotion<Real>, max_axes> joints_;
   std::array<RollAxis<Real>, max_axes> before_, after_;

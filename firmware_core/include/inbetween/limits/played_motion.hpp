@@ -1,6 +1,8 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <optional>
 #include <span>
 
 #include "inbetween/base/result.hpp"
@@ -20,6 +22,33 @@ inline constexpr double frame_rounding = 1e-9;
 /// move. `out` has an entry for every axis of all tracks. O(axes + log pieces).
 bool joints_of_part(std::span<const Track<double>> tracks, std::span<const Trajectory> trajectories,
                     const WholeFrames& part, RollEnd end, std::span<AxisMotion<double>> out);
+
+/// A move that is moving at one end and has no roll there, and the limit in the way.
+struct RollObstacle {
+  RollEnd end = RollEnd::before;
+  RollBreach<double> breach;  ///< its axis counts through the tracks
+  double joint_position = 0;  ///< of that axis, where the roll would join the move
+};
+
+/// What joins a part of a move: its rolls, and at an end where one is needed and none keeps the limits, why.
+struct JoinedRolls {
+  MoveRolls<double> rolls;
+  std::array<std::optional<RollObstacle>, 2> obstacles;  ///< before it, behind it
+};
+
+/// An entry for every axis each, owned by the caller. The rolls stay in it.
+struct RollMemory {
+  std::span<AxisMotion<double>> joints;
+  std::span<RollAxis<double>> before, after;
+};
+
+/// The shortest rolls that keep the limits, `limits` track after track, of the frames `part`; trajectories as
+/// for joints_of_part(). Each end has its own number of frames. Errors: wrong_count (limits, memory), those
+/// of roll_frames and RollAxis::make. No allocation. Cost: that of roll_frames.
+Result<JoinedRolls> join_rolls(std::span<const Track<double>> tracks,
+                               std::span<const Trajectory> trajectories,
+                               std::span<const AxisLimits<double>> limits, const WholeFrames& part,
+                               const RollMemory& memory);
 
 /// The motor of an axis behind a calibration plays trajectories of its own (fit_motor).
 struct PlayedMotor {

@@ -219,21 +219,6 @@ class StopBounds {
   LongestStop<Real> longest_in_frames_;
 };
 
-/// The peaks of an axis over the whole time line, and the largest step of its acceleration; 0 where there is
-/// none worth the name.
-template <Precise Real>
-struct PlayedAxis {
-  AxisPeaks<Real> peaks;
-  Real acceleration_step = 0;
-};
-
-/// How much faster than drawn the move could be played with every motion limit still kept, rolls included:
-/// the least of V / v, sqrt(A / a), cbrt(J / j) over the axes, and of sqrt(max_acceleration_step / step) for
-/// an axis with a max_jerk. 0 where something has no bound or a step is not allowed at any rate; infinity
-/// where nothing moves. Not above the exact value. `axes` and `limits` are of one length. O(axes).
-template <Precise Real>
-Real highest_rate(std::span<const PlayedAxis<Real>> axes, std::span<const AxisLimits<Real>> limits);
-
 extern template class StopBounds<double>;
 extern template class StopBounds<float>;
 
